@@ -1,0 +1,1 @@
+//! Loads planner plugins (WASM components and native libraries) and drives them within limits.

@@ -1,0 +1,56 @@
+//! Elementary functions from the `libm` crate: the same code, hence the same bits, on every platform.
+
+macro_rules! unary {
+    ($($(#[$doc:meta])* $name:ident => $f:ident;)*) => {
+        $($(#[$doc])* #[inline] #[must_use] pub fn $name(x: f64) -> f64 { libm::$f(x) })*
+    };
+}
+
+unary! {
+    /// Sine of an angle in radians.
+    sin => sin;
+    /// Cosine of an angle in radians.
+    cos => cos;
+    /// Tangent of an angle in radians.
+    tan => tan;
+    /// Arc sine, in [-π/2, π/2]; NaN outside [-1, 1].
+    asin => asin;
+    /// Arc cosine, in [0, π]; NaN outside [-1, 1].
+    acos => acos;
+    /// Arc tangent, in (-π/2, π/2).
+    atan => atan;
+    /// Natural exponential.
+    exp => exp;
+    /// Natural logarithm.
+    ln => log;
+    /// Hyperbolic tangent.
+    tanh => tanh;
+}
+
+/// Angle of the vector (x, y) from the x axis, radians, in [-π, π].
+#[inline]
+#[must_use]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// Sine and cosine of an angle in radians.
+#[inline]
+#[must_use]
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    libm::sincos(x)
+}
+
+/// `x` to the power `y`.
+#[inline]
+#[must_use]
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
+/// Length of the vector (x, y) without undue overflow.
+#[inline]
+#[must_use]
+pub fn hypot(x: f64, y: f64) -> f64 {
+    libm::hypot(x, y)
+}

@@ -1,0 +1,1 @@
+//! The run store: run.json, tasks.jsonl, traces.

@@ -1,0 +1,1 @@
+//! Runs a planner over the tasks of a suite and records what happened.

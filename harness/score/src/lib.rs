@@ -1,0 +1,1 @@
+//! Rules, outcomes, metrics and summaries.

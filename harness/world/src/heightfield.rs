@@ -1,0 +1,130 @@
+//! The ground surface: heights on a square grid, triangulated.
+
+/// Heights on a regular grid, centred on the world origin.
+///
+/// Node (row, col) lies at x = (col − (cols−1)/2)·pitch, y = (row − (rows−1)/2)·pitch. Each cell is cut along the
+/// diagonal from its south-west to its north-east corner, as Chrono's height-map patches are: with u, v in [0, 1]
+/// measured from the south-west corner, the north-western triangle is v ≥ u.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heightfield {
+    rows: usize,
+    cols: usize,
+    pitch: f64,
+    heights: Vec<f64>,
+}
+
+/// A point of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Height, m.
+    pub z: f64,
+    /// ∂z/∂x of the triangle.
+    pub dzdx: f64,
+    /// ∂z/∂y of the triangle.
+    pub dzdy: f64,
+}
+
+impl Heightfield {
+    /// A surface from row-major heights (m), row 0 in the south.
+    ///
+    /// # Panics
+    /// If there are fewer than 2 × 2 nodes, `heights` has another length than `rows * cols`, or `pitch` is not
+    /// positive. Data from outside is validated before it comes here.
+    #[must_use]
+    pub fn new(rows: usize, cols: usize, pitch: f64, heights: Vec<f64>) -> Self {
+        assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && pitch > 0.0);
+        Self { rows, cols, pitch, heights }
+    }
+
+    /// A level surface.
+    #[must_use]
+    pub fn flat(rows: usize, cols: usize, pitch: f64, z: f64) -> Self {
+        Self::new(rows, cols, pitch, vec![z; rows * cols])
+    }
+
+    /// Number of node rows (south to north).
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of node columns (west to east).
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
+    /// Distance between nodes, m.
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        self.pitch
+    }
+
+    /// Row-major heights, m.
+    #[must_use]
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// Height of a node, m.
+    #[inline]
+    #[must_use]
+    pub fn node(&self, row: usize, col: usize) -> f64 {
+        self.heights[row * self.cols + col]
+    }
+
+    /// Half the extent along x, m.
+    #[must_use]
+    pub fn half_x(&self) -> f64 {
+        0.5 * (self.cols - 1) as f64 * self.pitch
+    }
+
+    /// Half the extent along y, m.
+    #[must_use]
+    pub fn half_y(&self) -> f64 {
+        0.5 * (self.rows - 1) as f64 * self.pitch
+    }
+
+    /// Whether (x, y) lies on the surface.
+    #[must_use]
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        x.abs() <= self.half_x() && y.abs() <= self.half_y()
+    }
+
+    /// Lowest and highest node, m.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &z| (lo.min(z), hi.max(z)))
+    }
+
+    /// Height and gradient at (x, y). Beyond the edge the edge cell's planes are continued.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
+        let inv = 1.0 / self.pitch;
+        let fx = (x + self.half_x()) * inv;
+        let fy = (y + self.half_y()) * inv;
+        let col = (fx.max(0.0) as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as usize).min(self.rows - 2);
+        let (u, v) = (fx - col as f64, fy - row as f64);
+        let i = row * self.cols + col;
+        let (z00, z10) = (self.heights[i], self.heights[i + 1]);
+        let (z01, z11) = (self.heights[i + self.cols], self.heights[i + self.cols + 1]);
+        let (gu, gv) = if v >= u { (z11 - z01, z01 - z00) } else { (z10 - z00, z11 - z10) };
+        SurfacePoint { z: z00 + gu * u + gv * v, dzdx: gu * inv, dzdy: gv * inv }
+    }
+
+    /// Height at (x, y), m.
+    #[inline]
+    #[must_use]
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        self.at(x, y).z
+    }
+
+    /// The same surface with every length multiplied by `s`.
+    #[must_use]
+    pub fn scaled(&self, s: f64) -> Self {
+        let heights = self.heights.iter().map(|z| z * s).collect();
+        Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights }
+    }
+}

@@ -1,0 +1,17 @@
+//! World model: heightfield, semantics, obstacles, tasks, and their on-disk format.
+//!
+//! World frame: origin at the world's centre, x east, y north, z up, metres, radians. Rasters are row-major with
+//! **row 0 in the south** (smallest y) and column 0 in the west, so indices grow with coordinates; image files have
+//! row 0 in the north, as one looks at them, and are flipped on reading and writing.
+
+mod heightfield;
+mod obstacle;
+mod semantics;
+mod task;
+mod world;
+
+pub use heightfield::{Heightfield, SurfacePoint};
+pub use obstacle::{Obstacle, ObstacleKind};
+pub use semantics::{Semantics, TerrainClass};
+pub use task::{Pose2, Task};
+pub use world::{Density, Elevation, Ground, World};

@@ -1,0 +1,111 @@
+//! What the ground is made of: one class and one friction value a patch.
+
+/// The ten semantic classes of the paper, in the original's label order (0…9).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[repr(u8)]
+pub enum TerrainClass {
+    /// Label 0, rigid.
+    Clay = 0,
+    /// Label 1, rigid.
+    Concrete,
+    /// Label 2, rigid.
+    Dirt,
+    /// Label 3, rigid.
+    Grass,
+    /// Label 4, rigid.
+    Gravel,
+    /// Label 5, rigid.
+    Rock,
+    /// Label 6, rigid.
+    Wood,
+    /// Label 7, deformable.
+    Mud,
+    /// Label 8, deformable.
+    Sand,
+    /// Label 9, deformable.
+    Snow,
+}
+
+impl TerrainClass {
+    /// All classes in label order.
+    pub const ALL: [Self; 10] = [
+        Self::Clay,
+        Self::Concrete,
+        Self::Dirt,
+        Self::Grass,
+        Self::Gravel,
+        Self::Rock,
+        Self::Wood,
+        Self::Mud,
+        Self::Sand,
+        Self::Snow,
+    ];
+
+    /// The class with this label (0…9).
+    #[must_use]
+    pub fn from_label(label: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(label)).copied()
+    }
+
+    /// The label, 0…9.
+    #[must_use]
+    pub fn label(self) -> u8 {
+        self as u8
+    }
+
+    /// The name in lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        ["clay", "concrete", "dirt", "grass", "gravel", "rock", "wood", "mud", "sand", "snow"][self as usize]
+    }
+
+    /// Whether the ground yields under a wheel (mud, sand, snow).
+    #[must_use]
+    pub fn is_deformable(self) -> bool {
+        self >= Self::Mud
+    }
+}
+
+/// A raster of square patches that tile the world from its south-west corner, row 0 in the south.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Semantics {
+    /// Number of patch rows (south to north).
+    pub rows: usize,
+    /// Number of patch columns (west to east).
+    pub cols: usize,
+    /// Side of a patch, m.
+    pub patch: f64,
+    /// Row-major class of each patch.
+    pub classes: Vec<TerrainClass>,
+    /// Row-major Coulomb friction coefficient of each patch's own surface. Deformable patches carry 0: their
+    /// resistance comes from the soil model.
+    pub friction: Vec<f64>,
+}
+
+impl Semantics {
+    /// Index of the patch under (x, y), positions measured from the world's centre; the nearest patch outside.
+    /// A point on a shared edge belongs to the patch in the east or north.
+    #[inline]
+    #[must_use]
+    pub fn patch_index(&self, x: f64, y: f64) -> usize {
+        let fx = x / self.patch + 0.5 * self.cols as f64;
+        let fy = y / self.patch + 0.5 * self.rows as f64;
+        let col = (fx.max(0.0) as usize).min(self.cols - 1);
+        let row = (fy.max(0.0) as usize).min(self.rows - 1);
+        row * self.cols + col
+    }
+
+    /// Class under (x, y).
+    #[must_use]
+    pub fn class_at(&self, x: f64, y: f64) -> TerrainClass {
+        self.classes[self.patch_index(x, y)]
+    }
+
+    /// Friction coefficient under (x, y).
+    #[inline]
+    #[must_use]
+    pub fn friction_at(&self, x: f64, y: f64) -> f64 {
+        self.friction[self.patch_index(x, y)]
+    }
+}
