@@ -1,1 +1,22 @@
-//! The run store: run.json, tasks.jsonl, traces.
+//! The run store: what a run leaves on disk, and how it survives being killed.
+//!
+//! A run directory holds `run.json` (what was run: [`RunHeader`]), `tasks.jsonl` (one line a finished task,
+//! appended and synced when it ends), `traces/<world>/<task>.parquet` ([`Trace`]), the planner's own series in
+//! `traces/<world>/<task>.debug.parquet` ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing
+//! of rules: records and summaries are whatever its callers serialise.
+
+mod debug;
+mod error;
+mod files;
+mod header;
+mod parquet_io;
+mod sample;
+mod store;
+mod trace;
+
+pub use debug::{DebugEntry, DebugSeries};
+pub use error::StoreError;
+pub use header::{PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SuiteHeader, VehicleHeader};
+pub use sample::{Sample, WheelSample};
+pub use store::{RunReader, RunStore};
+pub use trace::{TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder};

@@ -1,0 +1,116 @@
+//! What can go wrong with a run directory.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An error of the run store. Each message is one line: what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The operating system refused an operation.
+    #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
+    Io {
+        /// What was tried, e.g. `write`.
+        action: &'static str,
+        /// On which file or directory.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// A new run was asked for in a directory that holds something.
+    #[error(
+        "output directory {} is not empty (choose another with --out, or go on with the run in it with --resume)",
+        .0.display()
+    )]
+    NotEmpty(PathBuf),
+    /// There is no run in the directory.
+    #[error("{} holds no run: run.json is missing (give the directory that --out named)", .0.display())]
+    NoRun(PathBuf),
+    /// Another process writes to this run.
+    #[error("run {} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
+    Locked(PathBuf),
+    /// The run in the directory was made with something else than what is to be resumed.
+    #[error(
+        "cannot resume {}: {field} differs: the run has {recorded}, this command has {wanted} (repeat the run's own \
+         settings, or start a new run with another --out)",
+        .dir.display()
+    )]
+    Differs {
+        /// The run directory.
+        dir: PathBuf,
+        /// Which field of run.json, e.g. `plugin.sha256`.
+        field: String,
+        /// Its value in run.json.
+        recorded: String,
+        /// Its value now.
+        wanted: String,
+    },
+    /// run.json was written by a version that this one doesn't read.
+    #[error("{}: schema {found} is not supported, this version reads schema {supported} (use the version that wrote it)", .path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema version.
+        found: u64,
+        /// The version supported.
+        supported: u32,
+    },
+    /// A file is not what it should be.
+    #[error("{}: {detail} ({hint})", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with line or field.
+        detail: String,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// A task's name can't name a file.
+    #[error(
+        "task name {0:?} can't name a trace file: want WORLD/TASK of letters, digits, '-', '_' and '.' (rename it in the suite)"
+    )]
+    TaskName(String),
+    /// A value can't be written as JSON or Parquet.
+    #[error("cannot encode {what}: {detail} (this is a fault of the harness: please report it)")]
+    Encode {
+        /// What was to be written.
+        what: &'static str,
+        /// Why it can't be.
+        detail: String,
+    },
+}
+
+impl StoreError {
+    pub(crate) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Io { action, path, source }
+    }
+
+    /// Whether the disk (or a quota) is full.
+    #[must_use]
+    pub fn is_disk_full(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if disk_full(source))
+    }
+}
+
+fn disk_full(e: &io::Error) -> bool {
+    matches!(
+        e.kind(),
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge
+    )
+}
+
+/// What to do about an error of the operating system, in parentheses; empty where there is no good advice.
+fn hint(e: &io::Error) -> &'static str {
+    match e.kind() {
+        _ if disk_full(e) => {
+            " (tasks recorded so far are safe: free some space, then go on with --resume; --trace none needs least)"
+        }
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            " (choose a directory that you may write to with --out)"
+        }
+        io::ErrorKind::NotADirectory => " (a part of the path is a file: choose another --out)",
+        io::ErrorKind::NotFound => " (is the path right?)",
+        _ => "",
+    }
+}

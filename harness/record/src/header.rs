@@ -1,0 +1,137 @@
+//! What was run: the content of `run.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::TraceMode;
+
+/// Version of the layout of a run directory, raised with every change that older readers can't read.
+pub const RUN_SCHEMA: u32 = 1;
+
+/// The suite of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SuiteHeader {
+    /// Its name.
+    pub name: String,
+    /// Hash of its content, independent of where it lies (hex).
+    pub hash: String,
+    /// Where it lay.
+    pub path: String,
+}
+
+/// The planner of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PluginHeader {
+    /// The planner's name.
+    pub name: String,
+    /// The planner's version.
+    pub version: String,
+    /// SHA-256 of the plugin file (hex).
+    pub sha256: String,
+    /// How it was carried: `wasm` or `native`.
+    pub carrier: String,
+    /// Where the file lay.
+    pub path: String,
+}
+
+/// The vehicle of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VehicleHeader {
+    /// Its name.
+    pub name: String,
+    /// Hash of its description (hex).
+    pub hash: String,
+}
+
+/// The rules of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RulesHeader {
+    /// Name of the profile.
+    pub name: String,
+    /// Hash of the profile's content (hex).
+    pub hash: String,
+    /// The whole profile, so that a result can be understood without the file.
+    pub profile: Value,
+}
+
+/// Everything that decides a run's results, and where it came from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunHeader {
+    /// [`RUN_SCHEMA`].
+    pub schema: u32,
+    /// Version of the harness.
+    pub harness_version: String,
+    /// When the run was started, RFC 3339 in UTC. For people only: nothing depends on it.
+    pub started_at: String,
+    /// The suite.
+    pub suite: SuiteHeader,
+    /// The selector that chose the tasks; none: all.
+    pub selector: Option<String>,
+    /// Number of tasks chosen.
+    pub tasks: u64,
+    /// The planner.
+    pub plugin: PluginHeader,
+    /// The planner's parameters as the user gave them.
+    pub params: BTreeMap<String, String>,
+    /// The vehicle.
+    pub vehicle: VehicleHeader,
+    /// Factor on every length of the world: 1, 1/6, 1/10.
+    pub scale: f64,
+    /// The run's seed.
+    pub seed: u64,
+    /// Step of the simulation, s.
+    pub time_step: f64,
+    /// Time between the samples that rules and metrics see, s.
+    pub sample_period: f64,
+    /// The rules.
+    pub rules: RulesHeader,
+    /// Limits on the planner by name, e.g. `fuel_per_step`, `memory_bytes`.
+    pub limits: BTreeMap<String, u64>,
+    /// Which samples are kept in traces.
+    pub trace: TraceMode,
+}
+
+/// Fields of run.json that may differ between a run and its resumption: they decide nothing.
+const INFORMATION_ONLY: [&str; 3] = ["started_at", "suite.path", "plugin.path"];
+
+impl RunHeader {
+    /// The first field (dotted path) in which `other` would lead to other results, with both values as text.
+    #[must_use]
+    pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
+        let (a, b) = (flatten(self), flatten(other));
+        let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+        // A changed hash says more than the fields of the profile that it covers, hence rules.hash first.
+        let mut differing: Vec<&String> = keys
+            .into_iter()
+            .filter(|k| !INFORMATION_ONLY.contains(&k.as_str()) && a.get(*k) != b.get(*k))
+            .collect();
+        differing.sort_by_key(|k| k.starts_with("rules.profile"));
+        let key = differing.first()?;
+        let text =
+            |m: &BTreeMap<String, Value>| m.get(*key).map_or_else(|| "nothing".to_owned(), Value::to_string);
+        Some(((*key).clone(), text(&a), text(&b)))
+    }
+}
+
+/// The leaves of a header by dotted path.
+fn flatten(header: &RunHeader) -> BTreeMap<String, Value> {
+    fn walk(path: &str, value: &Value, out: &mut BTreeMap<String, Value>) {
+        match value {
+            Value::Object(fields) => {
+                for (k, v) in fields {
+                    let path = if path.is_empty() { k.clone() } else { format!("{path}.{k}") };
+                    walk(&path, v, out);
+                }
+            }
+            leaf => {
+                out.insert(path.to_owned(), leaf.clone());
+            }
+        }
+    }
+    let mut out = BTreeMap::new();
+    // A header holds string keys and finite numbers only, so it always converts.
+    walk("", &serde_json::to_value(header).unwrap_or(Value::Null), &mut out);
+    out
+}

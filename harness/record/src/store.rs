@@ -1,0 +1,340 @@
+//! The run directory.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::files::{is_temporary, sync_dir, write_atomic};
+use crate::{DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
+
+const HEADER: &str = "run.json";
+const TASKS: &str = "tasks.jsonl";
+const SUMMARY: &str = "summary.json";
+const LOCK: &str = "run.lock";
+
+/// A run directory open for writing, by this process alone. Workers share it.
+#[derive(Debug)]
+pub struct RunStore {
+    dir: PathBuf,
+    tasks: Mutex<TaskFile>,
+    lock: File,
+}
+
+#[derive(Debug)]
+struct TaskFile {
+    file: File,
+    /// Length of what is known to be whole lines on disk, bytes.
+    len: u64,
+}
+
+impl Drop for RunStore {
+    fn drop(&mut self) {
+        // Closing the file would unlock it too, but not while a child process, being started on another thread,
+        // has a copy of the descriptor. Nothing is left to be done about an error here.
+        let _ = self.lock.unlock();
+    }
+}
+
+impl RunStore {
+    /// Starts a run in `dir`, which is made if need be and must be empty.
+    ///
+    /// # Errors
+    /// [`StoreError::NotEmpty`], [`StoreError::Locked`], or an error of the file system.
+    pub fn create(dir: &Path, header: &RunHeader) -> Result<Self, StoreError> {
+        fs::create_dir_all(dir).map_err(StoreError::io("make directory", dir))?;
+        let lock_exists = dir.join(LOCK).exists();
+        if !lock_exists {
+            refuse_unless_empty(dir)?;
+        }
+        // A directory with a lock file is ours: that it is in use says more than that it is not empty.
+        let lock = lock(dir)?;
+        refuse_unless_empty(dir)?;
+        write_json(&dir.join(HEADER), "run.json", header)?;
+        let path = dir.join(TASKS);
+        let file = File::create(&path).map_err(StoreError::io("create", &path))?;
+        file.sync_all().map_err(StoreError::io("sync", &path))?;
+        sync_dir(dir);
+        Ok(Self { dir: dir.to_owned(), tasks: Mutex::new(TaskFile { file, len: 0 }), lock })
+    }
+
+    /// Goes on with the run in `dir`, which must have been made with the same settings: see
+    /// [`RunHeader::difference`]. Gives the records of the tasks that are done. A line torn by a killed process is
+    /// cut away; its task is not done.
+    ///
+    /// # Errors
+    /// [`StoreError::NoRun`], [`StoreError::Differs`], [`StoreError::Locked`], [`StoreError::Damaged`], or an error
+    /// of the file system.
+    pub fn resume<T: DeserializeOwned>(dir: &Path, header: &RunHeader) -> Result<(Self, Vec<T>), StoreError> {
+        if !dir.join(HEADER).exists() {
+            return Err(StoreError::NoRun(dir.to_owned()));
+        }
+        let lock = lock(dir)?;
+        let recorded = read_header(dir)?;
+        if let Some((field, recorded, wanted)) = recorded.difference(header) {
+            return Err(StoreError::Differs { dir: dir.to_owned(), field, recorded, wanted });
+        }
+        let path = dir.join(TASKS);
+        let (records, len) = read_tasks(&path)?;
+        // Not `append`: after a failed write the file is cut back, and the next line goes where that one began.
+        let mut file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(StoreError::io("open", &path))?;
+        file.set_len(len).map_err(StoreError::io("cut", &path))?;
+        file.seek(SeekFrom::Start(len)).map_err(StoreError::io("seek in", &path))?;
+        file.sync_all().map_err(StoreError::io("sync", &path))?;
+        Ok((Self { dir: dir.to_owned(), tasks: Mutex::new(TaskFile { file, len }), lock }, records))
+    }
+
+    /// The run directory.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Appends the record of a finished task, which must have a string field `task`, and syncs it to disk. After
+    /// an error the file holds what it held before.
+    ///
+    /// # Errors
+    /// An error of the file system, a full disk for instance.
+    pub fn append<T: Serialize>(&self, record: &T) -> Result<(), StoreError> {
+        let mut line = serde_json::to_vec(record)
+            .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
+        line.push(b'\n');
+        let path = self.dir.join(TASKS);
+        // A panic elsewhere can't have left the state half changed: it is changed last.
+        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = tasks
+            .file
+            .write_all(&line)
+            .map_err(StoreError::io("write", &path))
+            .and_then(|()| tasks.file.sync_data().map_err(StoreError::io("sync", &path)));
+        if written.is_err() {
+            let len = tasks.len;
+            // If this fails too, the torn line is found on resume.
+            let _ = tasks.file.set_len(len).and_then(|()| tasks.file.seek(SeekFrom::Start(len)));
+            return written;
+        }
+        tasks.len += line.len() as u64;
+        Ok(())
+    }
+
+    /// Writes a task's trajectory to `traces/<world>/<task>.parquet`. Call it before [`RunStore::append`], so that
+    /// a task that is done has its trace.
+    ///
+    /// # Errors
+    /// [`StoreError::TaskName`] or an error of the file system.
+    pub fn write_trace(&self, trace: &Trace) -> Result<(), StoreError> {
+        let path = trace_path(&self.dir, &trace.meta.task)?;
+        make_parent(&path)?;
+        write_atomic(&path, &trace.encode()?)
+    }
+
+    /// Writes a planner's series of a task to `traces/<world>/<task>.debug.parquet`; nothing if there are none.
+    ///
+    /// # Errors
+    /// [`StoreError::TaskName`] or an error of the file system.
+    pub fn write_debug(&self, task: &str, series: &DebugSeries) -> Result<(), StoreError> {
+        if series.is_empty() {
+            return Ok(());
+        }
+        let path = debug_path(&self.dir, task)?;
+        make_parent(&path)?;
+        write_atomic(&path, &series.encode()?)
+    }
+
+    /// Writes `summary.json`, replacing an earlier one.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn write_summary<T: Serialize>(&self, summary: &T) -> Result<(), StoreError> {
+        write_json(&self.dir.join(SUMMARY), "summary.json", summary)?;
+        sync_dir(&self.dir);
+        Ok(())
+    }
+}
+
+/// A run directory open for reading; it may belong to a run that is still going on.
+#[derive(Debug)]
+pub struct RunReader {
+    dir: PathBuf,
+    header: RunHeader,
+}
+
+impl RunReader {
+    /// Opens a run.
+    ///
+    /// # Errors
+    /// [`StoreError::NoRun`], [`StoreError::Schema`], [`StoreError::Damaged`] or an error of the file system.
+    pub fn open(dir: &Path) -> Result<Self, StoreError> {
+        Ok(Self { dir: dir.to_owned(), header: read_header(dir)? })
+    }
+
+    /// The run directory.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What was run.
+    #[must_use]
+    pub fn header(&self) -> &RunHeader {
+        &self.header
+    }
+
+    /// The records of the tasks that are done, in the order in which they ended. A torn last line is left out.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] or an error of the file system.
+    pub fn records<T: DeserializeOwned>(&self) -> Result<Vec<T>, StoreError> {
+        Ok(read_tasks(&self.dir.join(TASKS))?.0)
+    }
+
+    /// Whether the run has a trace of this task.
+    #[must_use]
+    pub fn has_trace(&self, task: &str) -> bool {
+        trace_path(&self.dir, task).is_ok_and(|p| p.exists())
+    }
+
+    /// The trajectory of a task.
+    ///
+    /// # Errors
+    /// [`StoreError::TaskName`], or as [`Trace::read`].
+    pub fn trace(&self, task: &str) -> Result<Trace, StoreError> {
+        Trace::read(&trace_path(&self.dir, task)?)
+    }
+}
+
+/// Where a task's trace lies.
+fn trace_path(dir: &Path, task: &str) -> Result<PathBuf, StoreError> {
+    let (world, name) = split_task(task)?;
+    Ok(dir.join("traces").join(world).join(format!("{name}.parquet")))
+}
+
+/// Where a task's debug series lie.
+fn debug_path(dir: &Path, task: &str) -> Result<PathBuf, StoreError> {
+    let (world, name) = split_task(task)?;
+    Ok(dir.join("traces").join(world).join(format!("{name}.debug.parquet")))
+}
+
+/// `WORLD/TASK` in two, if both are safe as file names on every system.
+fn split_task(task: &str) -> Result<(&str, &str), StoreError> {
+    let safe = |s: &str| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        !s.is_empty() && s.len() <= 100 && !s.starts_with('.') && s.chars().all(plain)
+    };
+    task.split_once('/')
+        .filter(|(world, name)| safe(world) && safe(name))
+        .ok_or_else(|| StoreError::TaskName(task.to_owned()))
+}
+
+fn make_parent(path: &Path) -> Result<(), StoreError> {
+    let parent = path.parent().unwrap_or(path);
+    fs::create_dir_all(parent).map_err(StoreError::io("make directory", parent))
+}
+
+/// The lock is on a file of its own, since run.json is replaced by renaming.
+fn lock(dir: &Path) -> Result<File, StoreError> {
+    let path = dir.join(LOCK);
+    let file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path)
+        .map_err(StoreError::io("create", &path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::Locked(dir.to_owned())),
+        // Some network file systems have no locks: better to run unprotected than not at all.
+        Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(source)) => Err(StoreError::Io { action: "lock", path, source }),
+    }
+}
+
+/// What a process killed before it wrote run.json left behind does not count.
+fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
+    for entry in fs::read_dir(dir).map_err(StoreError::io("read directory", dir))? {
+        let name = entry.map_err(StoreError::io("read directory", dir))?.file_name();
+        let name = name.to_string_lossy();
+        if name != LOCK && !is_temporary(&name) {
+            return Err(StoreError::NotEmpty(dir.to_owned()));
+        }
+    }
+    Ok(())
+}
+
+fn write_json<T: Serialize>(path: &Path, what: &'static str, value: &T) -> Result<(), StoreError> {
+    let mut text =
+        serde_json::to_vec_pretty(value).map_err(|e| StoreError::Encode { what, detail: e.to_string() })?;
+    text.push(b'\n');
+    write_atomic(path, &text)
+}
+
+fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
+    let path = dir.join(HEADER);
+    let bytes = fs::read(&path).map_err(|source| {
+        if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) {
+            StoreError::NoRun(dir.to_owned())
+        } else {
+            StoreError::Io { action: "read", path: path.clone(), source }
+        }
+    })?;
+    let damaged = |e: serde_json::Error| StoreError::Damaged {
+        path: path.clone(),
+        detail: e.to_string(),
+        hint: "restore the file, or start a new run",
+    };
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(damaged)?;
+    match value.get("schema").and_then(serde_json::Value::as_u64) {
+        Some(found) if found != u64::from(RUN_SCHEMA) => {
+            Err(StoreError::Schema { path, found, supported: RUN_SCHEMA })
+        }
+        _ => serde_json::from_value(value).map_err(damaged),
+    }
+}
+
+#[derive(serde::Deserialize)]
+struct Key {
+    task: String,
+}
+
+/// The records in tasks.jsonl and the length of their lines. A last line that is not whole was torn when its
+/// process was killed; any other bad line is damage that nobody should overlook.
+fn read_tasks<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), StoreError> {
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        // Killed between run.json and the first task.
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok((Vec::new(), 0)),
+        Err(e) => return Err(StoreError::io("read", path)(e)),
+    };
+    let mut records = Vec::new();
+    let mut seen = BTreeSet::new();
+    let mut len = 0;
+    for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
+        let last = len + line.len() == bytes.len();
+        let damaged = |detail: String| StoreError::Damaged {
+            path: path.to_owned(),
+            detail: format!("line {}: {detail}", number + 1),
+            hint: "delete the line to have its task run again with --resume",
+        };
+        let parsed =
+            serde_json::from_slice::<Key>(line).and_then(|key| Ok((key, serde_json::from_slice(line)?)));
+        if last && (parsed.is_err() || !line.ends_with(b"\n")) {
+            break;
+        }
+        let (key, record) = parsed.map_err(|e| damaged(e.to_string()))?;
+        if !seen.insert(key.task.clone()) {
+            return Err(damaged(format!("task {} is there twice", key.task)));
+        }
+        records.push(record);
+        len += line.len();
+    }
+    Ok((records, len as u64))
+}

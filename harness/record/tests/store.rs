@@ -1,0 +1,287 @@
+//! A run directory survives what happens to it, and says what is wrong with it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use vb_record::{
+    DebugSeries, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore, Sample, StoreError,
+    SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, VehicleHeader,
+};
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Record {
+    task: String,
+    value: f64,
+}
+
+fn record(task: &str, value: f64) -> Record {
+    Record { task: task.into(), value }
+}
+
+fn header() -> RunHeader {
+    RunHeader {
+        schema: RUN_SCHEMA,
+        harness_version: "0.1.0".into(),
+        started_at: "2026-01-01T00:00:00Z".into(),
+        suite: SuiteHeader { name: "s".into(), hash: "aa".into(), path: "tasks/s".into() },
+        selector: None,
+        tasks: 3,
+        plugin: PluginHeader {
+            name: "pid".into(),
+            version: "1.0.0".into(),
+            sha256: "bb".into(),
+            carrier: "wasm".into(),
+            path: "pid.wasm".into(),
+        },
+        params: BTreeMap::from([("speed".into(), "3".into())]),
+        vehicle: VehicleHeader { name: "hmmwv".into(), hash: "cc".into() },
+        scale: 1.0 / 6.0,
+        seed: u64::MAX,
+        time_step: 0.001,
+        sample_period: 0.01,
+        rules: RulesHeader {
+            name: "paper".into(),
+            hash: "dd".into(),
+            profile: serde_json::json!({"radius": 10.0}),
+        },
+        limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
+        trace: TraceMode::Full,
+    }
+}
+
+fn trace(task: &str) -> Trace {
+    let mut recorder = TraceRecorder::new(TraceMode::Full, 0);
+    recorder.push(&Sample::default(), &[]);
+    recorder
+        .finish(TraceMeta {
+            schema: TRACE_SCHEMA,
+            task: task.into(),
+            start: [0.0; 3],
+            goal: [1.0, 0.0],
+            goal_z: 0.0,
+            half_extent: [64.0, 64.0],
+            scale: 1.0,
+            time_step: 0.001,
+            sample_period: 0.01,
+            mode: TraceMode::Full,
+        })
+        .unwrap()
+}
+
+fn resume(dir: &Path) -> Result<(RunStore, Vec<Record>), StoreError> {
+    RunStore::resume(dir, &header())
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path().join("a/b");
+    let store = RunStore::create(&dir, &header()).unwrap();
+    let trace = trace("w001/t00");
+    store.write_trace(&trace).unwrap();
+    let mut debug = DebugSeries::default();
+    debug.push(0.0, "cost", &[1.0]);
+    store.write_debug("w001/t00", &debug).unwrap();
+    // 1/3 and a neighbour of 0.1: figures must read back to the same bits, else a resumed summary would differ.
+    let records = [record("w001/t00", 1.0 / 3.0), record("w001/t01", f64::from_bits(0.1f64.to_bits() + 1))];
+    for r in &records {
+        store.append(r).unwrap();
+    }
+    store.write_summary(&records[0]).unwrap();
+
+    // Reading doesn't need the lock.
+    let reader = RunReader::open(&dir).unwrap();
+    assert_eq!(reader.header(), &header());
+    assert_eq!(reader.records::<Record>().unwrap(), records);
+    assert!(reader.has_trace("w001/t00") && !reader.has_trace("w001/t01"));
+    assert_eq!(reader.trace("w001/t00").unwrap(), trace);
+    assert!(dir.join("traces/w001/t00.debug.parquet").exists() && dir.join("summary.json").exists());
+}
+
+#[test]
+fn a_directory_with_something_in_it_is_refused_and_left_as_it_was() {
+    let tmp = tempfile::tempdir().unwrap();
+    fs::write(tmp.path().join("thesis.tex"), "x").unwrap();
+    let e = RunStore::create(tmp.path(), &header()).unwrap_err();
+    assert!(matches!(e, StoreError::NotEmpty(_)), "{e}");
+    assert!(e.to_string().contains("--resume"), "{e}");
+    assert_eq!(fs::read_dir(tmp.path()).unwrap().count(), 1);
+
+    let run = tmp.path().join("run");
+    drop(RunStore::create(&run, &header()).unwrap());
+    assert!(matches!(RunStore::create(&run, &header()).unwrap_err(), StoreError::NotEmpty(_)));
+}
+
+#[test]
+fn one_run_has_one_writer() {
+    let tmp = tempfile::tempdir().unwrap();
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    assert!(matches!(resume(tmp.path()).unwrap_err(), StoreError::Locked(_)));
+    assert!(matches!(RunStore::create(tmp.path(), &header()).unwrap_err(), StoreError::Locked(_)));
+    drop(store);
+    resume(tmp.path()).unwrap();
+}
+
+#[test]
+fn a_torn_last_line_is_cut_away_and_its_task_counts_as_not_done() {
+    let tmp = tempfile::tempdir().unwrap();
+    let path = tmp.path().join("tasks.jsonl");
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    store.append(&record("w/a", 1.0)).unwrap();
+    store.append(&record("w/b", 2.0)).unwrap();
+    drop(store);
+    let whole = fs::read(&path).unwrap();
+    let first = whole.iter().position(|&b| b == b'\n').unwrap() + 1;
+    // Cut anywhere within the second line (its end included), or with it overwritten by what a power cut leaves.
+    let mut cases: Vec<Vec<u8>> = (first..whole.len()).map(|n| whole[..n].to_vec()).collect();
+    cases.push([&whole[..first], &[0; 40]].concat());
+    for torn in cases {
+        fs::write(&path, &torn).unwrap();
+        assert_eq!(RunReader::open(tmp.path()).unwrap().records::<Record>().unwrap(), [record("w/a", 1.0)]);
+        let (store, done) = resume(tmp.path()).unwrap();
+        assert_eq!(done, [record("w/a", 1.0)]);
+        store.append(&record("w/b", 2.0)).unwrap();
+        drop(store);
+        assert_eq!(fs::read(&path).unwrap(), whole);
+    }
+}
+
+#[test]
+fn damage_in_the_middle_and_a_task_twice_are_errors_that_name_the_line() {
+    let tmp = tempfile::tempdir().unwrap();
+    let path = tmp.path().join("tasks.jsonl");
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    fs::write(
+        &path,
+        "{\"task\":\"w/a\",\"value\":1}\n{\"task\":\"w/b\",\"val\n{\"task\":\"w/c\",\"value\":1}\n",
+    )
+    .unwrap();
+    let text = resume(tmp.path()).unwrap_err().to_string();
+    assert!(text.contains("tasks.jsonl: line 2:") && !text.contains('\n'), "{text}");
+    fs::write(&path, "{\"task\":\"w/a\",\"value\":1}\n{\"task\":\"w/a\",\"value\":2}\n").unwrap();
+    let text = resume(tmp.path()).unwrap_err().to_string();
+    assert!(text.contains("line 2: task w/a is there twice"), "{text}");
+}
+
+#[test]
+fn a_run_is_resumed_only_with_its_own_settings_and_the_difference_is_named() {
+    let tmp = tempfile::tempdir().unwrap();
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    let mut same = header();
+    same.started_at = "2027-01-01T00:00:00Z".into();
+    same.plugin.path = "elsewhere/pid.wasm".into();
+    same.suite.path = "elsewhere".into();
+    RunStore::resume::<Record>(tmp.path(), &same).unwrap();
+
+    type Change = fn(&mut RunHeader);
+    let changes: [(&str, Change); 10] = [
+        ("suite.hash", |h| h.suite.hash = "x".into()),
+        ("plugin.sha256", |h| h.plugin.sha256 = "x".into()),
+        ("params.speed", |h| h.params = BTreeMap::from([("speed".into(), "5".into())])),
+        ("params.kp", |h| h.params.extend([("kp".into(), "2".into())])),
+        ("seed", |h| h.seed -= 1),
+        ("rules.hash", |h| {
+            h.rules.hash = "x".into();
+            h.rules.profile = serde_json::json!({"radius": 8.0});
+        }),
+        ("limits.memory_bytes", |h| h.limits = BTreeMap::from([("memory_bytes".into(), 5)])),
+        ("vehicle.hash", |h| h.vehicle.hash = "x".into()),
+        ("selector", |h| h.selector = Some("w001".into())),
+        ("trace", |h| h.trace = TraceMode::None),
+    ];
+    for (want, change) in changes {
+        let mut other = header();
+        change(&mut other);
+        match RunStore::resume::<Record>(tmp.path(), &other).unwrap_err() {
+            StoreError::Differs { field, .. } => assert_eq!(field, want),
+            e => panic!("{want}: {e}"),
+        }
+    }
+}
+
+#[test]
+fn resuming_where_there_is_no_run_says_so() {
+    let tmp = tempfile::tempdir().unwrap();
+    assert!(matches!(resume(tmp.path()).unwrap_err(), StoreError::NoRun(_)));
+    assert!(matches!(RunReader::open(&tmp.path().join("none")).unwrap_err(), StoreError::NoRun(_)));
+    assert_eq!(fs::read_dir(tmp.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_run_of_another_schema_or_a_broken_header_is_refused() {
+    let tmp = tempfile::tempdir().unwrap();
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    let path = tmp.path().join("run.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("\"schema\": 1", "\"schema\": 9")).unwrap();
+    assert!(matches!(RunReader::open(tmp.path()).unwrap_err(), StoreError::Schema { found: 9, .. }));
+    fs::write(&path, &text[..text.len() / 2]).unwrap();
+    let e = RunReader::open(tmp.path()).unwrap_err();
+    assert!(matches!(e, StoreError::Damaged { .. }) && e.to_string().contains("run.json"), "{e}");
+}
+
+#[test]
+fn task_names_cannot_lead_out_of_the_run_directory() {
+    let tmp = tempfile::tempdir().unwrap();
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    for name in ["../evil", "w/../../x", "w", "/t", "w/", "w/a b", "w\\a/t", ".w/t"] {
+        assert!(matches!(store.write_trace(&trace(name)).unwrap_err(), StoreError::TaskName(_)), "{name}");
+    }
+}
+
+#[test]
+fn a_path_that_can_not_be_written_is_an_error_with_advice() {
+    let tmp = tempfile::tempdir().unwrap();
+    let file = tmp.path().join("file");
+    fs::write(&file, "x").unwrap();
+    let text = RunStore::create(&file.join("run"), &header()).unwrap_err().to_string();
+    assert!(text.contains("cannot make directory") && text.contains("--out"), "{text}");
+}
+
+/// Mounts a small tmpfs, which takes root; unmounted on drop.
+struct SmallDisk(tempfile::TempDir);
+
+impl SmallDisk {
+    fn new(bytes: u32) -> Option<Self> {
+        let dir = tempfile::tempdir().unwrap();
+        let ok = std::process::Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &format!("size={bytes}"), "tmpfs"])
+            .arg(dir.path())
+            .output()
+            .is_ok_and(|o| o.status.success());
+        ok.then_some(Self(dir))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = std::process::Command::new("umount").arg(self.0.path()).output();
+    }
+}
+
+#[test]
+fn results_before_a_full_disk_survive_and_the_run_goes_on_when_there_is_room() {
+    let Some(disk) = SmallDisk::new(64 * 1024) else {
+        eprintln!("skipped: mounting a small file system takes root");
+        return;
+    };
+    let dir = disk.0.path().join("run");
+    let store = RunStore::create(&dir, &header()).unwrap();
+    store.append(&record("w/a", 1.0)).unwrap();
+    let ballast = disk.0.path().join("ballast");
+    while fs::OpenOptions::new().append(true).create(true).open(&ballast).is_ok_and(|mut f| {
+        use std::io::Write as _;
+        f.write_all(&[0; 4096]).is_ok()
+    }) {}
+    let long = Record { task: format!("w/{}", "b".repeat(8000)), value: 2.0 };
+    let e = store.append(&long).unwrap_err();
+    assert!(e.is_disk_full(), "{e}");
+    assert!(store.write_trace(&trace("w/b")).unwrap_err().is_disk_full());
+    assert_eq!(RunReader::open(&dir).unwrap().records::<Record>().unwrap(), [record("w/a", 1.0)]);
+    fs::remove_file(&ballast).unwrap();
+    store.append(&long).unwrap();
+    drop(store);
+    assert_eq!(resume(&dir).unwrap().1, [record("w/a", 1.0), long]);
+}
