@@ -11,6 +11,8 @@ pub struct Heightfield {
     cols: usize,
     pitch: f64,
     heights: Vec<f64>,
+    /// The heights (m) that the 16-bit levels 0 and 65 535 stand for, where the heights came from levels.
+    level_range: Option<[f64; 2]>,
 }
 
 /// A point of the surface.
@@ -33,7 +35,33 @@ impl Heightfield {
     #[must_use]
     pub fn new(rows: usize, cols: usize, pitch: f64, heights: Vec<f64>) -> Self {
         assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && pitch > 0.0);
-        Self { rows, cols, pitch, heights }
+        Self { rows, cols, pitch, heights, level_range: None }
+    }
+
+    /// A surface from 16-bit levels as they are stored: level v stands for `low + (high − low)·(v / 65535)` with
+    /// `[low, high] = range` in metres. Row-major, row 0 in the south. An 8-bit grey g, stored as 257·g, gives
+    /// exactly g / 255 of the range, since 257·g / 65535 and g / 255 are the same fraction.
+    ///
+    /// # Panics
+    /// As [`Heightfield::new`].
+    #[must_use]
+    pub fn from_levels(rows: usize, cols: usize, pitch: f64, range: [f64; 2], levels: &[u16]) -> Self {
+        let [low, high] = range;
+        let heights = levels.iter().map(|&v| low + (high - low) * (f64::from(v) / 65535.0)).collect();
+        Self { level_range: Some(range), ..Self::new(rows, cols, pitch, heights) }
+    }
+
+    /// The range and the nearest levels that stand for these heights. Exact for a surface from
+    /// [`Heightfield::from_levels`]; any other is rounded to 1/65535 of its own relief.
+    #[must_use]
+    pub fn to_levels(&self) -> ([f64; 2], Vec<u16>) {
+        let range = self.level_range.unwrap_or_else(|| {
+            let (low, high) = self.range();
+            [low, high]
+        });
+        let [low, high] = range;
+        let level = |z: f64| if high > low { ((z - low) / (high - low) * 65535.0).round() as u16 } else { 0 };
+        (range, self.heights.iter().map(|&z| level(z)).collect())
     }
 
     /// A level surface.
@@ -125,6 +153,7 @@ impl Heightfield {
     #[must_use]
     pub fn scaled(&self, s: f64) -> Self {
         let heights = self.heights.iter().map(|z| z * s).collect();
-        Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights }
+        let level_range = self.level_range.map(|r| r.map(|z| z * s));
+        Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights, level_range }
     }
 }

@@ -4,14 +4,21 @@
 //! **row 0 in the south** (smallest y) and column 0 in the west, so indices grow with coordinates; image files have
 //! row 0 in the north, as one looks at them, and are flipped on reading and writing.
 
+mod check;
+mod format;
+pub mod geometry;
 mod heightfield;
 mod obstacle;
+mod raster;
 mod semantics;
 mod task;
 mod world;
 
+pub use check::{Flaw, Part};
+pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo};
 pub use heightfield::{Heightfield, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
+pub use raster::Raster;
 pub use semantics::{Semantics, TerrainClass};
 pub use task::{Pose2, Task};
 pub use world::{Density, Elevation, Ground, World};

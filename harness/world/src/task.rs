@@ -2,6 +2,7 @@
 
 /// A planar pose.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Pose2 {
     /// m.
     pub x: f64,

@@ -1,6 +1,6 @@
 //! A world: all that a task happens in.
 
-use crate::{Heightfield, Obstacle, Semantics, Task};
+use crate::{Heightfield, Obstacle, Pose2, Raster, Semantics, Task, TerrainClass, geometry};
 
 /// Elevation level of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -12,6 +12,21 @@ pub enum Elevation {
     Medium,
     /// The full relief.
     High,
+}
+
+impl Elevation {
+    /// All, in order.
+    pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
+
+    /// The name in lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Medium => "medium",
+            Self::High => "high",
+        }
+    }
 }
 
 /// What kind of ground a world has.
@@ -26,6 +41,21 @@ pub enum Ground {
     Mixed,
 }
 
+impl Ground {
+    /// All, in order.
+    pub const ALL: [Self; 3] = [Self::Rigid, Self::Deformable, Self::Mixed];
+
+    /// The name in lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Deformable => "deformable",
+            Self::Mixed => "mixed",
+        }
+    }
+}
+
 /// Obstacle density of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -36,6 +66,21 @@ pub enum Density {
     Medium,
     /// 40 boulders.
     Dense,
+}
+
+impl Density {
+    /// All, in order.
+    pub const ALL: [Self; 3] = [Self::Sparse, Self::Medium, Self::Dense];
+
+    /// The name in lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sparse => "sparse",
+            Self::Medium => "medium",
+            Self::Dense => "dense",
+        }
+    }
 }
 
 /// A world at its own scale (see [`World::scaled`]).
@@ -59,4 +104,91 @@ pub struct World {
     pub obstacles: Vec<Obstacle>,
     /// Tasks in order.
     pub tasks: Vec<Task>,
+}
+
+impl World {
+    /// The same world with every length multiplied by `s` (> 0): heights, grid and patch sizes, obstacles with their
+    /// burial, starts, goals and paths. Angles and friction stay; [`World::scale`] is multiplied.
+    ///
+    /// The paper scales vehicle and world together (1, 1/6, 1/10); the original code scaled some lengths twice and
+    /// others not at all, which is not repeated here.
+    #[must_use]
+    pub fn scaled(&self, s: f64) -> Self {
+        let point = |p: [f64; 2]| [p[0] * s, p[1] * s];
+        let task = |t: &Task| Task {
+            id: t.id.clone(),
+            start: Pose2 { x: t.start.x * s, y: t.start.y * s, yaw: t.start.yaw },
+            goal: point(t.goal),
+            path: t.path.iter().map(|&p| point(p)).collect(),
+        };
+        Self {
+            id: self.id.clone(),
+            scale: self.scale * s,
+            heightfield: self.heightfield.scaled(s),
+            semantics: Semantics { patch: self.semantics.patch * s, ..self.semantics.clone() },
+            obstacles: self.obstacles.iter().map(|o| o.scaled(s)).collect(),
+            tasks: self.tasks.iter().map(task).collect(),
+            ..*self
+        }
+    }
+
+    /// Whether no patch yields under a wheel.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        !self.semantics.classes.iter().any(|c| c.is_deformable())
+    }
+
+    /// Class of the ground under (x, y).
+    #[must_use]
+    pub fn class_at(&self, x: f64, y: f64) -> TerrainClass {
+        self.semantics.class_at(x, y)
+    }
+
+    /// Coulomb friction of the ground under (x, y).
+    #[must_use]
+    pub fn friction_at(&self, x: f64, y: f64) -> f64 {
+        self.semantics.friction_at(x, y)
+    }
+
+    /// The task with this id.
+    #[must_use]
+    pub fn task(&self, id: &str) -> Option<&Task> {
+        self.tasks.iter().find(|t| t.id == id)
+    }
+
+    /// Obstacle occupancy on squares of side `resolution` (m): 1 where an obstacle's footprint covers any part of
+    /// the square, else 0. The squares tile the world from its south-west corner; the last row and column may reach
+    /// beyond its edge.
+    ///
+    /// # Panics
+    /// If `resolution` is not positive.
+    #[must_use]
+    pub fn occupancy(&self, resolution: f64) -> Raster<u8> {
+        assert!(resolution > 0.0, "resolution {resolution} m is not positive");
+        // A hair less than the quotient, so that 128 m / 0.1 m gives 1280 squares and not 1281 by rounding.
+        let count = |half: f64| ((2.0 * half / resolution * (1.0 - 1e-12)).ceil() as usize).max(1);
+        let (half_x, half_y) = (self.heightfield.half_x(), self.heightfield.half_y());
+        let (rows, cols) = (count(half_y), count(half_x));
+        let half = 0.5 * resolution;
+        let origin = [half - half_x, half - half_y];
+        let mut raster = Raster { rows, cols, resolution, origin, data: vec![0; rows * cols] };
+        for obstacle in &self.obstacles {
+            let outline = obstacle.footprint();
+            let span = |axis: usize, n: usize| {
+                let (low, high) = outline
+                    .iter()
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[axis]), h.max(p[axis])));
+                let index = |v: f64| (v - origin[axis]) / resolution + 0.5;
+                (index(low).max(0.0) as usize)..((index(high).max(0.0) as usize + 1).min(n))
+            };
+            for row in span(1, rows) {
+                for col in span(0, cols) {
+                    if geometry::overlaps_square(&outline, raster.centre(row, col), half) {
+                        raster.data[row * cols + col] = 1;
+                    }
+                }
+            }
+        }
+        raster
+    }
 }

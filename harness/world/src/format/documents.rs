@@ -1,0 +1,321 @@
+//! The documents of a world's folder: their fields, how they are written, what they mean.
+
+use super::{SCHEMA, error::SuiteError, text};
+use crate::check::{Flaw, MAX_SIDE, Part};
+use crate::{Density, Elevation, Ground, Obstacle, ObstacleKind, Semantics, Task, TerrainClass, World};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Only the version, read first: a document of another version need not have our fields.
+#[derive(Deserialize)]
+pub(crate) struct SchemaOnly {
+    schema: u32,
+}
+
+/// Refuses a document of another version.
+pub(crate) fn check_schema(file: &Path, yaml: &str) -> Result<(), SuiteError> {
+    let found = text::parse::<SchemaOnly>(file, yaml)?.schema;
+    if found == SCHEMA { Ok(()) } else { Err(SuiteError::Schema { file: file.into(), found }) }
+}
+
+/// `world.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WorldDocument {
+    #[serde(rename = "schema")]
+    _schema: u32,
+    pub(crate) id: String,
+    pub(crate) elevation: Elevation,
+    pub(crate) ground: Ground,
+    pub(crate) density: Density,
+    #[serde(rename = "units")]
+    _units: Units,
+    pub(crate) grid: Grid,
+}
+
+/// The units of all numbers: stated for readers, and the only ones there are.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Units {
+    #[serde(rename = "length")]
+    _length: Metre,
+    #[serde(rename = "angle")]
+    _angle: Radian,
+}
+
+#[derive(Deserialize)]
+enum Metre {
+    #[serde(rename = "m")]
+    Metre,
+}
+
+#[derive(Deserialize)]
+enum Radian {
+    #[serde(rename = "rad")]
+    Radian,
+}
+
+/// The elevation raster.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Grid {
+    pub(crate) rows: usize,
+    pub(crate) cols: usize,
+    pub(crate) pitch: f64,
+    pub(crate) height_range: [f64; 2],
+}
+
+impl WorldDocument {
+    pub(crate) fn write(world: &World, range: [f64; 2]) -> String {
+        let h = &world.heightfield;
+        format!(
+            "schema: {SCHEMA}\nid: {}\nelevation: {}\nground: {}\ndensity: {}\nunits: {{length: m, angle: rad}}\n\
+             # Nodes of the surface; height_range is what the levels 0 and 65535 of elevation.png stand for.\n\
+             grid: {{rows: {}, cols: {}, pitch: {}, height_range: {}}}\n",
+            world.id,
+            world.elevation.name(),
+            world.ground.name(),
+            world.density.name(),
+            h.rows(),
+            h.cols(),
+            text::number(h.pitch()),
+            text::numbers(&range),
+        )
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Flaw> {
+        let flaw = |field: &str, problem| Err(Flaw::new(Part::World, field, problem));
+        let grid = &self.grid;
+        for (name, n) in [("grid.rows", grid.rows), ("grid.cols", grid.cols)] {
+            if !(2..=MAX_SIDE).contains(&n) {
+                return flaw(name, format!("{n} must lie in 2 to {MAX_SIDE}"));
+            }
+        }
+        if !(grid.pitch.is_finite() && grid.pitch > 0.0) {
+            return flaw("grid.pitch", format!("{} must be a positive length in metres", grid.pitch));
+        }
+        let [low, high] = grid.height_range;
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return flaw(
+                "grid.height_range",
+                format!("[{low}, {high}] must be two heights in metres, lower first"),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The letter of each class in `semantics.yaml`, in label order; capitals yield under a wheel.
+const LETTERS: [char; 10] = ['c', 'k', 'd', 'g', 'v', 'r', 'w', 'M', 'S', 'F'];
+
+/// `semantics.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SemanticsDocument {
+    patch: f64,
+    rows: usize,
+    cols: usize,
+    legend: BTreeMap<char, TerrainClass>,
+    classes: Vec<String>,
+    friction: Vec<Vec<f64>>,
+}
+
+impl SemanticsDocument {
+    pub(crate) fn write(s: &Semantics) -> String {
+        let legend: Vec<_> = TerrainClass::ALL
+            .iter()
+            .filter(|c| s.classes.contains(c))
+            .map(|c| format!("{}: {}", LETTERS[usize::from(c.label())], c.name()))
+            .collect();
+        let mut out = format!("patch: {}\nrows: {}\ncols: {}\n", text::number(s.patch), s.rows, s.cols);
+        let _ = write!(
+            out,
+            "legend: {{{}}}\n# As seen from above: north row first.\nclasses:\n",
+            legend.join(", ")
+        );
+        for row in s.classes.chunks(s.cols).rev() {
+            let letters: String = row.iter().map(|c| LETTERS[usize::from(c.label())]).collect();
+            let _ = writeln!(out, "  - {}", text::quoted(&letters));
+        }
+        out.push_str(
+            "# Coulomb coefficient of each patch, in the same order; 0 where the ground yields.\nfriction:\n",
+        );
+        for row in s.friction.chunks(s.cols).rev() {
+            let _ = writeln!(out, "  - {}", text::numbers(row));
+        }
+        out
+    }
+
+    pub(crate) fn into_semantics(self) -> Result<Semantics, Flaw> {
+        let flaw = |field: String, problem| Err(Flaw::new(Part::Semantics, field, problem));
+        let (rows, cols) = (self.rows, self.cols);
+        if !self.patch.is_finite() {
+            return flaw("patch".into(), format!("{} is not a finite length in metres", self.patch));
+        }
+        for (name, found) in [("classes", self.classes.len()), ("friction", self.friction.len())] {
+            if found != rows {
+                return flaw(name.into(), format!("{found} rows, but rows is {rows}: they must agree"));
+            }
+        }
+        let mut classes = Vec::new();
+        let mut friction = Vec::new();
+        for i in (0..rows).rev() {
+            let letters = &self.classes[i];
+            let found = letters.chars().count();
+            if found != cols {
+                return flaw(
+                    format!("classes[{i}]"),
+                    format!("{letters:?} has {found} letters, but cols is {cols}"),
+                );
+            }
+            for c in letters.chars() {
+                let Some(&class) = self.legend.get(&c) else {
+                    return flaw(
+                        format!("classes[{i}]"),
+                        format!("letter {c:?} does not stand in the legend: add it there"),
+                    );
+                };
+                classes.push(class);
+            }
+            let found = self.friction[i].len();
+            if found != cols {
+                return flaw(
+                    format!("friction[{i}]"),
+                    format!("{found} values, but cols is {cols}: they must agree"),
+                );
+            }
+            friction.extend(&self.friction[i]);
+        }
+        Ok(Semantics { rows, cols, patch: self.patch, classes, friction })
+    }
+}
+
+/// `obstacles.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ObstaclesDocument {
+    obstacles: Vec<ObstacleEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObstacleEntry {
+    kind: KindName,
+    x: f64,
+    y: f64,
+    yaw: f64,
+    buried: f64,
+    size: Option<[f64; 3]>,
+    seed: Option<u64>,
+    radius: Option<f64>,
+    height: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum KindName {
+    Boulder,
+    Box,
+    Trunk,
+}
+
+impl ObstaclesDocument {
+    pub(crate) fn write(obstacles: &[Obstacle]) -> String {
+        if obstacles.is_empty() {
+            return "obstacles: []\n".into();
+        }
+        let mut out = String::from("obstacles:\n");
+        for o in obstacles {
+            let (kind, shape) = match o.kind {
+                ObstacleKind::Boulder { size, seed } => {
+                    ("boulder", format!("size: {}, seed: {seed}", text::numbers(&size)))
+                }
+                ObstacleKind::Box { size } => ("box", format!("size: {}", text::numbers(&size))),
+                ObstacleKind::Trunk { radius, height } => {
+                    ("trunk", format!("radius: {}, height: {}", text::number(radius), text::number(height)))
+                }
+            };
+            let [x, y, yaw, buried] = [o.x, o.y, o.yaw, o.buried].map(text::number);
+            let _ =
+                writeln!(out, "  - {{kind: {kind}, x: {x}, y: {y}, yaw: {yaw}, buried: {buried}, {shape}}}");
+        }
+        out
+    }
+
+    pub(crate) fn into_obstacles(self) -> Result<Vec<Obstacle>, Flaw> {
+        self.obstacles.into_iter().enumerate().map(|(k, e)| e.into_obstacle(k)).collect()
+    }
+}
+
+impl ObstacleEntry {
+    fn into_obstacle(self, k: usize) -> Result<Obstacle, Flaw> {
+        let name = match self.kind {
+            KindName::Boulder => "boulder",
+            KindName::Box => "box",
+            KindName::Trunk => "trunk",
+        };
+        let flaw =
+            |field: &str, problem| Flaw::new(Part::Obstacles, format!("obstacles[{k}].{field}"), problem);
+        let missing = |field: &str| flaw(field, format!("is missing: a {name} needs it"));
+        let (size, seed, radius, height) = (
+            self.size.ok_or_else(|| missing("size")),
+            self.seed.ok_or_else(|| missing("seed")),
+            self.radius.ok_or_else(|| missing("radius")),
+            self.height.ok_or_else(|| missing("height")),
+        );
+        let has = [
+            ("size", size.is_ok()),
+            ("seed", seed.is_ok()),
+            ("radius", radius.is_ok()),
+            ("height", height.is_ok()),
+        ];
+        let (kind, wanted): (_, &[&str]) = match self.kind {
+            KindName::Boulder => (ObstacleKind::Boulder { size: size?, seed: seed? }, &["size", "seed"]),
+            KindName::Box => (ObstacleKind::Box { size: size? }, &["size"]),
+            KindName::Trunk => {
+                (ObstacleKind::Trunk { radius: radius?, height: height? }, &["radius", "height"])
+            }
+        };
+        if let Some((field, _)) = has.iter().find(|(field, given)| *given && !wanted.contains(field)) {
+            return Err(flaw(field, format!("does not belong to a {name}: remove it")));
+        }
+        Ok(Obstacle { x: self.x, y: self.y, yaw: self.yaw, buried: self.buried, kind })
+    }
+}
+
+/// `tasks.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TasksDocument {
+    pub(crate) tasks: Vec<Task>,
+}
+
+/// Waypoints on a line of `tasks.yaml`.
+const WAYPOINTS_A_LINE: usize = 6;
+
+impl TasksDocument {
+    pub(crate) fn write(tasks: &[Task]) -> String {
+        if tasks.is_empty() {
+            return "tasks: []\n".into();
+        }
+        let mut out = String::from("tasks:\n");
+        for t in tasks {
+            let [x, y, yaw] = [t.start.x, t.start.y, t.start.yaw].map(text::number);
+            let lines: Vec<_> = t
+                .path
+                .chunks(WAYPOINTS_A_LINE)
+                .map(|line| line.iter().map(|p| text::numbers(p)).collect::<Vec<_>>().join(", "))
+                .collect();
+            let _ = writeln!(
+                out,
+                "  - id: {}\n    start: {{x: {x}, y: {y}, yaw: {yaw}}}\n    goal: {}\n    path: [\n      {}]",
+                t.id,
+                text::numbers(&t.goal),
+                lines.join(",\n      "),
+            );
+        }
+        out
+    }
+}

@@ -1,0 +1,14 @@
+//! Suites on disk, schema version 1. `docs/worlds.md` describes the format for people.
+
+mod documents;
+mod elevation;
+mod error;
+mod suite;
+mod text;
+mod world_files;
+
+pub use error::SuiteError;
+pub use suite::{Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
+
+/// The version of the format that this build writes and reads.
+pub const SCHEMA: u32 = 1;

@@ -1,0 +1,320 @@
+//! A suite: a folder of worlds with an index.
+
+use super::documents::check_schema;
+use super::error::{SuiteError, list};
+use super::world_files::{WorldFiles, hex};
+use super::{SCHEMA, text};
+use crate::check::check_id;
+use crate::{Density, Elevation, Ground, World};
+use serde::Deserialize;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Where the worlds of a suite come from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Provenance {
+    /// Made by a generator: the same generator, seed and parameters make the same bytes again.
+    Generated {
+        /// Name and version of the generator.
+        generator: String,
+        /// Its seed.
+        seed: u64,
+    },
+    /// Read from data of another format.
+    Imported {
+        /// What was imported.
+        source: String,
+    },
+    /// Made by hand.
+    Authored {
+        /// By whom or how.
+        by: String,
+    },
+}
+
+/// What a suite says about itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SuiteMeta {
+    /// Short name.
+    pub name: String,
+    /// Version of the suite, free text.
+    pub version: String,
+    /// What it is, for people.
+    pub description: String,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// What the index says about a world, enough to select tasks without opening it.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorldInfo {
+    /// Name, and that of its folder.
+    pub id: String,
+    /// Elevation level.
+    pub elevation: Elevation,
+    /// Kind of ground.
+    pub ground: Ground,
+    /// Obstacle density.
+    pub density: Density,
+    /// Names of its tasks in order.
+    pub tasks: Vec<String>,
+    /// Content hash: SHA-256 over all files of the world.
+    pub sha256: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SuiteDocument {
+    #[serde(rename = "schema")]
+    _schema: u32,
+    name: String,
+    version: String,
+    description: String,
+    provenance: Provenance,
+    worlds: Vec<WorldInfo>,
+}
+
+/// An opened suite: its index. Worlds are read when asked for.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    dir: PathBuf,
+    meta: SuiteMeta,
+    worlds: Vec<WorldInfo>,
+}
+
+const INDEX: &str = "suite.yaml";
+
+impl Suite {
+    /// Reads the index of the suite in `dir`.
+    ///
+    /// # Errors
+    /// If `suite.yaml` is missing, unreadable, of another schema version, or invalid.
+    pub fn open(dir: impl AsRef<Path>) -> Result<Self, SuiteError> {
+        let dir = dir.as_ref().to_path_buf();
+        let file = dir.join(INDEX);
+        let yaml = std::fs::read_to_string(&file).map_err(|source| SuiteError::Read {
+            path: file.clone(),
+            hint: "name a suite's folder, one that holds suite.yaml",
+            source,
+        })?;
+        check_schema(&file, &yaml)?;
+        let SuiteDocument { name, version, description, provenance, worlds, .. } = text::parse(&file, &yaml)?;
+        check_index(&worlds).map_err(|(field, problem)| SuiteError::invalid(&file, field, problem))?;
+        Ok(Self { dir, meta: SuiteMeta { name, version, description, provenance }, worlds })
+    }
+
+    /// Writes a suite into `dir`, which must not exist or be empty, and opens it.
+    ///
+    /// # Errors
+    /// If the directory holds something, cannot be written, or a world has a flaw.
+    pub fn write<'a>(
+        dir: impl AsRef<Path>,
+        meta: &SuiteMeta,
+        worlds: impl IntoIterator<Item = &'a World>,
+    ) -> Result<Self, SuiteError> {
+        let mut writer = SuiteWriter::create(dir, meta.clone())?;
+        for world in worlds {
+            writer.add(world)?;
+        }
+        writer.finish()
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What the suite says about itself.
+    #[must_use]
+    pub fn meta(&self) -> &SuiteMeta {
+        &self.meta
+    }
+
+    /// The index, in order.
+    #[must_use]
+    pub fn worlds(&self) -> &[WorldInfo] {
+        &self.worlds
+    }
+
+    /// What the index says about a world.
+    ///
+    /// # Errors
+    /// If there is no such world.
+    pub fn world_info(&self, id: &str) -> Result<&WorldInfo, SuiteError> {
+        self.worlds.iter().find(|w| w.id == id).ok_or_else(|| SuiteError::UnknownWorld {
+            file: self.dir.join(INDEX),
+            world: id.into(),
+            known: list(&self.worlds.iter().map(|w| w.id.as_str()).collect::<Vec<_>>()),
+        })
+    }
+
+    /// Number of tasks in all worlds.
+    #[must_use]
+    pub fn task_count(&self) -> usize {
+        self.worlds.iter().map(|w| w.tasks.len()).sum()
+    }
+
+    /// Reads a world, checks its content hash and every value.
+    ///
+    /// # Errors
+    /// If there is no such world, a file is missing or invalid, or the files are not those of the index.
+    pub fn load_world(&self, id: &str) -> Result<World, SuiteError> {
+        let info = self.world_info(id)?;
+        let folder = world_folder(&self.dir, id);
+        let files = WorldFiles::read(&folder)?;
+        // Content first: its message says what is wrong, where the hash only says that something is.
+        let world = files.to_world(&folder)?;
+        let found = files.hash();
+        if found != info.sha256 {
+            let (file, stated) = (self.dir.join(INDEX), info.sha256.clone());
+            return Err(SuiteError::Hash { file, world: id.into(), stated, found });
+        }
+        let stored = info_of(&world, found);
+        if stored != *info {
+            let k = self.worlds.iter().position(|w| w.id == id).unwrap_or(0);
+            return Err(SuiteError::invalid(
+                &self.dir.join(INDEX),
+                format!("worlds[{k}]"),
+                format!(
+                    "says {}, but the world's files say {}: make them agree",
+                    brief(info),
+                    brief(&stored)
+                ),
+            ));
+        }
+        Ok(world)
+    }
+
+    /// Content hash of the suite: SHA-256, in hexadecimal, over schema version and the ids and content hashes of all
+    /// worlds in order. It depends on neither path nor system, name nor description.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut hasher = Sha256::new();
+        hasher.update(format!("verti-bench suite, schema {SCHEMA}\n"));
+        for w in &self.worlds {
+            hasher.update(format!("{} {}\n", w.id, w.sha256));
+        }
+        hex(&hasher.finalize())
+    }
+}
+
+/// Writes a suite world by world, the index last: an interrupted writer leaves no suite that looks whole.
+#[derive(Debug)]
+pub struct SuiteWriter {
+    suite: Suite,
+}
+
+impl SuiteWriter {
+    /// Prepares `dir`, which must not exist or be empty.
+    ///
+    /// # Errors
+    /// If the directory holds something or cannot be made.
+    pub fn create(dir: impl AsRef<Path>, meta: SuiteMeta) -> Result<Self, SuiteError> {
+        let dir = dir.as_ref().to_path_buf();
+        std::fs::create_dir_all(&dir).map_err(|e| SuiteError::write(&dir, e))?;
+        let mut entries = std::fs::read_dir(&dir).map_err(|e| SuiteError::write(&dir, e))?;
+        if entries.next().is_some() {
+            return Err(SuiteError::NotEmpty { path: dir });
+        }
+        Ok(Self { suite: Suite { dir, meta, worlds: Vec::new() } })
+    }
+
+    /// Adds a world.
+    ///
+    /// # Errors
+    /// If it has a flaw, its id is taken, or it cannot be written.
+    pub fn add(&mut self, world: &World) -> Result<&WorldInfo, SuiteError> {
+        let folder = world_folder(&self.suite.dir, &world.id);
+        let files = WorldFiles::from_world(world).map_err(|f| SuiteError::flaw(&folder, f))?;
+        let worlds = &mut self.suite.worlds;
+        worlds.push(info_of(world, files.hash()));
+        check_index(worlds)
+            .map_err(|(field, problem)| SuiteError::invalid(&self.suite.dir.join(INDEX), field, problem))?;
+        files.write(&folder)?;
+        Ok(&worlds[worlds.len() - 1])
+    }
+
+    /// Writes the index.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(self) -> Result<Suite, SuiteError> {
+        let file = self.suite.dir.join(INDEX);
+        std::fs::write(&file, index(&self.suite)).map_err(|e| SuiteError::write(&file, e))?;
+        Ok(self.suite)
+    }
+}
+
+fn world_folder(dir: &Path, id: &str) -> PathBuf {
+    dir.join("worlds").join(id)
+}
+
+fn info_of(world: &World, sha256: String) -> WorldInfo {
+    WorldInfo {
+        id: world.id.clone(),
+        elevation: world.elevation,
+        ground: world.ground,
+        density: world.density,
+        tasks: world.tasks.iter().map(|t| t.id.clone()).collect(),
+        sha256,
+    }
+}
+
+fn brief(w: &WorldInfo) -> String {
+    let (elevation, ground, density) = (w.elevation.name(), w.ground.name(), w.density.name());
+    format!("{} ({elevation}, {ground}, {density}, tasks [{}])", w.id, w.tasks.join(", "))
+}
+
+fn check_index(worlds: &[WorldInfo]) -> Result<(), (String, String)> {
+    let mut ids = BTreeSet::new();
+    for (k, w) in worlds.iter().enumerate() {
+        let flaw = |field: &str, problem| Err((format!("worlds[{k}].{field}"), problem));
+        if let Err(problem) = check_id(&w.id) {
+            return flaw("id", problem);
+        }
+        if !ids.insert(&w.id) {
+            return flaw("id", format!("{:?} is used twice: give each world its own", w.id));
+        }
+        if w.sha256.len() != 64 || !w.sha256.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')) {
+            return flaw(
+                "sha256",
+                format!("{:?} is not a SHA-256 of 64 hexadecimal digits in lower case", w.sha256),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The text of `suite.yaml`.
+fn index(suite: &Suite) -> String {
+    let SuiteMeta { name, version, description, provenance } = &suite.meta;
+    let provenance = match provenance {
+        Provenance::Generated { generator, seed } => {
+            format!("generated: {{generator: {}, seed: {seed}}}", text::quoted(generator))
+        }
+        Provenance::Imported { source } => format!("imported: {{source: {}}}", text::quoted(source)),
+        Provenance::Authored { by } => format!("authored: {{by: {}}}", text::quoted(by)),
+    };
+    let [name, version, description] = [name, version, description].map(|s| text::quoted(s));
+    let mut out = format!(
+        "schema: {SCHEMA}\nname: {name}\nversion: {version}\ndescription: {description}\nprovenance:\n  {provenance}\n"
+    );
+    out.push_str(if suite.worlds.is_empty() { "worlds: []\n" } else { "worlds:\n" });
+    for w in &suite.worlds {
+        let (elevation, ground, density) = (w.elevation.name(), w.ground.name(), w.density.name());
+        let _ = write!(
+            out,
+            "  - id: {}\n    elevation: {elevation}\n    ground: {ground}\n    density: {density}\n    \
+             tasks: [{}]\n    sha256: {}\n",
+            w.id,
+            w.tasks.join(", "),
+            text::quoted(&w.sha256),
+        );
+    }
+    out
+}

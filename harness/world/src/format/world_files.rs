@@ -1,0 +1,126 @@
+//! A world as the bytes of its files.
+
+use super::documents::{ObstaclesDocument, SemanticsDocument, TasksDocument, WorldDocument, check_schema};
+use super::error::SuiteError;
+use super::{elevation, text};
+use crate::World;
+use crate::check::{Flaw, Part};
+use sha2::{Digest as _, Sha256};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The files of a world, in the order of [`Part::ALL`].
+pub(crate) struct WorldFiles([Vec<u8>; 5]);
+
+impl WorldFiles {
+    /// The files that hold a world.
+    pub(crate) fn from_world(world: &World) -> Result<Self, Flaw> {
+        if world.scale != 1.0 {
+            let problem = format!("{} cannot be stored: worlds are stored at scale 1", world.scale);
+            return Err(Flaw::new(Part::World, "scale", problem));
+        }
+        world.check()?;
+        let (range, levels) = world.heightfield.to_levels();
+        let h = &world.heightfield;
+        Ok(Self([
+            WorldDocument::write(world, range).into_bytes(),
+            elevation::encode(h.rows(), h.cols(), &levels),
+            SemanticsDocument::write(&world.semantics).into_bytes(),
+            ObstaclesDocument::write(&world.obstacles).into_bytes(),
+            TasksDocument::write(&world.tasks).into_bytes(),
+        ]))
+    }
+
+    /// Reads the files from a world's folder.
+    pub(crate) fn read(folder: &Path) -> Result<Self, SuiteError> {
+        let mut files = Self(Default::default());
+        for (part, slot) in Part::ALL.iter().zip(&mut files.0) {
+            let path = folder.join(part.file_name());
+            *slot = std::fs::read(&path).map_err(|source| SuiteError::Read {
+                path,
+                hint: "each world needs world.yaml, elevation.png, semantics.yaml, obstacles.yaml and tasks.yaml",
+                source,
+            })?;
+        }
+        Ok(files)
+    }
+
+    /// Writes the files into a world's folder, which is made.
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), SuiteError> {
+        std::fs::create_dir_all(folder).map_err(|e| SuiteError::write(folder, e))?;
+        for (part, bytes) in Part::ALL.iter().zip(&self.0) {
+            let path = folder.join(part.file_name());
+            std::fs::write(&path, bytes).map_err(|e| SuiteError::write(&path, e))?;
+        }
+        Ok(())
+    }
+
+    /// SHA-256, in hexadecimal, over name, length and bytes of every file. Line ends count as LF: a checkout that
+    /// turned them into CR LF is the same world.
+    pub(crate) fn hash(&self) -> String {
+        let mut hasher = Sha256::new();
+        for (part, bytes) in Part::ALL.iter().zip(&self.0) {
+            let unified;
+            let content = if *part == Part::Elevation || !bytes.contains(&b'\r') {
+                bytes
+            } else {
+                unified = String::from_utf8_lossy(bytes).replace("\r\n", "\n").into_bytes();
+                &unified
+            };
+            hasher.update(part.file_name().as_bytes());
+            hasher.update([0]);
+            hasher.update((content.len() as u64).to_le_bytes());
+            hasher.update(content);
+        }
+        hex(&hasher.finalize())
+    }
+
+    /// The world that the files hold, checked. `folder` is for messages.
+    pub(crate) fn to_world(&self, folder: &Path) -> Result<World, SuiteError> {
+        let [world, image, semantics, obstacles, tasks] = &self.0;
+        let flaw = |f| SuiteError::flaw(folder, f);
+        let (file, yaml) = document(folder, Part::World, world)?;
+        check_schema(&file, yaml)?;
+        let world: WorldDocument = text::parse(&file, yaml)?;
+        world.check().map_err(flaw)?;
+        let grid = &world.grid;
+        let heightfield =
+            elevation::decode(image, grid.rows, grid.cols, grid.pitch, grid.height_range).map_err(flaw)?;
+        let (file, yaml) = document(folder, Part::Semantics, semantics)?;
+        let semantics = text::parse::<SemanticsDocument>(&file, yaml)?.into_semantics().map_err(flaw)?;
+        let (file, yaml) = document(folder, Part::Obstacles, obstacles)?;
+        let obstacles = text::parse::<ObstaclesDocument>(&file, yaml)?.into_obstacles().map_err(flaw)?;
+        let (file, yaml) = document(folder, Part::Tasks, tasks)?;
+        let tasks = text::parse::<TasksDocument>(&file, yaml)?.tasks;
+        let WorldDocument { id, elevation, ground, density, .. } = world;
+        let world =
+            World { id, elevation, ground, density, scale: 1.0, heightfield, semantics, obstacles, tasks };
+        world.check().map_err(flaw)?;
+        Ok(world)
+    }
+}
+
+/// The text of a document, with its place.
+fn document<'a>(
+    folder: &Path,
+    part: Part,
+    bytes: &'a [u8],
+) -> Result<(std::path::PathBuf, &'a str), SuiteError> {
+    let file = folder.join(part.file_name());
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok((file, text)),
+        Err(e) => Err(SuiteError::invalid(
+            &file,
+            format!("byte {}", e.valid_up_to()),
+            "is not UTF-8 text: restore the file",
+        )),
+    }
+}
+
+/// Lower-case hexadecimal.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
+        let _ = write!(out, "{b:02x}");
+        out
+    })
+}
