@@ -2,7 +2,9 @@
 //! normative text; units are SI, angles radians, body axes x forward, y left, z up.
 
 /// A vector in three dimensions.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(target_family = "wasm"), derive(abi_stable::StableAbi))]
 pub struct Vec3 {
     /// First component.
     pub x: f64,
@@ -13,7 +15,9 @@ pub struct Vec3 {
 }
 
 /// A point of the plane, m.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(target_family = "wasm"), derive(abi_stable::StableAbi))]
 pub struct Point2 {
     /// East, m.
     pub x: f64,
@@ -22,7 +26,9 @@ pub struct Point2 {
 }
 
 /// A pose in the plane.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(target_family = "wasm"), derive(abi_stable::StableAbi))]
 pub struct Pose2 {
     /// East, m.
     pub x: f64,
@@ -69,7 +75,9 @@ pub struct Vehicle {
 
 /// Where the samples of a [`Map`] lie: sample (row, col) is at x = `origin_x` + col·`resolution`,
 /// y = `origin_y` + row·`resolution`; row 0 is the southernmost.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(target_family = "wasm"), derive(abi_stable::StableAbi))]
 pub struct GridFrame {
     /// Number of rows (south to north).
     pub rows: u32,
@@ -133,7 +141,9 @@ pub struct Param {
 }
 
 /// The state of one wheel.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(target_family = "wasm"), derive(abi_stable::StableAbi))]
 pub struct Wheel {
     /// Spin, rad/s, positive when rolling forward.
     pub speed: f64,

@@ -1,0 +1,100 @@
+//! The macro that turns a planner into a plugin.
+
+/// Exports a [`Planner`](crate::Planner) as a plugin, for both carriers.
+///
+/// ```
+/// # use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
+/// # struct Stand;
+/// # impl Planner for Stand {
+/// #     fn init(_: &Task) -> Result<Self, PlannerError> { Ok(Self) }
+/// #     fn step(&mut self, _: &Observation) -> Result<Command, PlannerError> { Ok(Command::default()) }
+/// # }
+/// vb_sdk::export_planner! {
+///     planner: Stand,
+///     name: "stand",
+///     about: "Doesn't move",
+///     control_period: 0.1,
+///     params: { speed: 3.0 => "target speed, m/s" }
+/// }
+/// ```
+///
+/// `name` may hold `a-z`, `0-9`, `-` and `_`; `control_period` is in seconds, a multiple of 0.001; `params` may be
+/// left out. Version and authors are those of the crate. Invoke it once in a crate.
+#[macro_export]
+macro_rules! export_planner {
+    (
+        planner: $planner:ty,
+        name: $name:literal,
+        about: $about:literal,
+        control_period: $period:literal
+        $(, params: { $($key:ident : $default:literal => $help:literal),* $(,)? })? $(,)?
+    ) => {
+        const _: () = {
+            const FIELDS: &[(&str, &str)] = &[
+                ("abi", $crate::ABI_VERSION),
+                ("name", $name),
+                ("version", env!("CARGO_PKG_VERSION")),
+                ("authors", env!("CARGO_PKG_AUTHORS")),
+                ("about", $about),
+                ("control-period", concat!($period)),
+                $($(
+                    ("param", stringify!($key)),
+                    ("default", concat!($default)),
+                    ("help", $help),
+                )*)?
+            ];
+            const _: () = {
+                assert!($crate::metadata::is_name($name), "name: only a-z, 0-9, - and _");
+                assert!(
+                    $crate::metadata::is_control_period($period),
+                    "control_period: a positive multiple of 0.001 s, with a decimal point"
+                );
+            };
+            const LENGTH: usize = $crate::metadata::encoded_len(FIELDS);
+
+            #[used]
+            #[cfg_attr(target_family = "wasm", unsafe(link_section = "vb:planner"))]
+            #[cfg_attr(
+                all(not(target_family = "wasm"), not(target_vendor = "apple")),
+                unsafe(link_section = ".vb.planner")
+            )]
+            #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__vb_planner"))]
+            static METADATA: [u8; LENGTH] = $crate::metadata::encode(FIELDS);
+
+            $crate::__export_carrier!($planner, METADATA);
+        };
+    };
+}
+
+#[cfg(target_family = "wasm")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __export_carrier {
+    ($planner:ty, $metadata:ident) => {
+        type VbGuest = $crate::wasm::Guest<$planner>;
+        $crate::wasm::export!(VbGuest with_types_in $crate::wasm::bindings);
+    };
+}
+
+#[cfg(not(target_family = "wasm"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __export_carrier {
+    ($planner:ty, $metadata:ident) => {
+        extern "C" fn vb_root_module() -> $crate::__abi_stable::library::RootModuleResult {
+            $crate::native::erased_module::<$planner>(&$metadata)
+        }
+
+        // Under the name that abi_stable looks for; its own attribute predates `unsafe(no_mangle)`.
+        #[unsafe(export_name = "_1as_0lib_1header_0root_bmodule_bloader")]
+        #[allow(missing_docs)]
+        pub static VB_ROOT_MODULE: $crate::__abi_stable::library::LibHeader =
+            // SAFETY: the constructor returns an erased `PlannerModuleRef`.
+            unsafe {
+                $crate::__abi_stable::library::LibHeader::from_constructor::<$crate::native::PlannerModuleRef>(
+                    vb_root_module,
+                    $crate::__abi_stable::library::CheckTypeLayout::Yes,
+                )
+            };
+    };
+}

@@ -1,0 +1,276 @@
+//! What a plugin says of itself, readable without running it.
+//!
+//! [`export_planner!`](crate::export_planner) puts a text into a section of the file: the custom section
+//! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8, one
+//! `key: value` a line, with `\\`, `\n` and `\r` escaped by a backslash. `param` begins a parameter, to which the
+//! `default` and `help` that follow belong. Unknown keys are ignored, so later versions may add some.
+
+use std::fmt;
+
+/// Name of the custom section of a WASM plugin.
+pub const WASM_SECTION: &str = "vb:planner";
+/// Name of the section of a native plugin in ELF.
+pub const ELF_SECTION: &str = ".vb.planner";
+/// Name of the section of a native plugin in Mach-O.
+pub const MACHO_SECTION: &str = "__vb_planner";
+
+/// What a plugin says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metadata {
+    /// Version of the planner interface, e.g. `0.1`.
+    pub abi: String,
+    /// Name of the planner.
+    pub name: String,
+    /// Version of the planner's package.
+    pub version: String,
+    /// Authors of the planner's package.
+    pub authors: Vec<String>,
+    /// One sentence on what it does.
+    pub about: String,
+    /// Wanted time between two steps, s; a multiple of 1 ms.
+    pub control_period: f64,
+    /// Parameters that a user may set.
+    pub params: Vec<ParamSpec>,
+}
+
+/// A parameter that a planner declares.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParamSpec {
+    /// Name.
+    pub key: String,
+    /// Value when the user sets none.
+    pub default: String,
+    /// What it means, with its unit.
+    pub help: String,
+}
+
+/// Why a metadata text can't be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MetadataError {
+    /// The text is not UTF-8.
+    NotUtf8,
+    /// A line is not `key: value`, or its value doesn't fit its key.
+    BadLine {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+    /// A key that must be there is missing.
+    Missing {
+        /// The key.
+        key: &'static str,
+    },
+}
+
+impl fmt::Display for MetadataError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotUtf8 => write!(f, "it is not UTF-8"),
+            Self::BadLine { line, text } => write!(f, "line {line} is `{text}`"),
+            Self::Missing { key } => write!(f, "`{key}` is missing"),
+        }
+    }
+}
+
+impl std::error::Error for MetadataError {}
+
+impl Metadata {
+    /// Reads the text of the section.
+    ///
+    /// # Errors
+    /// If it is not the text that [the module](self) describes.
+    pub fn parse(bytes: &[u8]) -> Result<Self, MetadataError> {
+        let text = std::str::from_utf8(bytes).map_err(|_| MetadataError::NotUtf8)?;
+        let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
+        let (mut authors, mut about, mut params) = (Vec::new(), String::new(), Vec::<ParamSpec>::new());
+        for (number, line) in text.lines().enumerate() {
+            let bad = || MetadataError::BadLine { line: number + 1, text: line.to_owned() };
+            let (key, value) = line.split_once(": ").ok_or_else(bad)?;
+            let value = unescape(value).ok_or_else(bad)?;
+            match key {
+                "abi" => abi = Some(value),
+                "name" => name = Some(value),
+                "version" => version = Some(value),
+                // Cargo joins the authors of a package by colons.
+                "authors" => authors = value.split(':').filter(|a| !a.is_empty()).map(str::to_owned).collect(),
+                "about" => about = value,
+                "control-period" => {
+                    let seconds = value.parse().ok().filter(|s| is_control_period(*s)).ok_or_else(bad)?;
+                    period = Some(seconds);
+                }
+                "param" => params.push(ParamSpec { key: value, default: String::new(), help: String::new() }),
+                "default" => params.last_mut().ok_or_else(bad)?.default = value,
+                "help" => params.last_mut().ok_or_else(bad)?.help = value,
+                _ => {}
+            }
+        }
+        let missing = |key| MetadataError::Missing { key };
+        Ok(Self {
+            abi: abi.ok_or(missing("abi"))?,
+            name: name.ok_or(missing("name"))?,
+            version: version.ok_or(missing("version"))?,
+            authors,
+            about,
+            control_period: period.ok_or(missing("control-period"))?,
+            params,
+        })
+    }
+}
+
+fn unescape(text: &str) -> Option<String> {
+    let mut out = String::with_capacity(text.len());
+    let mut chars = text.chars();
+    while let Some(c) = chars.next() {
+        out.push(match c {
+            '\\' => match chars.next()? {
+                'n' => '\n',
+                'r' => '\r',
+                '\\' => '\\',
+                _ => return None,
+            },
+            c => c,
+        });
+    }
+    Some(out)
+}
+
+/// Whether this is a control period that the harness can keep: a positive multiple of its step of 1 ms, s.
+#[must_use]
+pub const fn is_control_period(seconds: f64) -> bool {
+    let steps = seconds * 1000.0;
+    // Decimal fractions of a second are not exact in binary; a millionth of a step is.
+    let nearest = (steps + 0.5) as u64;
+    let off = steps - nearest as f64;
+    nearest > 0 && nearest < 1_000_000_000 && off < 1e-6 && off > -1e-6
+}
+
+/// Whether this can be the name of a planner: `a-z`, `0-9`, `-` and `_`, at least one, since files are named by it.
+#[must_use]
+pub const fn is_name(name: &str) -> bool {
+    let bytes = name.as_bytes();
+    let mut i = 0;
+    while i < bytes.len() {
+        if !matches!(bytes[i], b'a'..=b'z' | b'0'..=b'9' | b'-' | b'_') {
+            return false;
+        }
+        i += 1;
+    }
+    !bytes.is_empty()
+}
+
+/// Length of [`encode`]'s result.
+#[must_use]
+pub const fn encoded_len(fields: &[(&str, &str)]) -> usize {
+    let (mut length, mut i) = (0, 0);
+    while i < fields.len() {
+        let (key, value) = (fields[i].0.as_bytes(), fields[i].1.as_bytes());
+        length += key.len() + ": \n".len() + value.len();
+        let mut j = 0;
+        while j < value.len() {
+            length += matches!(value[j], b'\n' | b'\r' | b'\\') as usize;
+            j += 1;
+        }
+        i += 1;
+    }
+    length
+}
+
+/// The text of a section from its keys and values. Evaluated at compile time, to fill a static.
+#[must_use]
+pub const fn encode<const N: usize>(fields: &[(&str, &str)]) -> [u8; N] {
+    let mut out = [0; N];
+    let (mut at, mut i) = (0, 0);
+    while i < fields.len() {
+        let (key, value) = (fields[i].0.as_bytes(), fields[i].1.as_bytes());
+        let mut j = 0;
+        while j < key.len() {
+            out[at] = key[j];
+            at += 1;
+            j += 1;
+        }
+        out[at] = b':';
+        out[at + 1] = b' ';
+        at += 2;
+        j = 0;
+        while j < value.len() {
+            let escaped = match value[j] {
+                b'\n' => b'n',
+                b'\r' => b'r',
+                b'\\' => b'\\',
+                _ => 0,
+            };
+            if escaped == 0 {
+                out[at] = value[j];
+            } else {
+                out[at] = b'\\';
+                at += 1;
+                out[at] = escaped;
+            }
+            at += 1;
+            j += 1;
+        }
+        out[at] = b'\n';
+        at += 1;
+        i += 1;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIELDS: &[(&str, &str)] = &[
+        ("abi", "0.1"),
+        ("name", "x"),
+        ("version", "1.2.3"),
+        ("authors", "A B <a@b>:C"),
+        ("about", "two\nlines: a\\b\r"),
+        ("control-period", "0.05"),
+        ("param", "speed"),
+        ("default", "3.0"),
+        ("help", "m/s"),
+        ("param", "mode"),
+        ("default", ""),
+        ("later", "ignored"),
+    ];
+    static BYTES: [u8; encoded_len(FIELDS)] = encode(FIELDS);
+
+    #[test]
+    fn what_is_encoded_at_compile_time_reads_back() {
+        let m = Metadata::parse(&BYTES).unwrap();
+        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("0.1", "x", "1.2.3"));
+        assert_eq!(m.authors, ["A B <a@b>", "C"]);
+        assert_eq!(m.about, "two\nlines: a\\b\r");
+        assert_eq!(m.control_period, 0.05);
+        let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };
+        assert_eq!(m.params, [spec("speed", "3.0", "m/s"), spec("mode", "", "")]);
+    }
+
+    #[test]
+    fn a_damaged_text_is_refused_with_the_place() {
+        let parse = |t: &[u8]| Metadata::parse(t).unwrap_err();
+        assert_eq!(parse(b"\xff"), MetadataError::NotUtf8);
+        assert_eq!(parse(b"abi: 0.1\nname"), MetadataError::BadLine { line: 2, text: "name".into() });
+        assert_eq!(parse(b"default: 3"), MetadataError::BadLine { line: 1, text: "default: 3".into() });
+        assert_eq!(parse(b"about: \\q"), MetadataError::BadLine { line: 1, text: "about: \\q".into() });
+        assert_eq!(parse(b"abi: 0.1\nname: x\n"), MetadataError::Missing { key: "version" });
+        for period in ["0", "-0.1", "nan", "inf", "0.0005", "x"] {
+            let text = format!("control-period: {period}");
+            assert!(matches!(parse(text.as_bytes()), MetadataError::BadLine { .. }), "{period}");
+        }
+    }
+
+    #[test]
+    fn control_periods_are_positive_multiples_of_a_millisecond() {
+        assert!([0.001, 0.005, 0.05, 0.1, 0.123, 1.0, 0.3].into_iter().all(is_control_period));
+        assert!(![0.0, -0.1, 0.0015, 0.05001, f64::NAN, f64::INFINITY].into_iter().any(is_control_period));
+    }
+
+    #[test]
+    fn names_are_fit_for_files() {
+        assert!(["pid", "mppi-6", "a_b"].into_iter().all(is_name));
+        assert!(!["", "Pid", "a/b", "a b", "é"].into_iter().any(is_name));
+    }
+}

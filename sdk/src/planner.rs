@@ -1,0 +1,116 @@
+//! The planner trait.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::{Command, Observation, Task};
+
+/// One planner for one task. Implement it and export it by [`export_planner!`](crate::export_planner).
+///
+/// A planner sees nothing but the task and its observations: there is no clock, no file and no network. For
+/// randomness seed [`rng::Rng`](crate::rng::Rng) with [`Task::seed`].
+pub trait Planner: Sized + 'static {
+    /// Prepares for a task; called once, before the first step.
+    ///
+    /// # Errors
+    /// An error ends the task with the outcome `planner_error` and this text.
+    fn init(task: &Task) -> Result<Self, PlannerError>;
+
+    /// Called every control period, first at time 0. The command holds until the next call.
+    ///
+    /// # Errors
+    /// An error ends the task with the outcome `planner_error` and this text.
+    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError>;
+}
+
+/// Why a planner gives up on a task: a text for the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlannerError(String);
+
+impl PlannerError {
+    /// An error with this text.
+    pub fn new(message: impl fmt::Display) -> Self {
+        Self(message.to_string())
+    }
+}
+
+impl fmt::Display for PlannerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for PlannerError {}
+
+impl From<String> for PlannerError {
+    fn from(message: String) -> Self {
+        Self(message)
+    }
+}
+
+impl From<&str> for PlannerError {
+    fn from(message: &str) -> Self {
+        Self(message.to_owned())
+    }
+}
+
+impl Task {
+    /// The value of a parameter as text, if the planner declares it.
+    #[must_use]
+    pub fn param(&self, key: &str) -> Option<&str> {
+        self.params.iter().find(|p| p.key == key).map(|p| p.value.as_str())
+    }
+
+    /// The value of a parameter, parsed.
+    ///
+    /// # Errors
+    /// If the planner doesn't declare the parameter, or its value is not a `T`.
+    pub fn param_as<T: FromStr>(&self, key: &str) -> Result<T, PlannerError> {
+        let value = self
+            .param(key)
+            .ok_or_else(|| PlannerError(format!("parameter `{key}` is not declared in export_planner!")))?;
+        value.trim().parse().map_err(|_| {
+            let wanted = std::any::type_name::<T>();
+            PlannerError(format!("parameter `{key}`: `{value}` is not a value of type {wanted}"))
+        })
+    }
+
+    /// The value of a parameter as a finite number.
+    ///
+    /// # Errors
+    /// If the planner doesn't declare the parameter, or its value is not a finite number.
+    pub fn param_f64(&self, key: &str) -> Result<f64, PlannerError> {
+        let value: f64 = self.param_as(key)?;
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(PlannerError(format!("parameter `{key}`: {value} is not a finite number")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Param;
+
+    fn task(value: &str) -> Task {
+        Task { params: vec![Param { key: "speed".into(), value: value.into() }], ..Task::default() }
+    }
+
+    #[test]
+    fn a_declared_parameter_is_parsed() {
+        assert_eq!(task(" 4.5 ").param_f64("speed"), Ok(4.5));
+        assert_eq!(task("7").param_as::<u32>("speed"), Ok(7));
+        assert_eq!(task("x").param("speed"), Some("x"));
+    }
+
+    #[test]
+    fn a_bad_parameter_names_itself_and_its_value() {
+        for (value, key) in [("fast", "speed"), ("NaN", "speed"), ("inf", "speed"), ("1", "lookahead")] {
+            let message = task(value).param_f64(key).unwrap_err().to_string();
+            assert!(message.contains(&format!("`{key}`")), "{message}");
+        }
+        assert!(task("fast").param_f64("speed").unwrap_err().to_string().contains("`fast`"));
+    }
+}
