@@ -13,6 +13,7 @@ mod raster;
 mod semantics;
 mod task;
 mod world;
+pub mod yaml;
 
 pub use check::{Flaw, Part};
 pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo};

@@ -1,33 +1,14 @@
-//! YAML in and out: strict reading with the path of the field, and plain writing.
+//! YAML as the documents of a suite need it: reading with the file's name in messages, plain writing.
 
 use super::error::SuiteError;
+use crate::yaml;
 use serde::de::DeserializeOwned;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Parses a document; an error names the file, the field and the line.
 pub(crate) fn parse<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, SuiteError> {
-    let mut options = serde_yaml::Options::default();
-    options.with_snippet = false;
-    // The sizes that these limits guard against are known: they are the sizes of our own files.
-    options.budget = serde_yaml::budget!(max_events: 20_000_000, max_nodes: 10_000_000);
-    let mut field = String::new();
-    let parsed = serde_yaml::with_deserializer_from_str_with_options(text, options, |de| {
-        serde_path_to_error::deserialize::<_, T>(de).map_err(|e| {
-            field = e.path().to_string();
-            e.into_inner()
-        })
-    });
-    parsed.map_err(|e| {
-        let field = if field.is_empty() || field == "." { "document".into() } else { field };
-        let problem = e.without_snippet().to_string();
-        SuiteError::invalid(file, field, one_line(&problem))
-    })
-}
-
-/// The message on one line.
-pub(crate) fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
+    yaml::parse(text).map_err(|e| SuiteError::invalid(file, e.field, e.problem))
 }
 
 /// A number as people write it, in the shortest form that reads back to the same bits, always with a decimal point
