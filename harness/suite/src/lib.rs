@@ -1,1 +1,4 @@
 //! Makes suites: the seeded generator, the global planner, the import of the original data.
+
+pub mod import;
+pub mod path;

@@ -144,7 +144,8 @@ impl World {
                     format!("{mu} on {name}: deformable patches carry 0, their grip comes from the soil"),
                 );
             }
-            if !class.is_deformable() && !(mu > 0.0 && mu <= MAX_FRICTION) {
+            let grips = mu > 0.0 && mu <= MAX_FRICTION;
+            if !class.is_deformable() && !grips {
                 return flaw(field(), format!("{mu} on {}: must lie in (0, {MAX_FRICTION}]", class.name()));
             }
             let excluded = match self.ground {

@@ -1,4 +1,5 @@
 //! Suites on disk: what is written reads back, and what is wrong is named.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 use std::path::Path;
 use vb_world::{

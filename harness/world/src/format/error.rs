@@ -93,8 +93,7 @@ impl SuiteError {
 pub(crate) fn list(ids: &[&str]) -> String {
     match ids {
         [] => "none".into(),
-        [all @ ..] if all.len() <= 12 => all.join(", "),
-        [first, .., last] => format!("{} from {first} to {last}", ids.len()),
-        [one] => (*one).into(),
+        [first, .., last] if ids.len() > 12 => format!("{} from {first} to {last}", ids.len()),
+        few => few.join(", "),
     }
 }

@@ -1,0 +1,334 @@
+//! The import against the released data and the figures measured on it. Without that data the tests say so and
+//! pass.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+use std::path::{Path, PathBuf};
+use vb_suite::{
+    import::{ImportError, Source},
+    path,
+};
+use vb_world::{ObstacleKind, Suite, World, geometry};
+
+fn shared() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let dir = std::env::var_os("VB_SHARED").map_or(beside, PathBuf::from);
+    if !dir.join("verti-bench/BenchMaps").is_dir() {
+        eprintln!("skipped: no reference data at {} (set VB_SHARED)", dir.display());
+        return None;
+    }
+    Some(dir)
+}
+
+/// Rows of a CSV file as (header, cells).
+fn table(file: PathBuf) -> Vec<std::collections::BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let mut lines = text.lines();
+    let header: Vec<_> = lines.next().unwrap().split(',').collect();
+    lines
+        .map(|l| header.iter().map(|h| (*h).to_owned()).zip(l.split(',').map(str::to_owned)).collect())
+        .collect()
+}
+
+fn number(row: &std::collections::BTreeMap<String, String>, key: &str) -> f64 {
+    row[key].parse().unwrap_or_else(|_| panic!("{key} = {:?}", row[key]))
+}
+
+/// Percentile by linear interpolation between order statistics, as NumPy's default.
+fn percentile(sorted: &[f64], p: f64) -> f64 {
+    let at = p / 100.0 * (sorted.len() - 1) as f64;
+    let k = (at as usize).min(sorted.len() - 2);
+    sorted[k] + (at - k as f64) * (sorted[k + 1] - sorted[k])
+}
+
+/// Slope of every triangle of the surface, degrees, ascending.
+fn facet_slopes(world: &World) -> Vec<f64> {
+    let h = &world.heightfield;
+    let mut slopes = Vec::new();
+    for row in 0..h.rows() - 1 {
+        for col in 0..h.cols() - 1 {
+            for [u, v] in [[0.25, 0.75], [0.75, 0.25]] {
+                let x = (col as f64 + u) * h.pitch() - h.half_x();
+                let y = (row as f64 + v) * h.pitch() - h.half_y();
+                let p = h.at(x, y);
+                slopes.push(vb_math::angle::degrees(vb_math::atan(vb_math::hypot(p.dzdx, p.dzdy))));
+            }
+        }
+    }
+    slopes.sort_by(f64::total_cmp);
+    slopes
+}
+
+#[test]
+fn pixels_labels_and_heights_are_those_of_the_reference_vectors() {
+    let Some(shared) = shared() else { return };
+    let vectors = std::fs::read_to_string(shared.join("reference/testvectors.json")).unwrap();
+    let vectors: serde_json::Value = serde_json::from_str(&vectors).unwrap();
+    let source = Source::find(shared.join("verti-bench")).unwrap();
+    let present: Vec<u32> = source.ids().collect();
+    let mut checked = 0;
+    for (id, v) in vectors.as_object().unwrap() {
+        let id: u32 = id.parse().unwrap();
+        if !present.contains(&id) {
+            eprintln!("skipped: world {id} is not among the reference data");
+            continue;
+        }
+        let world = source.world(id).unwrap();
+        let max = v["max_height"].as_f64().unwrap();
+        assert_eq!(world.heightfield.to_levels().0, [0.0, max]);
+        for p in v["pixels"].as_array().unwrap() {
+            let (x, y) = (p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap());
+            let (row, col) = (p["row"].as_u64().unwrap() as usize, p["col"].as_u64().unwrap() as usize);
+            let grey = p["grey"].as_f64().unwrap();
+            // Node (south row, col): exactly the grey's share of the range.
+            assert_eq!(world.heightfield.node(128 - row, col), max * (grey / 255.0), "world {id}: {p}");
+            assert!(
+                (world.heightfield.height(x, y) - p["mesh_z"].as_f64().unwrap()).abs() < 1e-6,
+                "{id}: {p}"
+            );
+            let (i, j) = ((row / 8).min(15), (col / 8).min(15));
+            let class = world.semantics.classes[(15 - i) * 16 + j];
+            assert_eq!(u64::from(class.label()), p["label"].as_u64().unwrap(), "world {id}: {p}");
+            checked += 1;
+        }
+        for p in v["mesh_heights_128m"].as_array().unwrap() {
+            let (x, y, z) = (p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap(), p["z"].as_f64().unwrap());
+            // The vectors carry millimetres of position and micrometres of height.
+            assert!((world.heightfield.height(x, y) - z).abs() < 1e-6, "world {id}: {p}");
+        }
+    }
+    assert!(checked >= 12);
+}
+
+#[test]
+fn every_world_has_the_measured_statistics_tasks_and_short_safe_paths() {
+    let Some(shared) = shared() else { return };
+    let source = Source::find(shared.join("verti-bench")).unwrap();
+    let worlds = table(shared.join("reference/worlds.csv"));
+    let tasks = table(shared.join("reference/tasks.csv"));
+    let (mut ours, mut beziers, mut count) = (0.0, 0.0, 0usize);
+    for id in source.ids() {
+        let world = source.world(id).unwrap();
+        let row = worlds.iter().find(|r| r["world"] == id.to_string()).unwrap();
+        let level = if row["difficulty"] == "mid" { "medium" } else { &row["difficulty"] };
+        assert_eq!(world.elevation.name(), level);
+        assert_eq!(world.ground.name(), row["terrain_type"]);
+        assert_eq!(world.density.name(), row["density"]);
+
+        let heights = world.heightfield.heights();
+        let n = heights.len() as f64;
+        let mean = heights.iter().sum::<f64>() / n;
+        let std = (heights.iter().map(|z| (z - mean) * (z - mean)).sum::<f64>() / n).sqrt();
+        let (low, high) = world.heightfield.range();
+        for (key, value) in [("h_min", low), ("h_mean", mean), ("h_std", std), ("h_max", high)] {
+            assert!((value - number(row, key)).abs() < 1.1e-4, "world {id}: {key}: {value}");
+        }
+        let slopes = facet_slopes(&world);
+        for (key, p) in [
+            ("facet_slope_p50_deg", 50.0),
+            ("facet_slope_p90", 90.0),
+            ("facet_slope_p99", 99.0),
+            ("facet_slope_max", 100.0),
+        ] {
+            let value = percentile(&slopes, p);
+            assert!((value - number(row, key)).abs() < 0.011, "world {id}: {key}: {value}");
+        }
+        let mut classes = Vec::new();
+        for class in vb_world::TerrainClass::ALL {
+            let n = world.semantics.classes.iter().filter(|&&c| c == class).count();
+            if n > 0 {
+                classes.push(format!("{}:{n}", class.name()));
+            }
+        }
+        let mut expected: Vec<_> = row["classes"].split(';').map(str::to_owned).collect();
+        classes.sort();
+        expected.sort();
+        assert_eq!(classes, expected, "world {id}");
+        let boxes = world.obstacles.iter().filter(|o| matches!(o.kind, ObstacleKind::Box { .. })).count();
+        assert_eq!(boxes as f64, number(row, "rocks"));
+        assert_eq!((world.obstacles.len() - boxes) as f64, number(row, "trees"));
+
+        let outlines: Vec<_> = world.obstacles.iter().map(vb_world::Obstacle::footprint).collect();
+        for (k, task) in world.tasks.iter().enumerate() {
+            let row =
+                tasks.iter().find(|r| r["world"] == id.to_string() && r["task"] == k.to_string()).unwrap();
+            for (key, value) in [
+                ("start_x", task.start.x),
+                ("start_y", task.start.y),
+                ("goal_x", task.goal[0]),
+                ("goal_y", task.goal[1]),
+            ] {
+                assert!((value - number(row, key)).abs() < 1e-5, "world {id}, task {k}: {key}: {value}");
+            }
+            let turn = vb_math::angle::wrap(task.start.yaw - number(row, "yaw0_rad"));
+            assert!(turn.abs() < 1e-5, "world {id}, task {k}: yaw {}", task.start.yaw);
+            for (key, [x, y]) in
+                [("true_ground_start", [task.start.x, task.start.y]), ("true_ground_goal", task.goal)]
+            {
+                let z = world.heightfield.height(x, y);
+                assert!((z - number(row, key)).abs() < 1.1e-4, "world {id}, task {k}: {key}: {z}");
+            }
+            let closest = task
+                .path
+                .windows(2)
+                .flat_map(|w| outlines.iter().map(|o| geometry::segment_to_polygon(w[0], w[1], o)))
+                .fold(f64::INFINITY, f64::min);
+            // The least distance of the original's paths (facts §2.5).
+            assert!(closest >= 1.99, "world {id}, task {k}: {closest} m");
+            assert_eq!(task.path[0], [task.start.x, task.start.y]);
+            assert_eq!(task.path[task.path.len() - 1], task.goal);
+            assert!(task.path.windows(2).all(|w| path::length(w) < 1.01));
+            ours += path::length(&task.path);
+            beziers += number(row, "bezier_len_m");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 10 * source.ids().len());
+    eprintln!("{count} paths: mean {} m, original {} m", ours / count as f64, beziers / count as f64);
+    assert!(ours <= beziers, "mean {} m, original {} m", ours / count as f64, beziers / count as f64);
+}
+
+#[test]
+fn an_imported_suite_reads_back_bit_for_bit() {
+    let Some(shared) = shared() else { return };
+    let source = Source::find(shared.join("verti-bench/BenchMaps")).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let worlds: Vec<_> = source.ids().take(2).map(|id| source.world(id).unwrap()).collect();
+    Suite::write(dir.path(), &source.meta(), &worlds).unwrap();
+    let suite = Suite::open(dir.path()).unwrap();
+    for world in &worlds {
+        assert_eq!(&suite.load_world(&world.id).unwrap(), world);
+    }
+}
+
+/// A copy of world 1 alone in the original's layout.
+fn copy_of_world_1(shared: &Path) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for file in ["Worlds/1.bmp", "Configs/Final/config1_high.yaml", "Configs/Final/labels1_high.npy"] {
+        let to = dir.path().join("BenchMaps/sampled_maps").join(file);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        let bytes = std::fs::read(shared.join("verti-bench/BenchMaps/sampled_maps").join(file)).unwrap();
+        std::fs::write(to, bytes).unwrap();
+    }
+    dir
+}
+
+fn error(dir: &Path) -> String {
+    let result: Result<_, ImportError> = Source::find(dir).and_then(|s| s.world(1));
+    let message = result.unwrap_err().to_string();
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+#[test]
+fn flaws_of_binary_files_are_named() {
+    let Some(shared) = shared() else { return };
+    type Change = fn(&mut Vec<u8>);
+    let cases: &[(&str, Change, &str)] = &[
+        ("Worlds/1.bmp", |b| b.truncate(9000), "1.bmp: file: 9000 bytes, but the image needs 18106"),
+        ("Worlds/1.bmp", |b| b.truncate(20), "1.bmp: file: 20 bytes, but the image needs 54"),
+        ("Worlds/1.bmp", |b| b.clear(), "1.bmp: file: is not a Windows bitmap"),
+        ("Worlds/1.bmp", |b| b[18] = 128, "1.bmp: size: 128 x 129 pixels: must be 129 x 129"),
+        ("Worlds/1.bmp", |b| b[28] = 24, "1.bmp: format: 24 bits a pixel"),
+        ("Worlds/1.bmp", |b| b[30] = 1, "1.bmp: format: 8 bits a pixel, compression 1"),
+        ("Worlds/1.bmp", |b| b[54 + 4 * 7] = 9, "1.bmp: palette: entry 7 is [9, 7, 7]"),
+        (
+            "Worlds/1.bmp",
+            |b| b[10..14].copy_from_slice(&[60, 0, 0, 0]),
+            "1.bmp: palette: pixels begin at byte 60",
+        ),
+        ("Worlds/1.bmp", |b| b[10..14].fill(255), "1.bmp: file: 18106 bytes, but the image needs"),
+        (
+            "labels1_high.npy",
+            |b| b.truncate(5000),
+            "labels1_high.npy: data: 1218 values, but the shape (129, 129)",
+        ),
+        ("labels1_high.npy", |b| b.truncate(40), "labels1_high.npy: file: 40 bytes"),
+        ("labels1_high.npy", |b| b[0] = b'x', "labels1_high.npy: file: is not a NumPy array"),
+        ("labels1_high.npy", |b| b[6] = 9, "labels1_high.npy: version: 9 is not supported"),
+        ("labels1_high.npy", |b| b[23] = b'8', "labels1_high.npy: descr: '<i8': must be '<i4'"),
+        (
+            "labels1_high.npy",
+            |b| b[128 + 4 * 130] = 9,
+            "labels1_high.npy: [1, 1]: label 9 (snow) differs from",
+        ),
+        (
+            "labels1_high.npy",
+            |b| b[128 + 4 * 130] = 77,
+            "labels1_high.npy: [1, 1]: label 77 must lie in 0 to 9",
+        ),
+    ];
+    for (file, change, expected) in cases {
+        let dir = copy_of_world_1(&shared);
+        let maps = dir.path().join("BenchMaps/sampled_maps");
+        let path =
+            if file.ends_with("npy") { maps.join("Configs/Final").join(file) } else { maps.join(file) };
+        let mut bytes = std::fs::read(&path).unwrap();
+        change(&mut bytes);
+        std::fs::write(&path, bytes).unwrap();
+        let message = error(dir.path());
+        assert!(message.contains(expected), "{message}\nlacks {expected}");
+    }
+}
+
+#[test]
+fn flaws_of_the_config_are_named() {
+    let Some(shared) = shared() else { return };
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("max_height: 16.0", "max_height: high", &["terrain.max_height: \"high\""]),
+        ("max_height: 16.0", "max_height: -1.0", &["terrain.max_height: -1"]),
+        ("length: 64.5", "length: 64.3", &["terrain.width: 64.5 differs from terrain.length, 64.3"]),
+        (
+            "difficulty: high",
+            "difficulty: low",
+            &["terrain.difficulty: low does not agree with the file's name"],
+        ),
+        ("difficulty: high", "difficulty: steep", &["terrain.difficulty", "steep"]),
+        ("obstacle_density: dense", "obstacle_density: [1]", &["obstacle_density"]),
+        ("obstacle_density: dense", "", &["obstacle_density"]),
+        ("x: 26.124761159978952", "x: 260.0", &["obstacles[0]: centre [260.0,", "lies outside the world"]),
+        ("x: 26.124761159978952", "x: east", &["obstacles.rocks[0].position.x: \"east\""]),
+        ("scale: 0.9556456543050853", "scale: -1.0", &["obstacles.rocks[0].scale: -1"]),
+        ("index: [0, 0]", "index: [0, 1]", &["textures[1].index: [0, 1] was given before"]),
+        ("index: [0, 0]", "index: [0, 16]", &["textures[0].index: [0, 16] lies outside"]),
+        ("friction: 0.5409885399236531", "friction: slippery", &["textures[0].friction: \"slippery\""]),
+        ("friction: 0.5409885399236531", "friction: 7.5", &["friction[0][0]: 7.5 on dirt"]),
+        ("friction: 0.5409885399236531\n", "speed: 3\n", &["textures[0].friction: is missing"]),
+        (
+            "terrain_type: rigid",
+            "terrain_type: deformable",
+            &["concrete does not belong in a world whose ground is"],
+        ),
+        ("textures:", "textures: []\nold:", &["textures: 0 entries"]),
+        (
+            "goal: [-60.0,",
+            "goal: [26.12, -16.76, 0.0] #",
+            &["positions[0]: goal [26.12, -16.76] lies 0.00 m from"],
+        ),
+        ("goal: [-60.0,", "goal: [-90.0,", &["positions[0]: goal [-90.0,", "outside"]),
+    ];
+    for (from, to, expected) in cases {
+        let dir = copy_of_world_1(&shared);
+        let path = dir.path().join("BenchMaps/sampled_maps/Configs/Final/config1_high.yaml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let message = error(dir.path());
+        for part in [&["config1_high.yaml: "], *expected].concat() {
+            assert!(message.contains(part), "{from} -> {to}: {message}\nlacks {part}");
+        }
+    }
+}
+
+#[test]
+fn missing_files_are_named() {
+    let empty = tempfile::tempdir().unwrap();
+    let message = error(empty.path());
+    assert!(message.contains("no world found: name the original's BenchMaps folder"), "{message}");
+    let Some(shared) = shared() else { return };
+    for file in ["Worlds/1.bmp", "Configs/Final/labels1_high.npy"] {
+        let dir = copy_of_world_1(&shared);
+        std::fs::remove_file(dir.path().join("BenchMaps/sampled_maps").join(file)).unwrap();
+        let message = error(dir.path());
+        assert!(message.contains(file) && message.contains("cannot read"), "{message}");
+    }
+}
