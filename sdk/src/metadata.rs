@@ -93,7 +93,9 @@ impl Metadata {
                 "name" => name = Some(value),
                 "version" => version = Some(value),
                 // Cargo joins the authors of a package by colons.
-                "authors" => authors = value.split(':').filter(|a| !a.is_empty()).map(str::to_owned).collect(),
+                "authors" => {
+                    authors = value.split(':').filter(|a| !a.is_empty()).map(str::to_owned).collect()
+                }
                 "about" => about = value,
                 "control-period" => {
                     let seconds = value.parse().ok().filter(|s| is_control_period(*s)).ok_or_else(bad)?;

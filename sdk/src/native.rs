@@ -14,8 +14,8 @@ use abi_stable::sabi_types::VersionStrings;
 use abi_stable::std_types::{RErr, ROk, RResult, RSlice, RStr, RString, RVec};
 
 use crate::{
-    Command, GridFrame, LogLevel, Map, Observation, Param, Planner, PlannerError, Point2, Pose2, Series, Task, Vec3,
-    Vehicle, Wheel,
+    Command, GridFrame, LogLevel, Map, Observation, Param, Planner, PlannerError, Point2, Pose2, Series,
+    Task, Vec3, Vehicle, Wheel,
 };
 
 /// The functions of a planner library.
@@ -43,6 +43,12 @@ impl RootModule for PlannerModuleRef {
     const BASE_NAME: &'static str = "vb_planner";
     const NAME: &'static str = "vb_planner";
     const VERSION_STRINGS: VersionStrings = abi_stable::package_version_strings!();
+}
+
+impl std::fmt::Debug for PlannerModuleRef {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("PlannerModuleRef")
+    }
 }
 
 /// Why a native planner failed.
@@ -176,7 +182,8 @@ impl<'a> From<&'a Task> for NativeTask<'a> {
     fn from(t: &'a Task) -> Self {
         let v = &t.vehicle;
         let labels = |m: &'a Map<u8>| NativeLabels { frame: m.frame, data: RSlice::from_slice(&m.data) };
-        let param = |p: &'a Param| NativeParam { key: RStr::from_str(&p.key), value: RStr::from_str(&p.value) };
+        let param =
+            |p: &'a Param| NativeParam { key: RStr::from_str(&p.key), value: RStr::from_str(&p.value) };
         Self {
             id: RStr::from_str(&t.id),
             vehicle: NativeVehicle {
@@ -196,7 +203,10 @@ impl<'a> From<&'a Task> for NativeTask<'a> {
                 min_turn_radius: v.min_turn_radius,
                 max_speed: v.max_speed,
             },
-            elevation: NativeHeights { frame: t.elevation.frame, data: RSlice::from_slice(&t.elevation.data) },
+            elevation: NativeHeights {
+                frame: t.elevation.frame,
+                data: RSlice::from_slice(&t.elevation.data),
+            },
             semantics: labels(&t.semantics),
             occupancy: labels(&t.occupancy),
             path: RSlice::from_slice(&t.path),
@@ -244,7 +254,11 @@ impl From<&NativeTask<'_>> for Task {
             time_limit: t.time_limit,
             control_period: t.control_period,
             seed: t.seed,
-            params: t.params.iter().map(|p| Param { key: p.key.to_string(), value: p.value.to_string() }).collect(),
+            params: t
+                .params
+                .iter()
+                .map(|p| Param { key: p.key.to_string(), value: p.value.to_string() })
+                .collect(),
         }
     }
 }
@@ -287,7 +301,8 @@ impl From<&NativeObservation<'_>> for Observation {
 
 impl From<Command> for NativeCommand {
     fn from(c: Command) -> Self {
-        let debug = c.debug.into_iter().map(|s| NativeSeries { name: s.name.into(), values: s.values.into() });
+        let debug =
+            c.debug.into_iter().map(|s| NativeSeries { name: s.name.into(), values: s.values.into() });
         Self { steering: c.steering, throttle: c.throttle, brake: c.brake, debug: debug.collect() }
     }
 }
@@ -449,6 +464,10 @@ mod tests {
         // SAFETY: as above, and it isn't used again.
         unsafe { module.free()(planner) };
         assert!(fault.panicked);
-        assert!(fault.message.contains("native.rs") && fault.message.contains("too late: 2"), "{}", fault.message);
+        assert!(
+            fault.message.contains("native.rs") && fault.message.contains("too late: 2"),
+            "{}",
+            fault.message
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! Following a path.
 
-use crate::{Point2, PlannerError, math};
+use crate::{PlannerError, Point2, math};
 
 /// A polyline, measured by arc length from its start.
 #[derive(Clone, Debug, PartialEq)]
@@ -184,7 +184,8 @@ mod tests {
     fn points_and_headings_by_arc_length() {
         let p = corner();
         assert_eq!(p.length(), 20.0);
-        for (arc, x, y) in [(-1.0, 0.0, 0.0), (4.0, 4.0, 0.0), (10.0, 10.0, 0.0), (13.0, 10.0, 3.0), (99.0, 10.0, 10.0)]
+        for (arc, x, y) in
+            [(-1.0, 0.0, 0.0), (4.0, 4.0, 0.0), (10.0, 10.0, 0.0), (13.0, 10.0, 3.0), (99.0, 10.0, 10.0)]
         {
             assert_eq!(p.point_at(arc), Point2 { x, y });
         }

@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::sync::Once;
 
-use crate::{Command, GridFrame, LogLevel, Map, Observation, Param, Planner, Point2, Pose2, Task, Vec3, Vehicle, Wheel};
+use crate::{
+    Command, GridFrame, LogLevel, Map, Observation, Param, Planner, Point2, Pose2, Task, Vec3, Vehicle, Wheel,
+};
 use bindings::exports::vertibench::planner::guest;
 use bindings::vertibench::planner::{host, types};
 
@@ -62,7 +64,13 @@ impl<P: Planner> guest::GuestPlanner for Resource<P> {
 
 impl From<types::GridFrame> for GridFrame {
     fn from(f: types::GridFrame) -> Self {
-        Self { rows: f.rows, cols: f.cols, resolution: f.resolution, origin_x: f.origin_x, origin_y: f.origin_y }
+        Self {
+            rows: f.rows,
+            cols: f.cols,
+            resolution: f.resolution,
+            origin_x: f.origin_x,
+            origin_y: f.origin_y,
+        }
     }
 }
 
@@ -124,7 +132,11 @@ impl From<types::Observation> for Observation {
             yaw: o.yaw,
             linear_velocity: o.linear_velocity.into(),
             angular_velocity: o.angular_velocity.into(),
-            wheels: o.wheels.into_iter().map(|w| Wheel { speed: w.speed, deflection: w.deflection }).collect(),
+            wheels: o
+                .wheels
+                .into_iter()
+                .map(|w| Wheel { speed: w.speed, deflection: w.deflection })
+                .collect(),
             last_steering: o.last_steering,
             last_throttle: o.last_throttle,
             last_brake: o.last_brake,

@@ -1,1 +1,22 @@
-//! Loads planner plugins (WASM components and native libraries) and drives them within limits.
+//! Loads planner plugins (WASM and native libraries) and drives them within limits.
+//!
+//! [`inspect`] tells what a plugin says of itself without running it; [`Plugin::load`] makes it ready for any number
+//! of workers; [`Plugin::start`] puts a fresh planner on a task, and [`Session::step`] drives it. What the planner
+//! does wrong ends as a [`PlannerFault`], never as a panic. The interface itself is described in `docs/abi.md`.
+
+mod error;
+mod fault;
+mod inspect;
+mod limits;
+mod log;
+mod native;
+mod plugin;
+mod wasm;
+
+pub use error::{LoadError, ParamError};
+pub use fault::{FaultCause, PlannerFault};
+pub use inspect::inspect;
+pub use limits::Limits;
+pub use log::LogSink;
+pub use plugin::{Carrier, FuelUse, Plugin, Session, clamp, resolve_params};
+pub use vb_sdk::metadata::{Metadata, ParamSpec};

@@ -87,7 +87,8 @@ impl Planner for Pid {
         let goal = self.follower.look_ahead(self.lookahead);
         let error = math::turn(observation.yaw, math::atan2(goal.y - y, goal.x - x));
         let steering = self.steering.update(error, self.period);
-        let (throttle, brake) = self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
+        let (throttle, brake) =
+            self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }
@@ -100,8 +101,14 @@ mod tests {
 
     /// Drives east along the x axis, 100 m, with the default parameters but for `params`.
     fn task(params: &[(&str, &str)]) -> Task {
-        let default =
-            [("speed", "3.0"), ("lookahead", "10.0"), ("kp", "1"), ("ki", "0"), ("kd", "0"), ("speed_kp", "1")];
+        let default = [
+            ("speed", "3.0"),
+            ("lookahead", "10.0"),
+            ("kp", "1"),
+            ("ki", "0"),
+            ("kd", "0"),
+            ("speed_kp", "1"),
+        ];
         let value = |k: &str, d: &str| params.iter().find(|p| p.0 == k).map_or(d, |p| p.1).to_owned();
         Task {
             path: (0..=100).map(|i| Point2 { x: f64::from(i), y: 0.0 }).collect(),
@@ -153,7 +160,8 @@ mod tests {
     fn integral_and_derivative_act_when_they_are_set() {
         // A constant error of 0.2 rad for 1 s: integral 0.2 rad s, derivative 0.
         let mut p = Pid::init(&task(&[("kp", "0"), ("ki", "2"), ("kd", "1")])).unwrap();
-        let commands: Vec<f64> = (0..10).map(|_| p.step(&at(0.0, 0.0, -0.2, 0.0)).unwrap().steering).collect();
+        let commands: Vec<f64> =
+            (0..10).map(|_| p.step(&at(0.0, 0.0, -0.2, 0.0)).unwrap().steering).collect();
         assert!((commands[9] - 0.4).abs() < 1e-12);
         // The heading turns by 0.01 rad in 0.1 s: de/dt = −0.1 rad/s.
         let turned = p.step(&at(0.0, 0.0, -0.19, 0.0)).unwrap().steering;

@@ -1,0 +1,117 @@
+//! What can go wrong when a plugin is loaded.
+
+use std::path::PathBuf;
+
+/// Why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// There is no such file.
+    #[error("{}: no such plugin file; build the shipped planners by `cargo xtask plugins`", .path.display())]
+    NotFound {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file can't be read.
+    #[error("{}: can't read the plugin: {source}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is empty.
+    #[error("{}: the plugin file is empty; build it again", .path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is of another kind.
+    #[error("{}: not a planner plugin: {reason}", .path.display())]
+    NotAPlugin {
+        /// The file.
+        path: PathBuf,
+        /// What it is or lacks.
+        reason: String,
+    },
+    /// The file is damaged.
+    #[error("{}: the plugin is truncated or damaged: {reason}; build it again", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// The metadata can't be read.
+    #[error("{}: the plugin's metadata can't be read: {source}; build it again with export_planner!", .path.display())]
+    Metadata {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: vb_sdk::metadata::MetadataError,
+    },
+    /// The plugin speaks another version of the planner interface.
+    #[error(
+        "{}: the plugin was built for planner ABI {found}; this harness supports {supported}. Rebuild it with vb-sdk \
+         {supported}",
+        .path.display()
+    )]
+    AbiVersion {
+        /// The file.
+        path: PathBuf,
+        /// The plugin's version.
+        found: String,
+        /// The harness's version.
+        supported: &'static str,
+    },
+    /// The plugin wants something from the outside that planners don't get.
+    #[error(
+        "{}: the plugin imports {}, which planners don't get; build it for wasm32-unknown-unknown and let it use \
+         nothing but vb-sdk",
+        .path.display(), .imports.join(", ")
+    )]
+    ForbiddenImports {
+        /// The file.
+        path: PathBuf,
+        /// Names of the imports.
+        imports: Vec<String>,
+    },
+    /// The WebAssembly code is not valid, or the native library can't be opened.
+    #[error("{}: the plugin can't be loaded: {reason}", .path.display())]
+    Unloadable {
+        /// The file.
+        path: PathBuf,
+        /// The engine's or system's reason.
+        reason: String,
+    },
+    /// A native plugin lays its data out in another way than the harness.
+    #[error("{}: the plugin's data layout differs from the harness's: {reason}. Rebuild it with the harness's vb-sdk", .path.display())]
+    LayoutMismatch {
+        /// The file.
+        path: PathBuf,
+        /// The first difference.
+        reason: String,
+    },
+}
+
+/// Why parameters don't fit a planner.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParamError {
+    /// The planner declares no such parameter.
+    #[error("--param {key}: the planner `{planner}` has no such parameter; it has {known}")]
+    Unknown {
+        /// The parameter.
+        key: String,
+        /// The planner.
+        planner: String,
+        /// The parameters that it has.
+        known: String,
+    },
+    /// A parameter is given twice.
+    #[error("--param {key}: given twice; give it once")]
+    Twice {
+        /// The parameter.
+        key: String,
+    },
+}

@@ -1,0 +1,294 @@
+//! A loaded plugin and its sessions.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use sha2::{Digest as _, Sha256};
+use vb_sdk::metadata::Metadata;
+use vb_sdk::native::PlannerModuleRef;
+use vb_sdk::{Command, Observation, Param, Task};
+
+use crate::fault::{FaultCause, PlannerFault};
+use crate::inspect::{self, Format};
+use crate::native::{self, NativeSession};
+use crate::wasm::{WasmPlugin, WasmSession};
+use crate::{Limits, LoadError, LogSink, ParamError};
+
+/// How a plugin is carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Carrier {
+    /// WebAssembly, sandboxed and metered.
+    Wasm,
+    /// A native library in the harness's process: trusted.
+    Native,
+}
+
+/// A loaded planner plugin. Clones share the compiled code; any number of threads may start sessions at once.
+#[derive(Clone, Debug)]
+pub struct Plugin(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    metadata: Metadata,
+    sha256: String,
+    limits: Limits,
+    code: Code,
+}
+
+#[derive(Debug)]
+enum Code {
+    Wasm(WasmPlugin),
+    Native(PlannerModuleRef),
+}
+
+impl Plugin {
+    /// Loads a plugin: a WASM component, a core WASM module as the Rust compiler leaves it, or a native library; the
+    /// content decides, not the name.
+    ///
+    /// Compiled WASM is kept in `cache_dir` (made if it doesn't exist) and taken from there the next time. It is
+    /// machine code: the directory must be one that only the user can write to.
+    ///
+    /// # Errors
+    /// If the file is no plugin that this harness can run; see [`LoadError`]. An unusable cache is no error.
+    pub fn load(path: &Path, limits: &Limits, cache_dir: Option<&Path>) -> Result<Self, LoadError> {
+        let file = inspect::read(path)?;
+        let sha256 = hex(&Sha256::digest(&file.bytes));
+        let code = match file.format {
+            Format::Native => Code::Native(native::load(path)?),
+            Format::Component | Format::CoreModule => {
+                Code::Wasm(WasmPlugin::load(path, &file, &sha256, cache_dir)?)
+            }
+        };
+        Ok(Self(Arc::new(Inner { metadata: file.metadata, sha256, limits: limits.clone(), code })))
+    }
+
+    /// What the plugin says of itself.
+    #[must_use]
+    pub fn metadata(&self) -> &Metadata {
+        &self.0.metadata
+    }
+
+    /// SHA-256 of the plugin file, hexadecimal.
+    #[must_use]
+    pub fn sha256(&self) -> &str {
+        &self.0.sha256
+    }
+
+    /// How the plugin is carried.
+    #[must_use]
+    pub fn carrier(&self) -> Carrier {
+        match self.0.code {
+            Code::Wasm(_) => Carrier::Wasm,
+            Code::Native(_) => Carrier::Native,
+        }
+    }
+
+    /// The limits of its sessions.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.0.limits
+    }
+
+    /// Every declared parameter with the user's value or the default, for [`Task::params`].
+    ///
+    /// # Errors
+    /// If the user gives a parameter that the planner doesn't declare, or one twice.
+    pub fn params(&self, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
+        resolve_params(self.metadata(), given)
+    }
+
+    /// Starts a planner on a task, in a store of its own.
+    ///
+    /// # Errors
+    /// If the planner fails in `init`.
+    pub fn start(&self, task: &Task, log: LogSink) -> Result<Session, PlannerFault> {
+        let inner = match &self.0.code {
+            Code::Wasm(plugin) => {
+                plugin.start(task, log, &self.0.limits).map(|s| SessionKind::Wasm(Box::new(s)))
+            }
+            Code::Native(module) => {
+                NativeSession::start(*module, task, log, self.0.limits.log_bytes).map(SessionKind::Native)
+            }
+        };
+        let inner = inner.map_err(|cause| PlannerFault { step: None, cause })?;
+        Ok(Session { inner, steps: 0, failed: None })
+    }
+}
+
+/// Every declared parameter with the user's value or the default.
+///
+/// # Errors
+/// If the user gives a parameter that the planner doesn't declare, or one twice.
+pub fn resolve_params(metadata: &Metadata, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
+    for (i, (key, _)) in given.iter().enumerate() {
+        if !metadata.params.iter().any(|p| p.key == *key) {
+            let known: Vec<&str> = metadata.params.iter().map(|p| p.key.as_str()).collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            return Err(ParamError::Unknown { key: key.clone(), planner: metadata.name.clone(), known });
+        }
+        if given[..i].iter().any(|(k, _)| k == key) {
+            return Err(ParamError::Twice { key: key.clone() });
+        }
+    }
+    let value = |key: &str| given.iter().find(|(k, _)| k == key).map(|(_, v)| v.clone());
+    let param = |p: &vb_sdk::metadata::ParamSpec| Param {
+        key: p.key.clone(),
+        value: value(&p.key).unwrap_or_else(|| p.default.clone()),
+    };
+    Ok(metadata.params.iter().map(param).collect())
+}
+
+/// A planner at work on one task. It stays on the thread that started it.
+#[derive(Debug)]
+pub struct Session {
+    inner: SessionKind,
+    steps: u64,
+    failed: Option<PlannerFault>,
+}
+
+#[derive(Debug)]
+enum SessionKind {
+    Wasm(Box<WasmSession>),
+    Native(NativeSession),
+}
+
+/// Fuel that a session has used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct FuelUse {
+    /// For start-up and `init`.
+    pub init: u64,
+    /// For all steps together.
+    pub steps: u64,
+    /// For the last step.
+    pub last_step: u64,
+    /// For the dearest step.
+    pub max_step: u64,
+}
+
+impl Session {
+    /// One step of the planner. The command is finite but may be out of range: see [`clamp`].
+    ///
+    /// # Errors
+    /// If the planner fails or its command is not finite. The session is over then; any further call gives the same
+    /// fault.
+    pub fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+        if let Some(fault) = &self.failed {
+            return Err(fault.clone());
+        }
+        let result = match &mut self.inner {
+            SessionKind::Wasm(session) => session.step(observation),
+            SessionKind::Native(session) => session.step(observation),
+        };
+        let step = self.steps;
+        self.steps += 1;
+        result.and_then(finite).map_err(|cause| {
+            let fault = PlannerFault { step: Some(step), cause };
+            self.failed = Some(fault.clone());
+            fault
+        })
+    }
+
+    /// Fuel used until now, `init` included; `None` for native plugins, which are not metered.
+    #[must_use]
+    pub fn fuel_used(&self) -> Option<u64> {
+        self.fuel().map(|f| f.init + f.steps)
+    }
+
+    /// Fuel used until now in detail; `None` for native plugins.
+    #[must_use]
+    pub fn fuel(&self) -> Option<FuelUse> {
+        match &self.inner {
+            SessionKind::Wasm(session) => Some(session.fuel()),
+            SessionKind::Native(_) => None,
+        }
+    }
+}
+
+fn finite(command: Command) -> Result<Command, FaultCause> {
+    let fields = [("steering", command.steering), ("throttle", command.throttle), ("brake", command.brake)];
+    match fields.into_iter().find(|(_, v)| !v.is_finite()) {
+        // The sign of a NaN is not portable, so only its kind is told.
+        Some((field, v)) => {
+            let value = if v.is_nan() { "NaN".to_owned() } else { v.to_string() };
+            Err(FaultCause::InvalidOutput { field, value })
+        }
+        None => Ok(command),
+    }
+}
+
+/// The command with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was out of range.
+#[must_use]
+pub fn clamp(command: Command) -> (Command, bool) {
+    let limited = Command {
+        steering: command.steering.clamp(-1.0, 1.0),
+        throttle: command.throttle.clamp(0.0, 1.0),
+        brake: command.brake.clamp(0.0, 1.0),
+        debug: command.debug,
+    };
+    let changed = limited.steering != command.steering
+        || limited.throttle != command.throttle
+        || limited.brake != command.brake;
+    (limited, changed)
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
+        let _ = write!(out, "{b:02x}");
+        out
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sdk::metadata::ParamSpec;
+
+    fn command(steering: f64, throttle: f64, brake: f64) -> Command {
+        Command { steering, throttle, brake, debug: Vec::new() }
+    }
+
+    #[test]
+    fn commands_out_of_range_are_clamped_and_told() {
+        assert_eq!(clamp(command(-1.0, 1.0, 0.0)), (command(-1.0, 1.0, 0.0), false));
+        assert_eq!(clamp(command(1.5, 0.5, 0.0)), (command(1.0, 0.5, 0.0), true));
+        assert_eq!(clamp(command(-7.0, -0.1, 2.0)), (command(-1.0, 0.0, 1.0), true));
+    }
+
+    #[test]
+    fn commands_that_are_not_finite_are_faults() {
+        let cause = |field, value: &str| Err(FaultCause::InvalidOutput { field, value: value.into() });
+        assert_eq!(finite(command(f64::NAN, 0.0, 0.0)), cause("steering", "NaN"));
+        assert_eq!(finite(command(0.0, f64::INFINITY, 0.0)), cause("throttle", "inf"));
+        assert_eq!(finite(command(0.0, 0.0, f64::NEG_INFINITY)), cause("brake", "-inf"));
+        assert_eq!(finite(command(9.0, 0.0, 0.0)), Ok(command(9.0, 0.0, 0.0)));
+    }
+
+    #[test]
+    fn parameters_are_the_declared_ones_with_the_users_values() {
+        let spec = |k: &str, d: &str| ParamSpec { key: k.into(), default: d.into(), help: String::new() };
+        let metadata = Metadata {
+            abi: "0.1".into(),
+            name: "pid".into(),
+            version: String::new(),
+            authors: vec![],
+            about: String::new(),
+            control_period: 0.1,
+            params: vec![spec("speed", "3.0"), spec("kp", "1.0")],
+        };
+        let given =
+            |l: &[(&str, &str)]| l.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect::<Vec<_>>();
+        let params = resolve_params(&metadata, &given(&[("kp", "2")])).unwrap();
+        let found: Vec<_> = params.iter().map(|p| (p.key.as_str(), p.value.as_str())).collect();
+        assert_eq!(found, [("speed", "3.0"), ("kp", "2")]);
+        let message = resolve_params(&metadata, &given(&[("sped", "2")])).unwrap_err().to_string();
+        assert_eq!(message, "--param sped: the planner `pid` has no such parameter; it has speed, kp");
+        assert!(resolve_params(&metadata, &given(&[("kp", "2"), ("kp", "3")])).is_err());
+    }
+
+    #[test]
+    fn hex_is_two_digits_a_byte() {
+        assert_eq!(hex(&[0x00, 0x0f, 0xa0]), "000fa0");
+    }
+}

@@ -1,0 +1,124 @@
+//! WASM plugins, run by wasmtime.
+
+mod cache;
+mod convert;
+mod engine;
+mod session;
+
+use std::path::Path;
+
+use vb_sdk::Task;
+use wasmtime::Engine;
+use wasmtime::component::types::ComponentItem;
+use wasmtime::component::{Component, Linker};
+
+use crate::fault::{FaultCause, one_line};
+use crate::inspect::{Format, PluginFile};
+use crate::{Limits, LoadError, LogSink};
+
+use session::State;
+pub(crate) use session::WasmSession;
+
+#[allow(missing_docs, unreachable_pub, clippy::all)]
+mod bindings {
+    //! Generated from the interface's text.
+    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_1" });
+}
+
+/// The only interface with functions that a planner may import.
+const HOST_INTERFACE: &str = "vertibench:planner/host@0.1.0";
+
+/// A compiled and linked plugin, ready to be instantiated.
+#[derive(Clone)]
+pub(crate) struct WasmPlugin {
+    engine: Engine,
+    pre: bindings::PlannerPluginPre<State>,
+}
+
+impl std::fmt::Debug for WasmPlugin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("WasmPlugin")
+    }
+}
+
+impl WasmPlugin {
+    pub(crate) fn load(
+        path: &Path,
+        file: &PluginFile,
+        sha256: &str,
+        cache_dir: Option<&Path>,
+    ) -> Result<Self, LoadError> {
+        let unloadable = |e: wasmtime::Error| LoadError::Unloadable {
+            path: path.into(),
+            reason: one_line(&format!("{e:#}")),
+        };
+        let not_a_plugin = |e: wasmtime::Error| LoadError::NotAPlugin {
+            path: path.into(),
+            reason: one_line(&format!("{e:#}")),
+        };
+        let engine = engine::new().map_err(unloadable)?;
+        let cache = cache_dir.map(|dir| cache::entry(dir, &engine, sha256));
+        let component = match cache.as_ref().and_then(|entry| entry.load(&engine)) {
+            Some(component) => component,
+            None => {
+                let component = match file.format {
+                    Format::CoreModule => Component::new(&engine, componentize(path, &file.bytes)?),
+                    _ => Component::new(&engine, &file.bytes),
+                }
+                .map_err(unloadable)?;
+                if let Some(entry) = &cache {
+                    entry.store(&component);
+                }
+                component
+            }
+        };
+        let imports = forbidden_imports(&component, &engine);
+        if !imports.is_empty() {
+            return Err(LoadError::ForbiddenImports { path: path.into(), imports });
+        }
+        let mut linker = Linker::new(&engine);
+        session::add_host_functions(&mut linker).map_err(unloadable)?;
+        let pre = linker.instantiate_pre(&component).map_err(unloadable)?;
+        let pre = bindings::PlannerPluginPre::new(pre).map_err(not_a_plugin)?;
+        Ok(Self { engine, pre })
+    }
+
+    pub(crate) fn start(
+        &self,
+        task: &Task,
+        log: LogSink,
+        limits: &Limits,
+    ) -> Result<WasmSession, FaultCause> {
+        WasmSession::start(&self.engine, &self.pre, task, log, limits)
+    }
+}
+
+/// What the component wants from outside beyond the planner interface. An instance that holds nothing but types asks
+/// for nothing.
+fn forbidden_imports(component: &Component, engine: &Engine) -> Vec<String> {
+    let only_types = |item: &ComponentItem| match item {
+        ComponentItem::ComponentInstance(instance) => {
+            instance.exports(engine).all(|(_, export)| matches!(export.ty, ComponentItem::Type(_)))
+        }
+        ComponentItem::Type(_) => true,
+        _ => false,
+    };
+    component
+        .component_type()
+        .imports(engine)
+        .filter(|(name, import)| *name != HOST_INTERFACE && !only_types(&import.ty))
+        .map(|(name, _)| one_line(name))
+        .collect()
+}
+
+/// A component from a core module that carries its component type in a custom section.
+fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
+    wit_component::ComponentEncoder::default()
+        .validate(true)
+        .module(module)
+        .and_then(|mut encoder| encoder.encode())
+        .map_err(|e| {
+            let reason = one_line(&format!("it can't be made a component: {e:#}"));
+            LoadError::NotAPlugin { path: path.into(), reason }
+        })
+}
