@@ -241,7 +241,7 @@ mod tests {
     fn awkward(i: usize) -> f64 {
         let bits =
             [0x3ff0_0000_0000_0001, 0x8000_0000_0000_0000, 1, 0x7ff0_0000_0000_0000, 0x3fd5_5555_5555_5555];
-        f64::from_bits(bits[i % bits.len()]) + if i % 7 == 0 { i as f64 * 0.1 } else { 0.0 }
+        f64::from_bits(bits[i % bits.len()]) + if i.is_multiple_of(7) { i as f64 * 0.1 } else { 0.0 }
     }
 
     fn recorded(mode: TraceMode, n: usize) -> Trace {

@@ -1,5 +1,8 @@
 //! A run directory survives what happens to it, and says what is wrong with it.
 
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -1,1 +1,25 @@
 //! Rules, outcomes, metrics and summaries.
+//!
+//! [`Rules`] say what a trial's outcome is; a [`Scorer`] applies them to the samples of one trial as they come, and
+//! measures; a [`Summary`] counts and averages over the [`TaskRecord`]s of a run; [`rescore`] does all of it again
+//! from the traces of a finished run, under other rules if wanted. Everything is a function of the samples alone, in
+//! one pass and a fixed order, so that the same samples give the same bits.
+
+mod metrics;
+mod outcome;
+mod record;
+mod rescore;
+mod rules;
+mod scorer;
+mod stats;
+mod summary;
+mod table;
+
+pub use metrics::Metrics;
+pub use outcome::{Fault, Outcome, ThreeWay};
+pub use record::{FuelUse, TaskRecord};
+pub use rescore::{RescoreError, Rescored, rescore};
+pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, RulesError, StuckRule, SuccessRule};
+pub use scorer::{Scorer, TaskGeometry, TaskScore, Verdict};
+pub use stats::wilson;
+pub use summary::{Group, SUMMARY_SCHEMA, Summary};

@@ -1,0 +1,153 @@
+//! What is measured of one trial.
+
+use serde::{Deserialize, Serialize};
+use vb_math::angle::degrees;
+use vb_math::hypot;
+use vb_record::Sample;
+
+use crate::stats::Running;
+
+/// Measures of one trial, over its samples from the first to the one that decided it. Angles are in degrees, as the
+/// paper reports them, and absolute: left and right, up and down count alike. Variances are of the population.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Metrics {
+    /// Number of samples.
+    pub samples: u64,
+    /// Mean of |roll|, degrees.
+    pub roll_mean_deg: f64,
+    /// Variance of |roll|, degrees².
+    pub roll_variance_deg2: f64,
+    /// Greatest |roll|, degrees.
+    pub roll_max_deg: f64,
+    /// Roll at the last sample, degrees, with its sign.
+    pub roll_end_deg: f64,
+    /// Mean of |pitch|, degrees.
+    pub pitch_mean_deg: f64,
+    /// Variance of |pitch|, degrees².
+    pub pitch_variance_deg2: f64,
+    /// Greatest |pitch|, degrees.
+    pub pitch_max_deg: f64,
+    /// Length of the reference point's way through space, m: the sum of the distances between samples.
+    pub distance_m: f64,
+    /// That length over its time, m/s.
+    pub speed_mean_m_per_s: f64,
+    /// Greatest speed at a sample, m/s.
+    pub speed_max_m_per_s: f64,
+    /// Time integral of the throttle command, s.
+    pub throttle_effort_s: f64,
+    /// Time integral of the brake command, s.
+    pub brake_effort_s: f64,
+    /// Time integral of |steering command|, s.
+    pub steering_effort_s: f64,
+    /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
+    pub steering_rate_per_s: f64,
+    /// Least distance from the goal in the plane, m.
+    pub goal_distance_min_m: f64,
+    /// Distance from the goal in the plane at the last sample, m.
+    pub goal_distance_end_m: f64,
+}
+
+/// Sums over the samples of one trial, in their order.
+#[derive(Clone, Debug)]
+pub(crate) struct Accumulator {
+    goal: [f64; 2],
+    roll: Running,
+    pitch: Running,
+    first_time: f64,
+    last: Option<Sample>,
+    distance: f64,
+    speed_max: f64,
+    throttle: f64,
+    brake: f64,
+    steering: f64,
+    steering_travel: f64,
+    goal_distance_min: f64,
+    goal_distance: f64,
+}
+
+impl Accumulator {
+    pub(crate) fn new(goal: [f64; 2]) -> Self {
+        Self {
+            goal,
+            roll: Running::default(),
+            pitch: Running::default(),
+            first_time: 0.0,
+            last: None,
+            distance: 0.0,
+            speed_max: 0.0,
+            throttle: 0.0,
+            brake: 0.0,
+            steering: 0.0,
+            steering_travel: 0.0,
+            goal_distance_min: f64::INFINITY,
+            goal_distance: f64::INFINITY,
+        }
+    }
+
+    pub(crate) fn push(&mut self, s: &Sample) {
+        self.roll.push(degrees(s.roll).abs());
+        self.pitch.push(degrees(s.pitch).abs());
+        self.speed_max = self.speed_max.max((s.vx * s.vx + s.vy * s.vy + s.vz * s.vz).sqrt());
+        self.goal_distance = hypot(s.x - self.goal[0], s.y - self.goal[1]);
+        self.goal_distance_min = self.goal_distance_min.min(self.goal_distance);
+        if let Some(last) = &self.last {
+            // A sample carries the command that was applied up to it, so it stands for the interval before it.
+            let dt = s.time - last.time;
+            self.distance += displacement(last, s);
+            self.throttle += s.throttle * dt;
+            self.brake += s.brake * dt;
+            self.steering += s.steering.abs() * dt;
+            self.steering_travel += (s.steering - last.steering).abs();
+        } else {
+            self.first_time = s.time;
+        }
+        self.last = Some(*s);
+    }
+
+    /// Greatest |roll| and |pitch| so far, degrees.
+    pub(crate) fn angle_maxima(&self) -> (f64, f64) {
+        (self.roll.max, self.pitch.max)
+    }
+
+    /// The latest sample.
+    pub(crate) fn last(&self) -> Option<&Sample> {
+        self.last.as_ref()
+    }
+
+    /// Distance from the goal in the plane at the latest sample, m.
+    pub(crate) fn goal_distance(&self) -> f64 {
+        self.goal_distance
+    }
+
+    /// The measures; none without samples.
+    pub(crate) fn metrics(&self) -> Option<Metrics> {
+        let last = self.last?;
+        let duration = last.time - self.first_time;
+        let per_time = |sum: f64| if duration > 0.0 { sum / duration } else { 0.0 };
+        Some(Metrics {
+            samples: self.roll.count,
+            roll_mean_deg: self.roll.mean,
+            roll_variance_deg2: self.roll.variance(),
+            roll_max_deg: self.roll.max,
+            roll_end_deg: degrees(last.roll),
+            pitch_mean_deg: self.pitch.mean,
+            pitch_variance_deg2: self.pitch.variance(),
+            pitch_max_deg: self.pitch.max,
+            distance_m: self.distance,
+            speed_mean_m_per_s: per_time(self.distance),
+            speed_max_m_per_s: self.speed_max,
+            throttle_effort_s: self.throttle,
+            brake_effort_s: self.brake,
+            steering_effort_s: self.steering,
+            steering_rate_per_s: per_time(self.steering_travel),
+            goal_distance_min_m: self.goal_distance_min,
+            goal_distance_end_m: self.goal_distance,
+        })
+    }
+}
+
+/// Distance in space between the positions of two samples, m.
+pub(crate) fn displacement(a: &Sample, b: &Sample) -> f64 {
+    let (dx, dy, dz) = (b.x - a.x, b.y - a.y, b.z - a.z);
+    (dx * dx + dy * dy + dz * dz).sqrt()
+}

@@ -1,0 +1,124 @@
+//! How a trial can end.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// The outcome of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The goal was reached in time.
+    Success,
+    /// The trial failed with the vehicle on its side or roof.
+    Rollover,
+    /// The vehicle didn't get on.
+    Stuck,
+    /// Time ran out.
+    Timeout,
+    /// The vehicle left the world.
+    OutOfBounds,
+    /// The planner failed: it crashed, ran out of its budget, or gave a command that is no number.
+    PlannerError,
+    /// The simulation failed.
+    SimError,
+}
+
+impl Outcome {
+    /// All outcomes in the order of tables.
+    pub const ALL: [Self; 7] = [
+        Self::Success,
+        Self::Rollover,
+        Self::Stuck,
+        Self::Timeout,
+        Self::OutOfBounds,
+        Self::PlannerError,
+        Self::SimError,
+    ];
+
+    /// The name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        ["success", "rollover", "stuck", "timeout", "out_of_bounds", "planner_error", "sim_error"]
+            [self as usize]
+    }
+
+    /// The paper's class of a trial with this outcome. Its table knows success, rollover and stuck only, which sum
+    /// to 100 %; the other failures are folded in: whoever left the world counts as stuck, any other failed trial as
+    /// a rollover if the vehicle was rolled over by the rules in force (`rolled_over`), else as stuck.
+    #[must_use]
+    pub fn three_way(self, rolled_over: bool) -> ThreeWay {
+        match self {
+            Self::Success => ThreeWay::Success,
+            Self::Rollover => ThreeWay::Rollover,
+            Self::Stuck | Self::OutOfBounds => ThreeWay::Stuck,
+            Self::Timeout | Self::PlannerError | Self::SimError if rolled_over => ThreeWay::Rollover,
+            Self::Timeout | Self::PlannerError | Self::SimError => ThreeWay::Stuck,
+        }
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// The three classes of the paper's failure table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ThreeWay {
+    /// The goal was reached.
+    Success,
+    /// Failed, rolled over.
+    Rollover,
+    /// Failed otherwise.
+    Stuck,
+}
+
+impl ThreeWay {
+    /// All classes in the order of tables.
+    pub const ALL: [Self; 3] = [Self::Success, Self::Rollover, Self::Stuck];
+}
+
+/// Who failed when a trial could not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The planner.
+    Planner,
+    /// The simulation.
+    Simulation,
+}
+
+impl Fault {
+    /// The outcome of such a trial.
+    #[must_use]
+    pub fn outcome(self) -> Outcome {
+        match self {
+            Self::Planner => Outcome::PlannerError,
+            Self::Simulation => Outcome::SimError,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_files_and_in_text_agree() {
+        for outcome in Outcome::ALL {
+            assert_eq!(serde_json::to_string(&outcome).unwrap(), format!("\"{outcome}\""));
+        }
+    }
+
+    #[test]
+    fn failures_that_the_paper_does_not_know_are_folded_into_its_classes() {
+        // Facts on the original's rules, section 10.2: boundary into stuck, timeout by the roll at the end.
+        assert_eq!(Outcome::Timeout.three_way(false), ThreeWay::Stuck);
+        assert_eq!(Outcome::Timeout.three_way(true), ThreeWay::Rollover);
+        assert_eq!(Outcome::OutOfBounds.three_way(true), ThreeWay::Stuck);
+        assert_eq!(Outcome::Success.three_way(true), ThreeWay::Success);
+        assert_eq!(Outcome::PlannerError.three_way(false), ThreeWay::Stuck);
+    }
+}

@@ -1,0 +1,345 @@
+//! Rule profiles: what counts as success, stuck, rolled over. They are data: `tasks/rules/*.yaml`.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+/// Version of the layout of a rule file.
+const SCHEMA: u32 = 1;
+
+/// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied;
+/// times are not scaled. A rule that is left out never ends a trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rules {
+    /// Version of the layout, 1.
+    pub schema: u32,
+    /// Name of the profile.
+    pub name: String,
+    /// What it stands for, in a sentence.
+    #[serde(default)]
+    pub description: String,
+    /// When the goal is reached.
+    pub success: SuccessRule,
+    /// A trial that has not succeeded before this time (s) has failed.
+    pub time_limit_s: f64,
+    /// When the vehicle is stuck.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stuck: Option<StuckRule>,
+    /// When a failed trial is a rollover.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rollover: Option<RolloverRule>,
+    /// When the vehicle has left the world.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub out_of_bounds: Option<BoundsRule>,
+}
+
+/// When the goal is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SuccessRule {
+    /// The distance in the plane between reference point and goal is less than a radius.
+    Planar {
+        /// m.
+        radius_m: f64,
+    },
+    /// The distance in space between reference point and a marker above the goal is less than a radius.
+    Marker {
+        /// m.
+        radius_m: f64,
+        /// Height of the marker above the ground at the goal, m.
+        marker_height_m: f64,
+    },
+}
+
+/// When the vehicle is stuck.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StuckRule {
+    /// Over the last `window_s` seconds its position in space has changed by less than `distance_m`.
+    Displacement {
+        /// s.
+        window_s: f64,
+        /// m.
+        distance_m: f64,
+    },
+    /// It has been slower than `speed_m_per_s` for `duration_s` seconds without a break. The speed is a length over
+    /// a fixed time and is scaled like one.
+    Slow {
+        /// m/s.
+        speed_m_per_s: f64,
+        /// s.
+        duration_s: f64,
+    },
+}
+
+/// When a failed trial is a rollover.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RolloverRule {
+    /// At which time the angles count.
+    pub when: RollTime,
+    /// |roll| beyond this is a rollover, degrees.
+    pub roll_limit_deg: f64,
+    /// |pitch| beyond this is one too, degrees; left out: pitch doesn't matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch_limit_deg: Option<f64>,
+}
+
+/// At which time of a failed trial the angles count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RollTime {
+    /// At its end.
+    End,
+    /// At any time of it.
+    AnyTime,
+}
+
+/// When the vehicle has left the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundsRule {
+    /// How far beyond the edge the reference point may go, m.
+    pub margin_m: f64,
+}
+
+/// Why a rule profile can't be used. Each message is one line with file, field and value.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RulesError {
+    /// The file can't be read.
+    #[error("cannot read rules {}: {source} (give a YAML file, or one of {})", .path.display(), Rules::BUILTIN.map(|(name, _)| name).join(", "))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The file is not YAML, or a field is missing, unknown or of a wrong type.
+    #[error("{file}: {source} (fields: docs/scoring.md)")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// Field, value, place and what is wrong.
+        source: vb_world::yaml::YamlError,
+    },
+    /// A field's value makes no sense.
+    #[error("{file}: {field}: {value} must be {want}")]
+    Value {
+        /// The file.
+        file: String,
+        /// Dotted path of the field.
+        field: String,
+        /// Its value.
+        value: String,
+        /// What it must be.
+        want: &'static str,
+    },
+}
+
+impl Rules {
+    /// The profiles that come with the harness: names and files.
+    pub const BUILTIN: [(&str, &str); 3] = [
+        ("paper", include_str!("../../../tasks/rules/paper.yaml")),
+        ("release", include_str!("../../../tasks/rules/release.yaml")),
+        ("dev", include_str!("../../../tasks/rules/dev.yaml")),
+    ];
+
+    /// The paper's rules, the default.
+    ///
+    /// # Panics
+    /// Never: the file is part of the program, and tested.
+    #[must_use]
+    pub fn paper() -> Self {
+        let (name, text) = Self::BUILTIN[0];
+        Self::from_yaml(name, text).expect("the built-in profile is valid")
+    }
+
+    /// A built-in profile by its name, else a rule file by its path.
+    ///
+    /// # Errors
+    /// [`RulesError`].
+    pub fn resolve(name_or_path: &str) -> Result<Self, RulesError> {
+        match Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
+            Some((name, text)) => Self::from_yaml(name, text),
+            None => Self::load(Path::new(name_or_path)),
+        }
+    }
+
+    /// Reads a rule file.
+    ///
+    /// # Errors
+    /// [`RulesError`].
+    pub fn load(path: &Path) -> Result<Self, RulesError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| RulesError::Read { path: path.to_owned(), source })?;
+        Self::from_yaml(&path.display().to_string(), &text)
+    }
+
+    /// Rules from YAML; `file` is what errors call it.
+    ///
+    /// # Errors
+    /// [`RulesError`].
+    pub fn from_yaml(file: &str, text: &str) -> Result<Self, RulesError> {
+        let rules: Self = vb_world::yaml::parse(text)
+            .map_err(|source| RulesError::Syntax { file: file.to_owned(), source })?;
+        rules.validate(file)?;
+        Ok(rules)
+    }
+
+    /// SHA-256 (hex) over the profile's content, independent of how the file is laid out.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        // Fields come in the order of the struct; all keys are strings and all numbers finite.
+        let canonical = serde_json::to_vec(self).unwrap_or_default();
+        Sha256::digest(canonical).iter().map(|b| format!("{b:02x}")).collect()
+    }
+
+    /// The radius of the goal at a scale, m.
+    #[must_use]
+    pub fn goal_radius(&self, scale: f64) -> f64 {
+        match self.success {
+            SuccessRule::Planar { radius_m } | SuccessRule::Marker { radius_m, .. } => radius_m * scale,
+        }
+    }
+
+    fn validate(&self, file: &str) -> Result<(), RulesError> {
+        let fail = |field: &str, value: String, want| {
+            Err(RulesError::Value { file: file.to_owned(), field: field.to_owned(), value, want })
+        };
+        if self.schema != SCHEMA {
+            return fail("schema", self.schema.to_string(), "1, the version that this harness reads");
+        }
+        if self.name.is_empty() {
+            return fail("name", "\"\"".into(), "a name");
+        }
+        let positive = |field: &str, v: f64| {
+            if v.is_finite() && v > 0.0 { Ok(()) } else { fail(field, v.to_string(), "a positive number") }
+        };
+        let not_negative = |field: &str, v: f64| {
+            if v.is_finite() && v >= 0.0 {
+                Ok(())
+            } else {
+                fail(field, v.to_string(), "a number of at least 0")
+            }
+        };
+        let angle = |field: &str, v: f64| {
+            if v > 0.0 && v < 180.0 {
+                Ok(())
+            } else {
+                fail(field, v.to_string(), "an angle between 0 and 180 degrees")
+            }
+        };
+        match self.success {
+            SuccessRule::Planar { radius_m } => positive("success.planar.radius_m", radius_m)?,
+            SuccessRule::Marker { radius_m, marker_height_m } => {
+                positive("success.marker.radius_m", radius_m)?;
+                not_negative("success.marker.marker_height_m", marker_height_m)?;
+                if marker_height_m >= radius_m {
+                    return fail(
+                        "success.marker.marker_height_m",
+                        marker_height_m.to_string(),
+                        "less than the radius, else the goal can't be reached",
+                    );
+                }
+            }
+        }
+        positive("time_limit_s", self.time_limit_s)?;
+        if self.time_limit_s > 3600.0 {
+            return fail("time_limit_s", self.time_limit_s.to_string(), "at most 3600");
+        }
+        match self.stuck {
+            Some(StuckRule::Displacement { window_s, distance_m }) => {
+                positive("stuck.displacement.window_s", window_s)?;
+                positive("stuck.displacement.distance_m", distance_m)?;
+            }
+            Some(StuckRule::Slow { speed_m_per_s, duration_s }) => {
+                positive("stuck.slow.speed_m_per_s", speed_m_per_s)?;
+                positive("stuck.slow.duration_s", duration_s)?;
+            }
+            None => {}
+        }
+        if let Some(rule) = self.rollover {
+            angle("rollover.roll_limit_deg", rule.roll_limit_deg)?;
+            if let Some(limit) = rule.pitch_limit_deg {
+                angle("rollover.pitch_limit_deg", limit)?;
+            }
+        }
+        if let Some(rule) = self.out_of_bounds {
+            not_negative("out_of_bounds.margin_m", rule.margin_m)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_profiles_hold_the_published_rules() {
+        // Paper as described, released code, evaluation scripts: facts on the original, sections 5.1–5.3, 10.2.
+        let paper = Rules::paper();
+        assert_eq!(paper.success, SuccessRule::Planar { radius_m: 10.0 });
+        assert_eq!(paper.time_limit_s, 60.0);
+        assert_eq!(paper.stuck, Some(StuckRule::Displacement { window_s: 10.0, distance_m: 1.0 }));
+        let limit = RolloverRule { when: RollTime::End, roll_limit_deg: 30.0, pitch_limit_deg: None };
+        assert_eq!(paper.rollover, Some(limit));
+        let release = Rules::resolve("release").unwrap();
+        assert_eq!(release.success, SuccessRule::Marker { radius_m: 8.0, marker_height_m: 2.0 });
+        assert_eq!(release.stuck, Some(StuckRule::Slow { speed_m_per_s: 0.01 / 0.005, duration_s: 10.0 }));
+        assert_eq!((release.rollover, release.out_of_bounds), (None, None));
+        let dev = Rules::resolve("dev").unwrap();
+        assert_eq!(dev.rollover.unwrap().when, RollTime::AnyTime);
+        for (name, _) in Rules::BUILTIN {
+            assert_eq!(Rules::resolve(name).unwrap().name, name);
+        }
+    }
+
+    #[test]
+    fn the_hash_follows_the_content_not_the_layout() {
+        let text = Rules::BUILTIN[0].1;
+        let spaced = format!("# another comment\n{}", text.replace("10.0", "10"));
+        assert_eq!(Rules::from_yaml("a", &spaced).unwrap().hash(), Rules::paper().hash());
+        let other = Rules::from_yaml("a", &text.replace("60.0", "61.0")).unwrap();
+        assert_ne!(other.hash(), Rules::paper().hash());
+    }
+
+    fn error(change: fn(&str) -> String) -> String {
+        let e = Rules::from_yaml("my.yaml", &change(Rules::BUILTIN[0].1)).unwrap_err().to_string();
+        assert!(e.starts_with("my.yaml: ") && !e.contains('\n'), "{e}");
+        e
+    }
+
+    #[test]
+    fn a_bad_rule_file_is_refused_with_file_field_and_value() {
+        let e = error(|t| t.replace("time_limit_s: 60.0", "time_limit_s: soon"));
+        assert!(e.contains("time_limit_s: \"soon\"") && e.contains("line 10"), "{e}");
+        let e = error(|t| t.replace("radius_m: 10.0", "radius_m: -3"));
+        assert!(e.contains("success.planar.radius_m: -3 must be a positive number"), "{e}");
+        let e = error(|t| t.replace("radius_m: 10.0", "radius_m: .nan"));
+        assert!(e.contains("success.planar.radius_m: NaN"), "{e}");
+        let e = error(|t| t.replace("window_s", "windows"));
+        assert!(e.contains("stuck.displacement") && e.contains("windows"), "{e}");
+        let e = error(|t| t.replace("  displacement:", "  teleport:"));
+        assert!(e.contains("teleport"), "{e}");
+        let e = error(|t| t.replace("time_limit_s: 60.0", ""));
+        assert!(e.contains("time_limit_s"), "{e}");
+        let e = error(|t| t.replace("schema: 1", "schema: 2"));
+        assert!(e.contains("schema: 2"), "{e}");
+        let e = error(|t| t.replace("roll_limit_deg: 30.0", "roll_limit_deg: 300"));
+        assert!(e.contains("rollover.roll_limit_deg: 300"), "{e}");
+        let e = error(|_| "a: [1".into());
+        assert!(e.contains("my.yaml"), "{e}");
+        let e = error(|_| String::new());
+        assert!(e.contains("my.yaml"), "{e}");
+    }
+
+    #[test]
+    fn a_missing_rule_file_is_an_error_that_names_the_profiles() {
+        let e = Rules::resolve("papper").unwrap_err().to_string();
+        assert!(e.contains("papper") && e.contains("paper, release, dev"), "{e}");
+    }
+}

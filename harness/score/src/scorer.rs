@@ -1,0 +1,222 @@
+//! Applying rules to a trial, sample by sample.
+
+use std::collections::VecDeque;
+
+use vb_math::angle::degrees;
+use vb_record::{Sample, TraceMeta};
+
+use crate::metrics::{Accumulator, displacement};
+use crate::{Fault, Metrics, Outcome, RollTime, Rules, StuckRule, SuccessRule, ThreeWay};
+
+/// Where a trial takes place, in metres of the world as simulated, that is after scaling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaskGeometry {
+    /// Goal (x, y), m.
+    pub goal: [f64; 2],
+    /// Height of the ground at the goal, m.
+    pub goal_z: f64,
+    /// Half the extents of the world along x and y, m.
+    pub half_extent: [f64; 2],
+    /// Factor by which the world's lengths were multiplied; the lengths in rules are multiplied by it too.
+    pub scale: f64,
+}
+
+impl From<&TraceMeta> for TaskGeometry {
+    fn from(meta: &TraceMeta) -> Self {
+        Self { goal: meta.goal, goal_z: meta.goal_z, half_extent: meta.half_extent, scale: meta.scale }
+    }
+}
+
+/// How a trial was decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// The score of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaskScore {
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// The paper's class of it.
+    pub three_way: ThreeWay,
+    /// Why, in words.
+    pub reason: String,
+    /// Simulated time at its end, s.
+    pub time_s: f64,
+    /// Its measures; none if it ended before the first sample.
+    pub metrics: Option<Metrics>,
+}
+
+/// Times are sums of steps: what is due at 10 s must not wait for the next sample over the last bits of a sum.
+const TIME_TOLERANCE: f64 = 1e-6;
+
+/// Judges and measures one trial.
+///
+/// At each sample the rules are tested in this order: state not finite (a simulation error), time limit, success,
+/// out of bounds, stuck. The first that applies decides. A failed trial in which the vehicle is rolled over is a
+/// rollover if it ended by the stuck rule; see [`Outcome::three_way`] for the others.
+#[derive(Clone, Debug)]
+pub struct Scorer {
+    rules: Rules,
+    geometry: TaskGeometry,
+    sums: Accumulator,
+    /// Samples of the stuck rule's window and the last one before it (displacement rule).
+    window: VecDeque<Sample>,
+    /// For how long the vehicle has been slow, s (speed rule).
+    slow_for: f64,
+    verdict: Option<Verdict>,
+}
+
+impl Scorer {
+    /// A scorer for one trial.
+    #[must_use]
+    pub fn new(rules: &Rules, geometry: &TaskGeometry) -> Self {
+        Self {
+            rules: rules.clone(),
+            geometry: *geometry,
+            sums: Accumulator::new(geometry.goal),
+            window: VecDeque::new(),
+            slow_for: 0.0,
+            verdict: None,
+        }
+    }
+
+    /// Takes the next sample; times must increase. Gives the verdict as soon as there is one; samples after it
+    /// change nothing.
+    pub fn push(&mut self, sample: &Sample) -> Option<&Verdict> {
+        if self.verdict.is_none() {
+            self.verdict = self.judge(sample);
+        }
+        self.verdict.as_ref()
+    }
+
+    /// The verdict so far.
+    #[must_use]
+    pub fn verdict(&self) -> Option<&Verdict> {
+        self.verdict.as_ref()
+    }
+
+    /// The score; `None` if the samples didn't suffice for a verdict.
+    #[must_use]
+    pub fn finish(self) -> Option<TaskScore> {
+        let Verdict { outcome, reason } = self.verdict.clone()?;
+        Some(self.score(outcome, reason))
+    }
+
+    /// The score of a trial that could not go on.
+    #[must_use]
+    pub fn fail(self, fault: Fault, reason: impl Into<String>) -> TaskScore {
+        self.score(fault.outcome(), reason.into())
+    }
+
+    fn score(self, outcome: Outcome, reason: String) -> TaskScore {
+        TaskScore {
+            outcome,
+            three_way: outcome.three_way(self.rolled_over().is_some()),
+            reason,
+            time_s: self.sums.last().map_or(0.0, |s| s.time),
+            metrics: self.sums.metrics(),
+        }
+    }
+
+    fn judge(&mut self, sample: &Sample) -> Option<Verdict> {
+        let verdict = |outcome, reason| Some(Verdict { outcome, reason });
+        let t = sample.time;
+        if !sample.is_finite() {
+            // Not measured: one NaN would swallow every figure of the trial.
+            let reason = format!("the state of the vehicle is not finite after {t:.3} s");
+            return verdict(Outcome::SimError, reason);
+        }
+        // The window needs the sample even if another rule decides now, but then nobody looks any more.
+        let stuck = self.stuck(sample);
+        self.sums.push(sample);
+        if t + TIME_TOLERANCE >= self.rules.time_limit_s {
+            let away = self.sums.goal_distance();
+            return verdict(
+                Outcome::Timeout,
+                format!("{away:.1} m from the goal when time ran out at {t:.2} s"),
+            );
+        }
+        if let Some(distance) = self.reached(sample) {
+            return verdict(Outcome::Success, format!("{distance:.2} m from the goal at {t:.2} s"));
+        }
+        if self.outside(sample) {
+            return verdict(
+                Outcome::OutOfBounds,
+                format!("left the world at ({:.1}, {:.1})", sample.x, sample.y),
+            );
+        }
+        let how = stuck?;
+        match self.rolled_over() {
+            Some(angles) => verdict(Outcome::Rollover, format!("{angles}; {how}")),
+            None => verdict(Outcome::Stuck, how),
+        }
+    }
+
+    /// The distance from the goal if that is near enough, m.
+    fn reached(&self, s: &Sample) -> Option<f64> {
+        let planar = self.sums.goal_distance();
+        let distance = match self.rules.success {
+            SuccessRule::Planar { .. } => planar,
+            SuccessRule::Marker { marker_height_m, .. } => {
+                let dz = s.z - (self.geometry.goal_z + marker_height_m * self.geometry.scale);
+                (planar * planar + dz * dz).sqrt()
+            }
+        };
+        (distance < self.rules.goal_radius(self.geometry.scale)).then_some(distance)
+    }
+
+    fn outside(&self, s: &Sample) -> bool {
+        self.rules.out_of_bounds.is_some_and(|rule| {
+            let margin = rule.margin_m * self.geometry.scale;
+            let [half_x, half_y] = self.geometry.half_extent;
+            s.x.abs() > half_x + margin || s.y.abs() > half_y + margin
+        })
+    }
+
+    /// Takes the sample into the stuck rule's memory; if the vehicle is stuck, how.
+    fn stuck(&mut self, s: &Sample) -> Option<String> {
+        match self.rules.stuck? {
+            StuckRule::Displacement { window_s, distance_m } => {
+                self.window.push_back(*s);
+                let begin = s.time - window_s + TIME_TOLERANCE;
+                while self.window.get(1).is_some_and(|next| next.time <= begin) {
+                    self.window.pop_front();
+                }
+                let first = self.window.front().filter(|first| first.time <= begin)?;
+                let moved = displacement(first, s);
+                (moved < distance_m * self.geometry.scale)
+                    .then(|| format!("moved {moved:.2} m in the last {window_s} s"))
+            }
+            StuckRule::Slow { speed_m_per_s, duration_s } => {
+                let last = self.sums.last()?;
+                let dt = s.time - last.time;
+                let limit = speed_m_per_s * self.geometry.scale;
+                self.slow_for = if displacement(last, s) < limit * dt { self.slow_for + dt } else { 0.0 };
+                (self.slow_for + TIME_TOLERANCE >= duration_s)
+                    .then(|| format!("slower than {limit} m/s for {duration_s} s"))
+            }
+        }
+    }
+
+    /// The angles that make this a rollover if the trial failed now, in words.
+    fn rolled_over(&self) -> Option<String> {
+        let rule = self.rules.rollover?;
+        let last = self.sums.last()?;
+        let (roll, pitch, when) = match rule.when {
+            RollTime::End => (degrees(last.roll), degrees(last.pitch), "at the end"),
+            RollTime::AnyTime => {
+                let (roll, pitch) = self.sums.angle_maxima();
+                (roll, pitch, "at most")
+            }
+        };
+        if roll.abs() > rule.roll_limit_deg {
+            return Some(format!("roll {roll:.1}° {when}"));
+        }
+        rule.pitch_limit_deg.filter(|limit| pitch.abs() > *limit).map(|_| format!("pitch {pitch:.1}° {when}"))
+    }
+}

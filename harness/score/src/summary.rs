@@ -1,0 +1,229 @@
+//! Counts and averages over the tasks of a run: `summary.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use vb_record::RunHeader;
+use vb_world::{Density, Elevation, Ground};
+
+use crate::stats::{Running, wilson};
+use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
+
+/// Version of the layout of a summary.
+pub const SUMMARY_SCHEMA: u32 = 1;
+
+/// The result of a run. It does not depend on the order in which tasks ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// [`SUMMARY_SCHEMA`].
+    pub schema: u32,
+    /// Version of the harness that ran the tasks.
+    pub harness_version: String,
+    /// Name of the suite.
+    pub suite: String,
+    /// Hash of the suite.
+    pub suite_hash: String,
+    /// Name and version of the planner.
+    pub planner: String,
+    /// SHA-256 of its plugin file.
+    pub plugin_sha256: String,
+    /// Name of the vehicle.
+    pub vehicle: String,
+    /// Factor on every length of the world.
+    pub scale: f64,
+    /// The run's seed.
+    pub seed: u64,
+    /// Name of the rules applied.
+    pub rules: String,
+    /// Hash of the rules applied.
+    pub rules_hash: String,
+    /// Number of tasks that were to be run.
+    pub planned: u64,
+    /// Tasks whose trace ends before the rules can decide. They are in none of the figures below.
+    pub undecided: Vec<String>,
+    /// Over all tasks; none if there are none.
+    pub all: Option<Group>,
+    /// By elevation level.
+    pub elevation: BTreeMap<Elevation, Group>,
+    /// By kind of ground.
+    pub terrain: BTreeMap<Ground, Group>,
+    /// By obstacle density.
+    pub density: BTreeMap<Density, Group>,
+    /// By world.
+    pub world: BTreeMap<String, Group>,
+}
+
+/// Figures over some tasks. Angles are absolute and in degrees; variances and standard deviations are of the
+/// population.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Group {
+    /// Number of tasks, at least 1.
+    pub tasks: u64,
+    /// Number of tasks by outcome; every outcome is there.
+    pub outcomes: BTreeMap<Outcome, u64>,
+    /// Number of tasks by the paper's class; every class is there.
+    pub three_way: BTreeMap<ThreeWay, u64>,
+    /// Successes over tasks. Errors of planner and simulation count as failures: leaving them out would reward
+    /// them.
+    pub success_rate: f64,
+    /// Lower end of the 95 % score interval of the rate.
+    pub success_low: f64,
+    /// Upper end of it.
+    pub success_high: f64,
+    /// Mean traversal time over successes, s; none without any.
+    pub time_mean_s: Option<f64>,
+    /// Standard deviation of it, s.
+    pub time_std_s: Option<f64>,
+    /// Mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees; none
+    /// if no task has samples.
+    pub roll_mean_deg: Option<f64>,
+    /// Variance of |roll| over the same samples, degrees².
+    pub roll_variance_deg2: Option<f64>,
+    /// Greatest |roll|, degrees.
+    pub roll_max_deg: Option<f64>,
+    /// Mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
+    pub roll_task_mean_deg: Option<f64>,
+    /// Mean |pitch| over all samples of all tasks, degrees.
+    pub pitch_mean_deg: Option<f64>,
+    /// Variance of |pitch| over the same samples, degrees².
+    pub pitch_variance_deg2: Option<f64>,
+    /// Greatest |pitch|, degrees.
+    pub pitch_max_deg: Option<f64>,
+    /// Mean over tasks of each task's mean |pitch|, degrees.
+    pub pitch_task_mean_deg: Option<f64>,
+    /// Mean distance travelled, m.
+    pub distance_mean_m: Option<f64>,
+    /// Mean throttle effort, s.
+    pub throttle_effort_mean_s: Option<f64>,
+    /// Mean steering effort, s.
+    pub steering_effort_mean_s: Option<f64>,
+    /// Mean steering rate, 1/s.
+    pub steering_rate_mean_per_s: Option<f64>,
+    /// Number of commands that were clamped.
+    pub clamped: u64,
+    /// Fuel: that of all tasks together and that of the most costly step; none for native planners.
+    pub fuel: Option<FuelUse>,
+}
+
+impl Summary {
+    /// The result of these tasks under these rules. Each task may occur once.
+    #[must_use]
+    pub fn new(
+        header: &RunHeader,
+        rules: &Rules,
+        records: &[TaskRecord],
+        mut undecided: Vec<String>,
+    ) -> Self {
+        // Sums of floats depend on their order, so there is one: that of the tasks' names.
+        let mut sorted: Vec<&TaskRecord> = records.iter().collect();
+        sorted.sort_by(|a, b| a.task.cmp(&b.task));
+        undecided.sort();
+        Self {
+            schema: SUMMARY_SCHEMA,
+            harness_version: header.harness_version.clone(),
+            suite: header.suite.name.clone(),
+            suite_hash: header.suite.hash.clone(),
+            planner: format!("{} {}", header.plugin.name, header.plugin.version),
+            plugin_sha256: header.plugin.sha256.clone(),
+            vehicle: header.vehicle.name.clone(),
+            scale: header.scale,
+            seed: header.seed,
+            rules: rules.name.clone(),
+            rules_hash: rules.hash(),
+            planned: header.tasks,
+            undecided,
+            all: Group::new(&sorted),
+            elevation: by(&sorted, |r| r.elevation),
+            terrain: by(&sorted, |r| r.terrain),
+            density: by(&sorted, |r| r.density),
+            world: by(&sorted, |r| r.world.clone()),
+        }
+    }
+
+    /// Number of tasks whose simulation failed.
+    #[must_use]
+    pub fn sim_errors(&self) -> u64 {
+        self.all.as_ref().map_or(0, |all| all.outcomes.get(&Outcome::SimError).copied().unwrap_or(0))
+    }
+
+    /// Number of tasks that are neither done nor undecided.
+    #[must_use]
+    pub fn missing(&self) -> u64 {
+        let done = self.all.as_ref().map_or(0, |all| all.tasks) + self.undecided.len() as u64;
+        self.planned.saturating_sub(done)
+    }
+}
+
+/// The figures of the tasks with each value of `key`.
+fn by<K: Ord>(records: &[&TaskRecord], key: fn(&TaskRecord) -> K) -> BTreeMap<K, Group> {
+    let mut groups: BTreeMap<K, Vec<&TaskRecord>> = BTreeMap::new();
+    for record in records {
+        groups.entry(key(record)).or_default().push(record);
+    }
+    groups.into_iter().filter_map(|(k, v)| Some((k, Group::new(&v)?))).collect()
+}
+
+impl Group {
+    /// Figures over these tasks in the order given; none without tasks.
+    fn new(records: &[&TaskRecord]) -> Option<Self> {
+        let tasks = records.len() as u64;
+        let mut outcomes: BTreeMap<Outcome, u64> = Outcome::ALL.map(|o| (o, 0)).into();
+        let mut three_way: BTreeMap<ThreeWay, u64> = ThreeWay::ALL.map(|o| (o, 0)).into();
+        let [mut time, mut roll, mut pitch, mut roll_task, mut pitch_task] = [Running::default(); 5];
+        let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
+        let mut fuel: Option<FuelUse> = None;
+        let mut clamped = 0;
+        for r in records {
+            *outcomes.entry(r.outcome).or_default() += 1;
+            *three_way.entry(r.three_way).or_default() += 1;
+            if r.outcome == Outcome::Success {
+                time.push(r.time_s);
+            }
+            if let Some(m) = &r.metrics {
+                let pooled = |mean, variance, max| Running::from_parts(m.samples, mean, variance, max);
+                roll.merge(&pooled(m.roll_mean_deg, m.roll_variance_deg2, m.roll_max_deg));
+                pitch.merge(&pooled(m.pitch_mean_deg, m.pitch_variance_deg2, m.pitch_max_deg));
+                roll_task.push(m.roll_mean_deg);
+                pitch_task.push(m.pitch_mean_deg);
+                distance.push(m.distance_m);
+                throttle.push(m.throttle_effort_s);
+                steering.push(m.steering_effort_s);
+                rate.push(m.steering_rate_per_s);
+            }
+            if let Some(used) = r.fuel {
+                let sum = fuel.get_or_insert(FuelUse { total: 0, max_step: 0 });
+                sum.total = sum.total.saturating_add(used.total);
+                sum.max_step = sum.max_step.max(used.max_step);
+            }
+            clamped += r.clamped;
+        }
+        let (success_low, success_high) = wilson(time.count, tasks)?;
+        let mean = |s: &Running| (s.count > 0).then_some(s.mean);
+        let variance = |s: &Running| (s.count > 0).then(|| s.variance());
+        let max = |s: &Running| (s.count > 0).then_some(s.max);
+        Some(Self {
+            tasks,
+            outcomes,
+            three_way,
+            success_rate: time.count as f64 / tasks as f64,
+            success_low,
+            success_high,
+            time_mean_s: mean(&time),
+            time_std_s: variance(&time).map(f64::sqrt),
+            roll_mean_deg: mean(&roll),
+            roll_variance_deg2: variance(&roll),
+            roll_max_deg: max(&roll),
+            roll_task_mean_deg: mean(&roll_task),
+            pitch_mean_deg: mean(&pitch),
+            pitch_variance_deg2: variance(&pitch),
+            pitch_max_deg: max(&pitch),
+            pitch_task_mean_deg: mean(&pitch_task),
+            distance_mean_m: mean(&distance),
+            throttle_effort_mean_s: mean(&throttle),
+            steering_effort_mean_s: mean(&steering),
+            steering_rate_mean_per_s: mean(&rate),
+            clamped,
+            fuel,
+        })
+    }
+}

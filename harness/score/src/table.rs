@@ -1,0 +1,84 @@
+//! A summary as text for the terminal.
+
+use std::fmt::Write as _;
+
+use crate::{Group, Outcome, Summary};
+
+const COLUMNS: [&str; 11] = [
+    "",
+    "tasks",
+    "success % (95 % CI)",
+    "time s",
+    "|roll| °",
+    "|pitch| °",
+    "rollover",
+    "stuck",
+    "timeout",
+    "out",
+    "errors",
+];
+
+impl Summary {
+    /// The result as a table of plain text, without escape sequences: a row for all tasks and one for each level.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut rows = vec![COLUMNS.map(str::to_owned)];
+        if let Some(all) = &self.all {
+            rows.push(row("all", all));
+        }
+        rows.extend(self.elevation.iter().map(|(level, g)| row(&format!("elevation {}", level.name()), g)));
+        rows.extend(self.terrain.iter().map(|(level, g)| row(&format!("terrain {}", level.name()), g)));
+        rows.extend(self.density.iter().map(|(level, g)| row(&format!("density {}", level.name()), g)));
+        let widths: Vec<usize> = (0..COLUMNS.len())
+            .map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0))
+            .collect();
+        let mut out = String::new();
+        for cells in &rows {
+            let mut line = String::new();
+            for (c, cell) in cells.iter().enumerate() {
+                let pad = " ".repeat(widths[c] - cell.chars().count());
+                // Names to the left, figures to the right.
+                line += &if c == 0 { format!("{cell}{pad}") } else { format!("  {pad}{cell}") };
+            }
+            out += line.trim_end();
+            out.push('\n');
+        }
+        // Writing to a string can't fail.
+        let _ = writeln!(out, "{} on {}, rules: {}", self.planner, self.suite, self.rules);
+        if !self.undecided.is_empty() {
+            let n = self.undecided.len();
+            let _ = writeln!(
+                out,
+                "{n} undecided (their traces end before these rules can decide), not counted above"
+            );
+        }
+        if self.missing() > 0 {
+            let _ = writeln!(out, "{} of {} tasks not run yet", self.missing(), self.planned);
+        }
+        out
+    }
+}
+
+fn row(name: &str, g: &Group) -> [String; COLUMNS.len()] {
+    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.1}"));
+    let count = |outcome| g.outcomes.get(&outcome).copied().unwrap_or(0);
+    let percent = |rate: f64| 100.0 * rate;
+    [
+        name.to_owned(),
+        g.tasks.to_string(),
+        format!(
+            "{:.1} ({:.1}-{:.1})",
+            percent(g.success_rate),
+            percent(g.success_low),
+            percent(g.success_high)
+        ),
+        number(g.time_mean_s),
+        number(g.roll_mean_deg),
+        number(g.pitch_mean_deg),
+        count(Outcome::Rollover).to_string(),
+        count(Outcome::Stuck).to_string(),
+        count(Outcome::Timeout).to_string(),
+        count(Outcome::OutOfBounds).to_string(),
+        (count(Outcome::PlannerError) + count(Outcome::SimError)).to_string(),
+    ]
+}
