@@ -1,0 +1,326 @@
+//! Summaries and re-scoring of whole runs.
+
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use vb_math::rng::Stream;
+use vb_math::sin;
+use vb_record::{
+    PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader, TRACE_SCHEMA, TraceMeta,
+    TraceMode, TraceRecorder, VehicleHeader,
+};
+use vb_score::{
+    Fault, FuelUse, Outcome, RescoreError, Rules, Scorer, Summary, TaskGeometry, TaskRecord, TaskScore,
+    ThreeWay, rescore,
+};
+use vb_world::{Density, Elevation, Ground};
+
+fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
+    RunHeader {
+        schema: RUN_SCHEMA,
+        harness_version: "0.1.0".into(),
+        started_at: "2026-01-01T00:00:00Z".into(),
+        suite: SuiteHeader { name: "suite".into(), hash: "aa".into(), path: ".".into() },
+        selector: None,
+        tasks,
+        plugin: PluginHeader {
+            name: "pid".into(),
+            version: "1.0.0".into(),
+            sha256: "bb".into(),
+            carrier: "wasm".into(),
+            path: "pid.wasm".into(),
+        },
+        params: BTreeMap::new(),
+        vehicle: VehicleHeader { name: "hmmwv".into(), hash: "cc".into() },
+        scale: 1.0,
+        seed: 0,
+        time_step: 0.001,
+        sample_period: 0.01,
+        rules: RulesHeader {
+            name: rules.name.clone(),
+            hash: rules.hash(),
+            profile: serde_json::to_value(rules).unwrap(),
+        },
+        limits: BTreeMap::new(),
+        trace,
+    }
+}
+
+fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
+    TaskRecord {
+        task: task.into(),
+        world: task.split_once('/').unwrap().0.into(),
+        elevation,
+        terrain: Ground::Rigid,
+        density: Density::Sparse,
+        outcome: score.outcome,
+        three_way: score.three_way,
+        reason: score.reason,
+        fault: (score.outcome == Outcome::PlannerError).then(|| "out_of_fuel".into()),
+        time_s: score.time_s,
+        state_hash: "0123456789abcdef".into(),
+        sim_steps: 1000,
+        planner_steps: 10,
+        clamped: 1,
+        fuel: Some(FuelUse { total: 100, max_step: 20 }),
+        metrics: score.metrics,
+        log: Vec::new(),
+    }
+}
+
+const GEOMETRY: TaskGeometry =
+    TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0 };
+
+/// Runs task `name`, a wobbly straight drive at `speed`, under `rules`; the planner fails at `fault` (s).
+fn run(
+    store: &RunStore,
+    rules: &Rules,
+    mode: TraceMode,
+    name: &str,
+    speed: f64,
+    fault: Option<f64>,
+) -> TaskRecord {
+    let mut scorer = Scorer::new(rules, &GEOMETRY);
+    let mut trace = TraceRecorder::new(mode, 0);
+    let mut score = None;
+    for k in 0.. {
+        let time = f64::from(k) * 0.01;
+        if fault.is_some_and(|at| time > at) {
+            score = Some(scorer.clone().fail(Fault::Planner, "out of fuel"));
+            break;
+        }
+        let wobble = sin(3.0 * time) / 3.0;
+        let sample = Sample {
+            time,
+            x: -60.0 + speed * time,
+            y: wobble / 10.0,
+            roll: wobble,
+            pitch: wobble / 2.0,
+            vx: speed,
+            steering: wobble,
+            throttle: 1.0 / 3.0,
+            ..Sample::default()
+        };
+        trace.push(&sample, &[]);
+        if scorer.push(&sample).is_some() {
+            break;
+        }
+    }
+    let meta = TraceMeta {
+        schema: TRACE_SCHEMA,
+        task: name.into(),
+        start: [-60.0, 0.0, 0.0],
+        goal: GEOMETRY.goal,
+        goal_z: GEOMETRY.goal_z,
+        half_extent: GEOMETRY.half_extent,
+        scale: GEOMETRY.scale,
+        time_step: 0.001,
+        sample_period: 0.01,
+        mode,
+    };
+    if let Some(trace) = trace.finish(meta) {
+        store.write_trace(&trace).unwrap();
+    }
+    let record = record(name, Elevation::Low, score.or_else(|| scorer.finish()).unwrap());
+    store.append(&record).unwrap();
+    record
+}
+
+/// Four tasks: success, crawling success, stuck, planner error.
+fn make_run(dir: &Path, rules: &Rules, mode: TraceMode) -> Vec<TaskRecord> {
+    let store = RunStore::create(dir, &header(rules, mode, 4)).unwrap();
+    vec![
+        run(&store, rules, mode, "w/a", 5.0, None),
+        run(&store, rules, mode, "w/b", 1.95, None),
+        run(&store, rules, mode, "w/c", 0.05, None),
+        run(&store, rules, mode, "w/d", 4.0, Some(3.0)),
+    ]
+}
+
+#[test]
+fn full_traces_and_the_same_rules_repeat_the_run_bit_for_bit() {
+    let tmp = tempfile::tempdir().unwrap();
+    let rules = Rules::paper();
+    let records = make_run(tmp.path(), &rules, TraceMode::Full);
+    let outcomes: Vec<Outcome> = records.iter().map(|r| r.outcome).collect();
+    assert_eq!(outcomes, [Outcome::Success, Outcome::Success, Outcome::Stuck, Outcome::PlannerError]);
+    let again = rescore(tmp.path(), &rules).unwrap();
+    assert_eq!(again.records, records);
+    assert_eq!(
+        again.summary,
+        Summary::new(&header(&rules, TraceMode::Full, 4), &rules, &records, Vec::new())
+    );
+    assert!(again.exact && (again.resolution_s - 0.01).abs() < 1e-15);
+}
+
+#[test]
+fn other_rules_give_other_verdicts_without_simulating() {
+    let tmp = tempfile::tempdir().unwrap();
+    let records = make_run(tmp.path(), &Rules::paper(), TraceMode::Full);
+    // A tighter radius than 10 m is never seen: those traces end at 10 m. The crawler is stuck by the speed rule.
+    let again = rescore(tmp.path(), &Rules::resolve("release").unwrap()).unwrap();
+    assert_eq!(again.summary.undecided, ["w/a"]);
+    let outcomes: Vec<_> = again.records.iter().map(|r| (r.task.as_str(), r.outcome)).collect();
+    assert_eq!(outcomes, [("w/b", Outcome::Stuck), ("w/c", Outcome::Stuck), ("w/d", Outcome::PlannerError)]);
+    assert_eq!(again.records[2].fault.as_deref(), Some("out_of_fuel"));
+    assert_eq!(again.records[0].state_hash, records[1].state_hash);
+    assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
+    assert!(again.summary.table().contains("1 undecided"), "{}", again.summary.table());
+
+    // A wider radius decides earlier, before the planner's fault at 3 s: 120 m − 4 m/s · 3 s = 108 m.
+    let wide = Rules::BUILTIN[0].1.replace("radius_m: 10.0", "radius_m: 110.0");
+    let again = rescore(tmp.path(), &Rules::from_yaml("wide", &wide).unwrap()).unwrap();
+    let d = &again.records[3];
+    assert_eq!((d.outcome, d.fault.as_ref()), (Outcome::Success, None));
+    assert!((d.time_s - 2.5).abs() <= 0.01 + 1e-9, "{}", d.time_s);
+}
+
+#[test]
+fn thinned_traces_say_their_resolution_and_keep_the_verdicts_of_the_same_rules() {
+    let tmp = tempfile::tempdir().unwrap();
+    let rules = Rules::paper();
+    let records = make_run(tmp.path(), &rules, TraceMode::TenHz);
+    let again = rescore(tmp.path(), &rules).unwrap();
+    assert!(!again.exact && (again.resolution_s - 0.1).abs() < 1e-15);
+    let outcomes = |r: &[TaskRecord]| r.iter().map(|r| (r.task.clone(), r.outcome)).collect::<Vec<_>>();
+    assert_eq!(outcomes(&again.records), outcomes(&records));
+    let (thin, full) = (again.records[0].metrics.unwrap(), records[0].metrics.unwrap());
+    assert!(thin.samples < full.samples / 9);
+    assert!((thin.roll_mean_deg - full.roll_mean_deg).abs() < 0.05 * full.roll_mean_deg);
+}
+
+#[test]
+fn without_traces_a_run_can_not_be_scored_again_and_the_message_says_what_to_do() {
+    let tmp = tempfile::tempdir().unwrap();
+    make_run(tmp.path(), &Rules::paper(), TraceMode::None);
+    let e = rescore(tmp.path(), &Rules::paper()).unwrap_err();
+    assert!(matches!(e, RescoreError::NoTraces(_)) && e.to_string().contains("--trace full"), "{e}");
+}
+
+#[test]
+fn a_truncated_or_missing_trace_is_an_error_that_names_it() {
+    let tmp = tempfile::tempdir().unwrap();
+    make_run(tmp.path(), &Rules::paper(), TraceMode::Full);
+    let path = tmp.path().join("traces/w/b.parquet");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let e = rescore(tmp.path(), &Rules::paper()).unwrap_err().to_string();
+    assert!(e.contains("b.parquet") && !e.contains('\n'), "{e}");
+    std::fs::remove_file(&path).unwrap();
+    let e = rescore(tmp.path(), &Rules::paper()).unwrap_err().to_string();
+    assert!(e.contains("b.parquet"), "{e}");
+}
+
+/// Records of tasks of known figures: `n` samples of constant |roll| each.
+fn constant_roll(task: &str, elevation: Elevation, samples: u32, roll_deg: f64, success: bool) -> TaskRecord {
+    let mut scorer = Scorer::new(&Rules::paper(), &GEOMETRY);
+    for k in 0..samples {
+        let last = k + 1 == samples;
+        let x = if last && success { 60.0 } else { -60.0 };
+        let roll = vb_math::angle::radians(roll_deg);
+        scorer.push(&Sample { time: f64::from(k) * 0.01, x, roll, ..Sample::default() });
+    }
+    let score = if success { scorer.finish().unwrap() } else { scorer.fail(Fault::Planner, "gave up") };
+    record(task, elevation, score)
+}
+
+fn some_records() -> Vec<TaskRecord> {
+    vec![
+        constant_roll("w1/t0", Elevation::High, 101, 1.0, true),
+        constant_roll("w1/t1", Elevation::High, 301, 1.0, true),
+        constant_roll("w2/t0", Elevation::Low, 402, 3.0, false),
+        constant_roll("w2/t1", Elevation::Low, 804, 7.0, false),
+    ]
+}
+
+#[test]
+fn a_summary_counts_and_averages_as_documented() {
+    let rules = Rules::paper();
+    let summary = Summary::new(&header(&rules, TraceMode::None, 5), &rules, &some_records(), Vec::new());
+    let all = summary.all.as_ref().unwrap();
+    let near = |got: Option<f64>, want: f64| assert!((got.unwrap() - want).abs() < 1e-9, "{got:?} {want}");
+    assert_eq!((all.tasks, summary.missing()), (4, 1));
+    assert_eq!(all.success_rate, 0.5);
+    // Wilson 1927 for 2 of 4: (0.1500, 0.8500), e.g. Agresti & Coull 1998's formula by hand with z = 1.96.
+    assert!((all.success_low - 0.1500).abs() < 5e-4 && (all.success_high - 0.8500).abs() < 5e-4);
+    // Successes at 1.00 s and 3.00 s.
+    near(all.time_mean_s, 2.0);
+    near(all.time_std_s, 1.0);
+    // 402 samples of 1°, 402 of 3°, 804 of 7°: mean (1 + 3 + 14) / 4, mean square (1 + 9 + 98) / 4.
+    near(all.roll_mean_deg, 4.5);
+    near(all.roll_variance_deg2, 27.0 - 20.25);
+    near(all.roll_max_deg, 7.0);
+    near(all.roll_task_mean_deg, (1.0 + 1.0 + 3.0 + 7.0) / 4.0);
+    assert_eq!(all.outcomes[&Outcome::PlannerError], 2);
+    assert_eq!(all.three_way[&ThreeWay::Stuck], 2);
+    assert_eq!(all.outcomes.values().sum::<u64>(), 4);
+    assert_eq!((all.clamped, all.fuel), (4, Some(FuelUse { total: 400, max_step: 20 })));
+    assert_eq!(summary.elevation.keys().copied().collect::<Vec<_>>(), [Elevation::Low, Elevation::High]);
+    let high = &summary.elevation[&Elevation::High];
+    assert_eq!((high.tasks, high.success_rate), (2, 1.0));
+    near(high.roll_variance_deg2, 0.0);
+    assert_eq!(summary.elevation[&Elevation::Low].time_mean_s, None);
+    assert_eq!(summary.world.len(), 2);
+}
+
+#[test]
+fn a_summary_does_not_depend_on_the_order_of_the_tasks() {
+    let rules = Rules::paper();
+    let head = header(&rules, TraceMode::None, 4);
+    let mut stream = Stream::new(1, &["order"]);
+    // Figures whose sums depend on the order of summation in their last bits.
+    let mut records: Vec<TaskRecord> = (0..40)
+        .map(|i| {
+            let mut r = constant_roll(&format!("w{}/t{i:02}", i % 3), Elevation::Low, 10, 1.0, i % 2 == 0);
+            let m = r.metrics.as_mut().unwrap();
+            m.roll_mean_deg = stream.uniform(0.0, 20.0);
+            m.roll_variance_deg2 = stream.uniform(0.0, 90.0);
+            m.distance_m = stream.uniform(0.0, 200.0);
+            r.time_s = stream.uniform(10.0, 60.0);
+            r
+        })
+        .collect();
+    let want = serde_json::to_string(&Summary::new(&head, &rules, &records, Vec::new())).unwrap();
+    for _ in 0..5 {
+        stream.shuffle(&mut records);
+        assert_eq!(serde_json::to_string(&Summary::new(&head, &rules, &records, Vec::new())).unwrap(), want);
+    }
+}
+
+#[test]
+fn records_and_summaries_read_back_as_written() {
+    let rules = Rules::paper();
+    let records = some_records();
+    let summary = Summary::new(&header(&rules, TraceMode::None, 4), &rules, &records, vec!["w9/t9".into()]);
+    let text = serde_json::to_string(&summary).unwrap();
+    assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), summary);
+    for r in records {
+        assert_eq!(serde_json::from_str::<TaskRecord>(&serde_json::to_string(&r).unwrap()).unwrap(), r);
+    }
+}
+
+#[test]
+fn a_run_without_a_finished_task_has_an_empty_summary_and_a_table() {
+    let rules = Rules::paper();
+    let summary = Summary::new(&header(&rules, TraceMode::None, 7), &rules, &[], Vec::new());
+    assert!(summary.all.is_none());
+    assert!(summary.table().contains("7 of 7 tasks not run yet"));
+    serde_json::to_string(&summary).unwrap();
+}
+
+#[test]
+fn the_table_has_a_row_for_each_level_and_aligned_columns() {
+    let rules = Rules::paper();
+    let table =
+        Summary::new(&header(&rules, TraceMode::None, 4), &rules, &some_records(), Vec::new()).table();
+    let lines: Vec<&str> = table.lines().collect();
+    let names: Vec<&str> = lines[1..6].iter().map(|l| l[..15].trim()).collect();
+    assert_eq!(names, ["all", "elevation low", "elevation high", "terrain rigid", "density sparse"]);
+    assert!(lines[1].contains("50.0 (15.0-85.0)"), "{table}");
+    let width = |l: &str| l.chars().count();
+    assert!(lines[..6].iter().all(|l| width(l) == width(lines[0])), "{table}");
+    assert!(table.contains("pid 1.0.0 on suite, rules: paper"), "{table}");
+}
