@@ -1,1 +1,37 @@
 //! Vehicle dynamics: suspension, tyres, powertrain, contacts.
+//!
+//! The vehicle is a chassis with six degrees of freedom and one corner a wheel, each with a suspension travel and a
+//! spin. Corners are eliminated from the equations of motion in the manner of articulated bodies, so a step costs
+//! one 6 × 6 solve. State and integration are our own, in f64, with symplectic Euler at a fixed step and linearly
+//! implicit dampers; rapier resolves contacts of the chassis hull with ground and obstacles, and parry finds
+//! contacts of wheels with obstacles, only when something is near.
+//!
+//! Axes: world x east, y north, z up; body x forward, y left, z up (ISO 8855). SI units, radians.
+
+mod collision;
+mod dynamics;
+mod error;
+mod kinematics;
+mod powertrain;
+mod simulation;
+mod spec;
+mod spec_load;
+mod state;
+mod tyre;
+
+pub use error::SimError;
+pub use kinematics::{CornerPose, SuspensionTable};
+pub use simulation::{SimOptions, Simulation};
+pub use spec::{
+    Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
+    Suspension, TyreSpec, VehicleSpec,
+};
+pub use state::{Controls, VehicleState, WheelState};
+pub use tyre::{Brush, Contact, Envelope};
+
+pub(crate) type V3 = nalgebra::Vector3<f64>;
+pub(crate) type M3 = nalgebra::Matrix3<f64>;
+pub(crate) type Quat = nalgebra::UnitQuaternion<f64>;
+
+/// Standard gravity as the original uses it, m/s² (facts: Chrono's default).
+pub const GRAVITY: f64 = 9.81;

@@ -1,0 +1,40 @@
+//! Cost of simulating one HMMWV, as a multiple of real time: `cargo bench -p vb-sim`.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+fn rugged() -> std::sync::Arc<vb_world::World> {
+    let n = 129;
+    let mut s = vb_math::rng::Stream::new(2, &["bench"]);
+    let h = (0..n * n).map(|_| s.normal(0.0, 0.15)).collect();
+    common::world(vb_world::Heightfield::new(n, n, 1.0, h), 0.6, vec![])
+}
+
+/// One element of throughput is one simulated millisecond: 1 Melem/s is 1000 times real time.
+fn step(c: &mut Criterion) {
+    let mut group = c.benchmark_group("simulate 1 s at 1 ms");
+    group.throughput(Throughput::Elements(1000)).sample_size(20);
+    for (name, world) in [("flat", common::flat(0.8)), ("rugged", rugged())] {
+        group.bench_function(name, |b| {
+            let mut sim = common::start(&world, -50.0, 0.0, 0.0);
+            b.iter(|| {
+                let mut sim = &mut sim;
+                if sim.state().position.x.abs() > 55.0 || sim.time() > 25.0 {
+                    *sim = common::start(&world, -50.0, 0.0, 0.0);
+                }
+                for _ in 0..100 {
+                    let controls = common::hold_speed(sim, 3.0, 0.0);
+                    sim.advance(controls, 10).expect("finite");
+                }
+                black_box(&mut sim);
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, step);
+criterion_main!(benches);

@@ -1,0 +1,368 @@
+//! Contacts of the chassis (rapier) and of the wheels with obstacles (parry), looked for only where something is near.
+
+use crate::spec::{TyreSpec, VehicleSpec};
+use crate::tyre::Contact;
+use crate::{Quat, V3};
+use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
+use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, HeightFieldFlags};
+use rapier3d_f64::parry::utils::Array2;
+use rapier3d_f64::prelude::*;
+use vb_world::{Heightfield, World};
+
+/// Friction of obstacles, combined with the tyre's or hull's by the minimum: Chrono's default material, which the
+/// original gives its rocks and trees (facts §1.9).
+pub(crate) const OBSTACLE_FRICTION: f64 = 0.6;
+
+fn vector(v: &V3) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}
+
+fn from_vector(v: Vector) -> V3 {
+    V3::new(v.x, v.y, v.z)
+}
+
+fn rotation(q: &Quat) -> Rotation {
+    Rotation::from_xyzw(q.i, q.j, q.k, q.w)
+}
+
+/// Points as rapier's vectors.
+pub(crate) fn points(p: &[[f64; 3]]) -> Vec<Vector> {
+    p.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect()
+}
+
+/// One convex obstacle in place.
+struct Solid {
+    shape: ConvexPolyhedron,
+    pose: Pose,
+    centre: V3,
+    bound: f64,
+}
+
+/// The obstacles of a world and the few that are near the vehicle.
+pub(crate) struct Obstacles {
+    solids: Vec<Solid>,
+    near: Vec<usize>,
+}
+
+impl Obstacles {
+    pub(crate) fn new(world: &World) -> Self {
+        let solids = world
+            .obstacles
+            .iter()
+            .filter_map(|o| {
+                let pose = Pose::from_parts(
+                    Vector::new(o.x, o.y, o.base_z(&world.heightfield)),
+                    rotation(&Quat::from_axis_angle(&V3::z_axis(), o.yaw)),
+                );
+                let hull = points(&o.hull());
+                let shape = ConvexPolyhedron::from_convex_hull(&hull)?;
+                let middle = hull.iter().copied().sum::<Vector>() / hull.len() as f64;
+                let bound = hull.iter().map(|p| (*p - middle).length()).fold(0.0, f64::max);
+                Some(Solid { shape, pose, centre: from_vector(pose * middle), bound })
+            })
+            .collect();
+        Self { solids, near: Vec::new() }
+    }
+
+    /// No obstacles.
+    #[cfg(test)]
+    pub(crate) fn none() -> Self {
+        Self { solids: Vec::new(), near: Vec::new() }
+    }
+
+    /// Notes which obstacles come within `reach` of `x`.
+    pub(crate) fn look_around(&mut self, x: &V3, reach: f64) {
+        self.near.clear();
+        for (i, s) in self.solids.iter().enumerate() {
+            let r = s.bound + reach;
+            if (s.centre - x).norm_squared() < r * r {
+                self.near.push(i);
+            }
+        }
+    }
+
+    pub(crate) fn any_near(&self) -> bool {
+        !self.near.is_empty()
+    }
+
+    fn any_within(&self, x: &V3, reach: f64) -> bool {
+        self.near.iter().any(|&i| {
+            let s = &self.solids[i];
+            let r = s.bound + reach;
+            (s.centre - x).norm_squared() < r * r
+        })
+    }
+
+    /// The deepest contact of a wheel with an obstacle.
+    pub(crate) fn wheel_contact(&self, wheel: &WheelShape, hub: &V3, axis: &V3) -> Option<Contact> {
+        let mut deepest: Option<Contact> = None;
+        for &i in &self.near {
+            let s = &self.solids[i];
+            let reach = s.bound + wheel.bound;
+            if (s.centre - hub).norm_squared() > reach * reach {
+                continue;
+            }
+            if let Some(c) = wheel.contact(s, hub, axis)
+                && deepest.is_none_or(|d| c.depth > d.depth)
+            {
+                deepest = Some(c);
+            }
+        }
+        deepest
+    }
+}
+
+/// A wheel against convex solids: a slim core inflated by a margin, so that its shoulders are round and the distance
+/// between core and solid stays positive, where GJK gives exact and steady normals.
+pub(crate) struct WheelShape {
+    core: Cylinder,
+    margin: f64,
+    bound: f64,
+}
+
+impl WheelShape {
+    pub(crate) fn new(tyre: &TyreSpec) -> Self {
+        let margin = (0.4 * tyre.width).min(0.3 * tyre.radius);
+        let core = Cylinder::new(0.5 * tyre.width - margin, tyre.radius - margin);
+        Self { core, margin, bound: vb_math::hypot(tyre.radius, 0.5 * tyre.width) }
+    }
+
+    fn contact(&self, solid: &Solid, hub: &V3, axis: &V3) -> Option<Contact> {
+        // parry's cylinders stand along y.
+        let turn = Quat::rotation_between(&V3::y(), axis)
+            .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI));
+        let wheel = Pose::from_parts(vector(hub), rotation(&turn));
+        let relative = solid.pose.inverse() * wheel;
+        let start = relative.translation.try_normalize().unwrap_or(Vector::Z);
+        let mut simplex = VoronoiSimplex::new();
+        simplex.reset(CsoPoint::from_shapes(&relative, &solid.shape, &self.core, start));
+        let found = gjk::closest_points(&relative, &solid.shape, &self.core, self.margin, true, &mut simplex);
+        let (on_solid, out, depth) = match found {
+            GJKResult::ClosestPoints(p1, p2, n) => (p1, n, self.margin - (p2 - p1).dot(n)),
+            GJKResult::Intersection => {
+                // The core itself is inside: deeper than any tyre deflects. Push it out the shortest way.
+                let (p1, p2, n) = rapier3d_f64::parry::query::epa::EPA::new().closest_points(
+                    &relative,
+                    &solid.shape,
+                    &self.core,
+                    &simplex,
+                )?;
+                (p1, n, self.margin - (p2 - p1).dot(n))
+            }
+            _ => return None,
+        };
+        if depth <= 0.0 {
+            return None;
+        }
+        let normal = from_vector(solid.pose.rotation * out);
+        Some(Contact { point: from_vector(solid.pose * on_solid), normal, depth })
+    }
+}
+
+/// The chassis as rapier sees it: one body with the hull, among the ground and the obstacles.
+pub(crate) struct ChassisContacts {
+    physics: PhysicsWorld,
+    body: RigidBodyHandle,
+    ground: ColliderHandle,
+    /// Points on the hull, relative to the chassis' centre of mass, that are held against the ground.
+    probes: Vec<V3>,
+    /// Half extents and centre of the hull's box, relative to the centre of mass.
+    low: V3,
+    high: V3,
+    bound: f64,
+}
+
+impl ChassisContacts {
+    /// `mass` and `inertia` are of the whole vehicle, about `com` relative to the chassis' centre of mass.
+    pub(crate) fn new(v: &VehicleSpec, world: &World, mass: f64, inertia: V3, com: V3, dt: f64) -> Self {
+        let mut physics = PhysicsWorld::new();
+        physics.gravity = Vector::ZERO;
+        physics.integration_parameters.dt = dt;
+        let ground = physics.insert_collider(
+            ground_collider(&world.heightfield)
+                .friction(1.0)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .restitution(0.0),
+            None,
+        );
+        for o in &world.obstacles {
+            if let Some(c) = ColliderBuilder::convex_hull(&points(&o.hull())) {
+                let q = Quat::from_axis_angle(&V3::z_axis(), o.yaw);
+                let at = Vector::new(o.x, o.y, o.base_z(&world.heightfield));
+                physics.insert_collider(
+                    c.position(Pose::from_parts(at, rotation(&q)))
+                        .friction(OBSTACLE_FRICTION)
+                        .friction_combine_rule(CoefficientCombineRule::Min)
+                        .restitution(0.0),
+                    None,
+                );
+            }
+        }
+        let chassis_com = V3::from(v.chassis.com);
+        let properties = MassProperties::new(vector(&com), mass, vector(&inertia));
+        let body = physics.insert_body(
+            RigidBodyBuilder::dynamic()
+                .additional_mass_properties(properties)
+                .gyroscopic_forces_enabled(false)
+                .can_sleep(false),
+        );
+        let mut probes = Vec::new();
+        for part in &v.chassis.hull {
+            let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
+            if let Some(c) = ColliderBuilder::convex_hull(&points(&relative)) {
+                physics.insert_collider(
+                    c.density(0.0)
+                        .friction(v.chassis.friction)
+                        .friction_combine_rule(CoefficientCombineRule::Min)
+                        .restitution(0.0),
+                    Some(body),
+                );
+            }
+            let vertices: Vec<V3> = relative.iter().map(|p| V3::from(*p)).collect();
+            probes.extend(underside(&vertices));
+            probes.extend(vertices);
+        }
+        let mut low = V3::repeat(f64::INFINITY);
+        let mut high = V3::repeat(f64::NEG_INFINITY);
+        for p in &probes {
+            low = low.inf(p);
+            high = high.sup(p);
+        }
+        let bound = probes.iter().map(V3::norm).fold(0.0, f64::max);
+        Self { physics, body, ground, probes, low, high, bound }
+    }
+
+    /// Distance from the centre of mass within which the hull lies, m.
+    pub(crate) fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Whether the hull may come within `margin` of ground or obstacles.
+    pub(crate) fn may_touch(
+        &self,
+        ground: &Heightfield,
+        obstacles: &Obstacles,
+        x: &V3,
+        q: &Quat,
+        margin: f64,
+    ) -> bool {
+        if obstacles.any_within(x, self.bound + margin) {
+            return true;
+        }
+        let r = q.to_rotation_matrix();
+        if self.probes.iter().any(|p| {
+            let p = x + r * p;
+            p.z < ground.height(p.x, p.y) + margin
+        }) {
+            return true;
+        }
+        self.node_inside(ground, x, q, margin)
+    }
+
+    /// Whether a node of the ground stands within the hull's box: a summit between the probes.
+    fn node_inside(&self, ground: &Heightfield, x: &V3, q: &Quat, margin: f64) -> bool {
+        let reach = self.bound;
+        let pitch = ground.pitch();
+        let index =
+            |value: f64, half: f64, count: usize| (((value + half) / pitch).max(0.0) as usize).min(count - 1);
+        let (c0, c1) = (
+            index(x.x - reach, ground.half_x(), ground.cols()),
+            index(x.x + reach, ground.half_x(), ground.cols()),
+        );
+        let (r0, r1) = (
+            index(x.y - reach, ground.half_y(), ground.rows()),
+            index(x.y + reach, ground.half_y(), ground.rows()),
+        );
+        let inverse = q.inverse();
+        for row in r0..=r1 {
+            for col in c0..=c1 {
+                let node = V3::new(
+                    col as f64 * pitch - ground.half_x(),
+                    row as f64 * pitch - ground.half_y(),
+                    ground.node(row, col),
+                );
+                let p = inverse * (node - x);
+                let inside = (0..3).all(|k| p[k] > self.low[k] - margin && p[k] < self.high[k] + margin);
+                if inside {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Lets rapier resolve the contacts of one step: takes the velocities that the forces gave, returns pose and
+    /// velocities at the end of the step.
+    pub(crate) fn resolve(&mut self, friction: f64, x: &mut V3, q: &mut Quat, v: &mut V3, w: &mut V3) {
+        self.physics.colliders[self.ground].set_friction(friction);
+        let body = &mut self.physics.bodies[self.body];
+        body.set_position(Pose::from_parts(vector(x), rotation(q)), true);
+        // rapier's linear velocity is that of the body's centre of mass, which isn't the chassis' own.
+        let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
+        body.set_linvel(vector(&(*v + w.cross(&offset))), true);
+        body.set_angvel(vector(w), true);
+        self.physics.step();
+        let body = &self.physics.bodies[self.body];
+        let r = body.rotation();
+        *x = from_vector(body.translation());
+        *q = Quat::from_quaternion(nalgebra::Quaternion::new(r.w, r.x, r.y, r.z));
+        *w = from_vector(body.angvel());
+        let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
+        *v = from_vector(body.linvel()) - w.cross(&offset);
+    }
+}
+
+/// A grid of points over the underside of a convex part, about half a metre apart.
+fn underside(vertices: &[V3]) -> Vec<V3> {
+    let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    let flat: Vec<&V3> = vertices.iter().filter(|p| p.z < bottom + 1e-6).collect();
+    let range = |k: usize| {
+        flat.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])))
+    };
+    let ((x0, x1), (y0, y1)) = (range(0), range(1));
+    let count = |length: f64| (length / 0.5) as usize + 1;
+    let (nx, ny) = (count(x1 - x0), count(y1 - y0));
+    let mut grid = Vec::new();
+    for i in 0..=nx {
+        for j in 0..=ny {
+            let at = |a: f64, b: f64, k: usize, n: usize| a + (b - a) * k as f64 / n as f64;
+            grid.push(V3::new(at(x0, x1, i, nx), at(y0, y1, j, ny), bottom));
+        }
+    }
+    grid
+}
+
+/// The ground as rapier's heightfield. Its own height axis is y: it is turned about x, which makes its row 0 the
+/// north; its cells are cut from south-west to north-east like ours.
+fn ground_collider(ground: &Heightfield) -> ColliderBuilder {
+    let heights =
+        Array2::from_fn(ground.rows(), ground.cols(), |row, col| ground.node(ground.rows() - 1 - row, col));
+    let scale = Vector::new(2.0 * ground.half_x(), 1.0, 2.0 * ground.half_y());
+    let upright = rotation(&Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::FRAC_PI_2));
+    ColliderBuilder::heightfield_with_flags(heights, scale, HeightFieldFlags::FIX_INTERNAL_EDGES)
+        .position(Pose::from_parts(Vector::ZERO, upright))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d_f64::parry::query::Ray;
+
+    #[test]
+    fn the_chassis_and_the_tyres_see_one_ground() {
+        // An asymmetric surface, so that a flipped axis or the other diagonal would show.
+        let (rows, cols) = (7, 9);
+        let h = (0..rows * cols).map(|i| 0.37 * f64::from((i * 7919 % 101) as u8) * 0.05).collect();
+        let ground = Heightfield::new(rows, cols, 1.0, h);
+        let mut world = PhysicsWorld::new();
+        let handle = world.insert_collider(ground_collider(&ground), None);
+        let collider = &world.colliders[handle];
+        for k in 0..200 {
+            let x = -3.9 + 7.8 * f64::from(k % 20) / 19.0;
+            let y = -2.9 + 5.8 * f64::from(k / 20) / 9.0;
+            let ray = Ray::new(Vector::new(x, y, 10.0), Vector::new(0.0, 0.0, -1.0));
+            let t = collider.shape().cast_ray(collider.position(), &ray, 20.0, true).unwrap();
+            assert!((10.0 - t - ground.height(x, y)).abs() < 1e-9, "({x}, {y})");
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! One vehicle in one world, from the start pose on.
+
+use crate::collision::{ChassisContacts, Obstacles, WheelShape};
+use crate::dynamics::{Ground, MAX_WHEELS, Vehicle};
+use crate::error::SimError;
+use crate::spec::VehicleSpec;
+use crate::state::{Controls, VehicleState, WheelState};
+use crate::{Quat, SuspensionTable, V3};
+use std::sync::Arc;
+use vb_math::atan;
+use vb_world::{Pose2, World};
+
+/// How a simulation is stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimOptions {
+    /// The fixed step, s.
+    pub step: f64,
+    /// Longest time the vehicle may take to come to rest before the clock starts, s.
+    pub settle_time: f64,
+}
+
+impl Default for SimOptions {
+    /// 1 ms, at which the results of a rugged drive have converged (docs/physics.md), and 3 s.
+    fn default() -> Self {
+        Self { step: 1e-3, settle_time: 3.0 }
+    }
+}
+
+/// Steps between two looks for obstacles in reach, and between two looks for ground under the hull.
+const LOOK_AROUND: u64 = 16;
+const LOOK_DOWN: u64 = 4;
+
+/// One vehicle in one world.
+pub struct Simulation {
+    world: Arc<World>,
+    options: SimOptions,
+    vehicle: Vehicle,
+    reference: V3,
+    obstacles: Obstacles,
+    wheel: WheelShape,
+    chassis: ChassisContacts,
+    hull_near: bool,
+    steps: u64,
+    /// Steps in which the contact solver ran.
+    contact_steps: u64,
+}
+
+impl Simulation {
+    /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest; the clock then starts at 0.
+    ///
+    /// # Errors
+    /// [`SimError::DeformableGround`] for a world that this version can't simulate, [`SimError::VehicleInvalid`] for
+    /// a vehicle that doesn't close, [`SimError::Diverged`].
+    pub fn new(
+        world: Arc<World>,
+        spec: &VehicleSpec,
+        start: Pose2,
+        options: SimOptions,
+    ) -> Result<Self, SimError> {
+        if let Some(class) = world.semantics.classes.iter().find(|c| c.is_deformable()) {
+            return Err(SimError::DeformableGround { world: world.id.clone(), class: class.name() });
+        }
+        let invalid = |field: String, reason: String| SimError::VehicleInvalid {
+            file: spec.name.clone(),
+            field,
+            reason,
+        };
+        if 2 * spec.axles.len() > MAX_WHEELS {
+            return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
+        }
+        let mut tables = Vec::new();
+        for (i, axle) in spec.axles.iter().enumerate() {
+            let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
+            let table = SuspensionTable::solve(&axle.suspension, rack)
+                .map_err(|reason| invalid(format!("axles[{i}].suspension.hardpoints"), reason))?;
+            tables.push(table);
+        }
+        let vehicle = Vehicle::new(spec, tables);
+        let (mass, inertia, com) = vehicle.composite();
+        let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
+        let mut simulation = Self {
+            obstacles: Obstacles::new(&world),
+            wheel: WheelShape::new(&spec.tyre),
+            reference: -V3::from(spec.chassis.com),
+            world,
+            options,
+            vehicle,
+            chassis,
+            hull_near: true,
+            steps: 0,
+            contact_steps: 0,
+        };
+        simulation.place(start);
+        simulation.settle()?;
+        Ok(simulation)
+    }
+
+    /// Sets the vehicle down as low as it goes without touching, aligned with the ground under its wheels.
+    fn place(&mut self, start: Pose2) {
+        let ground = &self.world.heightfield;
+        let heading = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
+        self.vehicle.q = heading;
+        self.vehicle.x = V3::new(start.x, start.y, 0.0) - heading * self.reference;
+        let centre = self.vehicle.x + heading * self.reference;
+        // Least squares of the ground's height over the wheels' positions in the vehicle's own axes.
+        let (mut sxx, mut syy, mut sxz, mut syz) = (0.0, 0.0, 0.0, 0.0);
+        for (hub, _) in self.vehicle.hubs() {
+            let p = heading.inverse() * (hub - centre);
+            let z = ground.height(hub.x, hub.y);
+            sxx += p.x * p.x;
+            syy += p.y * p.y;
+            sxz += p.x * z;
+            syz += p.y * z;
+        }
+        let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
+        let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
+        self.vehicle.q = heading * pitch * roll;
+        let free = |s: &Self| {
+            let touches = s.vehicle.hubs().any(|(hub, axis)| {
+                hub.z < ground.height(hub.x, hub.y)
+                    || s.vehicle.envelope().query(ground, &hub, &axis).is_some()
+            });
+            !touches && !s.chassis.may_touch(ground, &s.obstacles, &s.vehicle.x, &s.vehicle.q, 0.02)
+        };
+        // From well above any ground nearby, down in steps of 1 cm.
+        let (low, high) = ground.range();
+        let top = high + 3.0;
+        let mut z = top;
+        while z > low {
+            let below = V3::new(start.x, start.y, z - 0.01) - self.vehicle.q * self.reference;
+            let before = std::mem::replace(&mut self.vehicle.x, below);
+            if !free(self) {
+                self.vehicle.x = before;
+                break;
+            }
+            z -= 0.01;
+        }
+    }
+
+    fn settle(&mut self) -> Result<(), SimError> {
+        let controls = Controls { steering: 0.0, throttle: 0.0, brake: 1.0 };
+        let most = (self.options.settle_time / self.options.step) as u64;
+        let mut still = 0;
+        for _ in 0..most {
+            self.step(controls);
+            let quiet = self.vehicle.v.norm() < 0.01 && self.vehicle.w.norm() < 0.01;
+            still = if quiet { still + 1 } else { 0 };
+            if still >= 100 {
+                break;
+            }
+        }
+        self.check()?;
+        self.steps = 0;
+        self.contact_steps = 0;
+        Ok(())
+    }
+
+    fn step(&mut self, controls: Controls) {
+        let dt = self.options.step;
+        if self.steps.is_multiple_of(LOOK_AROUND) {
+            let reach = self.chassis.bound() + 0.2 + self.vehicle.v.norm() * dt * LOOK_AROUND as f64;
+            self.obstacles.look_around(&self.vehicle.x, reach);
+        }
+        let ground = Ground {
+            heightfield: &self.world.heightfield,
+            semantics: &self.world.semantics,
+            obstacles: &self.obstacles,
+        };
+        self.vehicle.accelerate(controls, &ground, &self.wheel, dt);
+        if self.steps.is_multiple_of(LOOK_DOWN) {
+            let margin = 0.05 + self.vehicle.v.norm() * dt * LOOK_DOWN as f64;
+            self.hull_near = self.chassis.may_touch(
+                &self.world.heightfield,
+                &self.obstacles,
+                &self.vehicle.x,
+                &self.vehicle.q,
+                margin,
+            );
+        }
+        if self.hull_near {
+            let v = &mut self.vehicle;
+            let friction = self.world.semantics.friction_at(v.x.x, v.x.y);
+            self.chassis.resolve(friction, &mut v.x, &mut v.q, &mut v.v, &mut v.w);
+            self.contact_steps += 1;
+        } else {
+            self.vehicle.move_on(dt);
+        }
+        self.steps += 1;
+    }
+
+    /// Advances by `steps` steps with constant controls.
+    ///
+    /// # Errors
+    /// [`SimError::Diverged`] when the state stops being finite.
+    pub fn advance(&mut self, controls: Controls, steps: u64) -> Result<(), SimError> {
+        for _ in 0..steps {
+            self.step(controls);
+        }
+        self.check()
+    }
+
+    fn check(&self) -> Result<(), SimError> {
+        let v = &self.vehicle;
+        let finite = |a: &V3| a.iter().all(|x| x.is_finite());
+        let what = if !finite(&v.x) || !v.q.coords.iter().all(|x| x.is_finite()) {
+            "the pose"
+        } else if !finite(&v.v) || !finite(&v.w) {
+            "the velocity"
+        } else if !v.inner_state().all(f64::is_finite) {
+            "a wheel's state"
+        } else {
+            return Ok(());
+        };
+        Err(SimError::Diverged { time: self.time(), what })
+    }
+
+    /// Simulated time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.options.step
+    }
+
+    /// Steps since the start.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Steps since the start in which the hull was near enough to something for the contact solver to run.
+    #[must_use]
+    pub fn contact_steps(&self) -> u64 {
+        self.contact_steps
+    }
+
+    /// The world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The state of the vehicle.
+    #[must_use]
+    pub fn state(&self) -> VehicleState {
+        let v = &self.vehicle;
+        let arm = v.q * self.reference;
+        let inverse = v.q.inverse();
+        VehicleState {
+            time: self.time(),
+            position: v.x + arm,
+            attitude: v.q,
+            velocity: inverse * (v.v + v.w.cross(&arm)),
+            rates: inverse * v.w,
+            wheels: (0..v.wheel_count())
+                .map(|i| {
+                    let (speed, deflection, load) = v.wheel(i);
+                    WheelState { speed, deflection, load }
+                })
+                .collect(),
+            steering: v.steering,
+        }
+    }
+
+    /// Turns the vehicle about its long axis by `roll` (rad) and lifts its reference point to `height` (m) above
+    /// the ground under it, at rest: for tests of rollovers.
+    pub fn overturn(&mut self, roll: f64, height: f64) {
+        let v = &mut self.vehicle;
+        v.q *= Quat::from_axis_angle(&V3::x_axis(), roll);
+        v.x.z = self.world.heightfield.height(v.x.x, v.x.y) + height;
+        v.v = V3::zeros();
+        v.w = V3::zeros();
+        self.hull_near = true;
+    }
+
+    /// Feeds every number that determines the future into `sink`, in a fixed order.
+    pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
+        let v = &self.vehicle;
+        v.x.iter().chain(v.q.coords.iter()).chain(v.v.iter()).chain(v.w.iter()).for_each(|&x| sink(x));
+        v.inner_state().for_each(sink);
+    }
+}

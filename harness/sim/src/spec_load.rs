@@ -1,0 +1,250 @@
+//! Reading a vehicle file and refusing what no vehicle can be.
+
+use crate::error::SimError;
+use crate::spec::{Suspension, VehicleSpec};
+use std::path::Path;
+
+impl VehicleSpec {
+    /// Reads and validates a vehicle file.
+    ///
+    /// # Errors
+    /// [`SimError::VehicleUnreadable`] or [`SimError::VehicleInvalid`], which name the file, the field and the value.
+    pub fn load(path: &Path) -> Result<Self, SimError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| SimError::VehicleUnreadable { path: path.to_owned(), reason: e.to_string() })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Parses and validates the text of a vehicle file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// [`SimError::VehicleInvalid`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
+        let spec: Self = serde_yaml::from_str(text).map_err(|e| {
+            let message = e.to_string();
+            SimError::VehicleInvalid {
+                file: file.to_owned(),
+                field: e.location().map_or("file".to_owned(), |l| format!("line {}", l.line())),
+                reason: message.lines().next().unwrap_or("not valid YAML").to_owned(),
+            }
+        })?;
+        Check { file }.vehicle(&spec)?;
+        Ok(spec)
+    }
+}
+
+struct Check<'a> {
+    file: &'a str,
+}
+
+impl Check<'_> {
+    fn fail<T>(&self, field: &str, reason: String) -> Result<T, SimError> {
+        Err(SimError::VehicleInvalid { file: self.file.to_owned(), field: field.to_owned(), reason })
+    }
+
+    fn positive(&self, field: &str, value: f64) -> Result<(), SimError> {
+        if value.is_finite() && value > 0.0 {
+            return Ok(());
+        }
+        self.fail(field, format!("{value} must be a positive number"))
+    }
+
+    fn not_negative(&self, field: &str, value: f64) -> Result<(), SimError> {
+        if value.is_finite() && value >= 0.0 {
+            return Ok(());
+        }
+        self.fail(field, format!("{value} must be zero or a positive number"))
+    }
+
+    fn finite(&self, field: &str, values: &[f64]) -> Result<(), SimError> {
+        match values.iter().find(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(v) => self.fail(field, format!("{v} is not a number to compute with")),
+        }
+    }
+
+    fn vehicle(&self, v: &VehicleSpec) -> Result<(), SimError> {
+        if v.schema != 1 {
+            return self.fail("schema", format!("{} is unknown; this version reads 1", v.schema));
+        }
+        if v.name.is_empty() || !v.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
+            return self.fail("name", format!("{:?} must be letters, digits, - and _", v.name));
+        }
+        for (field, value) in
+            [("length", v.length), ("width", v.width), ("height", v.height), ("max_speed", v.max_speed)]
+        {
+            self.positive(field, value)?;
+        }
+        self.chassis(v)?;
+        if v.axles.len() < 2 {
+            return self.fail("axles", format!("{} given, at least 2 needed", v.axles.len()));
+        }
+        if !v.axles.is_sorted_by(|a, b| a.position[0] > b.position[0]) {
+            return self.fail("axles", "must be listed front to back, at different positions".to_owned());
+        }
+        if !v.axles.iter().any(|a| a.driven) {
+            return self.fail("axles", "none is driven".to_owned());
+        }
+        for (i, _) in v.axles.iter().enumerate() {
+            self.axle(v, i)?;
+        }
+        self.positive("steering.rate", v.steering.rate)?;
+        self.not_negative("steering.rack_travel", v.steering.rack_travel)?;
+        self.tyre(v)?;
+        self.powertrain(v)
+    }
+
+    fn chassis(&self, v: &VehicleSpec) -> Result<(), SimError> {
+        let c = &v.chassis;
+        self.positive("chassis.mass", c.mass)?;
+        self.finite("chassis.com", &c.com)?;
+        for (i, &value) in c.inertia.iter().enumerate() {
+            self.positive(&format!("chassis.inertia[{i}]"), value)?;
+            let others = c.inertia.iter().sum::<f64>() - value;
+            if value > others {
+                let reason =
+                    format!("{value} exceeds the sum of the other two moments ({others}); no body has that");
+                return self.fail(&format!("chassis.inertia[{i}]"), reason);
+            }
+        }
+        self.not_negative("chassis.friction", c.friction)?;
+        for (i, part) in c.hull.iter().enumerate() {
+            let field = format!("chassis.hull[{i}]");
+            for point in part {
+                self.finite(&field, point)?;
+            }
+            if rapier3d_f64::parry::shape::SharedShape::convex_hull(&crate::collision::points(part)).is_none()
+            {
+                return self.fail(&field, format!("{} points do not span a volume", part.len()));
+            }
+        }
+        Ok(())
+    }
+
+    fn axle(&self, v: &VehicleSpec, i: usize) -> Result<(), SimError> {
+        let a = &v.axles[i];
+        let at = |f: &str| format!("axles[{i}].{f}");
+        self.finite(&at("position"), &a.position)?;
+        self.positive(&at("unsprung_mass"), a.unsprung_mass)?;
+        self.positive(&at("spin_inertia"), a.spin_inertia)?;
+        self.not_negative(&at("brake_torque"), a.brake_torque)?;
+        let Suspension::DoubleWishbone { spring, damper, stops, .. } = &a.suspension;
+        self.positive(&at("suspension.spring.stiffness"), spring.stiffness)?;
+        self.positive(&at("suspension.spring.free_length"), spring.free_length)?;
+        self.not_negative(&at("suspension.damper.coefficient"), damper.coefficient)?;
+        self.positive(&at("suspension.stops.jounce"), stops.jounce)?;
+        self.positive(&at("suspension.stops.stiffness"), stops.stiffness)?;
+        if !(stops.rebound.is_finite() && stops.rebound < 0.0) {
+            return self.fail(&at("suspension.stops.rebound"), format!("{} must be negative", stops.rebound));
+        }
+        let rack = if a.steered { v.steering.rack_travel } else { 0.0 };
+        crate::SuspensionTable::solve(&a.suspension, rack)
+            .map(|_| ())
+            .or_else(|reason| self.fail(&at("suspension.hardpoints"), reason))
+    }
+
+    fn tyre(&self, v: &VehicleSpec) -> Result<(), SimError> {
+        let t = &v.tyre;
+        for (field, value) in [
+            ("tyre.radius", t.radius),
+            ("tyre.width", t.width),
+            ("tyre.friction", t.friction),
+            ("tyre.vertical_stiffness", t.vertical_stiffness),
+            ("tyre.slip_stiffness[0]", t.slip_stiffness[0]),
+            ("tyre.slip_stiffness[1]", t.slip_stiffness[1]),
+            ("tyre.relaxation_length[0]", t.relaxation_length[0]),
+            ("tyre.relaxation_length[1]", t.relaxation_length[1]),
+        ] {
+            self.positive(field, value)?;
+        }
+        self.not_negative("tyre.vertical_damping", t.vertical_damping)?;
+        self.not_negative("tyre.damping_ratio", t.damping_ratio)?;
+        self.not_negative("tyre.rolling_resistance", t.rolling_resistance)
+    }
+
+    fn powertrain(&self, v: &VehicleSpec) -> Result<(), SimError> {
+        let p = &v.powertrain;
+        for (field, map) in [
+            ("powertrain.engine.full_throttle", &p.engine.full_throttle),
+            ("powertrain.engine.closed_throttle", &p.engine.closed_throttle),
+        ] {
+            if map.is_empty() || map.iter().flatten().any(|x| !x.is_finite()) {
+                return self
+                    .fail(field, "needs at least one point [rad/s, N m] of finite numbers".to_owned());
+            }
+            if let Some(w) = map.windows(2).find(|w| w[0][0] >= w[1][0]) {
+                return self
+                    .fail(field, format!("speeds must increase, but {} follows {}", w[1][0], w[0][0]));
+            }
+        }
+        let g = &p.gearbox;
+        if g.ratios.is_empty() || g.ratios.len() != g.shift_up.len() || g.ratios.len() != g.shift_down.len() {
+            let reason = format!(
+                "{} ratios, {} shift_down, {} shift_up: there must be as many of each, and one at least",
+                g.ratios.len(),
+                g.shift_down.len(),
+                g.shift_up.len()
+            );
+            return self.fail("powertrain.gearbox", reason);
+        }
+        for i in 0..g.ratios.len() {
+            self.positive(&format!("powertrain.gearbox.ratios[{i}]"), g.ratios[i])?;
+            if !(g.shift_down[i].is_finite() && g.shift_up[i] > g.shift_down[i]) {
+                let reason =
+                    format!("{} must be greater than shift_down[{i}] = {}", g.shift_up[i], g.shift_down[i]);
+                return self.fail(&format!("powertrain.gearbox.shift_up[{i}]"), reason);
+            }
+        }
+        self.positive("powertrain.final_drive", p.final_drive)?;
+        self.not_negative("powertrain.shaft_inertia", p.shaft_inertia)?;
+        self.not_negative("powertrain.differentials.front", p.differentials.front)?;
+        self.not_negative("powertrain.differentials.rear", p.differentials.rear)?;
+        self.not_negative("powertrain.differentials.centre", p.differentials.centre)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HMMWV: &str = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+
+    fn broken(from: &str, to: &str) -> String {
+        assert!(HMMWV.contains(from), "{from}");
+        VehicleSpec::parse(&HMMWV.replacen(from, to, 1), "car.yaml").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_shipped_vehicle_is_valid() {
+        VehicleSpec::parse(HMMWV, "hmmwv.yaml").unwrap();
+    }
+
+    #[test]
+    fn messages_name_file_field_value_and_reason() {
+        let e = broken("mass: 2095.592", "mass: -3.0");
+        assert_eq!(e, "car.yaml: chassis.mass: -3 must be a positive number");
+        let e = broken("inertia: [1078.52, 2955.66, 3570.2]", "inertia: [1078.52, 2955.66, 9570.2]");
+        assert!(e.starts_with("car.yaml: chassis.inertia[2]: 9570.2 exceeds the sum"), "{e}");
+        let e = broken("stiffness: 167070.939", "stiffness: 0");
+        assert!(e.starts_with("car.yaml: axles[0].suspension.spring.stiffness: 0 must"), "{e}");
+        let e = broken("shift_down: [104.719755, ", "shift_down: [");
+        assert!(e.contains("powertrain.gearbox: 6 ratios, 5 shift_down"), "{e}");
+    }
+
+    #[test]
+    fn a_wrong_type_or_an_unknown_field_names_its_line() {
+        let e = broken("radius: 0.467", "radius: wide");
+        assert!(e.contains("car.yaml: line") && !e.contains('\n'), "{e}");
+        let e = broken("width: 0.254", "breadth: 0.254");
+        assert!(e.contains("breadth"), "{e}");
+    }
+
+    #[test]
+    fn hardpoints_that_lock_are_refused_with_the_travel_at_which_they_do() {
+        let e = broken(
+            "upper_arm_front: [-0.048006, 0.44577, 0.244602]",
+            "upper_arm_front: [-0.048006, 0.70, 0.244602]",
+        );
+        assert!(e.contains("axles[0].suspension.hardpoints") && e.contains("travel"), "{e}");
+    }
+}

@@ -1,0 +1,89 @@
+//! What a simulation tells about the vehicle.
+
+use crate::{Quat, V3};
+use vb_math::{asin, atan2};
+
+/// What the driver asks for, already within range.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Controls {
+    /// [-1, 1], positive to the left.
+    pub steering: f64,
+    /// [0, 1].
+    pub throttle: f64,
+    /// [0, 1].
+    pub brake: f64,
+}
+
+/// The state of one wheel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelState {
+    /// Spin, rad/s, positive when rolling forward.
+    pub speed: f64,
+    /// Suspension travel from the design position, m, positive in compression.
+    pub deflection: f64,
+    /// Normal force of the ground and of obstacles, N.
+    pub load: f64,
+}
+
+/// The state of the vehicle at its reference point, the origin of the chassis frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehicleState {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Position in the world, m.
+    pub position: V3,
+    /// Attitude: body axes to world axes.
+    pub attitude: Quat,
+    /// Velocity of the reference point in body axes, m/s.
+    pub velocity: V3,
+    /// Angular velocity in body axes, rad/s.
+    pub rates: V3,
+    /// Front to back, left before right.
+    pub wheels: Vec<WheelState>,
+    /// The steering command after the rate limit.
+    pub steering: f64,
+}
+
+impl VehicleState {
+    /// Roll, pitch and yaw, rad: heading first, then pitch (positive nose down), then roll (positive right side
+    /// down), as ISO 8855 and Chrono's `GetCardanAnglesXYZ` define them.
+    #[must_use]
+    pub fn roll_pitch_yaw(&self) -> (f64, f64, f64) {
+        let q = self.attitude.quaternion();
+        let (w, x, y, z) = (q.w, q.i, q.j, q.k);
+        let roll = atan2(2.0 * (y * z + w * x), w * w - x * x - y * y + z * z);
+        let pitch = asin((2.0 * (w * y - x * z)).clamp(-1.0, 1.0));
+        let yaw = atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z);
+        (roll, pitch, yaw)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(attitude: Quat) -> VehicleState {
+        VehicleState {
+            time: 0.0,
+            position: V3::zeros(),
+            attitude,
+            velocity: V3::zeros(),
+            rates: V3::zeros(),
+            wheels: vec![],
+            steering: 0.0,
+        }
+    }
+
+    #[test]
+    fn angles_are_heading_then_pitch_nose_down_then_roll_right_side_down() {
+        let q = Quat::from_axis_angle(&V3::z_axis(), 2.0)
+            * Quat::from_axis_angle(&V3::y_axis(), 0.3)
+            * Quat::from_axis_angle(&V3::x_axis(), -0.7);
+        let (roll, pitch, yaw) = state(q).roll_pitch_yaw();
+        assert!((roll + 0.7).abs() < 1e-12 && (pitch - 0.3).abs() < 1e-12 && (yaw - 2.0).abs() < 1e-12);
+        let nose = state(Quat::from_axis_angle(&V3::y_axis(), 0.3)).attitude * V3::x();
+        assert!(nose.z < 0.0, "positive pitch lowers the nose");
+        let right = state(Quat::from_axis_angle(&V3::x_axis(), 0.3)).attitude * -V3::y();
+        assert!(right.z < 0.0, "positive roll lowers the right side");
+    }
+}

@@ -1,0 +1,177 @@
+//! The HMMWV on canonical ground, against theory and against Chrono 9.0.1's reference runs of the same vehicle
+//! (rigid cylinder tyres, 5 ms; rows of the tables named at each test). Where Chrono's solver is known to be at
+//! fault (creep on slopes, no body roll), theory is the reference.
+
+mod common;
+use common::{controls, flat, grade, hold_speed, start};
+use vb_math::angle::degrees;
+
+#[test]
+fn at_rest_the_wheels_carry_the_weight_as_the_reference_run_has_it() {
+    let mut sim = start(&flat(0.9), 0.0, 0.0, 0.3);
+    sim.advance(controls(0.0, 0.0, 1.0), 1000).unwrap();
+    let s = sim.state();
+    let sum: f64 = s.wheels.iter().map(|w| w.load).sum();
+    // Mass 2493.56 kg; Chrono (4.1): sum 24 462 N, front 6350 N, rear 5880 N a wheel; the sheet's statics 6279, 5952.
+    assert!((sum - 2493.56 * 9.81).abs() < 2.0, "{sum}");
+    for (i, w) in s.wheels.iter().enumerate() {
+        let expected = if i < 2 { 6350.0 } else { 5880.0 };
+        assert!((w.load - expected).abs() < 0.01 * expected, "wheel {i}: {} N", w.load);
+    }
+    // Static equilibrium with rigid wheels: reference height 0.4321 m, nose down 1.108 deg (reference sheet); ours
+    // stands lower by the tyres' deflection, load / 411 kN/m = 15 mm.
+    assert!((s.position.z - (0.4321 - 0.0148)).abs() < 0.004, "{}", s.position.z);
+    let (roll, pitch, _) = s.roll_pitch_yaw();
+    assert!((degrees(pitch) - 1.108).abs() < 0.1, "{}", degrees(pitch));
+    assert!(degrees(roll).abs() < 0.01);
+}
+
+#[test]
+fn at_rest_nothing_moves() {
+    let mut sim = start(&flat(0.9), 0.0, 0.0, 0.0);
+    sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();
+    let a = sim.state();
+    sim.advance(controls(0.0, 0.0, 1.0), 10_000).unwrap();
+    let b = sim.state();
+    assert!((a.position - b.position).norm() < 1e-6, "{}", (a.position - b.position).norm());
+    assert!(b.velocity.norm() < 1e-7 && b.rates.norm() < 1e-7);
+}
+
+#[test]
+fn brakes_hold_below_the_friction_angle_and_slide_above_it() {
+    // atan 0.5 = 26.57 deg.
+    for (slope, holds) in [(15.0, true), (25.0, true), (28.5, false)] {
+        let mut sim = start(&grade(slope, 0.5), 20.0, 0.0, 0.0);
+        sim.advance(controls(0.0, 0.0, 1.0), 3000).unwrap();
+        let a = sim.state().position;
+        sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
+        let moved = (sim.state().position - a).norm();
+        if holds {
+            assert!(moved < 1e-3, "{slope} deg: {moved} m in 5 s");
+        } else {
+            assert!(moved > 1.0, "{slope} deg: {moved} m in 5 s");
+        }
+    }
+}
+
+#[test]
+fn across_a_slope_it_does_not_creep_either() {
+    for slope in [10.0, 20.0] {
+        let mut sim = start(&grade(slope, 0.5), 0.0, 0.0, std::f64::consts::FRAC_PI_2);
+        sim.advance(controls(0.0, 0.0, 1.0), 3000).unwrap();
+        let a = sim.state().position;
+        sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
+        let moved = (sim.state().position - a).norm();
+        assert!(moved < 1e-3, "{slope} deg: {moved} m in 5 s");
+    }
+}
+
+#[test]
+fn full_brakes_stop_it_within_the_distance_that_friction_allows() {
+    // Theory: v²/(2 μ g) with all wheels locked; Chrono: 12.46 m (μ 0.9), 21.57 m (μ 0.5) from 15 m/s.
+    for (mu, chrono) in [(0.9, 12.461), (0.5, 21.572)] {
+        let mut sim = start(&flat(mu), -100.0, 0.0, 0.0);
+        while sim.state().velocity.x < 15.0 {
+            let c = hold_speed(&sim, 15.3, 0.0);
+            sim.advance(c, 1).unwrap();
+        }
+        let v = sim.state().velocity.x;
+        let from = sim.state().position;
+        let mut steps = 0;
+        while sim.state().velocity.x > 0.01 {
+            sim.advance(controls(0.0, 0.0, 1.0), 1).unwrap();
+            steps += 1;
+            assert!(steps < 10_000);
+        }
+        let distance = (sim.state().position - from).norm();
+        let theory = v * v / (2.0 * mu * 9.81);
+        assert!(
+            distance > 0.97 * theory && distance < 1.08 * theory,
+            "μ {mu}: {distance} m, theory {theory}"
+        );
+        assert!((distance / chrono - 1.0).abs() < 0.10, "μ {mu}: {distance} m, Chrono {chrono}");
+    }
+}
+
+#[test]
+fn it_accelerates_like_the_reference_run_at_the_speeds_of_the_tasks() {
+    // Chrono (4.2), full throttle, μ 0.9: 5 m/s after 0.645 s, 10 m/s after 1.385 s. Above that the reference loses
+    // power that its own maps don't explain (20 m/s after 4.2 s, ours 3.4 s).
+    let mut sim = start(&flat(0.9), -140.0, 0.0, 0.0);
+    for (target, chrono) in [(5.0, 0.645), (10.0, 1.385)] {
+        while sim.state().velocity.x < target {
+            let s = sim.state();
+            let (_, _, yaw) = s.roll_pitch_yaw();
+            let steer = (-0.1 * s.position.y - yaw).clamp(-1.0, 1.0);
+            sim.advance(controls(steer, 1.0, 0.0), 1).unwrap();
+            assert!(sim.time() < 20.0, "{target} m/s not reached");
+        }
+        assert!((sim.time() / chrono - 1.0).abs() < 0.1, "{target} m/s after {} s", sim.time());
+    }
+}
+
+#[test]
+fn it_turns_on_the_radius_of_the_reference_run() {
+    // Chrono, 4 m/s, μ 0.9: radius 36.15, 18.37, 9.48 m at steering 0.25, 0.5, 1. Rigid tyres show no slip angle;
+    // ours add a little understeer, so the radius may be larger by some per cent, never smaller by more than one.
+    for (steer, chrono) in [(0.25, 36.151), (0.5, 18.373), (1.0, 9.484), (-0.5, 18.354)] {
+        let mut sim = start(&flat(0.9), 0.0, 0.0, 0.0);
+        for _ in 0..1200 {
+            let c = hold_speed(&sim, 4.0, steer);
+            sim.advance(c, 10).unwrap();
+        }
+        let s = sim.state();
+        let speed = vb_math::hypot(s.velocity.x, s.velocity.y);
+        let radius = (speed / s.rates.z).abs();
+        assert!(s.rates.z * steer > 0.0, "positive steering turns left");
+        assert!(
+            radius > 0.90 * chrono && radius < 1.10 * chrono,
+            "steering {steer}: {radius} m, Chrono {chrono}"
+        );
+    }
+}
+
+#[test]
+fn it_climbs_what_friction_allows_and_no_more() {
+    // Chrono with the 4 m/s controller: μ 0.5 climbs 24 and fails at 26 deg; μ 0.3 climbs 14 and fails at 16 deg.
+    for (mu, slope, climbs) in
+        [(0.5, 15.0, true), (0.5, 22.0, true), (0.5, 28.0, false), (0.3, 10.0, true), (0.3, 18.0, false)]
+    {
+        let mut sim = start(&grade(slope, mu), 0.0, 0.0, 0.0);
+        for _ in 0..2000 {
+            let s = sim.state();
+            let (_, _, yaw) = s.roll_pitch_yaw();
+            let mut c = hold_speed(&sim, 4.0, (-0.1 * s.position.y - yaw).clamp(-1.0, 1.0));
+            c.brake = 0.0;
+            sim.advance(c, 10).unwrap();
+            if s.position.x.abs() > 40.0 {
+                break;
+            }
+        }
+        let x = sim.state().position.x;
+        assert_eq!(x > 20.0, climbs, "μ {mu}, {slope} deg: x = {x}");
+    }
+}
+
+#[test]
+fn coasting_loses_what_rolling_resistance_and_engine_drag_take() {
+    // Rolling resistance 0.015 g = 0.147 m/s²; the closed throttle's drag adds to it, nothing gives.
+    let mut sim = start(&flat(0.9), -100.0, 0.0, 0.0);
+    while sim.state().velocity.x < 8.0 {
+        sim.advance(controls(0.0, 1.0, 0.0), 1).unwrap();
+    }
+    sim.advance(controls(0.0, 0.0, 0.0), 200).unwrap();
+    let a = sim.state().velocity.x;
+    sim.advance(controls(0.0, 0.0, 0.0), 2000).unwrap();
+    let b = sim.state().velocity.x;
+    let rate = (a - b) / 2.0;
+    assert!(rate > 0.147 && rate < 1.5, "{rate} m/s²");
+    for _ in 0..60 {
+        sim.advance(controls(0.0, 0.0, 0.0), 1000).unwrap();
+    }
+    assert!(
+        sim.state().velocity.x.abs() < 0.02,
+        "it comes to rest and stays there: {}",
+        sim.state().velocity.x
+    );
+}

@@ -1,0 +1,58 @@
+//! Worlds and drives that the physics tests share.
+#![allow(dead_code, reason = "every test file uses its own part")]
+
+use std::sync::Arc;
+use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec};
+use vb_world::{Density, Elevation, Ground, Heightfield, Obstacle, Pose2, Semantics, TerrainClass, World};
+
+pub fn hmmwv() -> VehicleSpec {
+    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
+}
+
+/// A world of one friction value over the given heights.
+pub fn world(heightfield: Heightfield, friction: f64, obstacles: Vec<Obstacle>) -> Arc<World> {
+    let side = 2.0 * heightfield.half_x().max(heightfield.half_y());
+    Arc::new(World {
+        id: "test".to_owned(),
+        elevation: Elevation::Low,
+        ground: Ground::Rigid,
+        density: Density::Sparse,
+        scale: 1.0,
+        heightfield,
+        semantics: Semantics {
+            rows: 1,
+            cols: 1,
+            patch: side,
+            classes: vec![TerrainClass::Concrete],
+            friction: vec![friction],
+        },
+        obstacles,
+        tasks: vec![],
+    })
+}
+
+pub fn flat(friction: f64) -> Arc<World> {
+    world(Heightfield::flat(301, 301, 1.0, 0.0), friction, vec![])
+}
+
+/// A plane that rises along x by `degrees`.
+pub fn grade(degrees: f64, friction: f64) -> Arc<World> {
+    let slope = vb_math::tan(degrees.to_radians());
+    let (rows, cols) = (101, 401);
+    let heights = (0..rows * cols).map(|i| slope * (i % cols) as f64).collect();
+    world(Heightfield::new(rows, cols, 1.0, heights), friction, vec![])
+}
+
+pub fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
+    Simulation::new(world.clone(), &hmmwv(), Pose2 { x, y, yaw }, SimOptions::default()).unwrap()
+}
+
+pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
+    Controls { steering, throttle, brake }
+}
+
+/// The original's speed controller: P gain 1 on the speed error, throttle and brake in [0, 1] (facts §6.1).
+pub fn hold_speed(sim: &Simulation, target: f64, steering: f64) -> Controls {
+    let e = target - sim.state().velocity.x;
+    controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0))
+}
