@@ -33,7 +33,7 @@ pub struct TaskRecord {
     pub three_way: ThreeWay,
     /// Why, in words.
     pub reason: String,
-    /// For errors: the kind of fault, e.g. `out_of_fuel`.
+    /// For errors: the kind of fault, e.g. `out-of-fuel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
     /// Simulated time at its end, s.

@@ -59,7 +59,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         outcome: score.outcome,
         three_way: score.three_way,
         reason: score.reason,
-        fault: (score.outcome == Outcome::PlannerError).then(|| "out_of_fuel".into()),
+        fault: (score.outcome == Outcome::PlannerError).then(|| "out-of-fuel".into()),
         time_s: score.time_s,
         state_hash: "0123456789abcdef".into(),
         sim_steps: 1000,
@@ -165,7 +165,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(again.summary.undecided, ["w/a"]);
     let outcomes: Vec<_> = again.records.iter().map(|r| (r.task.as_str(), r.outcome)).collect();
     assert_eq!(outcomes, [("w/b", Outcome::Stuck), ("w/c", Outcome::Stuck), ("w/d", Outcome::PlannerError)]);
-    assert_eq!(again.records[2].fault.as_deref(), Some("out_of_fuel"));
+    assert_eq!(again.records[2].fault.as_deref(), Some("out-of-fuel"));
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
     assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
     assert!(again.summary.table().contains("1 undecided"), "{}", again.summary.table());
