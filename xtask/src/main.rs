@@ -1,2 +1,121 @@
-//! Development tasks.
-fn main() {}
+//! Development tasks: `cargo xtask help`.
+
+mod plugins;
+mod run;
+mod wasm_target;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use run::{Failure, cargo, step};
+
+const USAGE: &str = "\
+Usage: cargo xtask <TASK>
+
+Tasks:
+  demo                  Build everything, drive the PID planner over the built-in suite and print the results
+  test                  Build everything the tests need and run them all
+  lint                  Check formatting, lints and documentation
+  plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
+
+Environment:
+  VB_WASM_FALLBACK=1    Don't ask rustup for the WASM target: use Debian's compiler packages
+  VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let result = match args[..] {
+        ["demo"] => demo(),
+        ["test"] => test(),
+        ["lint"] => lint(),
+        ["plugins"] => plugins::build(&default_plugin_dir()),
+        ["plugins", "--out", dir] => plugins::build(Path::new(dir)),
+        ["help" | "--help" | "-h"] => {
+            step(USAGE);
+            Ok(())
+        }
+        _ => Err(Failure::new(format!("no such task: `{}`\n\n{USAGE}", args.join(" ")))),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            step(&format!("error: {failure}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The folder of the workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace")
+}
+
+/// Where cargo puts what it builds.
+fn target_dir() -> PathBuf {
+    // Relative to the current folder where the user sets it, as cargo takes it.
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+fn default_plugin_dir() -> PathBuf {
+    target_dir().join("plugins")
+}
+
+fn build_all() -> Result<(), Failure> {
+    step("building the harness");
+    cargo(&["build", "--release", "--package", "vb-harness"])?;
+    plugins::build(&default_plugin_dir())
+}
+
+fn demo() -> Result<(), Failure> {
+    build_all()?;
+    let harness = target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX));
+    let out = target_dir().join("demo-run");
+    if out.exists() {
+        std::fs::remove_dir_all(&out)
+            .map_err(|e| Failure::new(format!("can't remove {}: {e}", out.display())))?;
+    }
+    let suite = built_in_suite(&root().join("tasks/suites"))?;
+    step(&format!("driving the PID planner over {}", suite.display()));
+    let mut command = std::process::Command::new(harness);
+    command.arg("--plugin").arg(default_plugin_dir().join("pid.wasm"));
+    command.arg("--suite").arg(suite).arg("--out").arg(out);
+    run::run(&mut command)
+}
+
+/// The first suite in the folder of those that come with the harness.
+fn built_in_suite(folder: &Path) -> Result<PathBuf, Failure> {
+    let entries =
+        std::fs::read_dir(folder).map_err(|e| Failure::new(format!("{}: {e}", folder.display())))?;
+    let suites = entries.flatten().map(|e| e.path()).filter(|p| p.is_dir());
+    suites.min().ok_or_else(|| Failure::new(format!("there is no suite in {}", folder.display())))
+}
+
+fn test() -> Result<(), Failure> {
+    build_all()?;
+    step("running the tests");
+    cargo(&["test", "--quiet", "--workspace"])
+}
+
+fn lint() -> Result<(), Failure> {
+    step("checking formatting, lints and documentation");
+    cargo(&["fmt", "--all", "--check"])?;
+    cargo(&["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
+    cargo(&["doc", "--quiet", "--workspace", "--no-deps"])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_suite_is_the_first_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(built_in_suite(dir.path()).is_err());
+        std::fs::write(dir.path().join("README.md"), "").unwrap();
+        std::fs::create_dir(dir.path().join("b")).unwrap();
+        std::fs::create_dir(dir.path().join("a")).unwrap();
+        assert_eq!(built_in_suite(dir.path()).unwrap(), dir.path().join("a"));
+        assert!(built_in_suite(&dir.path().join("nowhere")).is_err());
+    }
+}

@@ -1,0 +1,170 @@
+//! What is a plugin, and what is said of files that are not.
+
+mod common;
+
+use std::path::Path;
+
+use common::{METADATA, core_module, file, observation, planner_wat, task, with_metadata};
+use sha2::Digest as _;
+use vb_host::{Limits, LoadError, LogSink, Plugin, inspect};
+
+const OK: &str = "(call $ok_planner)";
+const GO: &str = "(call $ok_command (f64.const 0.25) (f64.const 0.5) (f64.const 0))";
+
+fn good() -> Vec<u8> {
+    core_module(&planner_wat(OK, GO), METADATA)
+}
+
+/// The message for a file with these bytes, from loading it. It must be a single line that begins with the path.
+fn refusal(bytes: &[u8]) -> (LoadError, String) {
+    let (_dir, path) = file(bytes);
+    let error = Plugin::load(&path, &Limits::default(), None).unwrap_err();
+    let message = error.to_string();
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(message.starts_with(path.to_str().unwrap()), "{message}");
+    (error, message)
+}
+
+#[test]
+fn metadata_are_read_without_running_the_plugin() {
+    // Its code is not even valid: `i64.add` has nothing to add.
+    let (_dir, path) = file(&core_module(&planner_wat("i64.add", GO), METADATA));
+    assert!(Plugin::load(&path, &Limits::default(), None).is_err());
+    let m = inspect(&path).unwrap();
+    assert_eq!((m.name.as_str(), m.version.as_str(), m.control_period), ("probe", "1.0.0", 0.1));
+}
+
+#[test]
+fn a_component_serves_as_well_as_its_core_module() {
+    let mut encoder = wit_component::ComponentEncoder::default().module(&good()).unwrap();
+    let (_dir, path) = file(&encoder.encode().unwrap());
+    assert_eq!(inspect(&path).unwrap().name, "probe");
+    let plugin = Plugin::load(&path, &Limits::default(), None).unwrap();
+    let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+    assert_eq!(session.step(&observation()).unwrap().throttle, 0.5);
+}
+
+#[test]
+fn a_compiled_plugin_is_kept_and_used_again() {
+    let (dir, path) = file(&good());
+    let cache = dir.path().join("cache");
+    let step = |plugin: &Plugin| {
+        let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+        (session.step(&observation()).unwrap(), session.fuel_used())
+    };
+    let fresh = step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap());
+    let files: Vec<_> = std::fs::read_dir(&cache).unwrap().map(|f| f.unwrap().path()).collect();
+    assert_eq!(files.len(), 1);
+    let before = std::fs::metadata(&files[0]).unwrap().modified().unwrap();
+    assert_eq!(step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap()), fresh);
+    assert_eq!(std::fs::metadata(&files[0]).unwrap().modified().unwrap(), before, "written again");
+    // A damaged file is replaced.
+    std::fs::write(&files[0], b"rubbish").unwrap();
+    assert_eq!(step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap()), fresh);
+    assert!(std::fs::metadata(&files[0]).unwrap().len() > 1000);
+}
+
+#[test]
+fn an_unusable_cache_is_no_error() {
+    let (dir, path) = file(&good());
+    std::fs::write(dir.path().join("taken"), b"a file").unwrap();
+    Plugin::load(&path, &Limits::default(), Some(&dir.path().join("taken"))).unwrap();
+}
+
+#[test]
+fn the_hash_is_that_of_the_file() {
+    // Of the file itself, not of the component that is made of it.
+    let (_dir, path) = file(&good());
+    let plugin = Plugin::load(&path, &Limits::default(), None).unwrap();
+    let digest = sha2::Sha256::digest(good());
+    assert_eq!(plugin.sha256(), digest.iter().map(|b| format!("{b:02x}")).collect::<String>());
+}
+
+#[test]
+fn a_missing_or_unreadable_file() {
+    let error = inspect(Path::new("/nowhere/pid.wasm")).unwrap_err();
+    assert!(matches!(error, LoadError::NotFound { .. }));
+    assert!(error.to_string().starts_with("/nowhere/pid.wasm: no such plugin file"));
+    let dir = tempfile::tempdir().unwrap();
+    assert!(matches!(inspect(dir.path()).unwrap_err(), LoadError::Io { .. }));
+}
+
+#[test]
+fn an_empty_file_or_one_of_another_kind() {
+    assert!(matches!(refusal(b"").0, LoadError::Empty { .. }));
+    for bytes in [&b"#!/usr/bin/env python"[..], b"PK\x03\x04", b"\0as"] {
+        let (error, message) = refusal(bytes);
+        assert!(matches!(error, LoadError::NotAPlugin { .. }), "{message}");
+        assert!(message.contains("neither WebAssembly nor a native library"), "{message}");
+    }
+}
+
+#[test]
+fn a_truncated_plugin_wherever_it_is_cut() {
+    let bytes = good();
+    for cut in [5, 9, 40, bytes.len() / 2, bytes.len() - 1] {
+        let (error, message) = refusal(&bytes[..cut]);
+        assert!(matches!(error, LoadError::Damaged { .. }), "{cut}: {message}");
+    }
+    let (error, message) = refusal(b"\x7fELF\x02\x01\x01\0\0\0\0\0");
+    assert!(matches!(error, LoadError::Damaged { .. }), "{message}");
+}
+
+#[test]
+fn wasm_that_is_no_planner() {
+    let (error, message) = refusal(&wat::parse_str("(module)").unwrap());
+    assert!(matches!(error, LoadError::NotAPlugin { .. }));
+    assert!(message.contains("core WebAssembly module without the planner interface"), "{message}");
+    let (error, message) = refusal(&wat::parse_str("(component)").unwrap());
+    assert!(matches!(error, LoadError::NotAPlugin { .. }));
+    assert!(message.contains("no planner metadata"), "{message}");
+    // Metadata but nothing exported.
+    let (error, message) = refusal(&with_metadata(wat::parse_str("(component)").unwrap(), METADATA));
+    assert!(matches!(error, LoadError::NotAPlugin { .. }));
+    assert!(message.contains("vertibench:planner/guest"), "{message}");
+    // The component type promises functions that the module lacks.
+    let (error, message) = refusal(&core_module("(module)", METADATA));
+    assert!(matches!(error, LoadError::NotAPlugin { .. }), "{message}");
+}
+
+#[test]
+fn a_native_library_that_is_no_planner() {
+    // The test's own executable: sound ELF without the section.
+    let own = std::env::current_exe().unwrap();
+    let message = inspect(&own).unwrap_err().to_string();
+    assert!(message.contains("no planner metadata"), "{message}");
+}
+
+#[test]
+fn metadata_that_are_damaged_or_of_another_version() {
+    let with = |metadata: &str| core_module(&planner_wat(OK, GO), metadata);
+    let (error, message) = refusal(&with("abi: 0.1\nname"));
+    assert!(matches!(error, LoadError::Metadata { .. }));
+    assert!(message.contains("line 2 is `name`"), "{message}");
+    let (error, message) = refusal(&with(&METADATA.replace("abi: 0.1", "abi: 0.3")));
+    assert!(matches!(error, LoadError::AbiVersion { .. }));
+    assert!(message.contains("built for planner ABI 0.3; this harness supports 0.1. Rebuild"), "{message}");
+}
+
+#[test]
+fn imports_from_outside_are_refused_by_name() {
+    let wasi = r#"(component
+        (import "wasi:clocks/wall-clock@0.2.0" (instance (export "now" (func (result u64)))))
+        (import "wasi:random/random@0.2.0" (instance (export "get-random-u64" (func (result u64)))))
+        (import "vertibench:planner/types@0.1.0" (instance (type (enum "a" "b")) (export "t" (type (eq 0))))))"#;
+    let (error, message) = refusal(&with_metadata(wat::parse_str(wasi).unwrap(), METADATA));
+    let LoadError::ForbiddenImports { imports, .. } = error else { panic!("{message}") };
+    assert_eq!(imports, ["wasi:clocks/wall-clock@0.2.0", "wasi:random/random@0.2.0"]);
+    // A core module that asks for more than the interface has.
+    let greedy = planner_wat(OK, GO).replacen("(module", "(module (import \"env\" \"time\" (func))", 1);
+    let (_, message) = refusal(&core_module(&greedy, METADATA));
+    assert!(message.contains("env"), "{message}");
+}
+
+#[test]
+fn code_that_is_not_valid() {
+    // A component with a module inside whose function leaves nothing on the stack: encoded without validation.
+    let text = "(component (core module (func (result i32) i32.add)))";
+    let (error, message) = refusal(&with_metadata(wat::parse_str(text).unwrap(), METADATA));
+    assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
+}

@@ -1,0 +1,189 @@
+//! WASM planners at work: good ones, and ones that misbehave in every way.
+
+mod common;
+
+use common::{keeper, observation, plugin, task};
+use vb_host::{Carrier, FaultCause, Limits, LogSink, PlannerFault, Plugin, Session};
+use vb_sdk::{Command, LogLevel};
+
+const OK: &str = "(call $ok_planner)";
+const GO: &str = "(call $ok_command (f64.const 0.25) (f64.const 0.5) (f64.const 0))";
+
+/// Small limits, so that the tests are quick.
+fn limits() -> Limits {
+    Limits { fuel_init: 1_000_000, fuel_per_step: 100_000, memory_bytes: 4 << 20, ..Limits::default() }
+}
+
+fn started(step: &str) -> Session {
+    plugin(OK, step, &limits()).start(&task(), LogSink::discard()).unwrap()
+}
+
+fn step_fault(step: &str) -> PlannerFault {
+    started(step).step(&observation()).unwrap_err()
+}
+
+fn init_fault(init: &str) -> PlannerFault {
+    plugin(init, GO, &limits()).start(&task(), LogSink::discard()).unwrap_err()
+}
+
+#[test]
+fn a_planner_gets_the_observation_and_gives_its_command() {
+    // Behind the planner's handle comes the observation, whose first field is its time: 0.5.
+    let mut session =
+        started("(call $ok_command (f64.load offset=8 (local.get $args)) (f64.const 1) (f64.const 0.125))");
+    let command = session.step(&observation()).unwrap();
+    assert_eq!(command, Command { steering: 0.5, throttle: 1.0, brake: 0.125, debug: vec![] });
+}
+
+#[test]
+fn every_session_starts_afresh() {
+    let plugin = plugin(
+        OK,
+        "(call $ok_command (f64.convert_i32_u (global.get $calls)) (f64.const 0) (f64.const 0))",
+        &limits(),
+    );
+    assert_eq!(plugin.carrier(), Carrier::Wasm);
+    for _ in 0..3 {
+        let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+        assert_eq!(session.step(&observation()).unwrap().steering, 1.0);
+        assert_eq!(session.step(&observation()).unwrap().steering, 2.0);
+    }
+}
+
+#[test]
+fn a_plugin_serves_several_threads() {
+    fn shared<T: Send + Sync>(_: &T) {}
+    let plugin = plugin(OK, GO, &limits());
+    shared(&plugin);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap());
+        }
+    });
+}
+
+#[test]
+fn fuel_is_counted_the_same_every_time() {
+    let plugin = plugin(OK, GO, &limits());
+    let run = |plugin: &Plugin| {
+        let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+        for _ in 0..3 {
+            session.step(&observation()).unwrap();
+        }
+        (session.fuel().unwrap(), session.fuel_used().unwrap())
+    };
+    let (fuel, total) = run(&plugin);
+    assert_eq!(run(&plugin), (fuel, total));
+    assert!(fuel.init > 0 && fuel.last_step > 0);
+    assert_eq!(
+        (fuel.steps, fuel.max_step, total),
+        (3 * fuel.last_step, fuel.last_step, fuel.init + fuel.steps)
+    );
+}
+
+#[test]
+fn an_endless_loop_runs_out_of_fuel() {
+    let fault = step_fault("(call $spin) unreachable");
+    assert_eq!(fault, PlannerFault { step: Some(0), cause: FaultCause::OutOfFuel { budget: 100_000 } });
+    let fault = init_fault("(call $spin) unreachable");
+    assert_eq!(fault, PlannerFault { step: None, cause: FaultCause::OutOfFuel { budget: 1_000_000 } });
+}
+
+#[test]
+fn endless_logging_runs_out_of_fuel_too() {
+    // 1000 units and one a byte for each line, so a hundred lines at most with 100 000 units.
+    let (sink, lines) = keeper();
+    let loud = "(loop $l (call $log (i32.const 2) (i32.const 16) (i32.const 9)) (br $l)) unreachable";
+    let fault = plugin(OK, loud, &limits()).start(&task(), sink).unwrap().step(&observation()).unwrap_err();
+    assert_eq!(fault.kind(), "out-of-fuel");
+    assert_eq!(lines.lock().unwrap().len(), 98);
+}
+
+#[test]
+fn a_memory_hog_is_told_as_such() {
+    let fault = step_fault("(call $hog) unreachable");
+    assert_eq!(fault.cause, FaultCause::OutOfMemory { limit: 4 << 20 });
+    // More at the start than it may have.
+    let small = Limits { memory_bytes: 100_000, ..limits() };
+    let fault = plugin(OK, GO, &small).start(&task(), LogSink::discard()).unwrap_err();
+    assert_eq!(fault.cause, FaultCause::OutOfMemory { limit: 100_000 });
+}
+
+#[test]
+fn a_trap_names_the_function() {
+    let FaultCause::Trap { message, backtrace } = step_fault("(call $fail) unreachable").cause else {
+        panic!()
+    };
+    assert!(message.contains("unreachable"), "{message}");
+    assert_eq!(backtrace[0], "fail");
+    let FaultCause::Trap { message, .. } = step_fault("(call $recurse) unreachable").cause else { panic!() };
+    assert!(message.contains("stack"), "{message}");
+}
+
+#[test]
+fn a_panic_keeps_its_text() {
+    let (sink, lines) = keeper();
+    let panics = "(call $log (i32.const 0) (i32.const 32) (i32.const 47)) unreachable";
+    let fault = plugin(OK, panics, &limits()).start(&task(), sink).unwrap().step(&observation()).unwrap_err();
+    assert_eq!(fault.to_string(), "planner step 0: it panicked at src/lib.rs:3:5: index out of bounds");
+    assert_eq!(fault.kind(), "panic");
+    assert_eq!(lines.lock().unwrap()[0].0, LogLevel::Error);
+}
+
+#[test]
+fn the_planners_own_errors_are_passed_on() {
+    let error = "(i32.store (i32.const 1024) (i32.const 1)) (i32.store (i32.const 1028) (i32.const 96))
+                 (i32.store (i32.const 1032) (i32.const 10)) (i32.const 1024)";
+    assert_eq!(init_fault(error).to_string(), "planner init: no way out");
+    let error = "(i32.store (i32.const 2048) (i32.const 1)) (i32.store (i32.const 2056) (i32.const 96))
+                 (i32.store (i32.const 2060) (i32.const 10)) (i32.const 2048)";
+    assert_eq!(step_fault(error).cause, FaultCause::Error { message: "no way out".into() });
+}
+
+#[test]
+fn a_command_that_is_not_finite_is_a_fault_with_its_step() {
+    let step = "(call $ok_command (f64.const 0) (f64.const 0)
+                (select (f64.const nan) (f64.const 0) (i32.eq (global.get $calls) (i32.const 2))))";
+    let mut session = started(step);
+    session.step(&observation()).unwrap();
+    let fault = session.step(&observation()).unwrap_err();
+    let cause = FaultCause::InvalidOutput { field: "brake", value: "NaN".into() };
+    assert_eq!(fault, PlannerFault { step: Some(1), cause });
+    // The session is over.
+    assert_eq!(session.step(&observation()).unwrap_err(), fault);
+}
+
+#[test]
+fn a_flood_of_debug_data_is_a_fault() {
+    // A list of 100 000 series, whose lowering would take more than the 1 MB allowed.
+    let step = "(drop (call $ok_command (f64.const 0) (f64.const 0) (f64.const 0)))
+                (i32.store (i32.const 2080) (i32.const 4096)) (i32.store (i32.const 2084) (i32.const 100000))
+                (drop (memory.grow (i32.const 40))) (i32.const 2048)";
+    let limits = Limits { output_bytes: 1 << 20, ..limits() };
+    let fault = plugin(OK, step, &limits)
+        .start(&task(), LogSink::discard())
+        .unwrap()
+        .step(&observation())
+        .unwrap_err();
+    assert_eq!(fault.kind(), "trap", "{fault}");
+}
+
+#[test]
+fn log_lines_reach_the_sink_up_to_the_limit() {
+    let (sink, lines) = keeper();
+    let talks = format!("(call $log (i32.const 2) (i32.const 16) (i32.const 9)) {GO}");
+    let plugin = plugin(OK, &talks, &Limits { log_bytes: 20, ..limits() });
+    let mut session = plugin.start(&task(), sink).unwrap();
+    for _ in 0..5 {
+        session.step(&observation()).unwrap();
+    }
+    let lines = lines.lock().unwrap();
+    assert_eq!(lines[..2], [(LogLevel::Info, "hello log".into()), (LogLevel::Info, "hello log".into())]);
+    assert_eq!((lines.len(), lines[2].0), (3, LogLevel::Warn));
+}
+
+#[test]
+fn faults_are_serialised_with_their_kind() {
+    let json = serde_json::to_value(step_fault("(call $spin) unreachable")).unwrap();
+    assert_eq!(json, serde_json::json!({"step": 0, "cause": {"kind": "out-of-fuel", "budget": 100_000}}));
+}
