@@ -1,0 +1,73 @@
+//! A planner that fails on demand, to see what the harness makes of it.
+//!
+//! It stands still until the step `at`, then does what `fault` says; with `init-` before it, in `init`.
+
+use vb_sdk::{Command, LogLevel, Observation, Planner, PlannerError, Task, log};
+
+vb_sdk::export_planner! {
+    planner: Faulty,
+    name: "faulty",
+    about: "Stands still until it fails on demand",
+    control_period: 0.1,
+    params: {
+        fault: "none" => "none, error, panic, nan, range, endless, memory or stack; init-error, init-panic, …",
+        at: 3 => "step at which it fails, from 0",
+    }
+}
+
+struct Faulty {
+    fault: String,
+    at: u64,
+    steps: u64,
+}
+
+impl Planner for Faulty {
+    fn init(task: &Task) -> Result<Self, PlannerError> {
+        let fault: String = task.param_as("fault")?;
+        if let Some(fault) = fault.strip_prefix("init-") {
+            fail(fault)?;
+        }
+        Ok(Self { fault, at: task.param_as("at")?, steps: 0 })
+    }
+
+    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
+        let due = self.steps >= self.at;
+        self.steps += 1;
+        if due {
+            log(LogLevel::Info, &format!("failing at {} s: {}", observation.time, self.fault));
+            fail(&self.fault)
+        } else {
+            Ok(Command { brake: 1.0, ..Command::default() })
+        }
+    }
+}
+
+fn fail(fault: &str) -> Result<Command, PlannerError> {
+    let mut command = Command { brake: 1.0, ..Command::default() };
+    match fault {
+        "none" => {}
+        "error" => return Err("told to give up".into()),
+        "panic" => panic!("told to panic"),
+        "nan" => command.steering = f64::NAN,
+        "range" => command.steering = 7.0,
+        "endless" => loop {
+            std::hint::black_box(());
+        },
+        "memory" => {
+            let mut hoard: Vec<Vec<u8>> = Vec::new();
+            loop {
+                hoard.push(vec![1; 1 << 20]);
+                std::hint::black_box(&hoard);
+            }
+        }
+        "stack" => command.steering = recurse(0),
+        other => return Err(PlannerError::new(format!("parameter `fault`: there is no `{other}`"))),
+    }
+    Ok(command)
+}
+
+/// Deeper than any stack, but for the compiler a recursion that ends.
+fn recurse(depth: u64) -> f64 {
+    let frame = std::hint::black_box([depth; 16]);
+    if frame[15] == u64::MAX { 0.0 } else { recurse(frame[15] + 1) + 1.0 }
+}
