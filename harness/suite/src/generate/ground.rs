@@ -1,0 +1,87 @@
+//! Semantic patches in clusters, friction by class (facts §3.3).
+//!
+//! Unlike the original, which cuts deformable worlds into bands and mixed ones into rectangles to please its
+//! simulator, every world keeps its clusters.
+
+use super::params::{GridParams, GroundParams};
+use vb_math::rng::Stream;
+use vb_world::{Ground, Semantics, TerrainClass};
+
+/// Largest numbers of rigid and of deformable clusters in a mixed world: all the classes there are.
+const MIXED_LIMITS: [usize; 2] = [7, 3];
+
+pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Ground, rng: &mut Stream) -> Semantics {
+    let classes = cluster_classes(g, ground, rng);
+    let centres = centres(g, classes.len(), rng);
+    let n = g.patches;
+    let mut patches = Vec::with_capacity(n * n);
+    let mut friction = Vec::with_capacity(n * n);
+    for row in 0..n {
+        for col in 0..n {
+            let distance2 = |c: &[usize; 2]| {
+                let (dr, dc) = (row.abs_diff(c[0]), col.abs_diff(c[1]));
+                dr * dr + dc * dc
+            };
+            // The first of equally near centres, as `min_by_key` returns it.
+            let nearest = (0..centres.len()).min_by_key(|&k| distance2(&centres[k])).unwrap_or(0);
+            let class = classes[nearest];
+            let mu = g.friction.get(class).map_or(0.0, |normal| {
+                let [low, high] = g.friction.clip;
+                let mu = rng.normal(normal.mean, normal.std).clamp(low, high);
+                // Three decimals are plenty, and people read them. Rounding must not leave the clip.
+                ((mu * 1000.0).round() / 1000.0).clamp(low, high)
+            });
+            patches.push(class);
+            friction.push(mu);
+        }
+    }
+    let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
+    Semantics { rows: n, cols: n, patch, classes: patches, friction }
+}
+
+/// One class a cluster, none twice.
+fn cluster_classes(g: &GroundParams, ground: Ground, rng: &mut Stream) -> Vec<TerrainClass> {
+    let [low, high] = g.clusters.get(ground);
+    let count = between(low, high, rng);
+    let (rigid, deformable) = match ground {
+        Ground::Rigid => (count, 0),
+        Ground::Deformable => (0, count),
+        Ground::Mixed => {
+            let rigid = between(1, count - 1, rng).min(MIXED_LIMITS[0]);
+            (rigid, (count - rigid).min(MIXED_LIMITS[1]))
+        }
+    };
+    let mut pick = |deformable: bool, n: usize| {
+        let mut all: Vec<_> =
+            TerrainClass::ALL.into_iter().filter(|c| c.is_deformable() == deformable).collect();
+        rng.shuffle(&mut all);
+        all.truncate(n);
+        all
+    };
+    let mut classes = pick(false, rigid);
+    classes.extend(pick(true, deformable));
+    classes
+}
+
+/// Distinct patches, normally distributed about the middle.
+fn centres(g: &GroundParams, count: usize, rng: &mut Stream) -> Vec<[usize; 2]> {
+    let n = g.patches as f64;
+    let (mean, std) = (0.5 * (n - 1.0), g.centre_spread * n);
+    let mut centres = Vec::with_capacity(count);
+    while centres.len() < count {
+        let draw = [rng.normal(mean, std).trunc(), rng.normal(mean, std).trunc()];
+        if draw.iter().any(|v| *v < 0.0 || *v >= n) {
+            continue;
+        }
+        let centre = draw.map(|v| v as usize);
+        if !centres.contains(&centre) {
+            centres.push(centre);
+        }
+    }
+    centres
+}
+
+/// Uniform in low..=high.
+fn between(low: usize, high: usize, rng: &mut Stream) -> usize {
+    low + rng.below((high - low + 1) as u64) as usize
+}

@@ -1,0 +1,486 @@
+//! The generator's rules as data: `tasks/generator/default.yaml` and files like it.
+
+use crate::path::PathParams;
+use serde::Deserialize;
+use vb_world::{Density, Elevation, Ground, TerrainClass, yaml};
+
+/// The version of the parameter file that this build reads.
+const SCHEMA: u32 = 1;
+
+/// A flaw of a parameter file: the field and what is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {problem}")]
+pub struct ParamsError {
+    /// The field, e.g. `elevation.std.low`.
+    pub field: String,
+    /// The value and what would be right.
+    pub problem: String,
+}
+
+fn flaw(field: impl Into<String>, problem: impl Into<String>) -> ParamsError {
+    ParamsError { field: field.into(), problem: problem.into() }
+}
+
+/// One value for each elevation level.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ByElevation {
+    /// Low worlds.
+    pub low: f64,
+    /// Medium worlds.
+    pub medium: f64,
+    /// High worlds.
+    pub high: f64,
+}
+
+impl ByElevation {
+    /// The value for a level.
+    #[must_use]
+    pub fn get(&self, level: Elevation) -> f64 {
+        match level {
+            Elevation::Low => self.low,
+            Elevation::Medium => self.medium,
+            Elevation::High => self.high,
+        }
+    }
+}
+
+/// One number for each obstacle density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ByDensity {
+    /// Sparse worlds.
+    pub sparse: usize,
+    /// Medium worlds.
+    pub medium: usize,
+    /// Dense worlds.
+    pub dense: usize,
+}
+
+impl ByDensity {
+    /// The number for a density.
+    #[must_use]
+    pub fn get(&self, density: Density) -> usize {
+        match density {
+            Density::Sparse => self.sparse,
+            Density::Medium => self.medium,
+            Density::Dense => self.dense,
+        }
+    }
+}
+
+/// One value for each kind of ground.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ByGround<T> {
+    /// Rigid worlds.
+    pub rigid: T,
+    /// Deformable worlds.
+    pub deformable: T,
+    /// Mixed worlds.
+    pub mixed: T,
+}
+
+impl<T: Copy> ByGround<T> {
+    /// The value for a kind of ground.
+    #[must_use]
+    pub fn get(&self, ground: Ground) -> T {
+        match ground {
+            Ground::Rigid => self.rigid,
+            Ground::Deformable => self.deformable,
+            Ground::Mixed => self.mixed,
+        }
+    }
+}
+
+/// The surface's nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GridParams {
+    /// Nodes along each side.
+    pub nodes: usize,
+    /// Distance between nodes, m.
+    pub pitch: f64,
+}
+
+/// The shape of the power spectrum over wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpectrumParams {
+    /// Wavelength beyond which the power no longer grows, m.
+    pub corner: f64,
+    /// Power falls as the wavelength to this exponent below the corner.
+    pub exponent: f64,
+    /// Wavelength below which the power vanishes, m.
+    pub cutoff: f64,
+}
+
+/// How much rougher some places are than others.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoughnessParams {
+    /// Strength of the modulation: standard deviation of the logarithm of the local amplitude.
+    pub strength: f64,
+    /// Shortest wavelength of the modulation, m.
+    pub length: f64,
+}
+
+/// Bell-shaped pits.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PitParams {
+    /// Least and largest number in a world.
+    pub count: [usize; 2],
+    /// Least and largest depth, in standard deviations of the surface.
+    pub depth: [f64; 2],
+    /// Least and largest radius: the standard deviation of the bell, m.
+    pub radius: [f64; 2],
+    /// Least distance from every start and goal, m.
+    pub task_clearance: f64,
+}
+
+/// Heights.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElevationParams {
+    /// Standard deviation of height within a world, m.
+    pub std: ByElevation,
+    /// Standard deviation of its logarithm between worlds.
+    pub std_spread: f64,
+    /// Mean height, m.
+    pub mean: ByElevation,
+    /// Upper end of the elevation raster, m; the lower is 0.
+    pub max: ByElevation,
+    /// Power spectrum.
+    pub spectrum: SpectrumParams,
+    /// Local variation of roughness.
+    pub roughness: RoughnessParams,
+    /// Pits.
+    pub pits: PitParams,
+}
+
+/// A normal distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Normal {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+}
+
+/// Coulomb friction of the rigid classes.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionParams {
+    /// Least and largest value.
+    pub clip: [f64; 2],
+    /// Clay.
+    pub clay: Normal,
+    /// Concrete.
+    pub concrete: Normal,
+    /// Dirt.
+    pub dirt: Normal,
+    /// Grass.
+    pub grass: Normal,
+    /// Gravel.
+    pub gravel: Normal,
+    /// Rock.
+    pub rock: Normal,
+    /// Wood.
+    pub wood: Normal,
+}
+
+impl FrictionParams {
+    /// The distribution of a class; none where the ground yields.
+    #[must_use]
+    pub fn get(&self, class: TerrainClass) -> Option<Normal> {
+        Some(match class {
+            TerrainClass::Clay => self.clay,
+            TerrainClass::Concrete => self.concrete,
+            TerrainClass::Dirt => self.dirt,
+            TerrainClass::Grass => self.grass,
+            TerrainClass::Gravel => self.gravel,
+            TerrainClass::Rock => self.rock,
+            TerrainClass::Wood => self.wood,
+            TerrainClass::Mud | TerrainClass::Sand | TerrainClass::Snow => return None,
+        })
+    }
+}
+
+/// Semantic patches.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroundParams {
+    /// Relative numbers of worlds of each kind.
+    pub mix: ByGround<u32>,
+    /// Patches along each side.
+    pub patches: usize,
+    /// Least and largest number of clusters.
+    pub clusters: ByGround<[usize; 2]>,
+    /// Standard deviation of a cluster's centre about the middle, as a share of the side.
+    pub centre_spread: f64,
+    /// Friction of the rigid classes.
+    pub friction: FrictionParams,
+}
+
+/// Obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleParams {
+    /// Number of boulders.
+    pub boulders: ByDensity,
+    /// Number of trees.
+    pub trees: ByDensity,
+    /// Extents of a boulder of scale 1, m.
+    pub boulder_size: [f64; 3],
+    /// Least and largest scale of a boulder.
+    pub boulder_scale: [f64; 2],
+    /// Radius of a trunk, m.
+    pub trunk_radius: f64,
+    /// Length of a trunk, m.
+    pub trunk_height: f64,
+    /// Share of the height that is below the ground.
+    pub buried: f64,
+    /// Largest distance of a centre from the middle along x and y, m.
+    pub extent: f64,
+    /// Least distance between two centres, m.
+    pub spacing: f64,
+    /// Least distance of a centre from every start and goal, m.
+    pub task_clearance: f64,
+    /// Draws for one obstacle.
+    pub attempts: usize,
+}
+
+/// Starts and goals.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TaskParams {
+    /// Tasks a world.
+    pub count: usize,
+    /// Radius of the circle that starts and goals lie on, m.
+    pub radius: f64,
+}
+
+/// Every rule of the generator.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeneratorParams {
+    schema: u32,
+    /// Name of this set of rules.
+    pub name: String,
+    /// The surface's nodes.
+    pub grid: GridParams,
+    /// Heights.
+    pub elevation: ElevationParams,
+    /// Patches.
+    pub ground: GroundParams,
+    /// Obstacles.
+    pub obstacles: ObstacleParams,
+    /// Starts and goals.
+    pub tasks: TaskParams,
+    /// The global planner.
+    pub path: PathParams,
+}
+
+impl Default for GeneratorParams {
+    /// The rules in `tasks/generator/default.yaml`, which is part of the program.
+    fn default() -> Self {
+        Self::parse(Self::DEFAULT_YAML).expect("the built-in rules are valid: a test parses them")
+    }
+}
+
+impl GeneratorParams {
+    /// The text of `tasks/generator/default.yaml`, a starting point for one's own rules.
+    pub const DEFAULT_YAML: &str = include_str!("../../../../tasks/generator/default.yaml");
+
+    /// Reads and checks rules.
+    ///
+    /// # Errors
+    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    pub fn parse(text: &str) -> Result<Self, ParamsError> {
+        let params: Self = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
+        params.check()?;
+        Ok(params)
+    }
+
+    fn check(&self) -> Result<(), ParamsError> {
+        if self.schema != SCHEMA {
+            let problem =
+                format!("version {} is not supported, this build reads version {SCHEMA}", self.schema);
+            return Err(flaw("schema", problem));
+        }
+        self.check_surface()?;
+        self.check_ground()?;
+        self.check_obstacles()?;
+        if !(1..=1000).contains(&self.tasks.count) {
+            return Err(flaw("tasks.count", format!("{} must lie in 1 to 1000", self.tasks.count)));
+        }
+        within("tasks.radius", self.tasks.radius, f64::MIN_POSITIVE, self.half())?;
+        within("path.clearance", self.path.clearance, 0.0, self.half())?;
+        within("path.grid", self.path.grid, 0.01, self.half())?;
+        within("path.spacing", self.path.spacing, 0.01, self.half())
+    }
+
+    /// Half the side of the world, m.
+    pub(crate) fn half(&self) -> f64 {
+        0.5 * (self.grid.nodes - 1) as f64 * self.grid.pitch
+    }
+
+    fn check_surface(&self) -> Result<(), ParamsError> {
+        let (grid, e) = (&self.grid, &self.elevation);
+        if !(3..=4097).contains(&grid.nodes) {
+            return Err(flaw("grid.nodes", format!("{} must lie in 3 to 4097", grid.nodes)));
+        }
+        within("grid.pitch", grid.pitch, 1e-3, 1e3)?;
+        for level in Elevation::ALL {
+            let name = level.name();
+            let max = e.max.get(level);
+            within(&format!("elevation.max.{name}"), max, 1e-3, 1e4)?;
+            within(&format!("elevation.std.{name}"), e.std.get(level), 0.0, max)?;
+            within(&format!("elevation.mean.{name}"), e.mean.get(level), 0.0, max)?;
+        }
+        within("elevation.std_spread", e.std_spread, 0.0, 1.0)?;
+        within("elevation.spectrum.corner", e.spectrum.corner, 1e-3, 1e6)?;
+        within("elevation.spectrum.exponent", e.spectrum.exponent, 0.0, 10.0)?;
+        within("elevation.spectrum.cutoff", e.spectrum.cutoff, 0.0, 1e6)?;
+        within("elevation.roughness.strength", e.roughness.strength, 0.0, 1.5)?;
+        within("elevation.roughness.length", e.roughness.length, 1e-3, 1e6)?;
+        let [low, high] = e.pits.count;
+        if low > high || high > 100_000 {
+            let problem = format!("[{low}, {high}] must be two numbers up to 100000, lower first");
+            return Err(flaw("elevation.pits.count", problem));
+        }
+        for (name, [low, high], least) in [("depth", e.pits.depth, 0.0), ("radius", e.pits.radius, 1e-3)] {
+            within(&format!("elevation.pits.{name}[0]"), low, least, 1e3)?;
+            within(&format!("elevation.pits.{name}[1]"), high, low, 1e3)?;
+        }
+        // Beyond half the circle's radius there may be no place left to put a pit.
+        within("elevation.pits.task_clearance", e.pits.task_clearance, 0.0, 0.5 * self.tasks.radius)
+    }
+
+    fn check_ground(&self) -> Result<(), ParamsError> {
+        let g = &self.ground;
+        if g.patches == 0 || !(self.grid.nodes - 1).is_multiple_of(g.patches) {
+            let cells = self.grid.nodes - 1;
+            return Err(flaw(
+                "ground.patches",
+                format!("{} does not divide the {cells} cells of a side", g.patches),
+            ));
+        }
+        for ground in Ground::ALL {
+            let (least, most) = match ground {
+                Ground::Rigid => (1, 7),
+                Ground::Deformable => (1, 3),
+                Ground::Mixed => (2, 10),
+            };
+            let [low, high] = g.clusters.get(ground);
+            let most = most.min(g.patches * g.patches);
+            if low < least || high > most || low > high {
+                let problem =
+                    format!("[{low}, {high}] must be two numbers in {least} to {most}, lower first");
+                return Err(flaw(format!("ground.clusters.{}", ground.name()), problem));
+            }
+        }
+        let mix = g.mix;
+        if u64::from(mix.rigid) + u64::from(mix.deformable) + u64::from(mix.mixed) == 0 {
+            return Err(flaw("ground.mix", "all are 0: at least one kind of ground is needed"));
+        }
+        within("ground.centre_spread", g.centre_spread, 1e-3, 10.0)?;
+        let [low, high] = g.friction.clip;
+        within("ground.friction.clip[0]", low, 0.01, 2.0)?;
+        within("ground.friction.clip[1]", high, low, 2.0)?;
+        for class in TerrainClass::ALL {
+            if let Some(normal) = g.friction.get(class) {
+                within(&format!("ground.friction.{}.mean", class.name()), normal.mean, 0.0, 2.0)?;
+                within(&format!("ground.friction.{}.std", class.name()), normal.std, 0.0, 2.0)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_obstacles(&self) -> Result<(), ParamsError> {
+        let o = &self.obstacles;
+        for density in Density::ALL {
+            for (name, n) in [("boulders", o.boulders.get(density)), ("trees", o.trees.get(density))] {
+                if n > 10_000 {
+                    let field = format!("obstacles.{name}.{}", density.name());
+                    return Err(flaw(field, format!("{n} must not exceed 10000")));
+                }
+            }
+        }
+        for (k, &length) in o.boulder_size.iter().enumerate() {
+            within(&format!("obstacles.boulder_size[{k}]"), length, 1e-2, 100.0)?;
+        }
+        within("obstacles.boulder_scale[0]", o.boulder_scale[0], 1e-2, 100.0)?;
+        within("obstacles.boulder_scale[1]", o.boulder_scale[1], o.boulder_scale[0], 100.0)?;
+        within("obstacles.trunk_radius", o.trunk_radius, 1e-2, 100.0)?;
+        within("obstacles.trunk_height", o.trunk_height, 1e-2, 100.0)?;
+        within("obstacles.buried", o.buried, 0.0, 0.99)?;
+        within("obstacles.extent", o.extent, 0.0, self.half())?;
+        within("obstacles.spacing", o.spacing, 0.0, 1e4)?;
+        within("obstacles.task_clearance", o.task_clearance, 0.0, 1e4)?;
+        if !(1..=1_000_000).contains(&o.attempts) {
+            return Err(flaw("obstacles.attempts", format!("{} must lie in 1 to 1000000", o.attempts)));
+        }
+        Ok(())
+    }
+}
+
+fn within(field: &str, value: f64, low: f64, high: f64) -> Result<(), ParamsError> {
+    if value >= low && value <= high {
+        return Ok(());
+    }
+    Err(flaw(field, format!("{value} must lie in {low} to {high}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_rules_are_those_of_the_original() {
+        // Counts and distances of facts §3.5, friction of §2.2, relief of §1.2.
+        let p = GeneratorParams::default();
+        assert_eq!(
+            [p.obstacles.boulders.sparse, p.obstacles.boulders.medium, p.obstacles.boulders.dense],
+            [10, 20, 40]
+        );
+        assert_eq!([p.obstacles.trees.sparse, p.obstacles.trees.medium, p.obstacles.trees.dense], [1, 2, 3]);
+        assert_eq!(p.ground.friction.get(TerrainClass::Grass), Some(Normal { mean: 0.36, std: 0.07 }));
+        assert_eq!(p.ground.friction.get(TerrainClass::Snow), None);
+        for (level, share) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
+            assert!((p.elevation.max.get(level) - 16.0 * share).abs() < 1e-12);
+        }
+        assert_eq!(p.path, PathParams::default());
+    }
+
+    #[test]
+    fn flaws_of_a_parameter_file_are_named() {
+        let cases = [
+            ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
+            ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
+            ("pitch: 1.0", "pitch: .nan", "grid.pitch: NaN must lie in"),
+            ("exponent: 2.4", "exponent: steep", "elevation.spectrum.exponent: \"steep\""),
+            ("medium: 0.322", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0 to 9.6"),
+            ("depth: [3.0, 10.0]", "depth: [30.0, 10.0]", "elevation.pits.depth[1]: 10 must lie in 30"),
+            ("patches: 16", "patches: 15", "ground.patches: 15 does not divide the 128 cells"),
+            ("rigid: [1, 7]", "rigid: [1, 8]", "ground.clusters.rigid: [1, 8] must be two numbers in 1 to 7"),
+            ("{rigid: 1, ", "{rigid: 0, ", "ground.mix: all are 0"),
+            ("spacing: 10.0", "spacings: 10.0", "spacings"),
+            (
+                "boulder_scale: [0.7, 1.2]",
+                "boulder_scale: [1.3, 1.2]",
+                "obstacles.boulder_scale[1]: 1.2 must lie in 1.3",
+            ),
+            ("radius: 60.0", "radius: 65.0", "tasks.radius: 65 must lie in"),
+            ("count: 10,", "count: 0,", "tasks.count: 0 must lie in 1 to 1000"),
+        ];
+        for (from, to, expected) in cases {
+            assert!(GeneratorParams::DEFAULT_YAML.contains(from), "{from}");
+            let text = GeneratorParams::DEFAULT_YAML.replacen(from, to, 1);
+            let message = GeneratorParams::parse(&text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}\nlacks {expected}");
+        }
+    }
+}
