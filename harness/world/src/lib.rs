@@ -10,6 +10,7 @@ pub mod geometry;
 mod heightfield;
 mod obstacle;
 mod raster;
+mod selector;
 mod semantics;
 mod task;
 mod world;
@@ -20,6 +21,7 @@ pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, 
 pub use heightfield::{Heightfield, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;
+pub use selector::{Selector, SelectorError, TaskRef};
 pub use semantics::{Semantics, TerrainClass};
 pub use task::{Pose2, Task};
 pub use world::{Density, Elevation, Ground, World};

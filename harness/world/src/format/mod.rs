@@ -8,6 +8,7 @@ mod text;
 mod world_files;
 
 pub use error::SuiteError;
+pub(crate) use error::list;
 pub use suite::{Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
 
 /// The version of the format that this build writes and reads.
