@@ -192,7 +192,7 @@ impl Planner {
         let mut margin = self.clearance;
         for (end, p) in [("start", start), ("goal", goal)] {
             let to_edge = (self.half[0] - p[0].abs()).min(self.half[1] - p[1].abs());
-            if to_edge.is_nan() || to_edge < 0.0 {
+            if !(p[0].is_finite() && p[1].is_finite()) || to_edge < 0.0 {
                 return Err(PathError::Outside { end, point: p });
             }
             margin = margin.min(to_edge);
@@ -349,7 +349,8 @@ impl Planner {
     fn subdivide(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let mut out = vec![points[0]];
         for w in points.windows(2) {
-            let pieces = (distance(w[0], w[1]) / self.spacing).ceil().max(1.0) as usize;
+            // A hair less, so that 60 m at 1 m give 60 pieces and not 61 by rounding.
+            let pieces = (distance(w[0], w[1]) / self.spacing - 1e-6).ceil().max(1.0) as usize;
             for k in 1..pieces {
                 let t = k as f64 / pieces as f64;
                 out.push([w[0][0] + t * (w[1][0] - w[0][0]), w[0][1] + t * (w[1][1] - w[0][1])]);

@@ -157,3 +157,37 @@ impl Heightfield {
         Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights, level_range }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One cell of 2 m with corner heights 0 (SW), 1 (SE), 2 (NW), 7 (NE).
+    fn cell() -> Heightfield {
+        Heightfield::new(2, 2, 2.0, vec![0.0, 1.0, 2.0, 7.0])
+    }
+
+    #[test]
+    fn cells_are_cut_from_the_south_west_to_the_north_east() {
+        // Facts §1.4, by hand: north-western triangle z = 0 + (7 - 2) u + 2 v, south-eastern z = 1 u + (7 - 1) v.
+        let at = |u: f64, v: f64| cell().at(2.0 * u - 1.0, 2.0 * v - 1.0);
+        assert!((at(0.25, 0.75).z - (1.25 + 1.5)).abs() < 1e-15);
+        assert!((at(0.75, 0.25).z - (0.75 + 1.5)).abs() < 1e-15);
+        assert_eq!((at(0.25, 0.75).dzdx, at(0.25, 0.75).dzdy), (2.5, 1.0));
+        assert_eq!((at(0.75, 0.25).dzdx, at(0.75, 0.25).dzdy), (0.5, 3.0));
+        assert_eq!((at(0.0, 0.0).z, at(1.0, 0.0).z, at(0.0, 1.0).z, at(1.0, 1.0).z), (0.0, 1.0, 2.0, 7.0));
+        // Beyond the edge the plane goes on.
+        assert!((at(0.75, -0.25).z - (0.75 - 1.5)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn levels_of_eight_bits_stand_for_exact_shares() {
+        let levels: Vec<u16> = (0..256).map(|g| 257 * g).collect();
+        let h = Heightfield::from_levels(16, 16, 1.0, [0.0, 4.8], &levels);
+        for g in 0..256 {
+            assert_eq!(h.heights()[g], 4.8 * (g as f64 / 255.0));
+        }
+        assert_eq!(h.to_levels(), ([0.0, 4.8], levels));
+        assert_eq!(Heightfield::flat(2, 2, 1.0, 3.0).to_levels(), ([3.0, 3.0], vec![0; 4]));
+    }
+}

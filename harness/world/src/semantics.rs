@@ -109,3 +109,36 @@ impl Semantics {
         self.friction[self.patch_index(x, y)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shared_edge_belongs_to_the_patch_in_the_east_or_north() {
+        let classes = vec![TerrainClass::Clay, TerrainClass::Rock, TerrainClass::Wood, TerrainClass::Mud];
+        let s = Semantics { rows: 2, cols: 2, patch: 4.0, classes, friction: vec![0.1, 0.2, 0.3, 0.0] };
+        let cases = [
+            ([-0.1, -0.1], TerrainClass::Clay),
+            ([0.0, -0.1], TerrainClass::Rock),
+            ([-0.1, 0.0], TerrainClass::Wood),
+            ([0.0, 0.0], TerrainClass::Mud),
+            ([-9.0, -9.0], TerrainClass::Clay),
+            ([9.0, 4.0], TerrainClass::Mud),
+        ];
+        for ([x, y], class) in cases {
+            assert_eq!(s.class_at(x, y), class, "{x}, {y}");
+        }
+        assert_eq!(s.friction_at(1.0, -1.0), 0.2);
+    }
+
+    #[test]
+    fn labels_and_classes_correspond() {
+        for (k, class) in TerrainClass::ALL.into_iter().enumerate() {
+            assert_eq!(usize::from(class.label()), k);
+            assert_eq!(TerrainClass::from_label(class.label()), Some(class));
+            assert_eq!(class.is_deformable(), ["mud", "sand", "snow"].contains(&class.name()));
+        }
+        assert_eq!(TerrainClass::from_label(10), None);
+    }
+}

@@ -348,3 +348,31 @@ fn writing_refuses_flaws_and_places_that_are_taken() {
     let message = Suite::write(file.join("below"), &meta(), &[world("w001")]).unwrap_err().to_string();
     assert!(message.contains("below: cannot write"), "{message}");
 }
+
+#[test]
+fn no_damage_to_a_world_makes_reading_panic() {
+    let (dir, suite) = written();
+    let folder = dir.path().join("worlds/w001");
+    let mut rng = vb_math::rng::Stream::new(3, &["damage"]);
+    for file in ["world.yaml", "elevation.png", "semantics.yaml", "obstacles.yaml", "tasks.yaml"] {
+        let whole = std::fs::read(folder.join(file)).unwrap();
+        for _ in 0..300 {
+            let mut bytes = whole.clone();
+            for _ in 0..1 + rng.below(3) {
+                let at = rng.below(bytes.len() as u64) as usize;
+                match rng.below(4) {
+                    0 => bytes[at] = rng.next_u64() as u8,
+                    1 => bytes[at] = b"-:,[]{}&*!9e. \n"[rng.below(15) as usize],
+                    2 => drop(bytes.remove(at)),
+                    _ => bytes.insert(at, b"0129-.e"[rng.below(7) as usize]),
+                }
+            }
+            std::fs::write(folder.join(file), &bytes).unwrap();
+            if let Err(e) = suite.load_world("w001") {
+                assert!(!e.to_string().contains('\n'), "{e}");
+            }
+        }
+        std::fs::write(folder.join(file), whole).unwrap();
+    }
+    assert!(suite.load_world("w001").is_ok());
+}

@@ -74,3 +74,41 @@ pub(crate) fn read(bytes: &[u8], rows: usize, cols: usize) -> Result<Grey, (&'st
     }
     Ok(Grey { rows, cols, pixels })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A 3 × 2 image with rows [1, 2, 3] on top and [4, 5, 6] below.
+    fn image() -> Vec<u8> {
+        let mut b = b"BM".to_vec();
+        for v in [1086u32, 0, 1078, 40, 3, 2, 8 << 16 | 1, 0, 8, 0, 0, 0, 0] {
+            b.extend(v.to_le_bytes());
+        }
+        b.extend((0..=255u8).flat_map(|k| [k, k, k, 0]));
+        b.extend([4, 5, 6, 0, 1, 2, 3, 0]);
+        b
+    }
+
+    #[test]
+    fn rows_come_top_first_whichever_way_they_are_stored() {
+        assert_eq!(read(&image(), 2, 3).unwrap().pixels, [1, 2, 3, 4, 5, 6]);
+        let mut down = image();
+        down[22..26].copy_from_slice(&(-2i32).to_le_bytes());
+        assert_eq!(read(&down, 2, 3).unwrap().pixels, [4, 5, 6, 1, 2, 3]);
+    }
+
+    #[test]
+    fn no_bytes_make_it_panic() {
+        let mut rng = vb_math::rng::Stream::new(1, &["bmp"]);
+        for _ in 0..50_000 {
+            let mut b = image();
+            for _ in 0..1 + rng.below(3) {
+                let at = rng.below(80) as usize;
+                b[at] = [0, 1, 127, 128, 255, rng.next_u64() as u8][rng.below(6) as usize];
+            }
+            b.truncate(rng.below(2 * b.len() as u64) as usize);
+            let _ = read(&b, 2, 3);
+        }
+    }
+}

@@ -47,3 +47,40 @@ fn entry<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let end = if rest.starts_with('(') { rest.find(')')? + 1 } else { rest.find([',', '}'])? };
     Some(rest[..end].trim())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn array(version: u8) -> Vec<u8> {
+        let header = "{'descr': '<i4', 'fortran_order': False, 'shape': (2, 3), }\n";
+        let mut b = b"\x93NUMPY".to_vec();
+        b.extend([version, 0]);
+        let length = header.len() as u32;
+        b.extend(&length.to_le_bytes()[..if version == 1 { 2 } else { 4 }]);
+        b.extend(header.bytes());
+        b.extend([1i32, -2, 3, 4, 5, 600_000].iter().flat_map(|v| v.to_le_bytes()));
+        b
+    }
+
+    #[test]
+    fn both_header_versions_are_read() {
+        for version in [1, 2] {
+            assert_eq!(read_i32(&array(version), 2, 3).unwrap(), [1, -2, 3, 4, 5, 600_000]);
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_it_panic() {
+        let mut rng = vb_math::rng::Stream::new(1, &["npy"]);
+        for round in 0..50_000u32 {
+            let mut b = array(1 + (round % 2) as u8);
+            for _ in 0..1 + rng.below(4) {
+                let at = rng.below(b.len() as u64) as usize;
+                b[at] = b"'():,{} \xff\x00"[rng.below(10) as usize];
+            }
+            b.truncate(rng.below(2 * b.len() as u64) as usize);
+            let _ = read_i32(&b, 2, 3);
+        }
+    }
+}
