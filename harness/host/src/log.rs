@@ -4,8 +4,11 @@ use std::fmt;
 
 use vb_sdk::LogLevel;
 
+/// What is done with a line.
+type Take = dyn FnMut(LogLevel, &str) + Send;
+
 /// Takes the log lines of one session.
-pub struct LogSink(Box<dyn FnMut(LogLevel, &str) + Send>);
+pub struct LogSink(Box<Take>);
 
 impl LogSink {
     /// Hands each line to `f`. Control characters are replaced beforehand.

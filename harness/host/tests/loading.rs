@@ -1,5 +1,7 @@
 //! What is a plugin, and what is said of files that are not.
 
+#![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
+
 mod common;
 
 use std::path::Path;
@@ -167,4 +169,12 @@ fn code_that_is_not_valid() {
     let text = "(component (core module (func (result i32) i32.add)))";
     let (error, message) = refusal(&with_metadata(wat::parse_str(text).unwrap(), METADATA));
     assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
+}
+
+#[test]
+fn instructions_that_may_differ_between_processors_are_refused() {
+    let relaxed = "(drop (i32x4.relaxed_trunc_f32x4_s (v128.const i32x4 0 0 0 0)))";
+    let (error, message) = refusal(&core_module(&planner_wat(OK, &format!("{relaxed} {GO}")), METADATA));
+    assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
+    assert!(message.contains("relaxed SIMD"), "{message}");
 }

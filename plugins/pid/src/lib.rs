@@ -99,6 +99,10 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
     use vb_sdk::{Param, Point2, Vec3, Vehicle};
 
+    /// Angles of right triangles with legs 1:5 and 1:2, rad.
+    const ATAN_FIFTH: f64 = 0.197_395_559_849_880_75;
+    const ATAN_HALF: f64 = 0.463_647_609_000_806_1;
+
     /// Drives east along the x axis, 100 m, with the default parameters but for `params`.
     fn task(params: &[(&str, &str)]) -> Task {
         let default = [
@@ -133,19 +137,19 @@ mod tests {
         let t = task(&[]);
         assert_eq!(steering(&t, &at(5.0, 0.0, 0.0, 3.0)), 0.0);
         // 2 m left of the path: the local goal lies 10 m ahead and 2 m to the right.
-        let e = (2.0f64 / 10.0).atan();
+        let e = ATAN_FIFTH;
         assert!((steering(&t, &at(5.0, 2.0, 0.0, 3.0)) + e).abs() < 1e-12);
         assert!((steering(&t, &at(5.0, 2.0, 0.3, 3.0)) + e + 0.3).abs() < 1e-12);
         assert!((steering(&task(&[("kp", "0.5")]), &at(5.0, 2.0, 0.0, 3.0)) + 0.5 * e).abs() < 1e-12);
         let near = task(&[("lookahead", "4")]);
-        assert!((steering(&near, &at(5.0, 2.0, 0.0, 3.0)) + 0.5f64.atan()).abs() < 1e-12);
+        assert!((steering(&near, &at(5.0, 2.0, 0.0, 3.0)) + ATAN_HALF).abs() < 1e-12);
     }
 
     #[test]
     fn the_look_ahead_scales_with_the_vehicle() {
         let mut t = task(&[]);
         t.vehicle.scale = 0.1;
-        assert!((steering(&t, &at(0.5, 0.5, 0.0, 1.0)) + 0.5f64.atan()).abs() < 1e-12);
+        assert!((steering(&t, &at(0.5, 0.5, 0.0, 1.0)) + ATAN_HALF).abs() < 1e-12);
     }
 
     #[test]
