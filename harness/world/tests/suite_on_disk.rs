@@ -22,8 +22,11 @@ fn world(id: &str) -> World {
             rows: 2,
             cols: 4,
             patch: 4.0,
-            classes: (0..8).map(|k| class[k % 2]).collect(),
-            friction: (0..8).map(|k| if k % 2 == 0 { 0.1 + 0.07 * k as f64 } else { 0.0 }).collect(),
+            // The southern row begins with clay, the northern with snow.
+            classes: (0..8).map(|k| class[(k + k / 4) % 2]).collect(),
+            friction: (0..8)
+                .map(|k| if (k + k / 4) % 2 == 0 { 0.1 + 0.07 * k as f64 } else { 0.0 })
+                .collect(),
         },
         obstacles: vec![
             Obstacle {
@@ -174,8 +177,8 @@ fn each_flaw_is_named_with_file_field_and_value() {
         ("world.yaml", "elevation: high", "elevation: steep", &["world.yaml: elevation", "steep"]),
         ("world.yaml", "ground: mixed", "ground: rigid", &["semantics.yaml: classes[1][1]", "snow", "rigid"]),
         ("world.yaml", "length: m", "length: ft", &["world.yaml: units.length", "ft"]),
-        ("semantics.yaml", "\"cFcF\"", "\"cFc\"", &["semantics.yaml: classes[0]", "3 letters"]),
-        ("semantics.yaml", "\"cFcF\"", "\"cFcQ\"", &["semantics.yaml: classes[0]", "'Q'", "legend"]),
+        ("semantics.yaml", "\"cFcF\"", "\"cFc\"", &["semantics.yaml: classes[1]", "3 letters"]),
+        ("semantics.yaml", "\"cFcF\"", "\"cFcQ\"", &["semantics.yaml: classes[1]", "'Q'", "legend"]),
         ("semantics.yaml", "rows: 2", "rows: 3", &["semantics.yaml: classes: 2 rows, but rows is 3"]),
         ("semantics.yaml", "[0.1, 0.0", "[3.5, 0.0", &["semantics.yaml: friction[1][0]: 3.5 on clay"]),
         ("semantics.yaml", "[0.1, 0.0", "[0.1, 0.3", &["semantics.yaml: friction[1][1]: 0.3 on snow"]),
