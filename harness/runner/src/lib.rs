@@ -1,1 +1,17 @@
 //! Runs a planner over the tasks of a suite and records what happened.
+//!
+//! [`run`] takes everything that decides a result as a [`RunConfig`], drives the tasks on worker threads and hands
+//! each result to the run store as it comes. A task's result depends on its own inputs only: not on the number of
+//! workers, on the order of tasks, or on what ran before.
+
+mod brief;
+mod error;
+mod run;
+mod state_hash;
+mod trial;
+
+pub use brief::{StaticShape, planner_task, planner_vehicle, static_shape};
+pub use error::RunError;
+pub use run::{Event, RunConfig, RunReport, Vehicle, run};
+pub use state_hash::StateHash;
+pub use trial::{SAMPLE_PERIOD, Trial, TrialResult};

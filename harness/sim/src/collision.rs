@@ -2,7 +2,7 @@
 
 use crate::spec::{TyreSpec, VehicleSpec};
 use crate::tyre::Contact;
-use crate::{Quat, V3};
+use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, HeightFieldFlags};
 use rapier3d_f64::parry::utils::Array2;
@@ -36,6 +36,28 @@ struct Solid {
     pose: Pose,
     centre: V3,
     bound: f64,
+    /// The box around it along its own axes.
+    cuboid: Cuboid,
+}
+
+/// A box in place.
+struct Cuboid {
+    centre: V3,
+    half: V3,
+    axes: M3,
+}
+
+impl Cuboid {
+    /// Whether the boxes may come within `margin` of each other, judged along the axes of both.
+    fn may_touch(&self, other: &Self, margin: f64) -> bool {
+        let d = other.centre - self.centre;
+        let between = self.axes.transpose() * other.axes;
+        let spread = between.abs();
+        let (a, b) = (self.axes.transpose() * d, other.axes.transpose() * d);
+        let (reach_a, reach_b) =
+            (self.half + spread * other.half, other.half + spread.transpose() * self.half);
+        (0..3).all(|k| a[k].abs() < reach_a[k] + margin && b[k].abs() < reach_b[k] + margin)
+    }
 }
 
 /// The obstacles of a world and the few that are near the vehicle.
@@ -58,7 +80,13 @@ impl Obstacles {
                 let shape = ConvexPolyhedron::from_convex_hull(&hull)?;
                 let middle = hull.iter().copied().sum::<Vector>() / hull.len() as f64;
                 let bound = hull.iter().map(|p| (*p - middle).length()).fold(0.0, f64::max);
-                Some(Solid { shape, pose, centre: from_vector(pose * middle), bound })
+                let (low, high) = extents(hull.iter().map(|p| from_vector(*p)));
+                let cuboid = Cuboid {
+                    centre: from_vector(pose * vector(&(0.5 * (low + high)))),
+                    half: 0.5 * (high - low),
+                    axes: *Quat::from_axis_angle(&V3::z_axis(), o.yaw).to_rotation_matrix().matrix(),
+                };
+                Some(Solid { shape, pose, centre: from_vector(pose * middle), bound, cuboid })
             })
             .collect();
         Self { solids, near: Vec::new() }
@@ -85,12 +113,8 @@ impl Obstacles {
         !self.near.is_empty()
     }
 
-    fn any_within(&self, x: &V3, reach: f64) -> bool {
-        self.near.iter().any(|&i| {
-            let s = &self.solids[i];
-            let r = s.bound + reach;
-            (s.centre - x).norm_squared() < r * r
-        })
+    fn any_within(&self, hull: &Cuboid, margin: f64) -> bool {
+        self.near.iter().any(|&i| self.solids[i].cuboid.may_touch(hull, margin))
     }
 
     /// The deepest contact of a wheel with an obstacle.
@@ -166,7 +190,7 @@ pub(crate) struct ChassisContacts {
     ground: ColliderHandle,
     /// Points on the hull, relative to the chassis' centre of mass, that are held against the ground.
     probes: Vec<V3>,
-    /// Half extents and centre of the hull's box, relative to the centre of mass.
+    /// Lowest and highest coordinates of the hull, relative to the centre of mass.
     low: V3,
     high: V3,
     bound: f64,
@@ -222,12 +246,7 @@ impl ChassisContacts {
             probes.extend(underside(&vertices));
             probes.extend(vertices);
         }
-        let mut low = V3::repeat(f64::INFINITY);
-        let mut high = V3::repeat(f64::NEG_INFINITY);
-        for p in &probes {
-            low = low.inf(p);
-            high = high.sup(p);
-        }
+        let (low, high) = extents(probes.iter().copied());
         let bound = probes.iter().map(V3::norm).fold(0.0, f64::max);
         Self { physics, body, ground, probes, low, high, bound }
     }
@@ -246,10 +265,15 @@ impl ChassisContacts {
         q: &Quat,
         margin: f64,
     ) -> bool {
-        if obstacles.any_within(x, self.bound + margin) {
+        let r = q.to_rotation_matrix();
+        let hull = Cuboid {
+            centre: x + r * (0.5 * (self.low + self.high)),
+            half: 0.5 * (self.high - self.low),
+            axes: *r.matrix(),
+        };
+        if obstacles.any_within(&hull, margin) {
             return true;
         }
-        let r = q.to_rotation_matrix();
         if self.probes.iter().any(|p| {
             let p = x + r * p;
             p.z < ground.height(p.x, p.y) + margin
@@ -310,6 +334,12 @@ impl ChassisContacts {
         let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
         *v = from_vector(body.linvel()) - w.cross(&offset);
     }
+}
+
+/// Lowest and highest coordinates of some points.
+fn extents(points: impl Iterator<Item = V3>) -> (V3, V3) {
+    let start = (V3::repeat(f64::INFINITY), V3::repeat(f64::NEG_INFINITY));
+    points.fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
 /// A grid of points over the underside of a convex part, about half a metre apart.

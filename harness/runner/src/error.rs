@@ -1,0 +1,55 @@
+//! Why a run can't start or go on.
+
+use vb_host::ParamError;
+use vb_record::StoreError;
+use vb_sim::SimError;
+use vb_world::SuiteError;
+
+/// An error of a run. What planners do wrong is none: it is a task's outcome.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The suite can't be read.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// The run directory can't be written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A parameter that the planner doesn't have.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// The vehicle can't be simulated.
+    #[error(transparent)]
+    Vehicle(#[from] SimError),
+    /// The planner wants to be called at a rate that doesn't fit the simulation.
+    #[error(
+        "planner {planner} wants a control period of {period} s, which is no multiple of the simulation's step of {step} s"
+    )]
+    ControlPeriod {
+        /// Name of the planner.
+        planner: String,
+        /// s.
+        period: f64,
+        /// s.
+        step: f64,
+    },
+    /// Some tasks are on ground that yields.
+    #[error(
+        "{count} of {total} chosen tasks, {first} the first, are on deformable ground, which this version cannot \
+         simulate; choose those on rigid ground: --tasks ground=rigid"
+    )]
+    Deformable {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        total: usize,
+        /// The first.
+        first: String,
+    },
+    /// Nothing to do.
+    #[error("no task is chosen")]
+    NoTasks,
+    /// A factor that no world can have.
+    #[error("a scale of {0} is not a positive number")]
+    Scale(f64),
+}

@@ -1,0 +1,337 @@
+//! A run: many trials on worker threads, each recorded as it ends.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, mpsc};
+
+use vb_host::Plugin;
+use vb_math::rng::Stream;
+use vb_record::{
+    PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode, VehicleHeader,
+};
+use vb_score::{Rules, Summary, TaskRecord};
+use vb_sdk::Param;
+use vb_sim::{SimOptions, VehicleSpec};
+use vb_world::{Ground, Suite, SuiteError, TaskRef, World};
+
+use crate::brief::{planner_task, planner_vehicle, static_shape};
+use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
+
+/// A vehicle and the hash of its description, by which runs are told apart.
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    /// The vehicle.
+    pub spec: VehicleSpec,
+    /// SHA-256 of its file (hex).
+    pub hash: String,
+}
+
+/// Everything about a run.
+#[derive(Clone, Debug)]
+pub struct RunConfig {
+    /// The suite.
+    pub suite: Suite,
+    /// The tasks to run, in this order.
+    pub tasks: Vec<TaskRef>,
+    /// The selector that chose them, for the record.
+    pub selector: Option<String>,
+    /// The planner.
+    pub plugin: Plugin,
+    /// Where its file lies, for the record.
+    pub plugin_path: PathBuf,
+    /// The planner's parameters as the user gave them.
+    pub params: Vec<(String, String)>,
+    /// The vehicle.
+    pub vehicle: Vehicle,
+    /// The rules.
+    pub rules: Rules,
+    /// Factor on every length of the worlds.
+    pub scale: f64,
+    /// The run's seed.
+    pub seed: u64,
+    /// Number of worker threads, at least 1.
+    pub jobs: usize,
+    /// Which samples are kept.
+    pub trace: TraceMode,
+    /// The run directory.
+    pub out: PathBuf,
+    /// Whether to go on with an interrupted run in `out`.
+    pub resume: bool,
+    /// When the run was started, RFC 3339, for the record.
+    pub started_at: String,
+    /// Version of the harness, for the record.
+    pub harness_version: String,
+}
+
+/// What happens during a run.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// The run directory is ready.
+    Started {
+        /// Number of tasks of the run.
+        total: usize,
+        /// Records of the tasks that an earlier, interrupted run has done.
+        resumed: Vec<TaskRecord>,
+    },
+    /// A worker has taken a task.
+    TaskStarted {
+        /// Its name.
+        task: String,
+    },
+    /// A task is done and its record is on disk.
+    TaskEnded(Box<TaskRecord>),
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub struct RunReport {
+    /// The result of the tasks that are done.
+    pub summary: Summary,
+    /// Whether it was cancelled before all tasks were done.
+    pub interrupted: bool,
+}
+
+/// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run soon: tasks in flight are
+/// given up, all others are on disk.
+///
+/// # Errors
+/// If something is wrong with the inputs (nothing is written then), or the run directory can't be written.
+pub fn run(
+    config: &RunConfig,
+    on_event: &mut dyn FnMut(Event),
+    cancel: &AtomicBool,
+) -> Result<RunReport, RunError> {
+    let options = SimOptions::default();
+    let prepared = prepare(config, options)?;
+    let header = header(config, options);
+    let (store, mut records) = if config.resume {
+        RunStore::resume::<TaskRecord>(&config.out, &header)?
+    } else {
+        (RunStore::create(&config.out, &header)?, Vec::new())
+    };
+    on_event(Event::Started { total: config.tasks.len(), resumed: records.clone() });
+    let done: BTreeSet<&str> = records.iter().map(|r| r.task.as_str()).collect();
+    let open: Vec<&TaskRef> =
+        config.tasks.iter().filter(|t| !done.contains(format!("{}/{}", t.world, t.task).as_str())).collect();
+
+    let work = Work {
+        config,
+        prepared: &prepared,
+        options,
+        open,
+        next: AtomicUsize::new(0),
+        worlds: Mutex::new(VecDeque::new()),
+        stop: AtomicBool::new(false),
+        cancel,
+    };
+    let mut failure = None;
+    std::thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..config.jobs.clamp(1, work.open.len().max(1)) {
+            let sender = sender.clone();
+            let work = &work;
+            scope.spawn(move || work.work(&sender));
+        }
+        drop(sender);
+        for message in receiver {
+            let outcome = match message {
+                Message::Started(task) => {
+                    on_event(Event::TaskStarted { task });
+                    Ok(())
+                }
+                Message::Ended(result) => keep(&store, &result).map(|()| {
+                    records.push(result.record.clone());
+                    on_event(Event::TaskEnded(Box::new(result.record)));
+                }),
+                Message::Failed(error) => Err(error),
+            };
+            if let Err(error) = outcome {
+                work.stop.store(true, Ordering::Relaxed);
+                failure.get_or_insert(error);
+            }
+        }
+    });
+    if let Some(error) = failure {
+        return Err(error);
+    }
+    let summary = Summary::new(&header, &config.rules, &records, Vec::new());
+    store.write_summary(&summary)?;
+    Ok(RunReport { interrupted: records.len() < config.tasks.len(), summary })
+}
+
+/// Puts a result on disk, the record last: a task that is done has its trace.
+fn keep(store: &RunStore, result: &TrialResult) -> Result<(), RunError> {
+    if let Some(trace) = &result.trace {
+        store.write_trace(trace)?;
+        store.write_debug(&result.record.task, &result.debug)?;
+    }
+    Ok(store.append(&result.record)?)
+}
+
+/// What all trials of a run share.
+struct Prepared {
+    params: Vec<Param>,
+    vehicle: vb_sdk::Vehicle,
+}
+
+fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError> {
+    if config.tasks.is_empty() {
+        return Err(RunError::NoTasks);
+    }
+    if !(config.scale.is_finite() && config.scale > 0.0) {
+        return Err(RunError::Scale(config.scale));
+    }
+    let metadata = config.plugin.metadata();
+    let period = metadata.control_period;
+    let steps = (period / options.step).round();
+    if !(steps >= 1.0 && (steps * options.step - period).abs() < 1e-9) {
+        return Err(RunError::ControlPeriod { planner: metadata.name.clone(), period, step: options.step });
+    }
+    let params = config.plugin.params(&config.params)?;
+    let mut deformable = Vec::new();
+    for task in &config.tasks {
+        if config.suite.world_info(&task.world)?.ground != Ground::Rigid {
+            deformable.push(task);
+        }
+    }
+    if let Some(first) = deformable.first() {
+        return Err(RunError::Deformable {
+            count: deformable.len(),
+            total: config.tasks.len(),
+            first: format!("{}/{}", first.world, first.task),
+        });
+    }
+    let shape = static_shape(&config.vehicle.spec, options)?;
+    Ok(Prepared { params, vehicle: planner_vehicle(&config.vehicle.spec, &shape, config.scale) })
+}
+
+fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
+    let metadata = config.plugin.metadata();
+    let limits = config.plugin.limits();
+    let carrier = match config.plugin.carrier() {
+        vb_host::Carrier::Wasm => "wasm",
+        vb_host::Carrier::Native => "native",
+    };
+    RunHeader {
+        schema: RUN_SCHEMA,
+        harness_version: config.harness_version.clone(),
+        started_at: config.started_at.clone(),
+        suite: SuiteHeader {
+            name: config.suite.meta().name.clone(),
+            hash: config.suite.hash(),
+            path: config.suite.dir().display().to_string(),
+        },
+        selector: config.selector.clone(),
+        tasks: config.tasks.len() as u64,
+        plugin: PluginHeader {
+            name: metadata.name.clone(),
+            version: metadata.version.clone(),
+            sha256: config.plugin.sha256().to_owned(),
+            carrier: carrier.to_owned(),
+            path: config.plugin_path.display().to_string(),
+        },
+        params: config.params.iter().cloned().collect(),
+        vehicle: VehicleHeader { name: config.vehicle.spec.name.clone(), hash: config.vehicle.hash.clone() },
+        scale: config.scale,
+        seed: config.seed,
+        time_step: options.step,
+        sample_period: SAMPLE_PERIOD,
+        rules: RulesHeader {
+            name: config.rules.name.clone(),
+            hash: config.rules.hash(),
+            profile: serde_json::to_value(&config.rules).unwrap_or_default(),
+        },
+        limits: BTreeMap::from([
+            ("fuel_init".to_owned(), limits.fuel_init),
+            ("fuel_per_step".to_owned(), limits.fuel_per_step),
+            ("memory_bytes".to_owned(), limits.memory_bytes as u64),
+            ("output_bytes".to_owned(), limits.output_bytes as u64),
+        ]),
+        trace: config.trace,
+    }
+}
+
+enum Message {
+    Started(String),
+    Ended(Box<TrialResult>),
+    Failed(RunError),
+}
+
+/// What the workers share.
+struct Work<'a> {
+    config: &'a RunConfig,
+    prepared: &'a Prepared,
+    options: SimOptions,
+    open: Vec<&'a TaskRef>,
+    next: AtomicUsize,
+    /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
+    worlds: Mutex<VecDeque<Arc<World>>>,
+    /// Set after an error: start nothing more.
+    stop: AtomicBool,
+    cancel: &'a AtomicBool,
+}
+
+impl Work<'_> {
+    fn work(&self, sender: &mpsc::Sender<Message>) {
+        while !self.stop.load(Ordering::Relaxed) && !self.cancel.load(Ordering::Relaxed) {
+            let Some(task) = self.open.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
+            let name = format!("{}/{}", task.world, task.task);
+            // The receiver outlives the workers; if it is gone, so is the run.
+            if sender.send(Message::Started(name.clone())).is_err() {
+                return;
+            }
+            let message = match self.trial(task, &name) {
+                Ok(Some(result)) => Message::Ended(Box::new(result)),
+                Ok(None) => return,
+                Err(error) => Message::Failed(error),
+            };
+            if sender.send(message).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn trial(&self, task: &TaskRef, name: &str) -> Result<Option<TrialResult>, RunError> {
+        let world = self.world(&task.world)?;
+        let Some(definition) = world.task(&task.task) else {
+            return Ok(None);
+        };
+        let c = self.config;
+        let mut brief =
+            planner_task(&world, definition, self.prepared.vehicle.clone(), self.prepared.params.clone());
+        brief.goal_radius = c.rules.goal_radius(c.scale);
+        brief.time_limit = c.rules.time_limit_s;
+        brief.control_period = c.plugin.metadata().control_period;
+        brief.seed = Stream::new(c.seed, &["planner", name]).next_u64();
+        let trial = Trial {
+            world: &world,
+            task: definition,
+            brief: &brief,
+            plugin: &c.plugin,
+            vehicle: &c.vehicle.spec,
+            options: self.options,
+            rules: &c.rules,
+            trace: c.trace,
+        };
+        Ok(trial.run(self.cancel))
+    }
+
+    fn world(&self, id: &str) -> Result<Arc<World>, SuiteError> {
+        // Held while loading, so that two workers don't load the same world. A poisoned lock holds whole worlds.
+        let mut worlds = self.worlds.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(world) = worlds.iter().find(|w| w.id == id) {
+            return Ok(world.clone());
+        }
+        let mut world = self.config.suite.load_world(id)?;
+        if self.config.scale != 1.0 {
+            world = world.scaled(self.config.scale);
+        }
+        let world = Arc::new(world);
+        worlds.push_back(world.clone());
+        if worlds.len() > self.config.jobs.max(1) {
+            worlds.pop_front();
+        }
+        Ok(world)
+    }
+}

@@ -1,0 +1,294 @@
+//! One task, from the start to its verdict.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use vb_host::{LogSink, Plugin, Session, clamp};
+use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
+use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
+use vb_sdk::{Command, Observation, Vec3, Wheel};
+use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec, VehicleState};
+use vb_world::{Task, World};
+
+use crate::StateHash;
+
+/// Time between the samples that rules and metrics see, s.
+pub const SAMPLE_PERIOD: f64 = 0.01;
+
+/// Lines of a planner's log that are kept for the record of a task it failed.
+const LOG_LINES: usize = 20;
+
+/// Everything that decides the result of one task.
+pub struct Trial<'a> {
+    /// The world, scaled.
+    pub world: &'a Arc<World>,
+    /// The task.
+    pub task: &'a Task,
+    /// What the planner is told.
+    pub brief: &'a vb_sdk::Task,
+    /// The planner.
+    pub plugin: &'a Plugin,
+    /// The vehicle.
+    pub vehicle: &'a VehicleSpec,
+    /// How the simulation is stepped.
+    pub options: SimOptions,
+    /// The rules.
+    pub rules: &'a Rules,
+    /// Which samples are kept.
+    pub trace: TraceMode,
+}
+
+/// What a trial leaves.
+pub struct TrialResult {
+    /// The line for `tasks.jsonl`.
+    pub record: TaskRecord,
+    /// The trajectory, if one is wanted.
+    pub trace: Option<Trace>,
+    /// The planner's own series, if a trajectory is wanted.
+    pub debug: DebugSeries,
+}
+
+/// Who ended a trial before a verdict, and why.
+struct Failure {
+    fault: Fault,
+    kind: String,
+    reason: String,
+}
+
+impl Failure {
+    fn planner(fault: &vb_host::PlannerFault) -> Self {
+        Self { fault: Fault::Planner, kind: fault.kind().to_owned(), reason: fault.to_string() }
+    }
+
+    fn simulation(kind: &str, reason: String) -> Self {
+        Self { fault: Fault::Simulation, kind: kind.to_owned(), reason }
+    }
+}
+
+/// What is gathered while a trial runs; it survives whatever ends the trial.
+struct Ledger {
+    scorer: Scorer,
+    recorder: TraceRecorder,
+    debug: DebugSeries,
+    hash: StateHash,
+    sim_steps: u64,
+    planner_steps: u64,
+    clamped: u64,
+    fuel: Option<FuelUse>,
+    wheels: Vec<WheelSample>,
+}
+
+impl Trial<'_> {
+    /// Drives the task to its end; `None` if `cancel` was set before it came.
+    #[must_use]
+    pub fn run(&self, cancel: &AtomicBool) -> Option<TrialResult> {
+        let h = &self.world.heightfield;
+        let goal = self.task.goal;
+        let geometry = TaskGeometry {
+            goal,
+            goal_z: h.height(goal[0], goal[1]),
+            half_extent: [h.half_x(), h.half_y()],
+            scale: self.world.scale,
+        };
+        let wheels = 2 * self.vehicle.axles.len();
+        let mut ledger = Ledger {
+            scorer: Scorer::new(self.rules, &geometry),
+            recorder: TraceRecorder::new(self.trace, wheels),
+            debug: DebugSeries::default(),
+            hash: StateHash::default(),
+            sim_steps: 0,
+            planner_steps: 0,
+            clamped: 0,
+            fuel: None,
+            wheels: Vec::with_capacity(wheels),
+        };
+        let log = Arc::new(Mutex::new(Vec::<String>::new()));
+        // A panic of the harness is a bug, but it must not take the other tasks' results with it.
+        let end = catch_unwind(AssertUnwindSafe(|| self.drive(&mut ledger, &log, cancel)));
+        let failure = match end {
+            Ok(Ok(true)) => None,
+            Ok(Ok(false)) => return None,
+            Ok(Err(failure)) => Some(failure),
+            Err(panic) => {
+                let text = panic.downcast_ref::<String>().cloned();
+                let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+                let text = text.unwrap_or_else(|| "no message".to_owned());
+                Some(Failure::simulation("panic", format!("the harness panicked: {text}; please report it")))
+            }
+        };
+        Some(self.result(ledger, geometry, failure, &log))
+    }
+
+    fn result(
+        &self,
+        ledger: Ledger,
+        geometry: TaskGeometry,
+        failure: Option<Failure>,
+        log: &Mutex<Vec<String>>,
+    ) -> TrialResult {
+        let fault = failure.as_ref().map(|f| f.kind.clone());
+        let score: TaskScore = match failure {
+            Some(f) => ledger.scorer.fail(f.fault, f.reason),
+            None => match ledger.scorer.clone().finish() {
+                Some(score) => score,
+                None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
+            },
+        };
+        let log = log.lock().map(|l| l.clone()).unwrap_or_default();
+        let failed = fault.is_some();
+        let record = TaskRecord {
+            task: self.brief.id.clone(),
+            world: self.world.id.clone(),
+            elevation: self.world.elevation,
+            terrain: self.world.ground,
+            density: self.world.density,
+            outcome: score.outcome,
+            three_way: score.three_way,
+            reason: score.reason,
+            fault,
+            time_s: score.time_s,
+            state_hash: ledger.hash.hex(),
+            sim_steps: ledger.sim_steps,
+            planner_steps: ledger.planner_steps,
+            clamped: ledger.clamped,
+            fuel: ledger.fuel,
+            metrics: score.metrics,
+            log: if failed { log } else { Vec::new() },
+        };
+        let start = self.task.start;
+        let trace = ledger.recorder.finish(TraceMeta {
+            schema: TRACE_SCHEMA,
+            task: self.brief.id.clone(),
+            start: [start.x, start.y, start.yaw],
+            goal: geometry.goal,
+            goal_z: geometry.goal_z,
+            half_extent: geometry.half_extent,
+            scale: geometry.scale,
+            time_step: self.options.step,
+            sample_period: SAMPLE_PERIOD,
+            mode: self.trace,
+        });
+        TrialResult { record, trace, debug: ledger.debug }
+    }
+
+    /// Drives until the rules decide: true; or until `cancel` is set: false.
+    fn drive(
+        &self,
+        ledger: &mut Ledger,
+        log: &Arc<Mutex<Vec<String>>>,
+        cancel: &AtomicBool,
+    ) -> Result<bool, Failure> {
+        let lines = Arc::clone(log);
+        let sink = LogSink::new(move |level, text| {
+            if let Ok(mut lines) = lines.lock() {
+                if lines.len() == LOG_LINES {
+                    lines.remove(0);
+                }
+                lines.push(format!("{}: {text}", format!("{level:?}").to_lowercase()));
+            }
+        });
+        let mut sim = Simulation::new(self.world.clone(), self.vehicle, self.task.start, self.options)
+            .map_err(|e| Failure::simulation("simulation", e.to_string()))?;
+        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::planner(&f))?;
+        let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
+        let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
+        let mut controls = Controls::default();
+        if self.sample(&sim, controls, ledger) {
+            return Ok(true);
+        }
+        loop {
+            if sim.steps().is_multiple_of(control_every) {
+                if cancel.load(Ordering::Relaxed) {
+                    return Ok(false);
+                }
+                let result = self.ask(&mut session, &sim, controls, ledger);
+                ledger.fuel =
+                    session.fuel().map(|f| FuelUse { total: f.init + f.steps, max_step: f.max_step });
+                controls = result?;
+            }
+            let now = sim.steps();
+            let next = |every: u64| (now / every + 1) * every;
+            let until = next(sample_every).min(next(control_every));
+            let advanced = sim.advance(controls, until - now);
+            ledger.sim_steps = sim.steps();
+            advanced.map_err(|e| Failure::simulation("diverged", e.to_string()))?;
+            if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, ledger) {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// Shows the planner the state and takes its command.
+    fn ask(
+        &self,
+        session: &mut Session,
+        sim: &Simulation,
+        last: Controls,
+        ledger: &mut Ledger,
+    ) -> Result<Controls, Failure> {
+        let state = sim.state();
+        let command = session.step(&observation(&state, last));
+        ledger.planner_steps += 1;
+        let (Command { steering, throttle, brake, debug }, clamped) =
+            clamp(command.map_err(|f| Failure::planner(&f))?);
+        ledger.clamped += u64::from(clamped);
+        if self.trace != TraceMode::None {
+            for series in &debug {
+                ledger.debug.push(state.time, &series.name, &series.values);
+            }
+        }
+        Ok(Controls { steering, throttle, brake })
+    }
+
+    /// Shows the rules and the recorder the state; true when there is a verdict.
+    fn sample(&self, sim: &Simulation, controls: Controls, ledger: &mut Ledger) -> bool {
+        let state = sim.state();
+        let (roll, pitch, yaw) = state.roll_pitch_yaw();
+        let (p, v, w) = (state.position, state.velocity, state.rates);
+        let sample = Sample {
+            time: state.time,
+            x: p.x,
+            y: p.y,
+            z: p.z,
+            roll,
+            pitch,
+            yaw,
+            vx: v.x,
+            vy: v.y,
+            vz: v.z,
+            wx: w.x,
+            wy: w.y,
+            wz: w.z,
+            steering: controls.steering,
+            throttle: controls.throttle,
+            brake: controls.brake,
+        };
+        sim.visit_state(|x| ledger.hash.push(x));
+        if self.trace != TraceMode::None {
+            ledger.wheels.clear();
+            let wheels = state.wheels.iter();
+            ledger.wheels.extend(wheels.map(|w| WheelSample { speed: w.speed, deflection: w.deflection }));
+            ledger.recorder.push(&sample, &ledger.wheels);
+        }
+        ledger.scorer.push(&sample).is_some()
+    }
+}
+
+fn observation(state: &VehicleState, last: Controls) -> Observation {
+    let (roll, pitch, yaw) = state.roll_pitch_yaw();
+    let vec3 = |v: &nalgebra::Vector3<f64>| Vec3 { x: v.x, y: v.y, z: v.z };
+    Observation {
+        time: state.time,
+        position: vec3(&state.position),
+        roll,
+        pitch,
+        yaw,
+        linear_velocity: vec3(&state.velocity),
+        angular_velocity: vec3(&state.rates),
+        wheels: state.wheels.iter().map(|w| Wheel { speed: w.speed, deflection: w.deflection }).collect(),
+        last_steering: last.steering,
+        last_throttle: last.throttle,
+        last_brake: last.brake,
+    }
+}
