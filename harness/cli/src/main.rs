@@ -1,2 +1,49 @@
-//! The command line of the benchmark.
-fn main() {}
+//! `vb-harness`: the command line of the benchmark.
+
+mod args;
+mod error;
+mod inspect;
+mod output;
+mod places;
+mod progress;
+mod run;
+mod score;
+mod suite;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    let cli = match args::Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version go to stdout with exit code 0; a reader that went away doesn't matter.
+            let _ = e.print();
+            return ExitCode::from(if e.use_stderr() { error::USAGE } else { error::DONE });
+        }
+    };
+    let result = match cli.command {
+        None => match cli.run {
+            Some(args) => run::run(&args),
+            // Not reached: clap demands a plugin where there is no subcommand.
+            None => Err(error::CliError::usage("no command given (see vb-harness --help)")),
+        },
+        Some(args::Command::Run(args)) => run::run(&args),
+        Some(args::Command::Score(args)) => score::score(&args),
+        Some(args::Command::Inspect(args)) => inspect::inspect(&args),
+        Some(args::Command::Suite(args::SuiteCommand::List)) => suite::list(),
+        Some(args::Command::Suite(args::SuiteCommand::Show(args))) => suite::show(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
+        Some(args::Command::Tasks(args::TasksCommand::List(args))) => suite::tasks(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::from(error::DONE),
+        Err(e) => {
+            output::error(&e);
+            ExitCode::from(e.code())
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use vb_record::TraceMode;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  a fault of the harness
+    2  the command line makes no sense, or names an unknown task, world or parameter
+    3  a suite, plugin, rule file, vehicle file or recorded run can't be used
+    4  results can't be written (disk full, no permission, directory not empty or in use)
+    5  completed, but the simulation of some tasks failed
+  130  stopped by Ctrl-C; go on with --resume";
+
+/// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
+#[derive(Debug, Parser)]
+#[command(
+    name = "vb-harness",
+    version,
+    after_help = EXIT_CODES,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    override_usage = "vb-harness --plugin FILE [OPTIONS]\n       vb-harness COMMAND"
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    #[command(flatten)]
+    pub(crate) run: Option<RunArgs>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a planner over a suite; the default command
+    Run(RunArgs),
+    /// Score a finished run again from its traces, without simulating
+    Score(ScoreArgs),
+    /// Show what a plugin says of itself, without running it
+    Inspect(InspectArgs),
+    /// List, show, check, import and generate suites
+    #[command(subcommand)]
+    Suite(SuiteCommand),
+    /// List tasks
+    #[command(subcommand)]
+    Tasks(TasksCommand),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SuiteCommand {
+    /// List the suites that come with the harness
+    List,
+    /// Show what a suite holds
+    Show(SuiteArgs),
+    /// Read every world of a suite and check every value and hash
+    Validate(SuiteArgs),
+    /// Make a suite of the original's data (its BenchMaps folder)
+    Import(ImportArgs),
+    /// Make a suite from a seed
+    Generate(GenerateArgs),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum TasksCommand {
+    /// List the tasks of a suite, or those that a selector chooses
+    List(TasksArgs),
+}
+
+/// How results are told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MessageFormat {
+    /// For people.
+    #[default]
+    Human,
+    /// One JSON object a line on stdout.
+    Json,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// The planner: a WASM file or a native library
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plugin: PathBuf,
+    /// Suite to run: a directory, or the name of one that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// Tasks to run, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
+    /// Tasks run at a time; default: number of cores
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Directory for the results; default: runs/PLANNER-N
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Go on with the run in --out
+    #[arg(long, requires = "out")]
+    pub(crate) resume: bool,
+    /// Seed of the planner's randomness
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Parameter of the planner; may be repeated
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) params: Vec<(String, String)>,
+    /// Samples to keep: none, 10hz, or full, which allows exact re-scoring
+    #[arg(long, value_name = "none|10hz|full", default_value = "10hz", value_parser = trace_mode)]
+    pub(crate) trace: TraceMode,
+    /// Rules: paper, release, dev, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
+    pub(crate) rules: String,
+    /// Vehicle: a name, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    pub(crate) vehicle: String,
+    /// Factor on every length of the world: 1, 1/6, 1/10
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = scale)]
+    pub(crate) scale: f64,
+    /// Fuel of a WASM planner for one step (about one unit an instruction)
+    #[arg(long, value_name = "N")]
+    pub(crate) fuel_per_step: Option<u64>,
+    /// Memory of a WASM planner in bytes, or with a suffix K, M or G
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) memory: Option<u64>,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScoreArgs {
+    /// Directory of the run
+    #[arg(value_name = "RUN")]
+    pub(crate) run: PathBuf,
+    /// Rules: paper, release, dev, or a file; default: those of the run
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) rules: Option<String>,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    /// The planner: a WASM file or a native library
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plugin: PathBuf,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SuiteArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(value_name = "DIR")]
+    pub(crate) suite: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// The original's BenchMaps folder, or one of its parents
+    #[arg(value_name = "DIR")]
+    pub(crate) from: PathBuf,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    /// The same seed makes the same bytes
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: u64,
+    /// Number of worlds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
+    pub(crate) worlds: u32,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Parameters of the generator; default: tasks/generator/default.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TasksArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("want KEY=VALUE, e.g. speed=5".into()),
+    }
+}
+
+fn trace_mode(text: &str) -> Result<TraceMode, String> {
+    [TraceMode::None, TraceMode::TenHz, TraceMode::Full]
+        .into_iter()
+        .find(|mode| mode.name() == text)
+        .ok_or_else(|| "want none, 10hz or full".into())
+}
+
+/// A number or a fraction.
+fn scale(text: &str) -> Result<f64, String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((a, b)) => number(a).zip(number(b)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    value
+        .filter(|v| v.is_finite() && *v >= 0.01 && *v <= 10.0)
+        .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
+}
+
+/// A number of bytes with an optional binary suffix.
+fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.chars().last() {
+        Some('K' | 'k') => (&text[..text.len() - 1], 10),
+        Some('M' | 'm') => (&text[..text.len() - 1], 20),
+        Some('G' | 'g') => (&text[..text.len() - 1], 30),
+        _ => (text, 0),
+    };
+    digits
+        .parse::<u64>()
+        .ok()
+        .and_then(|n| n.checked_mul(1 << shift))
+        .filter(|n| *n > 0)
+        .ok_or_else(|| "want a number of bytes, e.g. 268435456 or 256M".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn run_is_the_default_command() {
+        let with = |args: &[&str]| Cli::try_parse_from([&["vb-harness"], args].concat());
+        let short = with(&["--plugin", "a.wasm", "--seed", "7"]).unwrap();
+        assert!(short.command.is_none());
+        let Some(Command::Run(long)) = with(&["run", "--plugin", "a.wasm", "--seed", "7"]).unwrap().command
+        else {
+            panic!("run is a command")
+        };
+        let short = short.run.unwrap();
+        assert_eq!(format!("{short:?}"), format!("{long:?}"));
+        assert!(with(&[]).is_err() && with(&["run"]).is_err());
+        assert!(with(&["score", "runs/a"]).unwrap().run.is_none());
+        assert!(with(&["--plugin", "a.wasm", "--resume"]).is_err());
+    }
+
+    #[test]
+    fn values_are_read_as_people_write_them() {
+        assert_eq!((scale("1"), scale("1/10"), scale("0.25")), (Ok(1.0), Ok(0.1), Ok(0.25)));
+        assert!(
+            scale("1/0").is_err() && scale("-1").is_err() && scale("nan").is_err() && scale("big").is_err()
+        );
+        assert_eq!((bytes("4096"), bytes("256M"), bytes("1g")), (Ok(4096), Ok(256 << 20), Ok(1 << 30)));
+        assert!(bytes("").is_err() && bytes("M").is_err() && bytes("-1").is_err());
+        assert!(
+            bytes("99999999999999999999G").is_err()
+                && bytes("18446744073709551615K").is_err()
+                && bytes("é").is_err()
+        );
+        assert_eq!(key_value("a=b=c"), Ok(("a".into(), "b=c".into())));
+        assert!(key_value("a").is_err() && key_value("=b").is_err());
+        assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
+        assert!(trace_mode("20hz").is_err());
+    }
+}

@@ -1,0 +1,67 @@
+//! How the program ends.
+
+use std::fmt;
+
+/// All went well.
+pub(crate) const DONE: u8 = 0;
+/// A fault of the harness itself.
+pub(crate) const INTERNAL: u8 = 1;
+/// The command line makes no sense, or names a task, world or parameter that doesn't exist.
+pub(crate) const USAGE: u8 = 2;
+/// A suite, plugin, rule file, vehicle file or recorded run can't be used.
+pub(crate) const BAD_INPUT: u8 = 3;
+/// Results can't be written: disk full, no permission, directory not empty, in use or of another run.
+pub(crate) const OUTPUT: u8 = 4;
+/// The run was completed, but the simulation of some tasks failed.
+pub(crate) const SIM_ERRORS: u8 = 5;
+/// Stopped by Ctrl-C.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Why a command failed: one line for people, and the exit code.
+#[derive(Debug)]
+pub(crate) struct CliError {
+    code: u8,
+    message: String,
+}
+
+impl CliError {
+    fn new(code: u8, message: impl fmt::Display) -> Self {
+        // Texts of libraries may span lines; ours never do.
+        let message = message.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self { code, message }
+    }
+
+    pub(crate) fn internal(message: impl fmt::Display) -> Self {
+        Self::new(INTERNAL, message)
+    }
+
+    pub(crate) fn usage(message: impl fmt::Display) -> Self {
+        Self::new(USAGE, message)
+    }
+
+    pub(crate) fn input(message: impl fmt::Display) -> Self {
+        Self::new(BAD_INPUT, message)
+    }
+
+    pub(crate) fn output(message: impl fmt::Display) -> Self {
+        Self::new(OUTPUT, message)
+    }
+
+    pub(crate) fn sim_errors(message: impl fmt::Display) -> Self {
+        Self::new(SIM_ERRORS, message)
+    }
+
+    pub(crate) fn interrupted(message: impl fmt::Display) -> Self {
+        Self::new(INTERRUPTED, message)
+    }
+
+    pub(crate) fn code(&self) -> u8 {
+        self.code
+    }
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}

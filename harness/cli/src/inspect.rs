@@ -1,0 +1,67 @@
+//! `vb-harness inspect`.
+
+use serde::Serialize;
+
+use crate::args::{InspectArgs, MessageFormat};
+use crate::error::CliError;
+use crate::output;
+
+#[derive(Serialize)]
+struct Message<'a> {
+    event: &'static str,
+    name: &'a str,
+    version: &'a str,
+    abi: &'a str,
+    authors: &'a [String],
+    about: &'a str,
+    control_period_s: f64,
+    params: Vec<Param<'a>>,
+}
+
+#[derive(Serialize)]
+struct Param<'a> {
+    key: &'a str,
+    default: &'a str,
+    help: &'a str,
+}
+
+pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
+    let meta = vb_host::inspect(&args.plugin).map_err(CliError::input)?;
+    match args.message_format {
+        MessageFormat::Json => output::json(&Message {
+            event: "plugin",
+            name: &meta.name,
+            version: &meta.version,
+            abi: &meta.abi,
+            authors: &meta.authors,
+            about: &meta.about,
+            control_period_s: meta.control_period,
+            params: meta
+                .params
+                .iter()
+                .map(|p| Param { key: &p.key, default: &p.default, help: &p.help })
+                .collect(),
+        }),
+        MessageFormat::Human => {
+            let row = |name: &str, value: String| vec![name.to_owned(), value];
+            let mut rows = vec![
+                row("planner", format!("{} {}", printable(&meta.name), printable(&meta.version))),
+                row("about", printable(&meta.about)),
+                row("authors", printable(&meta.authors.join(", "))),
+                row("planner ABI", printable(&meta.abi)),
+                row("control period", format!("{} s", meta.control_period)),
+            ];
+            rows.extend(meta.params.iter().map(|p| {
+                let text = format!("--param {}={}", printable(&p.key), printable(&p.default));
+                row(&text, printable(&p.help))
+            }));
+            output::text(&output::columns(&rows));
+        }
+    }
+    Ok(())
+}
+
+/// A plugin's text without what could drive the terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

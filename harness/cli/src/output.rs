@@ -1,0 +1,49 @@
+//! Writing to stdout and stderr. A reader that went away is no error: results are on disk.
+
+use std::io::Write as _;
+
+use serde::Serialize;
+
+use crate::error::CliError;
+
+/// Text to stdout.
+pub(crate) fn text(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// One JSON object on a line of stdout.
+pub(crate) fn json<T: Serialize>(value: &T) {
+    match serde_json::to_string(value) {
+        Ok(line) => text(&(line + "\n")),
+        Err(e) => note(&format!("cannot encode a message: {e}")),
+    }
+}
+
+/// A line to stderr.
+pub(crate) fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// The one line that tells why a command failed.
+pub(crate) fn error(e: &CliError) {
+    note(&format!("error: {e}"));
+}
+
+/// Rows of cells as text with aligned columns: to the left, two spaces between.
+pub(crate) fn columns(rows: &[Vec<String>]) -> String {
+    let count = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..count).map(width).collect();
+    let mut out = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (cell, width) in row.iter().zip(&widths) {
+            line += cell;
+            line += &" ".repeat(width + 2 - cell.chars().count());
+        }
+        out += line.trim_end();
+        out.push('\n');
+    }
+    out
+}

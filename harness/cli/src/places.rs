@@ -1,0 +1,117 @@
+//! Where things are: the suites and vehicles that come with the harness, caches, new run directories.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use crate::error::CliError;
+
+/// The environment variable that names the directory with the built-in suites, rules and vehicles.
+const TASKS_VAR: &str = "VB_TASKS";
+/// The environment variable that names the directory for compiled plugins.
+const CACHE_VAR: &str = "VB_CACHE";
+
+/// The `tasks` directory that comes with the harness: `VB_TASKS`, else one in a directory above the program, else
+/// one in or above the working directory.
+fn tasks_dir() -> Option<PathBuf> {
+    if let Some(dir) = var(TASKS_VAR) {
+        return Some(dir);
+    }
+    let roots = [std::env::current_exe().ok(), std::env::current_dir().ok().map(|d| d.join("."))];
+    roots.into_iter().flatten().find_map(|root| {
+        root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("suites").is_dir())
+    })
+}
+
+fn var(name: &str) -> Option<PathBuf> {
+    std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from)
+}
+
+fn no_tasks_dir() -> CliError {
+    CliError::input(format!(
+        "the built-in tasks are not found (run in a checkout of the project, or set {TASKS_VAR} to its tasks directory)"
+    ))
+}
+
+/// The built-in suites, by name.
+pub(crate) fn suites() -> Result<Vec<PathBuf>, CliError> {
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join("suites");
+    let entries = std::fs::read_dir(&dir).map_err(|e| CliError::input(format!("{}: {e}", dir.display())))?;
+    let mut found: Vec<PathBuf> =
+        entries.flatten().map(|e| e.path()).filter(|p| p.join("suite.yaml").is_file()).collect();
+    found.sort();
+    Ok(found)
+}
+
+/// The suite that the user means: a directory, the name of a built-in one, or the first built-in one.
+pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
+    let Some(wanted) = wanted else {
+        return suites()?
+            .into_iter()
+            .next()
+            .ok_or_else(|| CliError::input("there is no built-in suite (name one with --suite)"));
+    };
+    if !wanted.exists() && is_name(wanted.as_os_str()) {
+        let all = suites()?;
+        if let Some(found) = all.iter().find(|p| p.file_name() == Some(wanted.as_os_str())) {
+            return Ok(found.clone());
+        }
+        let names: Vec<_> = all.iter().filter_map(|p| p.file_name()).map(OsStr::to_string_lossy).collect();
+        return Err(CliError::input(format!(
+            "there is no suite {} (give a directory, or one of: {})",
+            wanted.display(),
+            names.join(", ")
+        )));
+    }
+    Ok(wanted.to_owned())
+}
+
+/// The vehicle file that the user means: a path, or the name of a built-in vehicle.
+pub(crate) fn vehicle(wanted: &str) -> Result<PathBuf, CliError> {
+    if !is_name(OsStr::new(wanted)) || Path::new(wanted).exists() {
+        return Ok(PathBuf::from(wanted));
+    }
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join("vehicles");
+    let file = dir.join(format!("{wanted}.yaml"));
+    if file.is_file() {
+        return Ok(file);
+    }
+    let mut names: Vec<String> = std::fs::read_dir(&dir)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|e| e.file_name().to_string_lossy().strip_suffix(".yaml").map(str::to_owned))
+        .collect();
+    names.sort();
+    Err(CliError::input(format!(
+        "there is no vehicle {wanted} (give a file, or one of: {})",
+        names.join(", ")
+    )))
+}
+
+/// Whether this is a bare name rather than a path.
+fn is_name(text: &OsStr) -> bool {
+    !text.to_string_lossy().contains(['/', '\\', '.'])
+}
+
+/// Where compiled plugins are kept between runs; none if the system has no place for it.
+pub(crate) fn cache_dir() -> Option<PathBuf> {
+    var(CACHE_VAR)
+        .or_else(|| var("XDG_CACHE_HOME").map(|d| d.join("verti-bench")))
+        .or_else(|| var("HOME").map(|d| d.join(".cache").join("verti-bench")))
+}
+
+/// The first `runs/NAME-N` that isn't there.
+pub(crate) fn new_run_dir(name: &str) -> PathBuf {
+    let safe: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' })
+        .collect();
+    let mut n = 1;
+    loop {
+        let dir = Path::new("runs").join(format!("{safe}-{n}"));
+        if !dir.exists() {
+            return dir;
+        }
+        n += 1;
+    }
+}

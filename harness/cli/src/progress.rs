@@ -1,0 +1,120 @@
+//! Telling how a run goes: a bar on a terminal, else plain lines, or JSON.
+
+use std::collections::BTreeMap;
+use std::io::IsTerminal as _;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use vb_score::{Outcome, TaskRecord};
+
+use crate::args::MessageFormat;
+use crate::output;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Started { total: u64, resumed: u64 },
+    Task { done: u64, total: u64, record: &'a TaskRecord },
+}
+
+enum Kind {
+    Json,
+    Lines,
+    Bar(ProgressBar),
+}
+
+/// The course of a run, for people or programs that watch it.
+pub(crate) struct Progress {
+    kind: Kind,
+    total: u64,
+    done: u64,
+    outcomes: BTreeMap<Outcome, u64>,
+    /// Simulated time of the tasks that this process ran, s.
+    simulated: f64,
+    since: Instant,
+}
+
+impl Progress {
+    pub(crate) fn new(format: MessageFormat) -> Self {
+        let kind = match format {
+            MessageFormat::Json => Kind::Json,
+            MessageFormat::Human if std::io::stderr().is_terminal() => Kind::Bar(ProgressBar::no_length()),
+            MessageFormat::Human => Kind::Lines,
+        };
+        Self { kind, total: 0, done: 0, outcomes: BTreeMap::new(), simulated: 0.0, since: now() }
+    }
+
+    /// The run begins: `total` tasks, of which those of `resumed` are done already.
+    pub(crate) fn started(&mut self, total: u64, resumed: &[TaskRecord]) {
+        for record in resumed {
+            *self.outcomes.entry(record.outcome).or_default() += 1;
+        }
+        let resumed = resumed.len() as u64;
+        (self.total, self.done, self.since) = (total, resumed, now());
+        match &self.kind {
+            Kind::Json => output::json(&Message::Started { total, resumed }),
+            Kind::Lines if resumed > 0 => {
+                output::note(&format!("{resumed} of {total} tasks are done already"))
+            }
+            Kind::Lines => {}
+            Kind::Bar(bar) => {
+                bar.set_length(total);
+                bar.set_position(resumed);
+                bar.reset_eta();
+                // A wrong template would only cost the style.
+                if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}  ETA {eta}") {
+                    bar.set_style(style.progress_chars("=> "));
+                }
+                bar.enable_steady_tick(std::time::Duration::from_millis(200));
+            }
+        }
+    }
+
+    /// A task has ended.
+    pub(crate) fn ended(&mut self, record: &TaskRecord) {
+        self.done += 1;
+        self.simulated += record.time_s;
+        *self.outcomes.entry(record.outcome).or_default() += 1;
+        match &self.kind {
+            Kind::Json => output::json(&Message::Task { done: self.done, total: self.total, record }),
+            Kind::Lines => output::note(&format!(
+                "[{:>width$}/{}] {} {} {:.2} s: {}",
+                self.done,
+                self.total,
+                record.task,
+                record.outcome,
+                record.time_s,
+                record.reason,
+                width = self.total.to_string().len()
+            )),
+            Kind::Bar(bar) => {
+                let counts: Vec<String> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
+                bar.set_message(format!("{}  {}", counts.join(", "), self.speed()));
+                bar.set_position(self.done);
+            }
+        }
+    }
+
+    /// The run has ended, in whichever way.
+    pub(crate) fn finish(&self) {
+        if let Kind::Bar(bar) = &self.kind {
+            bar.finish_and_clear();
+        }
+        if self.simulated > 0.0 && !matches!(self.kind, Kind::Json) {
+            let wall = self.since.elapsed().as_secs_f64();
+            output::note(&format!("{:.0} s simulated in {wall:.1} s: {}", self.simulated, self.speed()));
+        }
+    }
+
+    /// Simulated time over wall time, all workers together.
+    fn speed(&self) -> String {
+        let wall = self.since.elapsed().as_secs_f64();
+        if wall > 0.0 { format!("{:.0}x real time", self.simulated / wall) } else { String::new() }
+    }
+}
+
+#[allow(clippy::disallowed_methods, reason = "for people who watch: nothing of it reaches a score")]
+fn now() -> Instant {
+    Instant::now()
+}

@@ -1,0 +1,142 @@
+//! `vb-harness run`.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
+
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+use vb_host::{Limits, Plugin};
+use vb_runner::{Event, RunConfig, RunError, Vehicle};
+use vb_score::{Rules, Summary};
+use vb_sim::VehicleSpec;
+
+use crate::args::{MessageFormat, RunArgs};
+use crate::error::{self, CliError};
+use crate::progress::Progress;
+use crate::{output, places, suite};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Finished { out: &'a Path, interrupted: bool, summary: &'a Summary },
+}
+
+pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
+    let config = config(args)?;
+    let cancel = stop_on_ctrl_c()?;
+    let mut progress = Progress::new(args.message_format);
+    let mut tell = |event: Event| match event {
+        Event::Started { total, resumed } => progress.started(total as u64, &resumed),
+        Event::TaskEnded(record) => progress.ended(&record),
+        Event::TaskStarted { .. } => {}
+    };
+    let result = vb_runner::run(&config, &mut tell, &cancel);
+    progress.finish();
+    let report = result.map_err(run_error)?;
+    match args.message_format {
+        MessageFormat::Json => output::json(&Message::Finished {
+            out: &config.out,
+            interrupted: report.interrupted,
+            summary: &report.summary,
+        }),
+        MessageFormat::Human => {
+            output::text(&report.summary.table());
+            output::note(&format!("results: {}", config.out.display()));
+        }
+    }
+    if report.interrupted {
+        return Err(CliError::interrupted(format!(
+            "stopped, {} tasks left (go on with the same command and --out {} --resume)",
+            report.summary.missing(),
+            config.out.display()
+        )));
+    }
+    match report.summary.sim_errors() {
+        0 => Ok(()),
+        n => Err(CliError::sim_errors(format!(
+            "the simulation of {n} tasks failed (see outcome sim_error in {})",
+            config.out.join("tasks.jsonl").display()
+        ))),
+    }
+}
+
+fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
+    // Cheap checks come first: nobody should wait for a plugin to be compiled to learn of a typing error.
+    let suite = suite::open(args.suite.as_deref())?;
+    let tasks = suite::select(&suite, args.tasks.as_deref())?;
+    let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
+    let vehicle = vehicle(&args.vehicle)?;
+    let mut limits = Limits::default();
+    if let Some(fuel) = args.fuel_per_step {
+        limits.fuel_per_step = fuel;
+    }
+    if let Some(memory) = args.memory {
+        limits.memory_bytes = usize::try_from(memory).map_err(|_| {
+            CliError::usage(format!("--memory {memory}: more than this machine can address (give less)"))
+        })?;
+    }
+    let plugin =
+        Plugin::load(&args.plugin, &limits, places::cache_dir().as_deref()).map_err(CliError::input)?;
+    let jobs = args.jobs.map_or_else(
+        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        |jobs| usize::from(jobs).max(1),
+    );
+    let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
+    Ok(RunConfig {
+        suite,
+        tasks,
+        selector: args.tasks.clone(),
+        plugin,
+        plugin_path: args.plugin.clone(),
+        params: args.params.clone(),
+        vehicle,
+        rules,
+        scale: args.scale,
+        seed: args.seed,
+        jobs,
+        trace: args.trace,
+        out,
+        resume: args.resume,
+        started_at: started_at(),
+        harness_version: env!("CARGO_PKG_VERSION").to_owned(),
+    })
+}
+
+fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
+    let path = places::vehicle(wanted)?;
+    let text = std::fs::read_to_string(&path).map_err(|e| {
+        CliError::input(format!("cannot read vehicle {}: {e} (give a file, or a name)", path.display()))
+    })?;
+    let spec = VehicleSpec::parse(&text, &path.display().to_string()).map_err(CliError::input)?;
+    let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
+    Ok(Vehicle { spec, hash })
+}
+
+/// The first Ctrl-C sets what is returned: the run ends when it has put its results away. The second ends the process.
+fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancel);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(error::INTERRUPTED));
+        }
+        output::note("stopping; once more to stop at once");
+    })
+    .map_err(|e| CliError::internal(format!("cannot handle Ctrl-C: {e}")))?;
+    Ok(cancel)
+}
+
+#[allow(clippy::disallowed_methods, reason = "for the record: nothing of it reaches a score")]
+fn started_at() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+}
+
+fn run_error(e: RunError) -> CliError {
+    match e {
+        RunError::Store(_) => CliError::output(e),
+        RunError::Param(_) | RunError::NoTasks | RunError::Scale(_) => CliError::usage(e),
+        _ => CliError::input(e),
+    }
+}

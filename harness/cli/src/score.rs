@@ -1,0 +1,55 @@
+//! `vb-harness score`.
+
+use serde::Serialize;
+use vb_record::RunReader;
+use vb_score::{Rules, Summary, TaskRecord, rescore};
+
+use crate::args::{MessageFormat, ScoreArgs};
+use crate::error::CliError;
+use crate::output;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Task { record: &'a TaskRecord },
+    Summary { resolution_s: f64, exact: bool, summary: &'a Summary },
+}
+
+pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
+    let rules = match &args.rules {
+        Some(name) => Rules::resolve(name).map_err(CliError::input)?,
+        None => own_rules(args)?,
+    };
+    let result = rescore(&args.run, &rules).map_err(CliError::input)?;
+    match args.message_format {
+        MessageFormat::Json => {
+            for record in &result.records {
+                output::json(&Message::Task { record });
+            }
+            let (resolution_s, exact) = (result.resolution_s, result.exact);
+            output::json(&Message::Summary { resolution_s, exact, summary: &result.summary });
+        }
+        MessageFormat::Human => {
+            output::text(&result.summary.table());
+            if !result.exact {
+                output::note(&format!(
+                    "scored from samples every {} s: figures are as good as that (run with --trace full for exact ones)",
+                    result.resolution_s
+                ));
+            }
+            if !result.summary.undecided.is_empty() {
+                output::note(&format!("undecided: {}", result.summary.undecided.join(", ")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The rules as recorded in run.json.
+fn own_rules(args: &ScoreArgs) -> Result<Rules, CliError> {
+    let run = RunReader::open(&args.run).map_err(CliError::input)?;
+    serde_json::from_value(run.header().rules.profile.clone()).map_err(|e| {
+        let file = args.run.join("run.json");
+        CliError::input(format!("{}: rules.profile: {e} (name rules with --rules)", file.display()))
+    })
+}

@@ -1,0 +1,167 @@
+//! `vb-harness suite` and `vb-harness tasks`.
+
+use serde::Serialize;
+use vb_suite::generate::{GenerateError, GeneratorParams, write_suite};
+use vb_suite::import::Source;
+use vb_world::{Density, Elevation, Ground, Selector, Suite, SuiteError, SuiteWriter, TaskRef};
+
+use crate::args::{GenerateArgs, ImportArgs, MessageFormat, SuiteArgs, TasksArgs};
+use crate::error::CliError;
+use crate::{output, places};
+
+/// A suite to be read.
+pub(crate) fn open(wanted: Option<&std::path::Path>) -> Result<Suite, CliError> {
+    Suite::open(places::suite(wanted)?).map_err(CliError::input)
+}
+
+/// The tasks that a selector chooses, in the suite's order; without one, all.
+pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, CliError> {
+    let Some(text) = selector else {
+        let of = |w: &vb_world::WorldInfo| {
+            let world = w.id.clone();
+            w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
+        };
+        return Ok(suite.worlds().iter().flat_map(of).collect());
+    };
+    Selector::parse(text).and_then(|s| s.select(suite)).map_err(CliError::usage)
+}
+
+/// An error of writing a suite: the worlds are ours, the directory is the user's.
+fn write_error(e: SuiteError) -> CliError {
+    match e {
+        SuiteError::Write { .. } | SuiteError::NotEmpty { .. } => CliError::output(e),
+        other => CliError::input(other),
+    }
+}
+
+pub(crate) fn list() -> Result<(), CliError> {
+    let mut rows = Vec::new();
+    for dir in places::suites()? {
+        let suite = Suite::open(&dir).map_err(CliError::input)?;
+        let name = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let size = format!("{} worlds, {} tasks", suite.worlds().len(), suite.task_count());
+        rows.push(vec![name, size, suite.meta().description.clone()]);
+    }
+    output::text(&output::columns(&rows));
+    Ok(())
+}
+
+pub(crate) fn show(args: &SuiteArgs) -> Result<(), CliError> {
+    let suite = open(Some(&args.suite))?;
+    let meta = suite.meta();
+    output::text(&format!(
+        "{} {}: {}\nhash {}\n{} worlds, {} tasks\n\n",
+        meta.name,
+        meta.version,
+        meta.description,
+        suite.hash(),
+        suite.worlds().len(),
+        suite.task_count()
+    ));
+    let head = ["world", "elevation", "terrain", "density", "tasks"].map(str::to_owned).to_vec();
+    let rows = suite.worlds().iter().map(|w| {
+        vec![
+            w.id.clone(),
+            w.elevation.name().to_owned(),
+            w.ground.name().to_owned(),
+            w.density.name().to_owned(),
+            w.tasks.len().to_string(),
+        ]
+    });
+    output::text(&output::columns(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    Ok(())
+}
+
+pub(crate) fn validate(args: &SuiteArgs) -> Result<(), CliError> {
+    let suite = open(Some(&args.suite))?;
+    for info in suite.worlds() {
+        suite.load_world(&info.id).map_err(CliError::input)?;
+    }
+    output::text(&format!(
+        "{}: {} worlds, {} tasks, all valid; hash {}\n",
+        suite.dir().display(),
+        suite.worlds().len(),
+        suite.task_count(),
+        suite.hash()
+    ));
+    Ok(())
+}
+
+pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
+    let source = Source::find(&args.from).map_err(CliError::input)?;
+    let mut writer = SuiteWriter::create(&args.out, source.meta()).map_err(write_error)?;
+    for id in source.ids() {
+        let world = source.world(id).map_err(CliError::input)?;
+        writer.add(&world).map_err(write_error)?;
+    }
+    let suite = writer.finish().map_err(write_error)?;
+    done(&suite);
+    Ok(())
+}
+
+/// Says what was written, and what to do with it.
+fn done(suite: &Suite) {
+    output::text(&format!(
+        "{}: {} worlds, {} tasks; hash {}\n",
+        suite.dir().display(),
+        suite.worlds().len(),
+        suite.task_count(),
+        suite.hash()
+    ));
+    output::note(&format!("run it with: vb-harness --plugin FILE --suite {}", suite.dir().display()));
+}
+
+pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
+    let params = match &args.params {
+        Some(path) => {
+            let at = |e: &dyn std::fmt::Display| CliError::input(format!("{}: {e}", path.display()));
+            let text = std::fs::read_to_string(path).map_err(|e| at(&e))?;
+            GeneratorParams::parse(&text).map_err(|e| at(&e))?
+        }
+        None => GeneratorParams::default(),
+    };
+    let name = args.out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned());
+    let worlds = args.worlds as usize;
+    let suite = write_suite(&args.out, &params, args.seed, worlds, &name, |index, world| {
+        output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
+    });
+    let suite = suite.map_err(|e| match e {
+        GenerateError::Suite(e) => write_error(e),
+        other => CliError::input(other),
+    })?;
+    done(&suite);
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct TaskMessage<'a> {
+    event: &'static str,
+    task: &'a str,
+    elevation: Elevation,
+    terrain: Ground,
+    density: Density,
+}
+
+pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
+    let suite = open(args.suite.as_deref())?;
+    let mut rows = Vec::new();
+    for task in select(&suite, args.tasks.as_deref())? {
+        let world = suite.world_info(&task.world).map_err(CliError::input)?;
+        let name = format!("{}/{}", task.world, task.task);
+        match args.message_format {
+            MessageFormat::Json => output::json(&TaskMessage {
+                event: "task",
+                task: &name,
+                elevation: world.elevation,
+                terrain: world.ground,
+                density: world.density,
+            }),
+            MessageFormat::Human => {
+                let levels = [world.elevation.name(), world.ground.name(), world.density.name()];
+                rows.push(std::iter::once(name).chain(levels.map(str::to_owned)).collect());
+            }
+        }
+    }
+    output::text(&output::columns(&rows));
+    Ok(())
+}
