@@ -298,6 +298,21 @@ fn flaws_of_the_config_are_named() {
 }
 
 #[test]
+fn the_layout_is_found_from_its_folder_and_from_above_and_below() {
+    let Some(shared) = shared() else { return };
+    let dir = copy_of_world_1(&shared);
+    for place in ["", "BenchMaps", "BenchMaps/sampled_maps"] {
+        assert_eq!(Source::find(dir.path().join(place)).unwrap().ids().collect::<Vec<_>>(), [1], "{place}");
+    }
+    // Other files beside the configs do no harm; a second config of the same world does.
+    let configs = dir.path().join("BenchMaps/sampled_maps/Configs/Final");
+    std::fs::write(configs.join("configuration.txt"), "").unwrap();
+    std::fs::write(configs.join("config1_low.yaml"), "").unwrap();
+    let message = Source::find(dir.path()).unwrap_err().to_string();
+    assert!(message.contains("is also a config of world 1: remove one"), "{message}");
+}
+
+#[test]
 fn missing_files_are_named() {
     let empty = tempfile::tempdir().unwrap();
     let message = error(empty.path());

@@ -359,7 +359,7 @@ fn no_damage_to_a_world_makes_reading_panic() {
     let mut rng = vb_math::rng::Stream::new(3, &["damage"]);
     for file in ["world.yaml", "elevation.png", "semantics.yaml", "obstacles.yaml", "tasks.yaml"] {
         let whole = std::fs::read(folder.join(file)).unwrap();
-        for _ in 0..300 {
+        for _ in 0..150 {
             let mut bytes = whole.clone();
             for _ in 0..1 + rng.below(3) {
                 let at = rng.below(bytes.len() as u64) as usize;

@@ -82,7 +82,7 @@ const PLACES: [&str; 5] = [
     "BenchMaps/sampled_maps",
     "data/BenchMaps/sampled_maps",
     "envs/data/BenchMaps/sampled_maps",
-    ".",
+    "",
 ];
 
 impl Source {
