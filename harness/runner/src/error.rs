@@ -36,7 +36,7 @@ pub enum RunError {
     /// Some tasks are on ground that yields.
     #[error(
         "{count} of {total} chosen tasks, {first} the first, are on deformable ground, which this version cannot \
-         simulate; choose those on rigid ground: --tasks ground=rigid"
+         simulate; choose those on rigid ground: --tasks terrain=rigid"
     )]
     Deformable {
         /// How many.

@@ -27,7 +27,7 @@ pub enum SimError {
     /// The world has ground that yields, which this version can't simulate.
     #[error(
         "world {world} has deformable ground ({class}), which this version cannot simulate; \
-         choose tasks on rigid ground (--tasks ground=rigid)"
+         choose tasks on rigid ground (--tasks terrain=rigid)"
     )]
     DeformableGround {
         /// Name of the world.
