@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use object::{Object as _, ObjectSection as _};
+use object::{Architecture, Object as _, ObjectSection as _};
 use vb_sdk::ABI_VERSION;
 use vb_sdk::metadata::{ELF_SECTION, MACHO_SECTION, Metadata, WASM_SECTION};
 use wasmparser::{Encoding, Parser, Payload};
@@ -87,6 +87,17 @@ fn wasm_section(path: &Path, bytes: &[u8]) -> Result<Found, LoadError> {
 fn native_section(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, LoadError> {
     let damaged = |e: object::Error| LoadError::Damaged { path: path.into(), reason: e.to_string() };
     let file = object::File::parse(bytes).map_err(damaged)?;
+    let here = match std::env::consts::ARCH {
+        "x86_64" => Some(Architecture::X86_64),
+        "aarch64" => Some(Architecture::Aarch64),
+        _ => None,
+    };
+    // The system's own message for this is that there is no such file.
+    if here.is_some_and(|arch| arch != file.architecture()) {
+        let reason =
+            format!("it was built for {:?}, this machine is {}", file.architecture(), std::env::consts::ARCH);
+        return Err(LoadError::Unloadable { path: path.into(), reason });
+    }
     let section = file.section_by_name(ELF_SECTION).or_else(|| file.section_by_name(MACHO_SECTION));
     section.map(|s| s.data().map(<[u8]>::to_vec).map_err(damaged)).transpose()
 }

@@ -23,11 +23,18 @@ pub(crate) fn load(path: &Path) -> Result<PlannerModuleRef, LoadError> {
 fn explain(path: &Path, error: &LibraryError) -> LoadError {
     let path = path.into();
     match error {
-        LibraryError::AbiInstability(_)
-        | LibraryError::IncompatibleVersionNumber { .. }
-        | LibraryError::InvalidAbiHeader(_) => {
-            LoadError::LayoutMismatch { path, reason: one_line(&error.to_string()) }
+        LibraryError::AbiInstability(report) => {
+            LoadError::LayoutMismatch { path, reason: first_difference(&report.to_string()) }
         }
+        LibraryError::IncompatibleVersionNumber { expected_version, actual_version, .. } => {
+            let reason =
+                format!("it was built with vb-sdk {actual_version}, the harness with {expected_version}");
+            LoadError::LayoutMismatch { path, reason }
+        }
+        LibraryError::InvalidAbiHeader(_) => LoadError::LayoutMismatch {
+            path,
+            reason: "it was built with another version of abi_stable".into(),
+        },
         LibraryError::GetSymbolError { .. } => LoadError::NotAPlugin {
             path,
             reason:
@@ -41,6 +48,22 @@ fn explain(path: &Path, error: &LibraryError) -> LoadError {
         }
         other => LoadError::Unloadable { path, reason: one_line(&other.to_string()) },
     }
+}
+
+/// The gist of `abi_stable`'s report on two layouts, which goes over hundreds of lines: the innermost field before the
+/// first `Error:`, the type that it belongs to, and what is wrong with it.
+fn first_difference(report: &str) -> String {
+    let Some((before, error)) = report.split_once("\nError:") else {
+        return "its types differ".into();
+    };
+    let place = before.rsplit_once("\nLayout of expected type:").map_or(before, |(place, _)| place);
+    let value = |prefix: &'static str| place.lines().rev().filter_map(move |l| l.trim().strip_prefix(prefix));
+    let field = value("field_name:").next().unwrap_or("a field");
+    // The last type is the field's own, the one before it that of its owner.
+    let owner = value("type:").nth(1).unwrap_or("the root module");
+    // Further errors follow after an empty line.
+    let error = error.split("\n\n").next().unwrap_or_default();
+    format!("{field} of {}: {}", owner.trim(), one_line(error))
 }
 
 /// A planner of a native plugin at work on a task.
@@ -108,4 +131,22 @@ unsafe extern "C" fn write(context: *mut (), level: u8, message: RStr<'_>) {
     };
     // A panicking sink must not unwind into the plugin.
     let _ = catch_unwind(AssertUnwindSafe(|| log.write(level, &message)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_report_is_cut_down_to_the_field() {
+        // As abi_stable 0.11.3 reports a field that changed from f64 to f32, without most of its lines.
+        let report = "Compared <this>:\n    --- Type Layout ---\n    type:PrefixRef<'a, PlannerModule>\nTo <other>:\n\
+            0 error(s).\n\n1 error(s)inside:\n    <other>\n\n    field_name:task,log,\n    type:&'a  NativeTask<'a> \n\n    \
+            field_name:0\n    type:NativeTask<'a>\n    size:408 align:8\n\n    field_name:goal_radius\n    type:f32\n    \
+            size:4 align:4\n\nLayout of expected type:\n    --- Type Layout ---\n    type:f64\n\nLayout of found type:\n    \
+            type:f32\n\n\n\nError:mismatched type\nExpected:\n    f64\nFound:\n    f32\n\n";
+        let expected = "goal_radius of NativeTask<'a>: mismatched type Expected: f64 Found: f32";
+        assert_eq!(first_difference(report), expected);
+        assert_eq!(first_difference("something else"), "its types differ");
+    }
 }

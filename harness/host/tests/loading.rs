@@ -137,6 +137,17 @@ fn a_native_library_that_is_no_planner() {
     assert!(message.contains("no planner metadata"), "{message}");
 }
 
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#[test]
+fn a_native_library_for_another_processor() {
+    let mut bytes = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+    // e_machine, at offset 18 of an ELF header: 183 is AArch64.
+    bytes[18] = 183;
+    let (error, message) = refusal(&bytes);
+    assert!(matches!(error, LoadError::Unloadable { .. }));
+    assert!(message.contains("built for Aarch64, this machine is x86_64"), "{message}");
+}
+
 #[test]
 fn metadata_that_are_damaged_or_of_another_version() {
     let with = |metadata: &str| core_module(&planner_wat(OK, GO), metadata);
