@@ -42,13 +42,13 @@ pub(crate) fn suites() -> Result<Vec<PathBuf>, CliError> {
     Ok(found)
 }
 
-/// The suite that the user means: a directory, the name of a built-in one, or the first built-in one.
+/// The suite that is run where none is named.
+const DEFAULT_SUITE: &str = "builtin";
+
+/// The suite that the user means: a directory, or the name of one that comes with the harness.
 pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     let Some(wanted) = wanted else {
-        return suites()?
-            .into_iter()
-            .next()
-            .ok_or_else(|| CliError::input("there is no built-in suite (name one with --suite)"));
+        return Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join("suites").join(DEFAULT_SUITE));
     };
     if !wanted.exists() && is_name(wanted.as_os_str()) {
         let all = suites()?;

@@ -4,16 +4,15 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
-use std::sync::OnceLock;
 
-/// Runs the program without the environment of whoever runs the test.
+/// Runs the program in a directory, on the built-in suites and vehicles of the checkout.
 fn harness(dir: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_vb-harness"))
         .args(args)
         .current_dir(dir)
-        .env_remove("VB_TASKS")
+        .env("VB_TASKS", Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks"))
         .env("VB_CACHE", dir.join("cache"))
         .output()
         .unwrap()
@@ -27,26 +26,6 @@ fn failure(dir: &Path, code: i32, args: &[&str]) -> String {
     assert!(text.starts_with("error: ") && text.trim_end().lines().count() == 1, "{args:?}: {text}");
     assert!(!text.contains("panicked"), "{text}");
     text
-}
-
-/// A generated suite of one world, made once.
-fn suite() -> &'static Path {
-    static SUITE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
-    let (_, dir) = SUITE.get_or_init(|| {
-        let tmp = tempfile::tempdir().unwrap();
-        let dir = tmp.path().join("one");
-        let made = harness(
-            tmp.path(),
-            &["suite", "generate", "--seed", "1", "--worlds", "1", "--out", dir.to_str().unwrap()],
-        );
-        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        (tmp, dir)
-    });
-    dir
-}
-
-fn suite_arg() -> &'static str {
-    suite().to_str().unwrap()
 }
 
 #[test]
@@ -66,13 +45,13 @@ fn a_command_line_without_a_plugin_is_a_usage_error_and_help_is_none() {
 #[test]
 fn a_plugin_that_is_missing_or_none_is_named() {
     let tmp = tempfile::tempdir().unwrap();
-    let e = failure(tmp.path(), 3, &["--plugin", "gone.wasm", "--suite", suite_arg()]);
+    let e = failure(tmp.path(), 3, &["--plugin", "gone.wasm"]);
     assert!(e.contains("gone.wasm"), "{e}");
     fs::write(tmp.path().join("text.wasm"), "this is no plugin").unwrap();
     fs::write(tmp.path().join("empty.so"), "").unwrap();
     fs::write(tmp.path().join("torn.wasm"), b"\0asm\x0d\0\x01\0\x00\xff").unwrap();
     for name in ["text.wasm", "empty.so", "torn.wasm"] {
-        let e = failure(tmp.path(), 3, &["--plugin", name, "--suite", suite_arg()]);
+        let e = failure(tmp.path(), 3, &["--plugin", name]);
         assert!(e.contains(name), "{e}");
         let e = failure(tmp.path(), 3, &["inspect", "--plugin", name]);
         assert!(e.contains(name), "{e}");
@@ -89,7 +68,7 @@ fn a_suite_that_is_missing_or_damaged_is_named() {
     assert!(e.contains("nowhere"), "{e}");
 
     let copy = tmp.path().join("copy");
-    copy_dir(suite(), &copy);
+    copy_dir(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/builtin"), &copy);
     let elevation = copy.join("worlds/w001/elevation.png");
     let bytes = fs::read(&elevation).unwrap();
     fs::write(&elevation, &bytes[..bytes.len() / 2]).unwrap();
@@ -117,7 +96,7 @@ fn copy_dir(from: &Path, to: &Path) {
 fn an_unknown_task_world_or_condition_is_a_usage_error_that_names_it() {
     let tmp = tempfile::tempdir().unwrap();
     for selector in ["w999", "w001/t77", "elevation=steep", "colour=red", ",", ""] {
-        let e = failure(tmp.path(), 2, &["--plugin", "x", "--suite", suite_arg(), "--tasks", selector]);
+        let e = failure(tmp.path(), 2, &["--plugin", "x", "--tasks", selector]);
         assert!(e.contains(selector), "{e}");
     }
 }
@@ -125,15 +104,15 @@ fn an_unknown_task_world_or_condition_is_a_usage_error_that_names_it() {
 #[test]
 fn rules_and_vehicles_that_do_not_exist_are_named_with_those_that_do() {
     let tmp = tempfile::tempdir().unwrap();
-    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", suite_arg(), "--rules", "papper"]);
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--rules", "papper"]);
     assert!(e.contains("papper") && e.contains("paper, release, dev"), "{e}");
     fs::write(tmp.path().join("mine.yaml"), "schema: 1\nname: mine\ntime_limit_s: soon\n").unwrap();
-    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", suite_arg(), "--rules", "mine.yaml"]);
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--rules", "mine.yaml"]);
     assert!(e.contains("mine.yaml") && e.contains("time_limit_s") && e.contains("soon"), "{e}");
-    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", suite_arg(), "--vehicle", "bicycle"]);
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--vehicle", "bicycle"]);
     assert!(e.contains("bicycle") && e.contains("hmmwv"), "{e}");
     fs::write(tmp.path().join("car.yaml"), "schema: 1\nname: [car]\n").unwrap();
-    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", suite_arg(), "--vehicle", "car.yaml"]);
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--vehicle", "car.yaml"]);
     assert!(e.contains("car.yaml"), "{e}");
 }
 
@@ -167,6 +146,13 @@ fn a_suite_is_not_written_over_what_is_there() {
 }
 
 #[test]
+fn an_unknown_suite_is_named_with_those_that_exist() {
+    let tmp = tempfile::tempdir().unwrap();
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", "bultin"]);
+    assert!(e.contains("bultin") && e.contains("builtin"), "{e}");
+}
+
+#[test]
 fn what_a_suite_holds_can_be_listed_and_checked() {
     let tmp = tempfile::tempdir().unwrap();
     let out = |args: &[&str]| {
@@ -174,11 +160,12 @@ fn what_a_suite_holds_can_be_listed_and_checked() {
         assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
     };
-    assert!(out(&["suite", "show", suite_arg()]).contains("w001"));
-    assert!(out(&["suite", "validate", suite_arg()]).contains("all valid"));
-    assert_eq!(out(&["tasks", "list", "--suite", suite_arg()]).lines().count(), 10);
-    let one =
-        out(&["tasks", "list", "--suite", suite_arg(), "--tasks", "w001/t03", "--message-format", "json"]);
+    assert!(out(&["suite", "list"]).starts_with("builtin"));
+    assert!(out(&["suite", "validate", "builtin"]).contains("all valid"));
+    out(&["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "one"]);
+    assert!(out(&["suite", "show", "./one"]).contains("w001"));
+    assert_eq!(out(&["tasks", "list", "--suite", "./one"]).lines().count(), 10);
+    let one = out(&["tasks", "list", "--tasks", "w001/t03", "--message-format", "json"]);
     assert!(
         one.starts_with("{\"event\":\"task\",\"task\":\"w001/t03\",") && one.lines().count() == 1,
         "{one}"
