@@ -27,7 +27,7 @@ pub(crate) struct CliError {
 impl CliError {
     fn new(code: u8, message: impl fmt::Display) -> Self {
         // Texts of libraries may span lines; ours never do.
-        let message = message.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+        let message = message.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ");
         Self { code, message }
     }
 

@@ -37,9 +37,6 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
                     result.resolution_s
                 ));
             }
-            if !result.summary.undecided.is_empty() {
-                output::note(&format!("undecided: {}", result.summary.undecided.join(", ")));
-            }
         }
     }
     Ok(())

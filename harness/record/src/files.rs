@@ -6,14 +6,17 @@ use std::path::{Path, PathBuf};
 
 use crate::StoreError;
 
-/// Writes a file under a temporary name, syncs it and renames it, so that no reader ever sees half of it.
+/// Writes a file under a temporary name, syncs it and renames it, so that no reader ever sees half of it, and what was
+/// written before something else is there if that is.
 pub(crate) fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     let tmp = temporary(path);
     let written = (|| {
         let mut file = File::create(&tmp).map_err(StoreError::io("create", &tmp))?;
         file.write_all(bytes).map_err(StoreError::io("write", &tmp))?;
         file.sync_all().map_err(StoreError::io("sync", &tmp))?;
-        fs::rename(&tmp, path).map_err(StoreError::io("rename to", path))
+        fs::rename(&tmp, path).map_err(StoreError::io("rename to", path))?;
+        path.parent().map(sync_dir);
+        Ok(())
     })();
     if written.is_err() {
         // The first error is the one to report; a temporary file left behind harms nobody.

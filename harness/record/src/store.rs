@@ -133,7 +133,7 @@ impl RunStore {
     /// [`StoreError::TaskName`] or an error of the file system.
     pub fn write_trace(&self, trace: &Trace) -> Result<(), StoreError> {
         let path = trace_path(&self.dir, &trace.meta.task)?;
-        make_parent(&path)?;
+        self.make_parent(&path)?;
         write_atomic(&path, &trace.encode()?)
     }
 
@@ -146,8 +146,19 @@ impl RunStore {
             return Ok(());
         }
         let path = debug_path(&self.dir, task)?;
-        make_parent(&path)?;
+        self.make_parent(&path)?;
         write_atomic(&path, &series.encode()?)
+    }
+
+    /// Makes the directory of a file below `traces`, durably.
+    fn make_parent(&self, path: &Path) -> Result<(), StoreError> {
+        let parent = path.parent().unwrap_or(path);
+        if !parent.is_dir() {
+            fs::create_dir_all(parent).map_err(StoreError::io("make directory", parent))?;
+            parent.parent().map(sync_dir);
+            sync_dir(&self.dir);
+        }
+        Ok(())
     }
 
     /// Writes `summary.json`, replacing an earlier one.
@@ -155,9 +166,7 @@ impl RunStore {
     /// # Errors
     /// An error of the file system.
     pub fn write_summary<T: Serialize>(&self, summary: &T) -> Result<(), StoreError> {
-        write_json(&self.dir.join(SUMMARY), "summary.json", summary)?;
-        sync_dir(&self.dir);
-        Ok(())
+        write_json(&self.dir.join(SUMMARY), "summary.json", summary)
     }
 }
 
@@ -233,11 +242,6 @@ fn split_task(task: &str) -> Result<(&str, &str), StoreError> {
     task.split_once('/')
         .filter(|(world, name)| safe(world) && safe(name))
         .ok_or_else(|| StoreError::TaskName(task.to_owned()))
-}
-
-fn make_parent(path: &Path) -> Result<(), StoreError> {
-    let parent = path.parent().unwrap_or(path);
-    fs::create_dir_all(parent).map_err(StoreError::io("make directory", parent))
 }
 
 /// The lock is on a file of its own, since run.json is replaced by renaming.

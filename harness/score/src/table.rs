@@ -46,10 +46,20 @@ impl Summary {
         // Writing to a string can't fail.
         let _ = writeln!(out, "{} on {}, rules: {}", self.planner, self.suite, self.rules);
         if !self.undecided.is_empty() {
-            let n = self.undecided.len();
+            // What could be decided is a biased choice, failures first: without the bounds it would mislead.
+            let n = self.undecided.len() as u64;
+            let (tasks, successes) = self
+                .all
+                .as_ref()
+                .map_or((0, 0), |all| (all.tasks, all.outcomes.get(&Outcome::Success).copied().unwrap_or(0)));
+            let percent = |successes: u64| 100.0 * successes as f64 / (tasks + n) as f64;
             let _ = writeln!(
                 out,
-                "{n} undecided (their traces end before these rules can decide), not counted above"
+                "{n} undecided, not counted above: their traces end before these rules can decide. Success over all {} \
+                 tasks is between {:.1} % and {:.1} %",
+                tasks + n,
+                percent(successes),
+                percent(successes + n)
             );
         }
         if self.missing() > 0 {

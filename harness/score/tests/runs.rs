@@ -168,7 +168,9 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(again.records[2].fault.as_deref(), Some("out-of-fuel"));
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
     assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
-    assert!(again.summary.table().contains("1 undecided"), "{}", again.summary.table());
+    // None of the three decided tasks succeeded; the fourth may have.
+    let table = again.summary.table();
+    assert!(table.contains("1 undecided") && table.contains("between 0.0 % and 25.0 %"), "{table}");
 
     // A wider radius decides earlier, before the planner's fault at 3 s: 120 m − 4 m/s · 3 s = 108 m.
     let wide = Rules::BUILTIN[0].1.replace("radius_m: 10.0", "radius_m: 110.0");
