@@ -19,7 +19,7 @@ Tasks:
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
 
 Environment:
-  VB_WASM_FALLBACK=1    Don't ask rustup for the WASM target: use Debian's compiler packages
+  VB_WASM_FALLBACK=1    Build WASM by Debian's compiler packages, not by the installed Rust
   VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]";
 
 fn main() -> ExitCode {

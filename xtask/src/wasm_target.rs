@@ -11,10 +11,10 @@ pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
 /// The cargo to build WASM with: the usual one if its target is installed or rustup can add it, else one that drives
 /// Debian's compiler.
 pub(crate) fn cargo_for_wasm() -> Result<OsString, Failure> {
-    if installed() {
-        return Ok(cargo_program());
-    }
     if std::env::var_os("VB_WASM_FALLBACK").is_none_or(|v| v.is_empty() || v == "0") {
+        if installed() {
+            return Ok(cargo_program());
+        }
         step(&format!("adding the target {TARGET} by rustup"));
         let added = Command::new("rustup").args(["target", "add", TARGET]).stdout(Stdio::null()).status();
         if added.is_ok_and(|s| s.success()) && installed() {
