@@ -83,7 +83,7 @@ pub(crate) struct RunArgs {
     /// The planner: a WASM file or a native library
     #[arg(long, value_name = "FILE")]
     pub(crate) plugin: PathBuf,
-    /// Suite to run: a directory, or the name of one that comes with the harness; default: builtin
+    /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-mini
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Tasks to run, e.g. w001/t03 or w001-w004,elevation=high; default: all
@@ -185,7 +185,7 @@ pub(crate) struct GenerateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// The suite: a directory, or the name of one that comes with the harness; default: builtin
+    /// The suite: a directory, or the name of one that comes with the harness; default: vb-mini
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all

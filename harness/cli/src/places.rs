@@ -43,7 +43,7 @@ pub(crate) fn suites() -> Result<Vec<PathBuf>, CliError> {
 }
 
 /// The suite that is run where none is named.
-const DEFAULT_SUITE: &str = "builtin";
+const DEFAULT_SUITE: &str = "vb-mini";
 
 /// The suite that the user means: a directory, or the name of one that comes with the harness.
 pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use vb_suite::generate::{GenerateError, GeneratorParams, write_suite};
 use vb_suite::import::Source;
-use vb_world::{Density, Elevation, Ground, Selector, Suite, SuiteError, SuiteWriter, TaskRef};
+use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
 
 use crate::args::{GenerateArgs, ImportArgs, MessageFormat, SuiteArgs, TasksArgs};
 use crate::error::CliError;
@@ -63,7 +63,7 @@ pub(crate) fn show(args: &SuiteArgs) -> Result<(), CliError> {
         vec![
             w.id.clone(),
             w.elevation.name().to_owned(),
-            w.ground.name().to_owned(),
+            w.terrain.name().to_owned(),
             w.density.name().to_owned(),
             w.tasks.len().to_string(),
         ]
@@ -138,7 +138,7 @@ struct TaskMessage<'a> {
     event: &'static str,
     task: &'a str,
     elevation: Elevation,
-    terrain: Ground,
+    terrain: Terrain,
     density: Density,
 }
 
@@ -153,11 +153,11 @@ pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
                 event: "task",
                 task: &name,
                 elevation: world.elevation,
-                terrain: world.ground,
+                terrain: world.terrain,
                 density: world.density,
             }),
             MessageFormat::Human => {
-                let levels = [world.elevation.name(), world.ground.name(), world.density.name()];
+                let levels = [world.elevation.name(), world.terrain.name(), world.density.name()];
                 rows.push(std::iter::once(name).chain(levels.map(str::to_owned)).collect());
             }
         }

@@ -68,7 +68,7 @@ fn a_suite_that_is_missing_or_damaged_is_named() {
     assert!(e.contains("nowhere"), "{e}");
 
     let copy = tmp.path().join("copy");
-    copy_dir(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/builtin"), &copy);
+    copy_dir(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/vb-mini"), &copy);
     let elevation = copy.join("worlds/w001/elevation.png");
     let bytes = fs::read(&elevation).unwrap();
     fs::write(&elevation, &bytes[..bytes.len() / 2]).unwrap();
@@ -148,8 +148,8 @@ fn a_suite_is_not_written_over_what_is_there() {
 #[test]
 fn an_unknown_suite_is_named_with_those_that_exist() {
     let tmp = tempfile::tempdir().unwrap();
-    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", "bultin"]);
-    assert!(e.contains("bultin") && e.contains("builtin"), "{e}");
+    let e = failure(tmp.path(), 3, &["--plugin", "x", "--suite", "vb-maxi"]);
+    assert!(e.contains("vb-maxi") && e.contains("vb-mini"), "{e}");
 }
 
 #[test]
@@ -160,8 +160,8 @@ fn what_a_suite_holds_can_be_listed_and_checked() {
         assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
     };
-    assert!(out(&["suite", "list"]).starts_with("builtin"));
-    assert!(out(&["suite", "validate", "builtin"]).contains("all valid"));
+    assert!(out(&["suite", "list"]).starts_with("vb-mini"));
+    assert!(out(&["suite", "validate", "vb-mini"]).contains("all valid"));
     out(&["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "one"]);
     assert!(out(&["suite", "show", "./one"]).contains("w001"));
     assert_eq!(out(&["tasks", "list", "--suite", "./one"]).lines().count(), 10);

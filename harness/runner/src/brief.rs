@@ -4,7 +4,7 @@ use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
 use vb_sim::{SimError, SimOptions, Simulation, SuspensionTable, VehicleSpec};
-use vb_world::{Density, Elevation, Ground, Heightfield, Semantics, Task, TerrainClass, World};
+use vb_world::{Density, Elevation, Heightfield, Semantics, Task, Terrain, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
 const OCCUPANCY_RESOLUTION: f64 = 0.5;
@@ -33,7 +33,7 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
     let world = World {
         id: "level".to_owned(),
         elevation: Elevation::Low,
-        ground: Ground::Rigid,
+        terrain: Terrain::Rigid,
         density: Density::Sparse,
         scale: 1.0,
         heightfield: Heightfield::flat(3, 3, side / 2.0, 0.0),

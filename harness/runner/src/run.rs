@@ -13,7 +13,7 @@ use vb_record::{
 use vb_score::{Rules, Summary, TaskRecord};
 use vb_sdk::Param;
 use vb_sim::{SimOptions, VehicleSpec};
-use vb_world::{Ground, Suite, SuiteError, TaskRef, World};
+use vb_world::{Suite, SuiteError, TaskRef, Terrain, World};
 
 use crate::brief::{planner_task, planner_vehicle, static_shape};
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
@@ -191,7 +191,7 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     let params = config.plugin.params(&config.params)?;
     let mut deformable = Vec::new();
     for task in &config.tasks {
-        if config.suite.world_info(&task.world)?.ground != Ground::Rigid {
+        if config.suite.world_info(&task.world)?.ground != Terrain::Rigid {
             deformable.push(task);
         }
     }

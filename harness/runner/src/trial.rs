@@ -141,7 +141,7 @@ impl Trial<'_> {
             task: self.brief.id.clone(),
             world: self.world.id.clone(),
             elevation: self.world.elevation,
-            terrain: self.world.ground,
+            terrain: self.world.terrain,
             density: self.world.density,
             outcome: score.outcome,
             three_way: score.three_way,

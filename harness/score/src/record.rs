@@ -1,7 +1,7 @@
 //! One line of `tasks.jsonl`.
 
 use serde::{Deserialize, Serialize};
-use vb_world::{Density, Elevation, Ground};
+use vb_world::{Density, Elevation, Terrain};
 
 use crate::{Metrics, Outcome, TaskScore, ThreeWay};
 
@@ -24,7 +24,7 @@ pub struct TaskRecord {
     /// Elevation level of the world.
     pub elevation: Elevation,
     /// Kind of ground of the world.
-    pub terrain: Ground,
+    pub terrain: Terrain,
     /// Obstacle density of the world.
     pub density: Density,
     /// How it ended.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use vb_record::RunHeader;
-use vb_world::{Density, Elevation, Ground};
+use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Running, wilson};
 use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
@@ -46,7 +46,7 @@ pub struct Summary {
     /// By elevation level.
     pub elevation: BTreeMap<Elevation, Group>,
     /// By kind of ground.
-    pub terrain: BTreeMap<Ground, Group>,
+    pub terrain: BTreeMap<Terrain, Group>,
     /// By obstacle density.
     pub density: BTreeMap<Density, Group>,
     /// By world.

@@ -16,7 +16,7 @@ use vb_score::{
     Fault, FuelUse, Outcome, RescoreError, Rules, Scorer, Summary, TaskGeometry, TaskRecord, TaskScore,
     ThreeWay, rescore,
 };
-use vb_world::{Density, Elevation, Ground};
+use vb_world::{Density, Elevation, Terrain};
 
 fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
     RunHeader {
@@ -54,7 +54,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         task: task.into(),
         world: task.split_once('/').unwrap().0.into(),
         elevation,
-        terrain: Ground::Rigid,
+        terrain: Terrain::Rigid,
         density: Density::Sparse,
         outcome: score.outcome,
         three_way: score.three_way,

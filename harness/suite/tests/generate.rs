@@ -7,9 +7,9 @@ use common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
 use vb_math::{angle::degrees, atan, hypot};
 use vb_suite::generate::{self, GenerateError, GeneratorParams};
-use vb_world::{Density, Elevation, Ground, ObstacleKind, Suite, TerrainClass, World, geometry};
+use vb_world::{Density, Elevation, ObstacleKind, Suite, Terrain, TerrainClass, World, geometry};
 
-/// Seed, number of worlds and name of the suite in `tasks/suites/builtin`.
+/// Seed, number of worlds and name of the suite in `tasks/suites/vb-mini`.
 const BUILTIN: (u64, usize, &str) = (2025, 10, "vb-mini");
 
 fn params(changes: &[(&str, &str)]) -> GeneratorParams {
@@ -205,18 +205,18 @@ fn friction_follows_its_class_and_clusters_keep_to_their_ground() {
     // Paths take most of the time and do not matter here.
     let few_tasks = ("tasks: {count: 10", "tasks: {count: 1");
     let worlds = generate::generate(&params(&[mix, few_tasks]), 14, 60).unwrap();
-    let grounds: Vec<_> = worlds.iter().map(|w| w.ground).collect();
-    assert!(grounds[..36].iter().all(|g| *g == Ground::Rigid));
-    assert!(grounds[36..54].iter().all(|g| *g == Ground::Deformable));
-    assert!(grounds[54..].iter().all(|g| *g == Ground::Mixed));
+    let grounds: Vec<_> = worlds.iter().map(|w| w.terrain).collect();
+    assert!(grounds[..36].iter().all(|g| *g == Terrain::Rigid));
+    assert!(grounds[36..54].iter().all(|g| *g == Terrain::Deformable));
+    assert!(grounds[54..].iter().all(|g| *g == Terrain::Mixed));
     let mut values = vec![Vec::new(); 10];
     for w in &worlds {
         let classes: std::collections::BTreeSet<_> = w.semantics.classes.iter().copied().collect();
         let (yielding, rigid): (Vec<TerrainClass>, _) = classes.into_iter().partition(|c| c.is_deformable());
-        match w.ground {
-            Ground::Rigid => assert!(yielding.is_empty() && (1..=7).contains(&rigid.len())),
-            Ground::Deformable => assert!(rigid.is_empty() && (1..=3).contains(&yielding.len())),
-            Ground::Mixed => assert!(!rigid.is_empty() && !yielding.is_empty()),
+        match w.terrain {
+            Terrain::Rigid => assert!(yielding.is_empty() && (1..=7).contains(&rigid.len())),
+            Terrain::Deformable => assert!(rigid.is_empty() && (1..=3).contains(&yielding.len())),
+            Terrain::Mixed => assert!(!rigid.is_empty() && !yielding.is_empty()),
         }
         for (class, &mu) in w.semantics.classes.iter().zip(&w.semantics.friction) {
             assert!(if class.is_deformable() { mu == 0.0 } else { (0.1..=1.0).contains(&mu) });
@@ -283,7 +283,7 @@ fn a_seed_gives_the_same_bytes_and_another_gives_others() {
 /// run it with VB_UPDATE=1, commit the new suite, and say so in the change log, since all results change with it.
 #[test]
 fn the_built_in_suite_is_what_the_generator_makes() {
-    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/builtin");
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/vb-mini");
     let (seed, worlds, name) = BUILTIN;
     let made = write(seed, worlds, name);
     if std::env::var_os("VB_UPDATE").is_some() {
@@ -297,7 +297,7 @@ fn the_built_in_suite_is_what_the_generator_makes() {
         assert!(a == b, "{} differs from what the generator makes", path.display());
     }
     let suite = Suite::open(&committed).unwrap();
-    assert!(suite.worlds().iter().all(|w| w.ground == Ground::Rigid && w.tasks.len() == 10));
+    assert!(suite.worlds().iter().all(|w| w.terrain == Terrain::Rigid && w.tasks.len() == 10));
     let size: usize = found.iter().map(|(_, b)| b.len()).sum();
     assert!(size < 2_000_000, "{size} bytes");
 }
@@ -313,7 +313,7 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
     );
 
     let wide =
-        params(&[("path: {clearance: 2.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")]);
+        params(&[("path: {clearance: 3.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")]);
     let error = generate::generate_world(&wide, 1, 2, 3).unwrap_err();
     assert!(error.to_string().contains("w003/t"), "{error}");
     assert!(error.to_string().contains("obstacles were drawn 20 times"), "{error}");

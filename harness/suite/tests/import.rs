@@ -89,7 +89,7 @@ fn every_world_has_the_measured_statistics_tasks_and_short_safe_paths() {
         let row = worlds.iter().find(|r| r["world"] == id.to_string()).unwrap();
         let level = if row["difficulty"] == "mid" { "medium" } else { &row["difficulty"] };
         assert_eq!(world.elevation.name(), level);
-        assert_eq!(world.ground.name(), row["terrain_type"]);
+        assert_eq!(world.terrain.name(), row["terrain_type"]);
         assert_eq!(world.density.name(), row["density"]);
 
         let heights = world.heightfield.heights();

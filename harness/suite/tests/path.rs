@@ -4,14 +4,15 @@
 use vb_math::rng::Stream;
 use vb_suite::path::{PathError, PathParams, Planner, length, plan};
 use vb_world::{
-    Density, Elevation, Ground, Heightfield, Obstacle, ObstacleKind, Semantics, TerrainClass, World, geometry,
+    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Semantics, Terrain, TerrainClass, World,
+    geometry,
 };
 
 fn world(obstacles: Vec<Obstacle>) -> World {
     World {
         id: "w001".into(),
         elevation: Elevation::Low,
-        ground: Ground::Rigid,
+        terrain: Terrain::Rigid,
         density: Density::Sparse,
         scale: 1.0,
         heightfield: Heightfield::flat(129, 129, 1.0, 0.0),
@@ -39,11 +40,14 @@ fn clearance(world: &World, path: &[[f64; 2]]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
+/// A clearance for which the figures of these tests were worked out.
+fn narrow() -> PathParams {
+    PathParams { clearance: 2.5, ..PathParams::default() }
+}
+
 #[test]
 fn a_free_way_is_straight_with_even_waypoints() {
-    let path =
-        plan(&world(vec![wall(0.0, 20.0, 5.0, 5.0)]), [-30.0, 0.0], [30.0, 0.0], &PathParams::default())
-            .unwrap();
+    let path = plan(&world(vec![wall(0.0, 20.0, 5.0, 5.0)]), [-30.0, 0.0], [30.0, 0.0], &narrow()).unwrap();
     assert_eq!(path.len(), 61);
     for (k, p) in path.iter().enumerate() {
         assert!((p[0] - (k as f64 - 30.0)).abs() < 1e-9 && p[1].abs() < 1e-9, "{p:?}");
@@ -61,7 +65,7 @@ fn the_way_round_a_round_obstacle_is_as_long_as_its_tangents_and_arc() {
     let shortest = 2.0 * (d * d - r * r).sqrt() + r * (std::f64::consts::PI - 2.0 * vb_math::acos(r / d));
     for turn in [0.0, 0.4, 1.1, 2.0] {
         let (s, c) = vb_math::sin_cos(turn);
-        let path = plan(&w, [d * c, d * s], [-d * c, -d * s], &PathParams::default()).unwrap();
+        let path = plan(&w, [d * c, d * s], [-d * c, -d * s], &narrow()).unwrap();
         let long = length(&path);
         assert!(long > 0.995 * shortest && long < 1.01 * shortest, "{long} m, shortest {shortest} m");
         assert!(clearance(&w, &path) > 2.499);
@@ -80,7 +84,7 @@ fn a_trap_is_left_and_the_gap_that_is_wide_enough_is_used() {
         wall(20.0, 48.3, 2.0, 31.4),
     ]);
     let w = world(obstacles);
-    let path = plan(&w, [-10.0, 0.0], [40.0, 0.0], &PathParams::default()).unwrap();
+    let path = plan(&w, [-10.0, 0.0], [40.0, 0.0], &narrow()).unwrap();
     assert!(clearance(&w, &path) > 2.499, "{}", clearance(&w, &path));
     let crossing = path.windows(2).find(|p| p[0][0] < 20.0 && p[1][0] >= 20.0).unwrap();
     assert!((crossing[0][1] - 30.0).abs() < 1.5, "{crossing:?}");
@@ -101,7 +105,7 @@ fn random_fields_are_crossed_with_the_clearance_and_close_to_the_straight_line()
         }
         let w = world(obstacles);
         let (start, goal) = ([-58.0, rng.uniform(-40.0, 40.0)], [58.0, rng.uniform(-40.0, 40.0)]);
-        let path = plan(&w, start, goal, &PathParams { clearance: 1.5, ..PathParams::default() }).unwrap();
+        let path = plan(&w, start, goal, &PathParams { clearance: 1.5, ..narrow() }).unwrap();
         assert!(clearance(&w, &path) > 1.499, "seed {seed}: {}", clearance(&w, &path));
         assert_eq!((path[0], path[path.len() - 1]), (start, goal));
         assert!(path.windows(2).all(|p| length(p) <= 1.002));
@@ -113,10 +117,10 @@ fn random_fields_are_crossed_with_the_clearance_and_close_to_the_straight_line()
 #[test]
 fn a_scaled_world_has_the_scaled_path() {
     let w = world(vec![wall(0.0, 1.0, 6.0, 9.0), wall(12.0, -3.0, 4.0, 8.0)]);
-    let path = plan(&w, [-40.0, 0.0], [40.0, 0.0], &PathParams::default()).unwrap();
+    let path = plan(&w, [-40.0, 0.0], [40.0, 0.0], &narrow()).unwrap();
     // A power of two scales every bit pattern exactly.
     let s = 0.125;
-    let small = plan(&w.scaled(s), [-5.0, 0.0], [5.0, 0.0], &PathParams::default()).unwrap();
+    let small = plan(&w.scaled(s), [-5.0, 0.0], [5.0, 0.0], &narrow()).unwrap();
     assert_eq!(path.len(), small.len());
     for (a, b) in path.iter().zip(&small) {
         assert!((a[0] * s - b[0]).abs() < 1e-9 && (a[1] * s - b[1]).abs() < 1e-9, "{a:?} {b:?}");
@@ -132,7 +136,7 @@ fn what_cannot_be_planned_says_why() {
         })
         .collect();
     let w = world(ring);
-    let params = PathParams::default();
+    let params = narrow();
     let message = |start, goal| plan(&w, start, goal, &params).unwrap_err().to_string();
     let no_way = message([-40.0, 0.0], [40.0, 0.0]);
     assert!(no_way.contains("no way from [-40.0, 0.0] to [40.0, 0.0] keeps 2.5 m"), "{no_way}");

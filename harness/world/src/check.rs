@@ -1,6 +1,6 @@
 //! What a world must satisfy, wherever it comes from.
 
-use crate::{Ground, Obstacle, ObstacleKind, Semantics, World, geometry};
+use crate::{Obstacle, ObstacleKind, Semantics, Terrain, World, geometry};
 use std::collections::BTreeSet;
 
 /// The part of a world that a flaw is in; each is a file on disk.
@@ -148,10 +148,10 @@ impl World {
             if !class.is_deformable() && !grips {
                 return flaw(field(), format!("{mu} on {}: must lie in (0, {MAX_FRICTION}]", class.name()));
             }
-            let excluded = match self.ground {
-                Ground::Rigid => class.is_deformable(),
-                Ground::Deformable => !class.is_deformable(),
-                Ground::Mixed => false,
+            let excluded = match self.terrain {
+                Terrain::Rigid => class.is_deformable(),
+                Terrain::Deformable => !class.is_deformable(),
+                Terrain::Mixed => false,
             };
             if excluded {
                 return flaw(
@@ -159,13 +159,13 @@ impl World {
                     format!(
                         "{} does not belong in a world whose ground is {}",
                         class.name(),
-                        self.ground.name()
+                        self.terrain.name()
                     ),
                 );
             }
         }
         let yielding = s.classes.iter().filter(|c| c.is_deformable()).count();
-        if self.ground == Ground::Mixed && (yielding == 0 || yielding == count) {
+        if self.terrain == Terrain::Mixed && (yielding == 0 || yielding == count) {
             let kind = if yielding == 0 { "rigid" } else { "deformable" };
             return flaw(
                 "classes".into(),

@@ -24,4 +24,4 @@ pub use raster::Raster;
 pub use selector::{Selector, SelectorError, TaskRef};
 pub use semantics::{Semantics, TerrainClass};
 pub use task::{Pose2, Task};
-pub use world::{Density, Elevation, Ground, World};
+pub use world::{Density, Elevation, Terrain, World};

@@ -5,7 +5,7 @@
 //! (`w001`, `w001-w010`, `w*`, `*`, each with `/t03`, `/t00-t04`, `/*`), or `key=value` with the keys `elevation`
 //! (low, medium, high), `terrain` (rigid, deformable, mixed) and `density` (sparse, medium, dense).
 
-use crate::{Density, Elevation, Ground, Suite, WorldInfo};
+use crate::{Density, Elevation, Suite, Terrain, WorldInfo};
 use std::fmt;
 
 /// Names one task of a suite.
@@ -78,7 +78,7 @@ struct Item {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Condition {
     Elevation(Elevation),
-    Terrain(Ground),
+    Terrain(Terrain),
     Density(Density),
     Names { worlds: Names, tasks: Names },
 }
@@ -153,7 +153,7 @@ impl Item {
         for condition in &self.conditions {
             let keep = |w: &WorldInfo| match condition {
                 Condition::Elevation(v) => w.elevation == *v,
-                Condition::Terrain(v) => w.ground == *v,
+                Condition::Terrain(v) => w.terrain == *v,
                 Condition::Density(v) => w.density == *v,
                 Condition::Names { .. } => true,
             };
@@ -221,7 +221,7 @@ impl Item {
             part("elevation", Elevation::ALL.map(Elevation::name), &|v| {
                 w.iter().any(|i| i.elevation.name() == v)
             }),
-            part("terrain", Ground::ALL.map(Ground::name), &|v| w.iter().any(|i| i.ground.name() == v)),
+            part("terrain", Terrain::ALL.map(Terrain::name), &|v| w.iter().any(|i| i.terrain.name() == v)),
             part("density", Density::ALL.map(Density::name), &|v| w.iter().any(|i| i.density.name() == v)),
         ];
         SelectorError::NoMatch {
@@ -255,11 +255,11 @@ impl Condition {
                 .find(|v| v.name() == value)
                 .map(Self::Elevation)
                 .ok_or_else(|| unknown(Elevation::ALL.map(Elevation::name))),
-            "terrain" => Ground::ALL
+            "terrain" => Terrain::ALL
                 .into_iter()
                 .find(|v| v.name() == value)
                 .map(Self::Terrain)
-                .ok_or_else(|| unknown(Ground::ALL.map(Ground::name))),
+                .ok_or_else(|| unknown(Terrain::ALL.map(Terrain::name))),
             "density" => Density::ALL
                 .into_iter()
                 .find(|v| v.name() == value)

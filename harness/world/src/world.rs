@@ -32,7 +32,7 @@ impl Elevation {
 /// What kind of ground a world has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Ground {
+pub enum Terrain {
     /// Rigid classes only.
     Rigid,
     /// Deformable classes only.
@@ -41,7 +41,7 @@ pub enum Ground {
     Mixed,
 }
 
-impl Ground {
+impl Terrain {
     /// All, in order.
     pub const ALL: [Self; 3] = [Self::Rigid, Self::Deformable, Self::Mixed];
 
@@ -91,7 +91,7 @@ pub struct World {
     /// Elevation level.
     pub elevation: Elevation,
     /// Kind of ground.
-    pub ground: Ground,
+    pub terrain: Terrain,
     /// Obstacle density.
     pub density: Density,
     /// The factor by which all lengths were multiplied: 1 for a world as stored.

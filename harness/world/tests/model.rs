@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 use vb_world::{
-    Density, Elevation, Ground, Heightfield, Obstacle, ObstacleKind, Pose2, Semantics, Task, TerrainClass,
+    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Semantics, Task, Terrain, TerrainClass,
     World,
 };
 
@@ -11,7 +11,7 @@ fn world(obstacles: Vec<Obstacle>) -> World {
     World {
         id: "w001".into(),
         elevation: Elevation::Low,
-        ground: Ground::Rigid,
+        terrain: Terrain::Rigid,
         density: Density::Sparse,
         scale: 1.0,
         heightfield: Heightfield::new(9, 9, 1.0, heights),

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 use vb_world::{
-    Density, Elevation, Ground, Heightfield, Pose2, Provenance, Selector, Semantics, Suite, SuiteMeta, Task,
+    Density, Elevation, Heightfield, Pose2, Provenance, Selector, Semantics, Suite, SuiteMeta, Task, Terrain,
     TerrainClass, World,
 };
 
@@ -20,7 +20,7 @@ fn suite() -> (tempfile::TempDir, Suite) {
         World {
             id: format!("w{:03}", k + 1),
             elevation: Elevation::ALL[k % 3],
-            ground: if soft { Ground::Deformable } else { Ground::Rigid },
+            terrain: if soft { Terrain::Deformable } else { Terrain::Rigid },
             density: Density::ALL[k / 3 % 3],
             scale: 1.0,
             heightfield: Heightfield::flat(3, 3, 1.0, 0.0),

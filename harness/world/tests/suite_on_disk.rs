@@ -3,8 +3,8 @@
 
 use std::path::Path;
 use vb_world::{
-    Density, Elevation, Ground, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, Suite,
-    SuiteMeta, Task, TerrainClass, World,
+    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, Suite, SuiteMeta,
+    Task, Terrain, TerrainClass, World,
 };
 
 /// A small world of odd size (5 × 9 nodes at 2 m) with every kind of obstacle and awkward numbers.
@@ -14,7 +14,7 @@ fn world(id: &str) -> World {
     World {
         id: id.into(),
         elevation: Elevation::High,
-        ground: Ground::Mixed,
+        terrain: Terrain::Mixed,
         density: Density::Sparse,
         scale: 1.0,
         heightfield: Heightfield::from_levels(5, 9, 2.0, [0.0, 9.6], &levels),
@@ -175,7 +175,12 @@ fn each_flaw_is_named_with_file_field_and_value() {
         ("world.yaml", "[0.0, 9.6]", "[0.0, .nan]", &["world.yaml: grid.height_range[1]: \".nan\""]),
         ("world.yaml", "schema: 1", "schema: 2", &["world.yaml: schema: version 2 is not supported"]),
         ("world.yaml", "elevation: high", "elevation: steep", &["world.yaml: elevation", "steep"]),
-        ("world.yaml", "ground: mixed", "ground: rigid", &["semantics.yaml: classes[1][1]", "snow", "rigid"]),
+        (
+            "world.yaml",
+            "terrain: mixed",
+            "terrain: rigid",
+            &["semantics.yaml: classes[1][1]", "snow", "rigid"],
+        ),
         ("world.yaml", "length: m", "length: ft", &["world.yaml: units.length", "ft"]),
         ("semantics.yaml", "\"cFcF\"", "\"cFc\"", &["semantics.yaml: classes[1]", "3 letters"]),
         ("semantics.yaml", "\"cFcF\"", "\"cFcQ\"", &["semantics.yaml: classes[1]", "'Q'", "legend"]),

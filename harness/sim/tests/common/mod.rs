@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec};
-use vb_world::{Density, Elevation, Ground, Heightfield, Obstacle, Pose2, Semantics, TerrainClass, World};
+use vb_world::{Density, Elevation, Heightfield, Obstacle, Pose2, Semantics, Terrain, TerrainClass, World};
 
 pub fn hmmwv() -> VehicleSpec {
     VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
@@ -15,7 +15,7 @@ pub fn world(heightfield: Heightfield, friction: f64, obstacles: Vec<Obstacle>) 
     Arc::new(World {
         id: "test".to_owned(),
         elevation: Elevation::Low,
-        ground: Ground::Rigid,
+        terrain: Terrain::Rigid,
         density: Density::Sparse,
         scale: 1.0,
         heightfield,

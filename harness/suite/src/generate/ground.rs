@@ -5,12 +5,12 @@
 
 use super::params::{GridParams, GroundParams};
 use vb_math::rng::Stream;
-use vb_world::{Ground, Semantics, TerrainClass};
+use vb_world::{Semantics, Terrain, TerrainClass};
 
 /// Largest numbers of rigid and of deformable clusters in a mixed world: all the classes there are.
 const MIXED_LIMITS: [usize; 2] = [7, 3];
 
-pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Ground, rng: &mut Stream) -> Semantics {
+pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rng: &mut Stream) -> Semantics {
     let classes = cluster_classes(g, ground, rng);
     let centres = centres(g, classes.len(), rng);
     let n = g.patches;
@@ -40,13 +40,13 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Ground, rng
 }
 
 /// One class a cluster, none twice.
-fn cluster_classes(g: &GroundParams, ground: Ground, rng: &mut Stream) -> Vec<TerrainClass> {
+fn cluster_classes(g: &GroundParams, ground: Terrain, rng: &mut Stream) -> Vec<TerrainClass> {
     let [low, high] = g.clusters.get(ground);
     let count = between(low, high, rng);
     let (rigid, deformable) = match ground {
-        Ground::Rigid => (count, 0),
-        Ground::Deformable => (0, count),
-        Ground::Mixed => {
+        Terrain::Rigid => (count, 0),
+        Terrain::Deformable => (0, count),
+        Terrain::Mixed => {
             let rigid = between(1, count - 1, rng).min(MIXED_LIMITS[0]);
             (rigid, (count - rigid).min(MIXED_LIMITS[1]))
         }

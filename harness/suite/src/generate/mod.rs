@@ -18,8 +18,8 @@ use crate::path::{PathError, Planner};
 use std::path::Path;
 use vb_math::rng::Stream;
 use vb_world::{
-    Density, Elevation, Flaw, Ground, Obstacle, ObstacleKind, Pose2, Provenance, Suite, SuiteError,
-    SuiteMeta, SuiteWriter, Task, World, WorldInfo,
+    Density, Elevation, Flaw, Obstacle, ObstacleKind, Pose2, Provenance, Suite, SuiteError, SuiteMeta,
+    SuiteWriter, Task, Terrain, World, WorldInfo,
 };
 
 /// Why no suite was generated.
@@ -125,7 +125,7 @@ pub fn generate_world(
     let ends = ends(&params.tasks);
     let mut world = World {
         elevation,
-        ground,
+        terrain: ground,
         density,
         scale: 1.0,
         heightfield: terrain::surface(params, elevation, &ends, &mut stream("elevation")),
@@ -153,11 +153,11 @@ pub fn generate_world(
 }
 
 /// The ground of a world: the mix's shares of the count, cumulatively rounded, rigid first.
-fn ground_of(params: &GeneratorParams, index: usize, count: usize) -> Ground {
+fn ground_of(params: &GeneratorParams, index: usize, count: usize) -> Terrain {
     let mix = params.ground.mix;
     let total = u128::from(mix.rigid) + u128::from(mix.deformable) + u128::from(mix.mixed);
     let mut share = 0u128;
-    for ground in Ground::ALL {
+    for ground in Terrain::ALL {
         share += u128::from(mix.get(ground));
         // index + ½ < count · share / total, in whole numbers.
         if (2 * index as u128 + 1) * total < 2 * count as u128 * share {
@@ -165,7 +165,7 @@ fn ground_of(params: &GeneratorParams, index: usize, count: usize) -> Ground {
         }
     }
     // Only rounding at the very end comes here: the last kind that has a share.
-    Ground::ALL.into_iter().rev().find(|&g| mix.get(g) > 0).unwrap_or(Ground::Rigid)
+    Terrain::ALL.into_iter().rev().find(|&g| mix.get(g) > 0).unwrap_or(Terrain::Rigid)
 }
 
 /// Start and goal of each task: opposite each other on the circle, in millimetres.

@@ -2,7 +2,7 @@
 
 use crate::path::PathParams;
 use serde::Deserialize;
-use vb_world::{Density, Elevation, Ground, TerrainClass, yaml};
+use vb_world::{Density, Elevation, Terrain, TerrainClass, yaml};
 
 /// The version of the parameter file that this build reads.
 const SCHEMA: u32 = 1;
@@ -84,11 +84,11 @@ pub struct ByGround<T> {
 impl<T: Copy> ByGround<T> {
     /// The value for a kind of ground.
     #[must_use]
-    pub fn get(&self, ground: Ground) -> T {
+    pub fn get(&self, ground: Terrain) -> T {
         match ground {
-            Ground::Rigid => self.rigid,
-            Ground::Deformable => self.deformable,
-            Ground::Mixed => self.mixed,
+            Terrain::Rigid => self.rigid,
+            Terrain::Deformable => self.deformable,
+            Terrain::Mixed => self.mixed,
         }
     }
 }
@@ -368,11 +368,11 @@ impl GeneratorParams {
                 format!("{} does not divide the {cells} cells of a side", g.patches),
             ));
         }
-        for ground in Ground::ALL {
+        for ground in Terrain::ALL {
             let (least, most) = match ground {
-                Ground::Rigid => (1, 7),
-                Ground::Deformable => (1, 3),
-                Ground::Mixed => (2, 10),
+                Terrain::Rigid => (1, 7),
+                Terrain::Deformable => (1, 3),
+                Terrain::Mixed => (2, 10),
             };
             let [low, high] = g.clusters.get(ground);
             let most = most.min(g.patches * g.patches);

@@ -1,15 +1,15 @@
 //! The original's `config{id}_{difficulty}.yaml` (facts §1.5). Fields that mean nothing to us are passed over.
 
 use serde::Deserialize;
-use vb_world::{Density, Elevation, Ground, TerrainClass};
+use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 #[derive(Deserialize)]
 pub(crate) struct Config {
     pub(crate) obstacle_density: Density,
     pub(crate) obstacles: Obstacles,
     pub(crate) positions: Vec<Pair>,
-    pub(crate) terrain: Terrain,
-    pub(crate) terrain_type: Ground,
+    pub(crate) terrain: TerrainBlock,
+    pub(crate) terrain_type: Terrain,
     pub(crate) textures: Vec<Texture>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Pair {
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Terrain {
+pub(crate) struct TerrainBlock {
     pub(crate) difficulty: Difficulty,
     /// Half the number of pixels along x and y.
     pub(crate) length: f64,

@@ -13,7 +13,7 @@ use config::Config;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use vb_world::{
-    Flaw, Ground, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SuiteMeta, Task,
+    Flaw, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SuiteMeta, Task, Terrain,
     TerrainClass, World, yaml,
 };
 
@@ -162,7 +162,7 @@ impl Source {
         let mut world = World {
             id: format!("w{id:03}"),
             elevation: config.terrain.difficulty.elevation(),
-            ground: config.terrain_type,
+            terrain: config.terrain_type,
             density: config.obstacle_density,
             scale: 1.0,
             heightfield: heightfield(&image, &config),
@@ -280,7 +280,7 @@ fn check_labels(
     labels: &[i32],
     side: usize,
     semantics: &Semantics,
-    ground: Ground,
+    ground: Terrain,
 ) -> Result<(), ImportError> {
     let n = semantics.rows;
     let pixels = (side - 1) / n;
@@ -292,7 +292,7 @@ fn check_labels(
         let Some(found) = found else {
             return Err(invalid(file, format!("[{r}, {c}]"), format!("label {label} must lie in 0 to 9")));
         };
-        let leftover = ground == Ground::Mixed
+        let leftover = ground == Terrain::Mixed
             && (r == side - 1 || c == side - 1)
             && found.is_deformable()
             && !class.is_deformable();

@@ -2,7 +2,7 @@
 
 use super::{SCHEMA, error::SuiteError, text};
 use crate::check::{Flaw, MAX_SIDE, Part};
-use crate::{Density, Elevation, Ground, Obstacle, ObstacleKind, Semantics, Task, TerrainClass, World};
+use crate::{Density, Elevation, Obstacle, ObstacleKind, Semantics, Task, Terrain, TerrainClass, World};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -28,7 +28,7 @@ pub(crate) struct WorldDocument {
     _schema: u32,
     pub(crate) id: String,
     pub(crate) elevation: Elevation,
-    pub(crate) ground: Ground,
+    pub(crate) terrain: Terrain,
     pub(crate) density: Density,
     #[serde(rename = "units")]
     _units: Units,
@@ -71,12 +71,12 @@ impl WorldDocument {
     pub(crate) fn write(world: &World, range: [f64; 2]) -> String {
         let h = &world.heightfield;
         format!(
-            "schema: {SCHEMA}\nid: {}\nelevation: {}\nground: {}\ndensity: {}\nunits: {{length: m, angle: rad}}\n\
+            "schema: {SCHEMA}\nid: {}\nelevation: {}\nterrain: {}\ndensity: {}\nunits: {{length: m, angle: rad}}\n\
              # Nodes of the surface; height_range is what the levels 0 and 65535 of elevation.png stand for.\n\
              grid: {{rows: {}, cols: {}, pitch: {}, height_range: {}}}\n",
             world.id,
             world.elevation.name(),
-            world.ground.name(),
+            world.terrain.name(),
             world.density.name(),
             h.rows(),
             h.cols(),

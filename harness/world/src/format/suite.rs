@@ -5,7 +5,7 @@ use super::error::{SuiteError, list};
 use super::world_files::{WorldFiles, hex};
 use super::{SCHEMA, text};
 use crate::check::check_id;
-use crate::{Density, Elevation, Ground, World};
+use crate::{Density, Elevation, Terrain, World};
 use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
@@ -57,7 +57,7 @@ pub struct WorldInfo {
     /// Elevation level.
     pub elevation: Elevation,
     /// Kind of ground.
-    pub ground: Ground,
+    pub terrain: Terrain,
     /// Obstacle density.
     pub density: Density,
     /// Names of its tasks in order.
@@ -258,7 +258,7 @@ fn info_of(world: &World, sha256: String) -> WorldInfo {
     WorldInfo {
         id: world.id.clone(),
         elevation: world.elevation,
-        ground: world.ground,
+        terrain: world.terrain,
         density: world.density,
         tasks: world.tasks.iter().map(|t| t.id.clone()).collect(),
         sha256,
@@ -266,8 +266,8 @@ fn info_of(world: &World, sha256: String) -> WorldInfo {
 }
 
 fn brief(w: &WorldInfo) -> String {
-    let (elevation, ground, density) = (w.elevation.name(), w.ground.name(), w.density.name());
-    format!("{} ({elevation}, {ground}, {density}, tasks [{}])", w.id, w.tasks.join(", "))
+    let (elevation, terrain, density) = (w.elevation.name(), w.terrain.name(), w.density.name());
+    format!("{} ({elevation}, {terrain}, {density}, tasks [{}])", w.id, w.tasks.join(", "))
 }
 
 fn check_index(worlds: &[WorldInfo]) -> Result<(), (String, String)> {
@@ -306,10 +306,10 @@ fn index(suite: &Suite) -> String {
     );
     out.push_str(if suite.worlds.is_empty() { "worlds: []\n" } else { "worlds:\n" });
     for w in &suite.worlds {
-        let (elevation, ground, density) = (w.elevation.name(), w.ground.name(), w.density.name());
+        let (elevation, terrain, density) = (w.elevation.name(), w.terrain.name(), w.density.name());
         let _ = write!(
             out,
-            "  - id: {}\n    elevation: {elevation}\n    ground: {ground}\n    density: {density}\n    \
+            "  - id: {}\n    elevation: {elevation}\n    terrain: {terrain}\n    density: {density}\n    \
              tasks: [{}]\n    sha256: {}\n",
             w.id,
             w.tasks.join(", "),

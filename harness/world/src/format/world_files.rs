@@ -92,9 +92,9 @@ impl WorldFiles {
         let obstacles = text::parse::<ObstaclesDocument>(&file, yaml)?.into_obstacles().map_err(flaw)?;
         let (file, yaml) = document(folder, Part::Tasks, tasks)?;
         let tasks = text::parse::<TasksDocument>(&file, yaml)?.tasks;
-        let WorldDocument { id, elevation, ground, density, .. } = world;
+        let WorldDocument { id, elevation, terrain, density, .. } = world;
         let world =
-            World { id, elevation, ground, density, scale: 1.0, heightfield, semantics, obstacles, tasks };
+            World { id, elevation, terrain, density, scale: 1.0, heightfield, semantics, obstacles, tasks };
         world.check().map_err(flaw)?;
         Ok(world)
     }
