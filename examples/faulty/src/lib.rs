@@ -1,8 +1,9 @@
 //! A planner that fails on demand, to see what the harness makes of it.
 //!
-//! It stands still until the step `at`, then does what `fault` says; with `init-` before it, in `init`.
+//! It stands still until the step `at`, then does what `fault` says; with `init-` before it, in `init`. Each step sends
+//! the series `step`: its number and the time.
 
-use vb_sdk::{Command, LogLevel, Observation, Planner, PlannerError, Task, log};
+use vb_sdk::{Command, LogLevel, Observation, Planner, PlannerError, Series, Task, log};
 
 vb_sdk::export_planner! {
     planner: Faulty,
@@ -12,6 +13,7 @@ vb_sdk::export_planner! {
     params: {
         fault: "none" => "none, error, panic, nan, range, endless, memory or stack; init-error, init-panic, …",
         at: 3 => "step at which it fails, from 0",
+        only: "" => "the task that it fails on, e.g. w001/t00; empty: all",
     }
 }
 
@@ -23,7 +25,11 @@ struct Faulty {
 
 impl Planner for Faulty {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        let fault: String = task.param_as("fault")?;
+        let mut fault: String = task.param_as("fault")?;
+        let only: String = task.param_as("only")?;
+        if !only.is_empty() && only != task.id {
+            fault = "none".into();
+        }
         if let Some(fault) = fault.strip_prefix("init-") {
             fail(fault)?;
         }
@@ -32,13 +38,16 @@ impl Planner for Faulty {
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
         let due = self.steps >= self.at;
+        let values = vec![self.steps as f32, observation.time as f32];
         self.steps += 1;
-        if due {
+        let mut command = if due {
             log(LogLevel::Info, &format!("failing at {} s: {}", observation.time, self.fault));
-            fail(&self.fault)
+            fail(&self.fault)?
         } else {
-            Ok(Command { brake: 1.0, ..Command::default() })
-        }
+            Command { brake: 1.0, ..Command::default() }
+        };
+        command.debug.push(Series { name: "step".into(), values });
+        Ok(command)
     }
 }
 
