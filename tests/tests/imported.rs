@@ -1,0 +1,65 @@
+//! The original's released data, from import to a driven task. Without the data the tests say so and pass.
+
+use vb_tests::{Bench, pid, shared};
+
+/// The worlds on rigid ground among those of the reference data (its worlds.csv has each world's kind).
+#[test]
+fn the_released_worlds_are_imported_checked_and_driven() {
+    let Some(shared) = shared() else { return };
+    let bench = Bench::new();
+    let original = shared.join("verti-bench");
+    let imported = bench.ok(&["suite", "import", original.to_str().expect("text"), "--out", "imported"]);
+
+    // What is there by the reference's own table, which lists each world of the release.
+    let table = std::fs::read_to_string(shared.join("reference/worlds.csv")).expect("worlds.csv");
+    let header: Vec<&str> = table.lines().next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).expect("a column");
+    let (world, kind) = (column("world"), column("terrain_type"));
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let of = |wanted: &str| -> Vec<String> {
+        let rows = rows.iter().filter(|r| r[kind] == wanted && bench.path(path(r[world])).exists());
+        rows.map(|r| name(r[world])).collect()
+    };
+    let (rigid, deformable, mixed) = (of("rigid"), of("deformable"), of("mixed"));
+    let count = rigid.len() + deformable.len() + mixed.len();
+    assert!(imported.contains(&format!("{count} worlds, {} tasks", 10 * count)), "{imported}");
+    let checked = bench.ok(&["suite", "validate", "./imported"]);
+    assert!(checked.contains(&format!("{count} worlds, {} tasks, all valid", 10 * count)), "{checked}");
+    let told = bench.ok(&["tasks", "list", "--suite", "./imported", "--tasks", "terrain=rigid"]);
+    assert_eq!(told.lines().count(), 10 * rigid.len());
+
+    let pid = pid();
+    let run = ["--plugin", pid.to_str().expect("text"), "--suite", "./imported"];
+    let tasks = format!("{}/t00,{}/t05", rigid[0], rigid[rigid.len() - 1]);
+    bench.ok(&[&run[..], &["--tasks", &tasks, "--param", "speed=5", "--out", "run"]].concat());
+    let records = bench.records("run");
+    assert_eq!(records.len(), 2);
+    for (task, record) in records {
+        let outcome = record["outcome"].as_str().expect("an outcome");
+        let by_rule = ["success", "rollover", "stuck", "timeout", "out_of_bounds"];
+        assert!(by_rule.contains(&outcome), "{task}: {record}");
+        // It drives: the paper's rule ends what has not moved after 10 s.
+        assert!(record["metrics"]["distance_m"].as_f64() > Some(10.0), "{task}: {record}");
+    }
+
+    // Ground that yields comes later; until then it is refused before anything is written.
+    for (kind, worlds) in [("deformable", &deformable), ("mixed", &mixed)] {
+        let tasks = format!("terrain={kind}");
+        let e = bench.run(&[&run[..], &["--tasks", &tasks, "--out", "refused"]].concat()).error(3);
+        let all = 10 * worlds.len();
+        assert!(e.contains(&format!("{all} of {all} chosen tasks, {}/t00 the first", worlds[0])), "{e}");
+        assert!(e.contains("--tasks terrain=rigid"), "{e}");
+        assert!(!bench.path("refused").exists());
+    }
+    let e = bench.run(&[&run[..], &["--out", "refused"]].concat()).error(3);
+    assert!(e.contains(&format!("{} of {} chosen tasks", 10 * (count - rigid.len()), 10 * count)), "{e}");
+}
+
+/// The name that the import gives the world of this number.
+fn name(number: &str) -> String {
+    format!("w{number:0>3}")
+}
+
+fn path(number: &str) -> String {
+    format!("imported/worlds/{}", name(number))
+}

@@ -1,0 +1,196 @@
+//! What planners may do, what becomes of those that fail, and what the harness tells of them.
+
+use std::path::Path;
+
+use serde_json::Value;
+use vb_tests::{Bench, Carrier, pid, plugin};
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("paths of tests are text")
+}
+
+/// How a planner fails, and what is to be told of it.
+struct Failure {
+    carrier: Carrier,
+    fault: &'static str,
+    kind: &'static str,
+    /// Part of the reason.
+    says: &'static str,
+    /// Steps that the planner was asked for.
+    steps: u64,
+}
+
+/// A planner's failure costs one task, whatever it is. Native planners are trusted: what would take the process with it
+/// – memory, endless loops – is only tried in WASM.
+#[test]
+fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other() {
+    let wasm = |fault, kind, says, steps| Failure { carrier: Carrier::Wasm, fault, kind, says, steps };
+    let native = |fault, kind, says, steps| Failure { carrier: Carrier::Native, fault, kind, says, steps };
+    let failures = [
+        wasm("error", "error", "planner step 3: told to give up", 4),
+        wasm("panic", "panic", "planner step 3: it panicked at examples/faulty/src/lib.rs", 4),
+        wasm("nan", "invalid-output", "planner step 3: steering is NaN", 4),
+        wasm("endless", "out-of-fuel", "planner step 3: it used up its 50000000 units of fuel", 4),
+        wasm("memory", "out-of-memory", "planner step 3: it wanted more than its 33554432 bytes", 4),
+        wasm("stack", "trap", "planner step 3: wasm trap", 4),
+        wasm("init-error", "error", "planner init: told to give up", 0),
+        wasm("init-panic", "panic", "planner init: it panicked at examples/faulty/src/lib.rs", 0),
+        wasm("init-memory", "out-of-memory", "planner init: it wanted more than its 33554432 bytes", 0),
+        native("error", "error", "planner step 3: told to give up", 4),
+        native("panic", "panic", "planner step 3: it panicked at examples/faulty/src/lib.rs", 4),
+        native("nan", "invalid-output", "planner step 3: steering is NaN", 4),
+        native("init-error", "error", "planner init: told to give up", 0),
+        native("init-panic", "panic", "planner init: it panicked at examples/faulty/src/lib.rs", 0),
+    ];
+    let bench = Bench::new();
+    let run = |carrier, fault: &str, out: &str| {
+        let (plugin, fault) = (plugin("faulty", carrier), format!("fault={fault}"));
+        let args = ["--plugin", text(&plugin), "--tasks", "w001/t00-t02", "--param", &fault];
+        // The fuel is what growing to the limit of memory needs, and ends the endless loop soon.
+        let more = ["--param", "only=w001/t01", "--out", out, "--fuel-per-step", "50000000", "--memory", "32M"];
+        bench.ok(&[&args[..], &more].concat());
+        bench.records(out)
+    };
+    for carrier in [Carrier::Wasm, Carrier::Native] {
+        let whole = run(carrier, "none", &format!("none-{carrier:?}"));
+        for f in failures.iter().filter(|f| f.carrier == carrier) {
+            let what = format!("{carrier:?} {}", f.fault);
+            let mut records = run(carrier, f.fault, &what.replace(' ', "-"));
+            let failed = records.remove("w001/t01").expect("the task is recorded");
+            assert_eq!(failed["outcome"], "planner_error", "{what}");
+            assert_eq!(failed["three_way"], "stuck", "{what}");
+            assert_eq!(failed["fault"], f.kind, "{what}");
+            let reason = failed["reason"].as_str().expect("a reason");
+            assert!(reason.contains(f.says) && reason.lines().count() == 1, "{what}: {reason}");
+            assert_eq!(failed["planner_steps"], f.steps, "{what}");
+            assert_eq!(failed["metrics"].is_null(), f.steps == 0, "{what}");
+            assert_eq!(records.len(), 2, "{what}");
+            for (task, record) in records {
+                assert_eq!(record["state_hash"], whole[&task]["state_hash"], "{what}: {task}");
+                assert_eq!(record["outcome"], "stuck", "{what}: {task}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_log_of_a_planner_that_fails_is_kept() {
+    let bench = Bench::new();
+    for carrier in [Carrier::Wasm, Carrier::Native] {
+        let (plugin, out) = (plugin("faulty", carrier), format!("{carrier:?}"));
+        let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=error"];
+        bench.ok(&[&args[..], &["--param", "at=7", "--out", &out]].concat());
+        let log = &bench.records(&out)["w001/t00"]["log"];
+        assert_eq!(*log, Value::from(vec!["info: failing at 0.7 s: error"]), "{carrier:?}");
+    }
+}
+
+#[test]
+fn commands_out_of_range_are_clamped_and_counted() {
+    let bench = Bench::new();
+    let plugin = plugin("faulty", Carrier::Wasm);
+    let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range", "--trace", "full"];
+    bench.ok(&[&args[..], &["--out", "r"]].concat());
+    let record = &bench.records("r")["w001/t00"];
+    // It stands still, so that the rule of the paper ends the task after 10 s and 100 steps. It asks for steering 7
+    // from step 3 on.
+    assert_eq!(record["outcome"], "stuck");
+    assert_eq!((&record["planner_steps"], &record["clamped"]), (&100.into(), &97.into()));
+    assert_eq!(bench.json("r/summary.json")["all"]["clamped"], 97);
+    let rows = bench.parquet("r/traces/w001/t00.parquet");
+    assert_eq!(rows.len(), 1001);
+    for row in &rows {
+        let time = row["time"].as_f64().expect("time");
+        // The command of the step at 0.3 s is what was applied up to 0.31 s and later.
+        let wanted = if time < 0.305 { 0.0 } else { 1.0 };
+        assert_eq!(row["steering"], wanted, "at {time} s");
+        assert_eq!(row["brake"], if time == 0.0 { 0.0 } else { 1.0 }, "at {time} s");
+    }
+}
+
+#[test]
+fn series_of_a_planner_lie_beside_the_trajectory() {
+    let bench = Bench::new();
+    let mut files = Vec::new();
+    for carrier in [Carrier::Wasm, Carrier::Native] {
+        let (plugin, out) = (plugin("faulty", carrier), format!("{carrier:?}"));
+        bench.ok(&["--plugin", text(&plugin), "--tasks", "w001/t00", "--out", &out]);
+        let rows = bench.parquet(&format!("{out}/traces/w001/t00.debug.parquet"));
+        // Number and time of each of the 100 steps.
+        assert_eq!(rows.len(), 200, "{carrier:?}");
+        for (i, row) in rows.iter().enumerate() {
+            let step = (i / 2) as f64;
+            assert_eq!((&row["name"], &row["index"]), (&"step".into(), &(i % 2).into()));
+            let (time, value) = (row["time"].as_f64().expect("time"), row["value"].as_f64().expect("value"));
+            assert!((time - 0.1 * step).abs() < 1e-9, "{row}");
+            // Values are single precision.
+            let wanted = if i % 2 == 0 { step } else { 0.1 * step };
+            assert!((value - wanted).abs() <= 1e-6 * wanted, "{row}");
+        }
+        files.push(bench.files(&format!("{out}/traces")));
+    }
+    assert!(files[0] == files[1], "both carriers hand over the same");
+    // What keeps no trajectory keeps no series.
+    let plugin = plugin("faulty", Carrier::Wasm);
+    bench.ok(&["--plugin", text(&plugin), "--tasks", "w001/t00", "--out", "bare", "--trace", "none"]);
+    assert!(!bench.path("bare/traces").exists());
+    assert_eq!(bench.records("bare"), bench.records("Wasm"));
+}
+
+#[test]
+fn parameters_reach_the_planner() {
+    let bench = Bench::new();
+    let pid = pid();
+    for speed in ["3", "5"] {
+        let param = format!("speed={speed}");
+        bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00-t02", "--param", &param, "--out", speed]);
+        assert_eq!(bench.json(&format!("{speed}/run.json"))["params"]["speed"], speed);
+    }
+    let (slow, fast) = (bench.records("3"), bench.records("5"));
+    for (task, slow) in &slow {
+        let fast = &fast[task];
+        assert_eq!((&slow["outcome"], &fast["outcome"]), (&"success".into(), &"success".into()), "{task}");
+        // A proportional controller stays below its target on average; 3/5 of the time is what the target asks for.
+        let ratio = fast["time_s"].as_f64().expect("time") / slow["time_s"].as_f64().expect("time");
+        assert!((0.5..0.75).contains(&ratio), "{task}: {ratio}");
+    }
+    // The default is what `inspect` says: 3 m/s.
+    bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00-t02", "--out", "default"]);
+    assert_eq!(bench.records("default"), bench.records("3"));
+}
+
+#[test]
+fn a_value_that_the_planner_refuses_is_told_in_the_planners_words() {
+    let bench = Bench::new();
+    let pid = pid();
+    bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--param", "speed=-1", "--out", "r"]);
+    let record = &bench.records("r")["w001/t00"];
+    assert_eq!((&record["outcome"], &record["fault"]), (&"planner_error".into(), &"error".into()));
+    assert_eq!(record["reason"], "planner init: parameter `speed`: -1 is not above 0");
+}
+
+#[test]
+fn inspect_tells_the_same_of_both_carriers() {
+    let bench = Bench::new();
+    for name in ["pid", "pursuit", "faulty"] {
+        let told = [Carrier::Wasm, Carrier::Native].map(|carrier| {
+            let plugin = plugin(name, carrier);
+            let json = bench.ok(&["inspect", "--plugin", text(&plugin), "--message-format", "json"]);
+            assert_eq!(json.lines().count(), 1);
+            let message: Value = serde_json::from_str(&json).expect("JSON");
+            (message, bench.ok(&["inspect", "--plugin", text(&plugin)]))
+        });
+        assert_eq!(told[0], told[1]);
+        let (message, table) = &told[0];
+        assert_eq!((&message["event"], &message["name"]), (&"plugin".into(), &name.into()));
+        assert_eq!((&message["abi"], &message["control_period_s"]), (&"0.1".into(), &0.1.into()));
+        for param in message["params"].as_array().expect("parameters") {
+            let (key, default) = (param["key"].as_str(), param["default"].as_str());
+            let option = format!("--param {}={}", key.expect("a key"), default.expect("a default"));
+            assert!(table.contains(&option), "{option} in {table}");
+        }
+    }
+    // The paper's target speed (its PID planner drives at 3 m/s).
+    let pid = pid();
+    assert!(bench.ok(&["inspect", "--plugin", text(&pid)]).contains("--param speed=3"));
+}
