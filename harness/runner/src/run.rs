@@ -191,7 +191,7 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     let params = config.plugin.params(&config.params)?;
     let mut deformable = Vec::new();
     for task in &config.tasks {
-        if config.suite.world_info(&task.world)?.ground != Terrain::Rigid {
+        if config.suite.world_info(&task.world)?.terrain != Terrain::Rigid {
             deformable.push(task);
         }
     }
