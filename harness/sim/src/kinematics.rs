@@ -110,7 +110,7 @@ impl Linkage {
             p -= step.fixed_rows::<3>(0);
             q = UnitQuaternion::from_scaled_axis(-step.fixed_rows::<3>(3).into_owned()) * q;
             // The next position lies millimetres away: a larger step is a branch beyond a dead centre.
-            if !(step.amax() < 0.5) {
+            if step.iter().any(|x| !x.is_finite() || x.abs() > 0.5) {
                 return None;
             }
         }

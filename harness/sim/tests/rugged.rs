@@ -24,13 +24,13 @@ fn rugged(amplitude: f64, seed: u64, obstacles: Vec<Obstacle>) -> Arc<World> {
 
 fn drive(world: &Arc<World>, step: f64, seconds: f64) -> Simulation {
     let options = SimOptions { step, ..SimOptions::default() };
-    let mut sim =
-        Simulation::new(world.clone(), &hmmwv(), Pose2 { x: -50.0, y: 0.0, yaw: 0.0 }, options).unwrap();
+    let mut sim = Simulation::new(world.clone(), &hmmwv(), Pose2 { x: -50.0, y: 0.0, yaw: 0.0 }, options)
+        .expect("it settles");
     let ticks = (seconds / 0.01) as u64;
     for k in 0..ticks {
         let steer = 0.3 * vb_math::sin(0.01 * k as f64);
         let c = hold_speed(&sim, 4.0, steer);
-        sim.advance(c, (0.01 / step).round() as u64).unwrap();
+        sim.advance(c, (0.01 / step).round() as u64).expect("finite");
     }
     sim
 }

@@ -6,7 +6,8 @@ use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec};
 use vb_world::{Density, Elevation, Heightfield, Obstacle, Pose2, Semantics, Terrain, TerrainClass, World};
 
 pub fn hmmwv() -> VehicleSpec {
-    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
+    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml")
+        .expect("the shipped vehicle is valid")
 }
 
 /// A world of one friction value over the given heights.
@@ -44,7 +45,7 @@ pub fn grade(degrees: f64, friction: f64) -> Arc<World> {
 }
 
 pub fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
-    Simulation::new(world.clone(), &hmmwv(), Pose2 { x, y, yaw }, SimOptions::default()).unwrap()
+    Simulation::new(world.clone(), &hmmwv(), Pose2 { x, y, yaw }, SimOptions::default()).expect("it settles")
 }
 
 pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
