@@ -7,7 +7,16 @@ use std::f64::consts::{PI, TAU};
 #[must_use]
 pub fn wrap(angle: f64) -> f64 {
     let a = (angle + PI) % TAU;
-    (if a < 0.0 { a + TAU } else { a }) - PI
+    let a = if a < 0.0 { a + TAU } else { a };
+    // A tiny negative remainder plus 2π may round to 2π, which is the excluded end of the interval.
+    if a >= TAU { -PI } else { a - PI }
+}
+
+/// The turn from direction `from` to direction `to`, in [-π, π), positive to the left.
+#[inline]
+#[must_use]
+pub fn turn(from: f64, to: f64) -> f64 {
+    wrap(to - from)
 }
 
 /// Degrees to radians.
@@ -37,6 +46,16 @@ mod tests {
         assert_eq!(wrap(PI), -PI);
         assert_eq!(wrap(-PI), -PI);
         assert_eq!(wrap(3.0 * PI), -PI);
+        // The double just below -π: its remainder is the smallest negative number there is here.
+        let below = wrap(-PI - 4.5e-16);
+        assert!((-PI..PI).contains(&below), "{below}");
+    }
+
+    #[test]
+    fn turn_takes_the_short_way_round() {
+        // From 170° to -170° it is 20° to the left.
+        assert!((turn(radians(170.0), radians(-170.0)) - radians(20.0)).abs() < 1e-12);
+        assert!((turn(radians(-170.0), radians(170.0)) + radians(20.0)).abs() < 1e-12);
     }
 
     #[test]
