@@ -109,6 +109,7 @@ fn hint(e: &io::Error) -> &'static str {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             " (choose a directory that you may write to with --out)"
         }
+        io::ErrorKind::AlreadyExists => " (a file of that name is in the way: choose another --out)",
         io::ErrorKind::NotADirectory => " (a part of the path is a file: choose another --out)",
         io::ErrorKind::NotFound => " (is the path right?)",
         _ => "",

@@ -102,12 +102,12 @@ impl RunHeader {
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
         let (a, b) = (flatten(self), flatten(other));
         let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
-        // A changed hash says more than the fields of the profile that it covers, hence rules.hash first.
+        // A name says more than the hash, and the hash more than the fields of the profile that it covers.
         let mut differing: Vec<&String> = keys
             .into_iter()
             .filter(|k| !INFORMATION_ONLY.contains(&k.as_str()) && a.get(*k) != b.get(*k))
             .collect();
-        differing.sort_by_key(|k| k.starts_with("rules.profile"));
+        differing.sort_by_key(|k| (k.starts_with("rules.profile"), *k == "rules.hash"));
         let key = differing.first()?;
         let text =
             |m: &BTreeMap<String, Value>| m.get(*key).map_or_else(|| "nothing".to_owned(), Value::to_string);

@@ -38,7 +38,7 @@ pub struct TaskRecord {
     pub fault: Option<String>,
     /// Simulated time at its end, s.
     pub time_s: f64,
-    /// Hash over the state of the simulation after every step (16 hexadecimal digits).
+    /// Hash over the whole state of the simulation at every sample (16 hexadecimal digits).
     pub state_hash: String,
     /// Number of simulation steps.
     pub sim_steps: u64,
