@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::{Field, Row};
 use serde_json::Value;
 
 /// The repository.
@@ -200,7 +201,18 @@ impl Bench {
     pub fn parquet(&self, name: &str) -> Vec<Value> {
         let file = fs::File::open(self.path(name)).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
-        reader.get_row_iter(None).unwrap().map(|row| row.unwrap().to_json_value()).collect()
+        let object = |row: Row| row.get_column_iter().map(|(name, field)| (name.clone(), value(field))).collect();
+        reader.get_row_iter(None).unwrap().map(|row| object(row.unwrap())).collect()
+    }
+}
+
+fn value(field: &Field) -> Value {
+    match field {
+        Field::Double(x) => (*x).into(),
+        Field::Float(x) => (*x).into(),
+        Field::Int(x) => (*x).into(),
+        Field::Str(x) => x.as_str().into(),
+        other => panic!("no file of a run has a field such as {other:?}"),
     }
 }
 

@@ -157,8 +157,9 @@ fn wasm_and_native_planners_leave_the_same_records_but_for_fuel() {
 #[test]
 fn debug_and_release_builds_of_the_harness_leave_the_same_bytes() {
     let bench = Bench::new();
-    bench.ok(&args(&pid(), TASKS, "release", &["--jobs", "2"]));
-    let args = args(&pid(), TASKS, "debug", &["--jobs", "2"]);
+    let plugin = pid();
+    bench.ok(&args(&plugin, TASKS, "release", &["--jobs", "2"]));
+    let args = args(&plugin, TASKS, "debug", &["--jobs", "2"]);
     let _ = Done::of(&mut bench.command_of(&dev_harness(), &args)).ok();
     assert_same(&results(&bench, "release"), &results(&bench, "debug"), "debug and release");
 }
