@@ -201,7 +201,8 @@ impl Bench {
     pub fn parquet(&self, name: &str) -> Vec<Value> {
         let file = fs::File::open(self.path(name)).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
-        let object = |row: Row| row.get_column_iter().map(|(name, field)| (name.clone(), value(field))).collect();
+        let object =
+            |row: Row| row.get_column_iter().map(|(name, field)| (name.clone(), value(field))).collect();
         reader.get_row_iter(None).unwrap().map(|row| object(row.unwrap())).collect()
     }
 }

@@ -132,7 +132,10 @@ fn a_run_stopped_by_ctrl_c_ends_with_130_and_resumed_as_the_unbroken_one() {
     let e = done.error(130);
     let finished = bench.records("stopped").len();
     assert!((1..20).contains(&finished), "{finished}");
-    assert!(e.contains(&format!("{} tasks left", 20 - finished)) && e.contains("--out stopped --resume"), "{e}");
+    assert!(
+        e.contains(&format!("{} tasks left", 20 - finished)) && e.contains("--out stopped --resume"),
+        "{e}"
+    );
     bench.ok(&args(&plugin, tasks, "stopped", &["--resume"]));
     assert_same(&results(&bench, "whole"), &results(&bench, "stopped"), "interrupted");
 }

@@ -32,7 +32,8 @@ impl Drop for Disk {
 
 fn args<'a>(plugin: &'a Path, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let plugin = plugin.to_str().expect("paths of tests are text");
-    [&["--plugin", plugin, "--param", "speed=5", "--tasks", "w001", "--jobs", "1", "--out", out], more].concat()
+    [&["--plugin", plugin, "--param", "speed=5", "--tasks", "w001", "--jobs", "1", "--out", out], more]
+        .concat()
 }
 
 #[test]
@@ -51,7 +52,10 @@ fn a_full_disk_stops_the_run_and_with_space_it_goes_on() {
     let more = Command::new("mount").args(["-o", "remount,size=8m"]).arg(&disk.0).status();
     assert!(more.expect("mount is there").success());
     let told = bench.ok(&args(&plugin, "disk/r", &["--resume", "--message-format", "json"]));
-    assert!(told.starts_with(&format!("{{\"event\":\"started\",\"total\":10,\"resumed\":{safe}}}")), "{told}");
+    assert!(
+        told.starts_with(&format!("{{\"event\":\"started\",\"total\":10,\"resumed\":{safe}}}")),
+        "{told}"
+    );
     bench.ok(&args(&plugin, "whole", &[]));
     assert_eq!(bench.records("disk/r"), bench.records("whole"));
     assert!(bench.files("disk/r/traces") == bench.files("whole/traces"));

@@ -47,7 +47,8 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         let (plugin, fault) = (plugin("faulty", carrier), format!("fault={fault}"));
         let args = ["--plugin", text(&plugin), "--tasks", "w001/t00-t02", "--param", &fault];
         // The fuel is what growing to the limit of memory needs, and ends the endless loop soon.
-        let more = ["--param", "only=w001/t01", "--out", out, "--fuel-per-step", "50000000", "--memory", "32M"];
+        let more =
+            ["--param", "only=w001/t01", "--out", out, "--fuel-per-step", "50000000", "--memory", "32M"];
         bench.ok(&[&args[..], &more].concat());
         bench.records(out)
     };
@@ -89,7 +90,8 @@ fn the_log_of_a_planner_that_fails_is_kept() {
 fn commands_out_of_range_are_clamped_and_counted() {
     let bench = Bench::new();
     let plugin = plugin("faulty", Carrier::Wasm);
-    let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range", "--trace", "full"];
+    let args =
+        ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range", "--trace", "full"];
     bench.ok(&[&args[..], &["--out", "r"]].concat());
     let record = &bench.records("r")["w001/t00"];
     // It stands still, so that the rule of the paper ends the task after 10 s and 100 steps. It asks for steering 7

@@ -52,6 +52,24 @@ fn the_messages_of_a_run_are_json_lines_that_agree_with_its_files() {
 }
 
 #[test]
+fn without_a_terminal_plain_lines_tell_the_course() {
+    let bench = Bench::new();
+    let pid = pid();
+    let done = bench.run(&["--plugin", pid.to_str().expect("text"), "--tasks", "w001/t00"]);
+    let (out, err) = (&done.stdout, &done.stderr);
+    assert!(
+        err.lines().any(|l| l.starts_with("[1/1] w001/t00 success ")) && err.contains("real time"),
+        "{err}"
+    );
+    assert!(out.contains("success % (95 % CI)") && out.contains("rules: paper"), "{out}");
+    assert!(!err.contains('\u{1b}') && !out.contains('\u{1b}'), "no control characters");
+    // Where no directory is named, the first of the planner's name that is free is taken.
+    assert!(bench.path("runs/pid-1/summary.json").is_file());
+    bench.ok(&["--plugin", pid.to_str().expect("text"), "--tasks", "w001/t00"]);
+    assert!(bench.path("runs/pid-2/summary.json").is_file());
+}
+
+#[test]
 fn full_traces_score_to_the_same_bits_without_simulating() {
     let bench = Bench::new();
     run(&bench, "r", &["--trace", "full"]);
@@ -123,7 +141,11 @@ fn coarse_traces_say_their_resolution_and_come_close() {
     let summary = of(&told, "summary")[0];
     assert_eq!((&summary["exact"], &summary["resolution_s"]), (&false.into(), &0.1.into()));
     let done = bench.run(&["score", "r"]);
-    assert!(done.stderr.contains("samples every 0.1 s") && done.stderr.contains("--trace full"), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("samples every 0.1 s") && done.stderr.contains("--trace full"),
+        "{}",
+        done.stderr
+    );
     let records = bench.records("r");
     for message in of(&told, "task") {
         let record = &message["record"];

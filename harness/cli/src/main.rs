@@ -17,10 +17,11 @@ use clap::Parser as _;
 fn main() -> ExitCode {
     let cli = match args::Cli::try_parse() {
         Ok(cli) => cli,
+        Err(e) if e.use_stderr() => return failed(&usage(&e)),
         Err(e) => {
             // Help and version go to stdout with exit code 0; a reader that went away doesn't matter.
             let _ = e.print();
-            return ExitCode::from(if e.use_stderr() { error::USAGE } else { error::DONE });
+            return ExitCode::from(error::DONE);
         }
     };
     let result = match cli.command {
@@ -41,9 +42,20 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::from(error::DONE),
-        Err(e) => {
-            output::error(&e);
-            ExitCode::from(e.code())
-        }
+        Err(e) => failed(&e),
     }
+}
+
+fn failed(e: &error::CliError) -> ExitCode {
+    output::error(e);
+    ExitCode::from(e.code())
+}
+
+/// What is wrong with the command line, without the paragraphs on usage: an error is one line.
+fn usage(e: &clap::Error) -> error::CliError {
+    let text = e.render().to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let what = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
+    let what = text[..what.unwrap_or(text.len())].lines().map(str::trim).filter(|l| !l.is_empty());
+    error::CliError::usage(format!("{} (see --help)", what.collect::<Vec<_>>().join(" ")))
 }

@@ -20,13 +20,10 @@ impl VehicleSpec {
     /// # Errors
     /// [`SimError::VehicleInvalid`].
     pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
-        let spec: Self = serde_yaml::from_str(text).map_err(|e| {
-            let message = e.to_string();
-            SimError::VehicleInvalid {
-                file: file.to_owned(),
-                field: e.location().map_or("file".to_owned(), |l| format!("line {}", l.line())),
-                reason: message.lines().next().unwrap_or("not valid YAML").to_owned(),
-            }
+        let spec: Self = vb_world::yaml::parse(text).map_err(|e| SimError::VehicleInvalid {
+            file: file.to_owned(),
+            field: e.field,
+            reason: e.problem,
         })?;
         Check { file }.vehicle(&spec)?;
         Ok(spec)
@@ -232,9 +229,12 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_type_or_an_unknown_field_names_its_line() {
+    fn a_wrong_type_or_an_unknown_field_is_told_with_field_value_and_line() {
         let e = broken("radius: 0.467", "radius: wide");
-        assert!(e.contains("car.yaml: line") && !e.contains('\n'), "{e}");
+        assert!(
+            e.contains("car.yaml: tyre.radius: \"wide\"") && e.contains("line ") && !e.contains('\n'),
+            "{e}"
+        );
         let e = broken("width: 0.254", "breadth: 0.254");
         assert!(e.contains("breadth"), "{e}");
     }
