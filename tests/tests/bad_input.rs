@@ -148,6 +148,7 @@ fn a_damaged_suite_is_refused_with_file_field_and_value() {
         refused(&bench, &["suite", "validate", &suite], BAD_INPUT, says);
         refused(&bench, &["--plugin", text(&plugin), "--suite", &suite], BAD_INPUT, says);
     }
+    assert!(!bench.path("runs").exists(), "bad input is found before anything is written");
     // An image of another size, whole in itself.
     bench.ok(&["suite", "generate", "--seed", "2", "--worlds", "1", "--out", "other"]);
     let world = bench.path("good/worlds/w001/world.yaml");

@@ -202,6 +202,11 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
             first: format!("{}/{}", first.world, first.task),
         });
     }
+    // A damaged world must not be found after hours.
+    let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
+    for world in worlds {
+        config.suite.verify_world(world)?;
+    }
     let shape = static_shape(&config.vehicle.spec, options)?;
     Ok(Prepared { params, vehicle: planner_vehicle(&config.vehicle.spec, &shape, config.scale) })
 }

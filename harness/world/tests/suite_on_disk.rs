@@ -160,7 +160,9 @@ fn a_changed_world_is_refused_by_its_hash() {
     edit(dir.path(), "worlds/w002/tasks.yaml", "[0.3, 2.0]", "[0.3, 2.1]");
     let message = suite.load_world("w002").unwrap_err().to_string();
     assert!(message.contains("suite.yaml: worlds: the content hash of w002 is"), "{message}");
+    assert_eq!(suite.verify_world("w002").unwrap_err().to_string(), message);
     assert!(suite.load_world("w001").is_ok());
+    assert!(suite.verify_world("w001").is_ok());
 }
 
 #[test]
