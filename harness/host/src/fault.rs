@@ -13,8 +13,8 @@ pub struct PlannerFault {
 }
 
 impl PlannerFault {
-    /// A stable name of the cause, for result files: `out-of-fuel`, `out-of-memory`, `trap`, `panic`, `error` or
-    /// `invalid-output`.
+    /// A stable name of the cause, for result files: `out-of-fuel`, `out-of-memory`, `trap`, `panic`, `error`,
+    /// `invalid-output` or `machine`.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self.cause {
@@ -24,7 +24,14 @@ impl PlannerFault {
             FaultCause::Panic { .. } => "panic",
             FaultCause::Error { .. } => "error",
             FaultCause::InvalidOutput { .. } => "invalid-output",
+            FaultCause::Machine { .. } => "machine",
         }
+    }
+
+    /// Whether the planner is to blame: all causes but a failure of the machine.
+    #[must_use]
+    pub fn is_planners(&self) -> bool {
+        !matches!(self.cause, FaultCause::Machine { .. })
     }
 
     fn place(&self) -> String {
@@ -76,6 +83,13 @@ pub enum FaultCause {
         field: &'static str,
         /// `NaN`, `inf` or `-inf`.
         value: String,
+    },
+    /// The operating system refused what the host needs to run the planner, address space for instance. No fault of
+    /// the planner.
+    #[error("the machine refused what the host needs: {message}")]
+    Machine {
+        /// The system's text.
+        message: String,
     },
 }
 

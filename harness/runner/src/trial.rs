@@ -57,8 +57,9 @@ struct Failure {
 }
 
 impl Failure {
-    fn planner(fault: &vb_host::PlannerFault) -> Self {
-        Self { fault: Fault::Planner, kind: fault.kind().to_owned(), reason: fault.to_string() }
+    fn session(fault: &vb_host::PlannerFault) -> Self {
+        let blame = if fault.is_planners() { Fault::Planner } else { Fault::Simulation };
+        Self { fault: blame, kind: fault.kind().to_owned(), reason: fault.to_string() }
     }
 
     fn simulation(kind: &str, reason: String) -> Self {
@@ -190,7 +191,7 @@ impl Trial<'_> {
         });
         let mut sim = Simulation::new(self.world.clone(), self.vehicle, self.task.start, self.options)
             .map_err(|e| Failure::simulation("simulation", e.to_string()))?;
-        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::planner(&f))?;
+        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(&f))?;
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
         let mut controls = Controls::default();
@@ -231,7 +232,7 @@ impl Trial<'_> {
         let command = session.step(&observation(&state, last));
         ledger.planner_steps += 1;
         let (Command { steering, throttle, brake, debug }, clamped) =
-            clamp(command.map_err(|f| Failure::planner(&f))?);
+            clamp(command.map_err(|f| Failure::session(&f))?);
         ledger.clamped += u64::from(clamped);
         if self.trace != TraceMode::None {
             for series in &debug {

@@ -177,9 +177,45 @@ fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
     if state.memory.refused {
         return FaultCause::OutOfMemory { limit: state.memory.limit };
     }
+    if is_of_the_system(error) {
+        return FaultCause::Machine { message: one_line(&error.root_cause().to_string()) };
+    }
     // Of an error that is no trap the outermost texts are the engine's own frames of reference.
     let message = trap.map_or_else(|| one_line(&error.root_cause().to_string()), ToString::to_string);
     let frames = error.downcast_ref::<WasmBacktrace>().map_or(&[][..], WasmBacktrace::frames);
     let name = |f: &wasmtime::FrameInfo| one_line(f.func_name().unwrap_or("an unnamed function"));
     FaultCause::Trap { message, backtrace: frames.iter().take(engine::BACKTRACE_FRAMES).map(name).collect() }
+}
+
+/// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
+fn is_of_the_system(error: &Error) -> bool {
+    let root = error.root_cause();
+    #[cfg(unix)]
+    if root.is::<rustix::io::Errno>() {
+        return true;
+    }
+    root.is::<std::io::Error>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, LogSink};
+
+    #[test]
+    fn a_refusal_of_the_system_is_not_blamed_on_the_planner() {
+        let memory = MemoryLimiter { limit: 1, used: 0, table_elements: 0, refused: false };
+        let state =
+            State { log: Log::new(LogSink::discard(), Limits::default().log_bytes), memory, panic: None };
+        let refusal = std::io::Error::from(std::io::ErrorKind::OutOfMemory);
+        let found = cause(&Error::from(refusal).context("while making room"), &state, 1);
+        assert!(matches!(&found, FaultCause::Machine { message } if message.contains("memory")), "{found}");
+        #[cfg(unix)]
+        {
+            let found = cause(&Error::from(rustix::io::Errno::NOMEM).context("mmap"), &state, 1);
+            assert!(matches!(found, FaultCause::Machine { .. }), "{found}");
+        }
+        let found = cause(&Error::msg("no such table"), &state, 1);
+        assert!(matches!(found, FaultCause::Trap { .. }), "{found}");
+    }
 }
