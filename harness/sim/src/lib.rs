@@ -11,22 +11,21 @@
 mod collision;
 mod dynamics;
 mod error;
-mod kinematics;
 mod powertrain;
 mod simulation;
 mod spec;
-mod spec_load;
 mod state;
+mod suspension;
 mod tyre;
 
 pub use error::SimError;
-pub use kinematics::{CornerPose, SuspensionTable};
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
     Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
     Suspension, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
+pub use suspension::{CornerPose, SuspensionTable};
 pub use tyre::{Brush, Contact, Envelope};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;

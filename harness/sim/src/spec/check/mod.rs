@@ -1,7 +1,11 @@
 //! Reading a vehicle file and refusing what no vehicle can be.
 
+mod powertrain;
+mod suspension;
+mod tyre;
+
 use crate::error::SimError;
-use crate::spec::{Suspension, VehicleSpec};
+use crate::spec::VehicleSpec;
 use std::path::Path;
 
 impl VehicleSpec {
@@ -117,94 +121,13 @@ impl Check<'_> {
         }
         Ok(())
     }
-
-    fn axle(&self, v: &VehicleSpec, i: usize) -> Result<(), SimError> {
-        let a = &v.axles[i];
-        let at = |f: &str| format!("axles[{i}].{f}");
-        self.finite(&at("position"), &a.position)?;
-        self.positive(&at("unsprung_mass"), a.unsprung_mass)?;
-        self.positive(&at("spin_inertia"), a.spin_inertia)?;
-        self.not_negative(&at("brake_torque"), a.brake_torque)?;
-        let Suspension::DoubleWishbone { spring, damper, stops, .. } = &a.suspension;
-        self.positive(&at("suspension.spring.stiffness"), spring.stiffness)?;
-        self.positive(&at("suspension.spring.free_length"), spring.free_length)?;
-        self.not_negative(&at("suspension.damper.coefficient"), damper.coefficient)?;
-        self.positive(&at("suspension.stops.jounce"), stops.jounce)?;
-        self.positive(&at("suspension.stops.stiffness"), stops.stiffness)?;
-        if !(stops.rebound.is_finite() && stops.rebound < 0.0) {
-            return self.fail(&at("suspension.stops.rebound"), format!("{} must be negative", stops.rebound));
-        }
-        let rack = if a.steered { v.steering.rack_travel } else { 0.0 };
-        crate::SuspensionTable::solve(&a.suspension, rack)
-            .map(|_| ())
-            .or_else(|reason| self.fail(&at("suspension.hardpoints"), reason))
-    }
-
-    fn tyre(&self, v: &VehicleSpec) -> Result<(), SimError> {
-        let t = &v.tyre;
-        for (field, value) in [
-            ("tyre.radius", t.radius),
-            ("tyre.width", t.width),
-            ("tyre.friction", t.friction),
-            ("tyre.vertical_stiffness", t.vertical_stiffness),
-            ("tyre.slip_stiffness[0]", t.slip_stiffness[0]),
-            ("tyre.slip_stiffness[1]", t.slip_stiffness[1]),
-            ("tyre.relaxation_length[0]", t.relaxation_length[0]),
-            ("tyre.relaxation_length[1]", t.relaxation_length[1]),
-        ] {
-            self.positive(field, value)?;
-        }
-        self.not_negative("tyre.vertical_damping", t.vertical_damping)?;
-        self.not_negative("tyre.damping_ratio", t.damping_ratio)?;
-        self.not_negative("tyre.rolling_resistance", t.rolling_resistance)
-    }
-
-    fn powertrain(&self, v: &VehicleSpec) -> Result<(), SimError> {
-        let p = &v.powertrain;
-        for (field, map) in [
-            ("powertrain.engine.full_throttle", &p.engine.full_throttle),
-            ("powertrain.engine.closed_throttle", &p.engine.closed_throttle),
-        ] {
-            if map.is_empty() || map.iter().flatten().any(|x| !x.is_finite()) {
-                return self
-                    .fail(field, "needs at least one point [rad/s, N m] of finite numbers".to_owned());
-            }
-            if let Some(w) = map.windows(2).find(|w| w[0][0] >= w[1][0]) {
-                return self
-                    .fail(field, format!("speeds must increase, but {} follows {}", w[1][0], w[0][0]));
-            }
-        }
-        let g = &p.gearbox;
-        if g.ratios.is_empty() || g.ratios.len() != g.shift_up.len() || g.ratios.len() != g.shift_down.len() {
-            let reason = format!(
-                "{} ratios, {} shift_down, {} shift_up: there must be as many of each, and one at least",
-                g.ratios.len(),
-                g.shift_down.len(),
-                g.shift_up.len()
-            );
-            return self.fail("powertrain.gearbox", reason);
-        }
-        for i in 0..g.ratios.len() {
-            self.positive(&format!("powertrain.gearbox.ratios[{i}]"), g.ratios[i])?;
-            if !(g.shift_down[i].is_finite() && g.shift_up[i] > g.shift_down[i]) {
-                let reason =
-                    format!("{} must be greater than shift_down[{i}] = {}", g.shift_up[i], g.shift_down[i]);
-                return self.fail(&format!("powertrain.gearbox.shift_up[{i}]"), reason);
-            }
-        }
-        self.positive("powertrain.final_drive", p.final_drive)?;
-        self.not_negative("powertrain.shaft_inertia", p.shaft_inertia)?;
-        self.not_negative("powertrain.differentials.front", p.differentials.front)?;
-        self.not_negative("powertrain.differentials.rear", p.differentials.rear)?;
-        self.not_negative("powertrain.differentials.centre", p.differentials.centre)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const HMMWV: &str = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
 
     fn broken(from: &str, to: &str) -> String {
         assert!(HMMWV.contains(from), "{from}");
