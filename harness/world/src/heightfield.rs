@@ -10,6 +10,9 @@ pub struct Heightfield {
     rows: usize,
     cols: usize,
     pitch: f64,
+    /// Kept for the step loop, which asks for a hundred heights a step: 1 / pitch, and half the extents.
+    inverse_pitch: f64,
+    half: [f64; 2],
     heights: Vec<f64>,
     /// The heights (m) that the 16-bit levels 0 and 65 535 stand for, where the heights came from levels.
     level_range: Option<[f64; 2]>,
@@ -35,7 +38,8 @@ impl Heightfield {
     #[must_use]
     pub fn new(rows: usize, cols: usize, pitch: f64, heights: Vec<f64>) -> Self {
         assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && pitch > 0.0);
-        Self { rows, cols, pitch, heights, level_range: None }
+        let half = [cols, rows].map(|n| 0.5 * (n - 1) as f64 * pitch);
+        Self { rows, cols, pitch, inverse_pitch: 1.0 / pitch, half, heights, level_range: None }
     }
 
     /// A surface from 16-bit levels as they are stored: level v stands for `low + (high − low)·(v / 65535)` with
@@ -104,13 +108,13 @@ impl Heightfield {
     /// Half the extent along x, m.
     #[must_use]
     pub fn half_x(&self) -> f64 {
-        0.5 * (self.cols - 1) as f64 * self.pitch
+        self.half[0]
     }
 
     /// Half the extent along y, m.
     #[must_use]
     pub fn half_y(&self) -> f64 {
-        0.5 * (self.rows - 1) as f64 * self.pitch
+        self.half[1]
     }
 
     /// Whether (x, y) lies on the surface.
@@ -129,9 +133,9 @@ impl Heightfield {
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
-        let inv = 1.0 / self.pitch;
-        let fx = (x + self.half_x()) * inv;
-        let fy = (y + self.half_y()) * inv;
+        let inv = self.inverse_pitch;
+        let fx = (x + self.half[0]) * inv;
+        let fy = (y + self.half[1]) * inv;
         let col = (fx.max(0.0) as usize).min(self.cols - 2);
         let row = (fy.max(0.0) as usize).min(self.rows - 2);
         let (u, v) = (fx - col as f64, fy - row as f64);
@@ -154,7 +158,7 @@ impl Heightfield {
     pub fn scaled(&self, s: f64) -> Self {
         let heights = self.heights.iter().map(|z| z * s).collect();
         let level_range = self.level_range.map(|r| r.map(|z| z * s));
-        Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights, level_range }
+        Self { level_range, ..Self::new(self.rows, self.cols, self.pitch * s, heights) }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
-use super::law::Soil;
 use crate::{M3, V3};
 use vb_world::{Heightfield, SurfacePoint};
 
@@ -17,8 +16,8 @@ const CROWDING: f64 = 0.35;
 const CLEARANCE: f64 = 0.5;
 /// Time over which the width of the contact that enters Bekker's pressure follows the contact, s.
 const BREADTH_LAG: f64 = 0.02;
-/// Largest shear displacement that is remembered, in shear moduli: exp(−5) is as good as sheared.
-const SHEARED: f64 = 5.0;
+/// Part of the grid's pitch by which a wheel slides before the states follow.
+const SLIDE: f64 = 0.02;
 
 /// How a wheel moves.
 #[derive(Clone, Copy, Debug)]
@@ -49,44 +48,9 @@ pub(crate) struct SoilForce {
     pub(crate) inertia: M3,
 }
 
-/// State of the soil at a station.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Station {
-    /// As in [`super::grid::Cell`].
-    plastic: f64,
-    raised: f64,
-    /// Displacement of the rim against the soil since it came into contact, along the heading and to the left, m.
-    shear: [f64; 2],
-}
-
-impl Station {
-    /// The mean of this state and one of weight `c` (≥ 0) that comes from upstream.
-    #[inline]
-    fn mix(&mut self, from: &Self, c: f64) {
-        let inv = 1.0 / (1.0 + c);
-        let mean = |a: f64, b: f64| (a + c * b) * inv;
-        self.plastic = mean(self.plastic, from.plastic);
-        self.raised = mean(self.raised, from.raised);
-        self.shear = [mean(self.shear[0], from.shear[0]), mean(self.shear[1], from.shear[1])];
-    }
-
-    fn fresh(grid: &Grid, at: V3) -> Self {
-        let cell = grid.at(at.x, at.y);
-        Self { plastic: cell.plastic, raised: cell.raised, shear: [0.0; 2] }
-    }
-
-    fn leave(&self, grid: &mut Grid, at: V3) {
-        if self.plastic == 0.0 && self.raised == 0.0 {
-            return;
-        }
-        if let Some(cell) = grid.at_mut(at.x, at.y) {
-            cell.plastic = cell.plastic.max(self.plastic);
-            cell.raised = cell.raised.max(self.raised);
-        }
-    }
-}
-
 /// The states of the soil under and around one wheel.
+///
+/// Stations are numbered strip by strip, from the rearmost of the rightmost strip on.
 #[derive(Clone, Debug)]
 pub(crate) struct Footprint {
     radius: f64,
@@ -95,28 +59,50 @@ pub(crate) struct Footprint {
     /// Distance of each station from the axle along the heading, and the length it stands for.
     xs: [f64; STATIONS],
     lengths: [f64; STATIONS],
+    inverse_lengths: [f64; STATIONS],
     /// Half the chord of the wheel's disc at each station.
     half: [f64; STATIONS],
-    stations: Vec<Station>,
+    /// As in [`super::grid::Cell`].
+    plastic: Vec<f64>,
+    raised: Vec<f64>,
+    /// Displacement of the rim against the soil since it came into contact, along the heading and to the left, m.
+    shear: [Vec<f64>; 2],
     live: bool,
+    /// Way to the left that the states have not yet followed, m.
+    behind: f64,
     /// Width of the contact, with a lag, m.
     breadth: f64,
 }
 
-/// Directions of a wheel on the ground.
+/// Directions of a wheel on the ground: a right-handed frame of heading, axle and what is across both.
 struct Frame {
     along: V3,
+    axis: V3,
     up: V3,
 }
 
-/// What one step collects.
+impl Frame {
+    /// Components of a vector along heading, axle and up.
+    #[inline]
+    fn local(&self, v: &V3) -> V3 {
+        V3::new(self.along.dot(v), self.axis.dot(v), self.up.dot(v))
+    }
+
+    #[inline]
+    fn world(&self, v: &V3) -> V3 {
+        self.along * v.x + self.axis * v.y + self.up * v.z
+    }
+}
+
+/// What one step collects, in the wheel's frame.
+#[derive(Default)]
 struct Sum {
     force: V3,
     pressure: V3,
     moment: V3,
-    load: f64,
     sinkage: f64,
-    inertia: M3,
+    /// xx, xy, xz, yy, yz, zz.
+    inertia: [f64; 6],
     /// Strips in contact.
     strips: usize,
     displaced: f64,
@@ -133,20 +119,25 @@ impl Footprint {
             let u = (k as f64 - REACH as f64) / REACH as f64;
             extent * u * (CROWDING + (1.0 - CROWDING) * u * u)
         });
-        let lengths = std::array::from_fn(|k| {
+        let lengths: [f64; STATIONS] = std::array::from_fn(|k| {
             let low = if k == 0 { xs[0] } else { xs[k - 1] };
             let high = if k + 1 == STATIONS { xs[k] } else { xs[k + 1] };
             0.5 * (high - low)
         });
+        let states = vec![0.0; strips * STATIONS];
         Self {
             radius,
             width,
             strips,
             xs,
             lengths,
+            inverse_lengths: lengths.map(|l| 1.0 / l),
             half: xs.map(|x| (radius * radius - x * x).sqrt()),
-            stations: vec![Station::default(); strips * STATIONS],
+            plastic: states.clone(),
+            raised: states.clone(),
+            shear: [states.clone(), states],
             live: false,
+            behind: 0.0,
             breadth: width,
         }
     }
@@ -164,14 +155,14 @@ impl Footprint {
         let below = surface.at(motion.hub.x, motion.hub.y);
         let normal = normal_of(&below);
         let height = (motion.hub.z - below.z) * normal.z;
+        let near = height < (1.0 + CLEARANCE) * self.radius && under != Under::Rigid;
         let frame = motion
             .axis
             .cross(&normal)
             .try_normalize(0.3)
-            .map(|along| Frame { up: along.cross(&motion.axis), along });
-        let Some(frame) = frame
-            .filter(|f| height < (1.0 + CLEARANCE) * self.radius && under != Under::Rigid && f.up.z > 0.1)
-        else {
+            .map(|along| Frame { along, axis: motion.axis, up: along.cross(&motion.axis) })
+            .filter(|f| near && f.up.z > 0.1);
+        let Some(frame) = frame else {
             self.retire(&mut ground.grid, motion);
             return None;
         };
@@ -180,52 +171,58 @@ impl Footprint {
         } else {
             self.enter(&ground.grid, motion, &frame);
         }
-        let mut sum = Sum {
-            force: V3::zeros(),
-            pressure: V3::zeros(),
-            moment: V3::zeros(),
-            load: 0.0,
-            sinkage: 0.0,
-            inertia: M3::zeros(),
-            strips: 0,
-            displaced: 0.0,
-            span: None,
-        };
+        let mut sum = Sum::default();
         self.press(ground, surface, under, motion, &frame, dt, &mut sum);
-        if sum.strips > 0 {
-            let breadth = self.width * sum.strips as f64 / self.strips as f64;
-            self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
-        }
+        let span = sum.span?;
+        let breadth = self.width * sum.strips as f64 / self.strips as f64;
+        self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
         if sum.displaced > 0.0
             && let Some(soil) = ground.soil_at(motion.hub.x, motion.hub.y)
             && let Some((slope, flow)) = soil.heap
-            && let Some(span) = sum.span
         {
             self.heap(&mut ground.grid, motion, &frame, span, flow * sum.displaced, slope);
         }
-        sum.span.is_some().then_some(SoilForce {
-            force: sum.force,
-            pressure: sum.pressure,
-            moment: sum.moment,
-            load: sum.load,
+        let [xx, xy, xz, yy, yz, zz] = sum.inertia;
+        let axes = M3::from_columns(&[frame.along, frame.axis, frame.up]);
+        Some(SoilForce {
+            force: frame.world(&sum.force),
+            pressure: frame.world(&sum.pressure),
+            moment: frame.world(&sum.moment),
+            load: sum.force.z,
             sinkage: sum.sinkage,
-            inertia: sum.inertia,
+            inertia: axes * M3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * axes.transpose(),
         })
     }
 
     /// Numbers that change when the soil under the wheel does.
-    pub(crate) fn digest(&self) -> [f64; 4] {
-        let mut sums = [self.breadth, 0.0, 0.0, 0.0];
-        for s in &self.stations {
-            sums[1] += s.plastic;
-            sums[2] += s.raised;
-            sums[3] += s.shear[0] + s.shear[1];
-        }
-        sums
+    pub(crate) fn digest(&self) -> [f64; 5] {
+        let sum = |states: &[f64]| states.iter().sum::<f64>();
+        let [a, b] = &self.shear;
+        [self.breadth, self.behind, sum(&self.plastic), sum(&self.raised), sum(a) + sum(b)]
     }
 
     fn offset(&self, strip: usize) -> f64 {
         self.width * ((strip as f64 + 0.5) / self.strips as f64 - 0.5)
+    }
+
+    /// Takes the state of a station from the grid, unsheared.
+    fn take(&mut self, station: usize, grid: &Grid, at: V3) {
+        let cell = grid.at(at.x, at.y);
+        self.plastic[station] = cell.plastic;
+        self.raised[station] = cell.raised;
+        self.shear[0][station] = 0.0;
+        self.shear[1][station] = 0.0;
+    }
+
+    /// Leaves the state of a station to the grid.
+    fn leave(&self, station: usize, grid: &mut Grid, at: V3) {
+        let (plastic, raised) = (self.plastic[station], self.raised[station]);
+        if (plastic != 0.0 || raised != 0.0)
+            && let Some(cell) = grid.at_mut(at.x, at.y)
+        {
+            cell.plastic = cell.plastic.max(plastic);
+            cell.raised = cell.raised.max(raised);
+        }
     }
 
     /// Takes over the ground under the wheel from the grid.
@@ -233,9 +230,11 @@ impl Footprint {
         for strip in 0..self.strips {
             let origin = m.hub + m.axis * self.offset(strip);
             for k in 0..STATIONS {
-                self.stations[strip * STATIONS + k] = Station::fresh(grid, origin + f.along * self.xs[k]);
+                self.take(strip * STATIONS + k, grid, origin + f.along * self.xs[k]);
             }
         }
+        self.behind = 0.0;
+        self.breadth = self.width;
         self.live = true;
     }
 
@@ -245,18 +244,16 @@ impl Footprint {
             return;
         }
         self.live = false;
-        self.breadth = self.width;
         let along = m.axis.cross(&V3::z()).try_normalize(0.1).unwrap_or_else(V3::zeros);
         for strip in 0..self.strips {
             let origin = m.hub + m.axis * self.offset(strip);
             for k in 0..STATIONS {
-                self.stations[strip * STATIONS + k].leave(grid, origin + along * self.xs[k]);
+                self.leave(strip * STATIONS + k, grid, origin + along * self.xs[k]);
             }
         }
     }
 
-    /// Moves the states through the footprint as the wheel moves over the ground: upwind and implicit, so that it is
-    /// stable at any speed.
+    /// Moves the states through the footprint as the wheel moves over the ground, by upwind differences.
     fn transport(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, dt: f64) {
         const STILL: f64 = 1e-6;
         let edge = self.xs[STATIONS - 1];
@@ -267,49 +264,67 @@ impl Footprint {
                 continue;
             }
             let origin = m.hub + arm;
-            let ahead = edge * speed.signum();
-            let mut upstream = Station::fresh(grid, origin + f.along * ahead);
-            let row = &mut self.stations[strip * STATIONS..(strip + 1) * STATIONS];
+            let direction = speed.signum();
             let travel = speed.abs() * dt;
-            if speed > 0.0 {
-                for k in (0..STATIONS).rev() {
-                    row[k].mix(&upstream, travel / self.lengths[k]);
-                    upstream = row[k];
-                }
-            } else {
-                for (k, station) in row.iter_mut().enumerate() {
-                    station.mix(&upstream, travel / self.lengths[k]);
-                    upstream = *station;
+            let entering = origin + f.along * (edge * direction);
+            let cell = grid.at(entering.x, entering.y);
+            // Upwind differences are stable up to one station a step.
+            let parts = (travel * self.inverse_lengths[REACH]) as usize + 1;
+            let part = travel / parts as f64;
+            let range = strip * STATIONS..(strip + 1) * STATIONS;
+            let rows = [
+                (&mut self.plastic[range.clone()], cell.plastic),
+                (&mut self.raised[range.clone()], cell.raised),
+            ];
+            let [a, b] = &mut self.shear;
+            let sheared = [(&mut a[range.clone()], 0.0), (&mut b[range], 0.0)];
+            for (row, inflow) in rows.into_iter().chain(sheared) {
+                for _ in 0..parts {
+                    advect(row, inflow, direction > 0.0, part, &self.inverse_lengths);
                 }
             }
             // Fast wheels leave more than a cell a step.
+            let last = strip * STATIONS + if direction > 0.0 { 0 } else { STATIONS - 1 };
             let cells = (travel / grid.pitch()) as usize + 1;
             for i in 0..cells {
-                let behind = ahead + speed.signum() * travel * i as f64 / cells as f64;
-                upstream.leave(grid, origin - f.along * behind);
+                let back = edge * direction + direction * travel * i as f64 / cells as f64;
+                self.leave(last, grid, origin - f.along * back);
             }
         }
-        let sideways = m.velocity.dot(&m.axis);
-        if sideways.abs() > STILL {
-            self.slide(grid, m, f, sideways * dt);
+        self.behind += m.velocity.dot(&m.axis) * dt;
+        if self.behind.abs() > SLIDE * grid.pitch() {
+            let distance = std::mem::take(&mut self.behind);
+            self.slide(grid, m, f, distance);
         }
     }
 
-    /// Moves the states across the footprint of a wheel that slides to the left by `distance`.
+    /// Moves the states across the footprint of a wheel that has slid to the left by `distance`.
     fn slide(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
-        let spacing = self.width / self.strips as f64;
-        let c = distance.abs() / spacing;
+        let c = (distance.abs() * self.strips as f64 / self.width).min(1.0);
         let side = distance.signum() * 0.5 * (self.width + grid.pitch());
         for k in 0..STATIONS {
             let middle = m.hub + f.along * self.xs[k];
-            let mut upstream = Station::fresh(grid, middle + m.axis * side);
+            let entering = middle + m.axis * side;
+            let cell = grid.at(entering.x, entering.y);
+            let (first, step) =
+                if distance > 0.0 { (0, STATIONS as isize) } else { (self.strips - 1, -(STATIONS as isize)) };
+            let leaving = first * STATIONS + k;
+            self.leave(leaving, grid, middle - m.axis * side);
+            // From where states leave towards where they enter, so that each still finds its neighbour's old state.
+            let mut station = leaving;
             for i in 0..self.strips {
-                let strip = if distance > 0.0 { self.strips - 1 - i } else { i };
-                let station = &mut self.stations[strip * STATIONS + k];
-                station.mix(&upstream, c);
-                upstream = *station;
+                let from = station.wrapping_add_signed(step);
+                let inner = i + 1 < self.strips;
+                let mut mix = |states: &mut [f64], inflow: f64| {
+                    let upstream = if inner { states[from] } else { inflow };
+                    states[station] += c * (upstream - states[station]);
+                };
+                mix(&mut self.plastic, cell.plastic);
+                mix(&mut self.raised, cell.raised);
+                mix(&mut self.shear[0], 0.0);
+                mix(&mut self.shear[1], 0.0);
+                station = from;
             }
-            upstream.leave(grid, middle - m.axis * side);
         }
     }
 
@@ -327,21 +342,26 @@ impl Footprint {
     ) {
         let strip_width = self.width / self.strips as f64;
         let inverse_radius = 1.0 / self.radius;
+        let velocity = f.local(&m.velocity);
+        let rotation = f.local(&m.rotation);
+        let mut facet = Facet::new(f, 0.0, 0.0);
         for strip in 0..self.strips {
-            let origin = m.hub + m.axis * self.offset(strip);
+            let offset = self.offset(strip);
+            let origin = m.hub + m.axis * offset;
             let mut touches = false;
             for k in 0..STATIONS {
                 let (x, half) = (self.xs[k], self.half[k]);
+                let i = strip * STATIONS + k;
                 let point = origin + f.along * x - f.up * half;
                 let g = surface.at(point.x, point.y);
-                let station = &mut self.stations[strip * STATIONS + k];
-                let gap = g.z + station.raised - point.z;
+                let gap = g.z + self.raised[i] - point.z;
                 if gap <= 0.0 {
-                    station.shear = [0.0; 2];
+                    self.shear[0][i] = 0.0;
+                    self.shear[1][i] = 0.0;
                     continue;
                 }
-                let ground_normal = normal_of(&g);
-                let sinkage = gap * ground_normal.z;
+                facet.follow(f, &g);
+                let sinkage = gap * facet.slope;
                 let (soil, share) = match under {
                     Under::Soil(ref soil) => (soil, 1.0),
                     _ => match ground.soil_at(point.x, point.y) {
@@ -349,42 +369,58 @@ impl Footprint {
                         None => continue,
                     },
                 };
-                let before = station.plastic;
-                let (stress, yields) = soil.load(soil.modulus(self.breadth), sinkage, &mut station.plastic);
-                if stress <= 0.0 {
-                    station.shear = [0.0; 2];
-                    continue;
-                }
+                let before = self.plastic[i];
+                let (stress, yields) = soil.load(soil.modulus(self.breadth), sinkage, &mut self.plastic[i]);
+                // Velocity of the rim, in the wheel's frame.
+                let v = velocity
+                    + V3::new(
+                        -rotation.y * half - rotation.z * offset,
+                        rotation.z * x + rotation.x * half,
+                        rotation.x * offset - rotation.y * x,
+                    );
                 // Area of the ground that the station stands for; that of the rim over it is larger where it is steep.
                 let area = self.lengths[k] * strip_width * share;
                 let (n, t, rim) = if soil.radial {
                     let (cos, sin) = (half * inverse_radius, x * inverse_radius);
-                    (f.up * cos - f.along * sin, f.along * cos + f.up * sin, area / cos)
+                    (V3::new(-sin, 0.0, cos), V3::new(cos, 0.0, sin), area / cos)
                 } else {
-                    (ground_normal, f.along, area)
+                    (facet.normal, V3::x(), area)
                 };
-                let arm = point - m.hub;
-                let velocity = m.velocity + m.rotation.cross(&arm);
-                let leaving = velocity.dot(&n);
-                let pressure = stress - soil.damping * leaving;
-                touches = true;
-                sum.sinkage = sum.sinkage.max(sinkage);
-                sum.displaced += (station.plastic - before) * area;
-                sum.span = Some(sum.span.map_or((k, k), |(a, b)| (a.min(k), b.max(k))));
+                let leaving = v.dot(&n);
+                let pressure = if stress > 0.0 { stress - soil.damping * leaving } else { 0.0 };
                 if pressure <= 0.0 {
-                    station.shear = [0.0; 2];
+                    self.shear[0][i] = 0.0;
+                    self.shear[1][i] = 0.0;
                     continue;
                 }
-                let slip = [(velocity - n * leaving).dot(&t), velocity.dot(&m.axis)];
-                let tangential = shear_stress(soil, &mut station.shear, slip, pressure, dt);
-                let force = (n * pressure + t * tangential[0] + m.axis * tangential[1]) * rim;
+                touches = true;
+                sum.sinkage = sum.sinkage.max(sinkage);
+                sum.displaced += (self.plastic[i] - before) * area;
+                sum.span = Some(sum.span.map_or((k, k), |(a, b)| (a.min(k), b.max(k))));
+                let slip = [(v - n * leaving).dot(&t), v.y - n.y * leaving];
+                let mut shear = [self.shear[0][i], self.shear[1][i]];
+                let tangential = soil.shear_stress(&mut shear, slip, pressure, dt);
+                self.shear[0][i] = shear[0];
+                self.shear[1][i] = shear[1];
+                let push = n * (pressure * rim);
+                let mut force = push + t * (tangential[0] * rim);
+                force.y += tangential[1] * rim;
                 sum.force += force;
-                sum.pressure += n * (pressure * rim);
-                sum.moment += arm.cross(&force);
-                sum.load += force.dot(&f.up);
+                sum.pressure += push;
+                sum.moment += V3::new(x, offset, -half).cross(&force);
                 let stiffness = if yields { 0.0 } else { soil.elastic };
-                let implicit = rim * dt * (soil.damping + dt * stiffness);
-                sum.inertia += n * n.transpose() * implicit;
+                let implicit = n * (rim * dt * (soil.damping + dt * stiffness));
+                let outer = [
+                    implicit.x * n.x,
+                    implicit.x * n.y,
+                    implicit.x * n.z,
+                    implicit.y * n.y,
+                    implicit.y * n.z,
+                    implicit.z * n.z,
+                ];
+                for (total, part) in sum.inertia.iter_mut().zip(outer) {
+                    *total += part;
+                }
             }
             sum.strips += usize::from(touches);
         }
@@ -409,19 +445,19 @@ impl Footprint {
             let outside = |k: usize| k.checked_add_signed(step).filter(|k| *k < STATIONS);
             let Some(nearest) = outside(from) else { continue };
             for strip in 0..self.strips {
-                let row = &mut self.stations[strip * STATIONS..(strip + 1) * STATIONS];
-                row[nearest].raised += end / (self.width * self.lengths[nearest]);
+                let row = &mut self.raised[strip * STATIONS..(strip + 1) * STATIONS];
+                row[nearest] += end / (self.width * self.lengths[nearest]);
                 let mut k = nearest;
                 while let Some(next) = outside(k) {
                     let spacing = (self.xs[next] - self.xs[k]).abs();
-                    let excess = row[k].raised - row[next].raised - slope * spacing;
+                    let excess = row[k] - row[next] - slope * spacing;
                     if excess <= 0.0 {
                         break;
                     }
                     let (a, b) = (self.lengths[k], self.lengths[next]);
                     let moved = excess * a * b / (a + b);
-                    row[k].raised -= moved / a;
-                    row[next].raised += moved / b;
+                    row[k] -= moved / a;
+                    row[next] += moved / b;
                     k = next;
                 }
             }
@@ -471,26 +507,43 @@ fn normal_of(g: &SurfacePoint) -> V3 {
     V3::new(-g.dzdx * inv, -g.dzdy * inv, inv)
 }
 
-/// Advances the shear displacement by a slip velocity; returns the stress on the rim (Pa) along the heading and to
-/// the left.
+/// The last facet of the ground that a station stood on, since the next mostly stands on it too.
+struct Facet {
+    gradient: [f64; 2],
+    /// Vertical component of the normal.
+    slope: f64,
+    /// In the wheel's frame.
+    normal: V3,
+}
+
+impl Facet {
+    fn new(f: &Frame, dzdx: f64, dzdy: f64) -> Self {
+        let normal = normal_of(&SurfacePoint { z: 0.0, dzdx, dzdy });
+        Self { gradient: [dzdx, dzdy], slope: normal.z, normal: f.local(&normal) }
+    }
+
+    #[inline]
+    fn follow(&mut self, f: &Frame, g: &SurfacePoint) {
+        if self.gradient != [g.dzdx, g.dzdy] {
+            *self = Self::new(f, g.dzdx, g.dzdy);
+        }
+    }
+}
+
+/// Moves a row of states backward (`forward`: the wheel moves forward) by a distance of at most one station.
 #[inline]
-fn shear_stress(soil: &Soil, shear: &mut [f64; 2], slip: [f64; 2], pressure: f64, dt: f64) -> [f64; 2] {
-    let mut j = [shear[0] + dt * slip[0], shear[1] + dt * slip[1]];
-    let mut size = (j[0] * j[0] + j[1] * j[1]).sqrt();
-    let most = SHEARED / soil.inverse_shear_modulus;
-    if size > most {
-        j = [j[0] * most / size, j[1] * most / size];
-        size = most;
+fn advect(row: &mut [f64], inflow: f64, forward: bool, distance: f64, inverse_lengths: &[f64; STATIONS]) {
+    let Ok(row) = <&mut [f64; STATIONS]>::try_from(row) else { return };
+    if forward {
+        for k in 0..STATIONS - 1 {
+            row[k] += (row[k + 1] - row[k]) * (distance * inverse_lengths[k]);
+        }
+        row[STATIONS - 1] +=
+            (inflow - row[STATIONS - 1]) * (distance * inverse_lengths[STATIONS - 1]).min(1.0);
+    } else {
+        for k in (1..STATIONS).rev() {
+            row[k] += (row[k - 1] - row[k]) * (distance * inverse_lengths[k]);
+        }
+        row[0] += (inflow - row[0]) * (distance * inverse_lengths[0]).min(1.0);
     }
-    *shear = j;
-    if size < 1e-12 {
-        return [0.0; 2];
-    }
-    let strength = soil.cohesion + pressure * soil.tan_phi;
-    let stress = soil.shear(pressure, size);
-    // The damper fades as the soil shears.
-    let damper = soil.shear_damping * (strength - stress);
-    let s = [-stress * j[0] / size - damper * slip[0], -stress * j[1] / size - damper * slip[1]];
-    let total = (s[0] * s[0] + s[1] * s[1]).sqrt();
-    if total > strength { [s[0] * strength / total, s[1] * strength / total] } else { s }
 }

@@ -74,6 +74,9 @@ pub(crate) struct Soil {
     pub(crate) shear_damping: f64,
 }
 
+/// Largest shear displacement that is remembered, in shear moduli: exp(−5) is as good as sheared.
+const SHEARED: f64 = 5.0;
+
 /// Damping ratio of a resting vehicle's shear against the soil: a choice of ours, the soil's law has none.
 const SHEAR_DAMPING_RATIO: f64 = 0.25;
 
@@ -133,5 +136,39 @@ impl Soil {
     pub(crate) fn shear(&self, pressure: f64, displacement: f64) -> f64 {
         (self.cohesion + pressure * self.tan_phi)
             * (1.0 - fast_exp(-displacement * self.inverse_shear_modulus))
+    }
+
+    /// Advances the shear displacement (m) by a slip velocity (m/s); returns the stress on the rim (Pa).
+    #[inline]
+    pub(crate) fn shear_stress(
+        &self,
+        displacement: &mut [f64; 2],
+        slip: [f64; 2],
+        pressure: f64,
+        dt: f64,
+    ) -> [f64; 2] {
+        let j = [displacement[0] + dt * slip[0], displacement[1] + dt * slip[1]];
+        *displacement = j;
+        let square = j[0] * j[0] + j[1] * j[1];
+        if square < 1e-24 {
+            return [0.0; 2];
+        }
+        let size = square.sqrt();
+        let unit = [j[0] / size, j[1] / size];
+        if size * self.inverse_shear_modulus > SHEARED {
+            let most = SHEARED / self.inverse_shear_modulus;
+            *displacement = [unit[0] * most, unit[1] * most];
+        }
+        let strength = self.cohesion + pressure * self.tan_phi;
+        let stress = self.shear(pressure, size);
+        // The damper fades as the soil shears.
+        let damper = self.shear_damping * (strength - stress);
+        let s = [-stress * unit[0] - damper * slip[0], -stress * unit[1] - damper * slip[1]];
+        let total = s[0] * s[0] + s[1] * s[1];
+        if total <= strength * strength {
+            return s;
+        }
+        let scale = strength / total.sqrt();
+        [s[0] * scale, s[1] * scale]
     }
 }
