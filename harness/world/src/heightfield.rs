@@ -136,8 +136,9 @@ impl Heightfield {
         let inv = self.inverse_pitch;
         let fx = (x + self.half[0]) * inv;
         let fy = (y + self.half[1]) * inv;
-        let col = (fx.max(0.0) as usize).min(self.cols - 2);
-        let row = (fy.max(0.0) as usize).min(self.rows - 2);
+        // By way of u32, which a conversion reaches with fewer instructions.
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
         let (u, v) = (fx - col as f64, fy - row as f64);
         let i = row * self.cols + col;
         let (z00, z10) = (self.heights[i], self.heights[i + 1]);
@@ -151,6 +152,34 @@ impl Heightfield {
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> f64 {
         self.at(x, y).z
+    }
+
+    /// Greatest height within the square of half side `reach` about (x, y), or an upper bound of it, m; none where
+    /// that takes more than a few nodes to tell.
+    #[inline]
+    #[must_use]
+    pub fn ceiling(&self, x: f64, y: f64, reach: f64) -> Option<f64> {
+        const FEW: usize = 3;
+        let first = |v: f64, half: f64, n: usize| {
+            ((((v - reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize).min(n - 1)
+        };
+        let last = |v: f64, half: f64, n: usize| {
+            ((((v + reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize + 1).min(n - 1)
+        };
+        let (c0, c1) = (first(x, self.half[0], self.cols), last(x, self.half[0], self.cols));
+        let (r0, r1) = (first(y, self.half[1], self.rows), last(y, self.half[1], self.rows));
+        // Beyond the edge the planes of the edge's cells go on, to any height.
+        let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];
+        if c1 - c0 > FEW || r1 - r0 > FEW || !inside {
+            return None;
+        }
+        let mut top = f64::NEG_INFINITY;
+        for row in r0..=r1 {
+            for z in &self.heights[row * self.cols + c0..=row * self.cols + c1] {
+                top = top.max(*z);
+            }
+        }
+        Some(top)
     }
 
     /// The same surface with every length multiplied by `s`.
@@ -182,6 +211,24 @@ mod tests {
         assert_eq!((at(0.0, 0.0).z, at(1.0, 0.0).z, at(0.0, 1.0).z, at(1.0, 1.0).z), (0.0, 1.0, 2.0, 7.0));
         // Beyond the edge the plane goes on.
         assert!((at(0.75, -0.25).z - (0.75 - 1.5)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn no_point_lies_above_the_ceiling_and_the_ceiling_is_not_far_above_the_highest() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 1.0, heights);
+        for (x, y, reach) in [(0.2, -1.3, 0.4), (-2.5, 2.5, 0.9), (1.0, 1.0, 0.0)] {
+            let top = h.ceiling(x, y, reach).unwrap();
+            for i in 0..=20 {
+                for j in 0..=20 {
+                    let at = |v: f64, k: i32| v + reach * (0.1 * f64::from(k) - 1.0);
+                    assert!(h.height(at(x, i), at(y, j)) <= top);
+                }
+            }
+        }
+        assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
+        assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
+        assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
     }
 
     #[test]

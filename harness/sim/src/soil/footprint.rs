@@ -315,7 +315,7 @@ impl Footprint {
             for i in 0..self.strips {
                 let from = station.wrapping_add_signed(step);
                 let inner = i + 1 < self.strips;
-                let mut mix = |states: &mut [f64], inflow: f64| {
+                let mix = |states: &mut [f64], inflow: f64| {
                     let upstream = if inner { states[from] } else { inflow };
                     states[station] += c * (upstream - states[station]);
                 };
@@ -345,6 +345,9 @@ impl Footprint {
         let velocity = f.local(&m.velocity);
         let rotation = f.local(&m.rotation);
         let mut facet = Facet::new(f, 0.0, 0.0);
+        let reach = vb_math::hypot(self.radius, self.width);
+        let heaped = self.raised.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let top = surface.ceiling(m.hub.x, m.hub.y, reach).map_or(f64::INFINITY, |top| top + heaped);
         for strip in 0..self.strips {
             let offset = self.offset(strip);
             let origin = m.hub + m.axis * offset;
@@ -353,6 +356,11 @@ impl Footprint {
                 let (x, half) = (self.xs[k], self.half[k]);
                 let i = strip * STATIONS + k;
                 let point = origin + f.along * x - f.up * half;
+                if point.z >= top {
+                    self.shear[0][i] = 0.0;
+                    self.shear[1][i] = 0.0;
+                    continue;
+                }
                 let g = surface.at(point.x, point.y);
                 let gap = g.z + self.raised[i] - point.z;
                 if gap <= 0.0 {
