@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
 use crate::{M3, V3};
-use vb_world::{Heightfield, SurfacePoint};
+use vb_world::Heightfield;
 
 /// Stations along the heading: this many on each side of the one under the axle.
 const REACH: usize = 12;
@@ -153,7 +153,7 @@ impl Footprint {
         dt: f64,
     ) -> Option<SoilForce> {
         let below = surface.at(motion.hub.x, motion.hub.y);
-        let normal = normal_of(&below);
+        let normal = normal_of([below.dzdx, below.dzdy]);
         let height = (motion.hub.z - below.z) * normal.z;
         let near = height < (1.0 + CLEARANCE) * self.radius && under != Under::Rigid;
         let frame = motion
@@ -344,10 +344,10 @@ impl Footprint {
         let inverse_radius = 1.0 / self.radius;
         let velocity = f.local(&m.velocity);
         let rotation = f.local(&m.rotation);
-        let mut facet = Facet::new(f, 0.0, 0.0);
+        let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
+        let mut facet = Facet::at(surface, f, &m.hub);
         let reach = vb_math::hypot(self.radius, self.width);
-        let heaped = self.raised.iter().fold(0.0, |a: f64, &b| a.max(b));
-        let top = surface.ceiling(m.hub.x, m.hub.y, reach).map_or(f64::INFINITY, |top| top + heaped);
+        let top = surface.ceiling(m.hub.x, m.hub.y, reach).unwrap_or(f64::INFINITY);
         for strip in 0..self.strips {
             let offset = self.offset(strip);
             let origin = m.hub + m.axis * offset;
@@ -356,29 +356,32 @@ impl Footprint {
                 let (x, half) = (self.xs[k], self.half[k]);
                 let i = strip * STATIONS + k;
                 let point = origin + f.along * x - f.up * half;
-                if point.z >= top {
+                if point.z >= top + self.raised[i] {
                     self.shear[0][i] = 0.0;
                     self.shear[1][i] = 0.0;
                     continue;
                 }
-                let g = surface.at(point.x, point.y);
-                let gap = g.z + self.raised[i] - point.z;
+                let gap = facet.follow(surface, f, &point) + self.raised[i] - point.z;
                 if gap <= 0.0 {
                     self.shear[0][i] = 0.0;
                     self.shear[1][i] = 0.0;
                     continue;
                 }
-                facet.follow(f, &g);
                 let sinkage = gap * facet.slope;
-                let (soil, share) = match under {
-                    Under::Soil(ref soil) => (soil, 1.0),
-                    _ => match ground.soil_at(point.x, point.y) {
+                let (soil, share) = match only {
+                    Some(soil) => (soil, 1.0),
+                    None => match ground.soil_at(point.x, point.y) {
                         Some(soil) => (soil, ground.share(point.x, point.y, BLEND)),
                         None => continue,
                     },
                 };
                 let before = self.plastic[i];
                 let (stress, yields) = soil.load(soil.modulus(self.breadth), sinkage, &mut self.plastic[i]);
+                if stress <= 0.0 {
+                    self.shear[0][i] = 0.0;
+                    self.shear[1][i] = 0.0;
+                    continue;
+                }
                 // Velocity of the rim, in the wheel's frame.
                 let v = velocity
                     + V3::new(
@@ -395,7 +398,7 @@ impl Footprint {
                     (facet.normal, V3::x(), area)
                 };
                 let leaving = v.dot(&n);
-                let pressure = if stress > 0.0 { stress - soil.damping * leaving } else { 0.0 };
+                let pressure = stress - soil.damping * leaving;
                 if pressure <= 0.0 {
                     self.shear[0][i] = 0.0;
                     self.shear[1][i] = 0.0;
@@ -510,14 +513,14 @@ const RINGS: usize = 10;
 pub(crate) const BLEND: f64 = 0.05;
 
 #[inline]
-fn normal_of(g: &SurfacePoint) -> V3 {
-    let inv = 1.0 / (1.0 + g.dzdx * g.dzdx + g.dzdy * g.dzdy).sqrt();
-    V3::new(-g.dzdx * inv, -g.dzdy * inv, inv)
+fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
+    let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();
+    V3::new(-dzdx * inv, -dzdy * inv, inv)
 }
 
 /// The last facet of the ground that a station stood on, since the next mostly stands on it too.
 struct Facet {
-    gradient: [f64; 2],
+    plane: vb_world::Facet,
     /// Vertical component of the normal.
     slope: f64,
     /// In the wheel's frame.
@@ -525,16 +528,20 @@ struct Facet {
 }
 
 impl Facet {
-    fn new(f: &Frame, dzdx: f64, dzdy: f64) -> Self {
-        let normal = normal_of(&SurfacePoint { z: 0.0, dzdx, dzdy });
-        Self { gradient: [dzdx, dzdy], slope: normal.z, normal: f.local(&normal) }
+    fn at(surface: &Heightfield, f: &Frame, point: &V3) -> Self {
+        let plane = surface.facet(point.x, point.y);
+        let normal = normal_of(plane.gradient());
+        Self { plane, slope: normal.z, normal: f.local(&normal) }
     }
 
+    /// Height of the ground at a point, whose facet becomes the current one.
     #[inline]
-    fn follow(&mut self, f: &Frame, g: &SurfacePoint) {
-        if self.gradient != [g.dzdx, g.dzdy] {
-            *self = Self::new(f, g.dzdx, g.dzdy);
+    fn follow(&mut self, surface: &Heightfield, f: &Frame, point: &V3) -> f64 {
+        if let Some(z) = self.plane.height(point.x, point.y) {
+            return z;
         }
+        *self = Self::at(surface, f, point);
+        surface.height(point.x, point.y)
     }
 }
 
