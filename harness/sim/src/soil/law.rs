@@ -67,6 +67,8 @@ pub(crate) struct Soil {
     pub(crate) tan_phi: f64,
     pub(crate) inverse_shear_modulus: f64,
     pub(crate) elastic: f64,
+    /// 1 / elastic.
+    compliance: f64,
     pub(crate) damping: f64,
     pub(crate) radial: bool,
     /// (greatest slope of a heap, share of the displaced volume).
@@ -90,6 +92,7 @@ impl SoilLaw {
             tan_phi,
             inverse_shear_modulus: 1.0 / self.shear_modulus,
             elastic: self.elastic_stiffness,
+            compliance: 1.0 / self.elastic_stiffness,
             damping: self.damping,
             radial: self.pressure == PressureDirection::Radial,
             heap: self.bulldozing.map(|b| (vb_math::tan(b.erosion_angle_deg.to_radians()), b.flow)),
@@ -126,7 +129,7 @@ impl Soil {
         if elastic <= yielding {
             return (elastic, false);
         }
-        *plastic = sinkage - yielding / self.elastic;
+        *plastic = sinkage - yielding * self.compliance;
         (yielding, true)
     }
 
@@ -153,7 +156,8 @@ impl Soil {
             return [0.0; 2];
         }
         let size = square.sqrt();
-        let unit = [j[0] / size, j[1] / size];
+        let inverse = 1.0 / size;
+        let unit = [j[0] * inverse, j[1] * inverse];
         if size * self.inverse_shear_modulus > SATURATED {
             let most = SATURATED / self.inverse_shear_modulus;
             *displacement = [unit[0] * most, unit[1] * most];
