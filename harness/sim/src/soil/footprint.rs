@@ -438,7 +438,8 @@ impl Footprint {
     }
 
     /// Heaps displaced soil up around the contact: before and behind it within the footprint, beside it on the grid.
-    /// Each side gets what its share of the perimeter is.
+    /// Each side gets what its share of the perimeter is, but nothing is heaped on the ground of a rut: the law knows
+    /// one surface, so loose soil there would be as hard as the rut's ground.
     fn heap(
         &mut self,
         grid: &mut Grid,
@@ -450,14 +451,19 @@ impl Footprint {
     ) {
         let pitch = grid.pitch();
         let length = self.xs[last] - self.xs[first] + self.lengths[first];
+        let strip_width = self.width / self.strips as f64;
         let around = 2.0 * (length + self.width);
-        let end = volume * self.width / around;
+        let end = volume * self.width / (around * self.strips as f64);
+        let mut side = volume * length / around;
         for (from, step) in [(last, 1isize), (first, -1)] {
             let outside = |k: usize| k.checked_add_signed(step).filter(|k| *k < STATIONS);
-            let Some(nearest) = outside(from) else { continue };
             for strip in 0..self.strips {
+                let Some(nearest) = outside(from).filter(|k| self.plastic[strip][*k] < LOOSE) else {
+                    side += 0.5 * end;
+                    continue;
+                };
                 let row = &mut self.raised[strip];
-                row[nearest] += end / (self.width * self.lengths[nearest]);
+                row[nearest] += end / (strip_width * self.lengths[nearest]);
                 let mut k = nearest;
                 while let Some(next) = outside(k) {
                     let spacing = (self.xs[next] - self.xs[k]).abs();
@@ -473,7 +479,6 @@ impl Footprint {
                 }
             }
         }
-        let side = volume * length / around;
         let count = (length / pitch) as usize + 1;
         let each = side / (count as f64 * pitch * pitch);
         for direction in [-1.0, 1.0] {
@@ -505,6 +510,9 @@ impl Footprint {
         }
     }
 }
+
+/// Plastic sinkage beyond which the ground counts as a rut, m.
+const LOOSE: f64 = 1e-3;
 
 /// Cells beside the wheel over which a heap may slide, as the original lets it (facts §4.3: 10 propagations).
 const RINGS: usize = 10;
