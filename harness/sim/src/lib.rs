@@ -19,10 +19,11 @@ mod suspension;
 mod tyre;
 
 pub use error::SimError;
+pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
-    Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
-    Suspension, TyreSpec, VehicleSpec,
+    Axle, Chassis, Converter, Damper, Differential, DrivenAxle, Driveline, Engine, Gearbox, Hardpoints, LockUp,
+    Powertrain, Spring, Steering, Stops, Suspension, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{CornerPose, SuspensionTable};

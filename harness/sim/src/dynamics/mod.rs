@@ -37,7 +37,6 @@ struct Corner {
     spin_inertia: f64,
     brake_torque: f64,
     steered: bool,
-    driven: bool,
     spring: Spring,
     damper: Damper,
     stops: Stops,
@@ -83,7 +82,6 @@ pub(crate) struct Vehicle {
     corners: Vec<Corner>,
     drive: Drive,
     forces: Vec<Forces>,
-    spins: Vec<f64>,
     pub(crate) x: V3,
     pub(crate) q: Quat,
     pub(crate) v: V3,
@@ -96,7 +94,7 @@ impl Vehicle {
         let com = V3::from(spec.chassis.com);
         let drive = Drive::new(spec);
         let mut corners = Vec::new();
-        for (i, (axle, table)) in spec.axles.iter().zip(tables).enumerate() {
+        for (axle, table) in spec.axles.iter().zip(tables) {
             let Suspension::DoubleWishbone { spring, damper, stops, .. } = &axle.suspension;
             for side in [1.0, -1.0] {
                 corners.push(Corner {
@@ -107,7 +105,6 @@ impl Vehicle {
                     spin_inertia: axle.spin_inertia,
                     brake_torque: axle.brake_torque,
                     steered: axle.steered,
-                    driven: drive.is_driven(2 * i),
                     spring: *spring,
                     damper: *damper,
                     stops: *stops,
@@ -128,7 +125,6 @@ impl Vehicle {
             tyre: spec.tyre,
             steering_rate: spec.steering.rate,
             forces: Vec::with_capacity(corners.len()),
-            spins: vec![0.0; corners.len()],
             corners,
             drive,
             x: V3::zeros(),
@@ -163,13 +159,17 @@ impl Vehicle {
         (c.spin, c.travel, c.load)
     }
 
+    pub(crate) fn drive_state(&self) -> crate::DriveState {
+        self.drive.state()
+    }
+
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
             let (g, o) = (c.ground_brush.deflection, c.obstacle_brush.deflection);
             [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]]
         });
-        corners.chain([self.steering, self.drive.gear() as f64])
+        corners.chain([self.steering]).chain(self.drive.inner_state())
     }
 
     /// Positions and axle directions of the wheels at their present travel.

@@ -5,7 +5,9 @@ mod powertrain;
 mod suspension;
 mod tyre;
 
-pub use powertrain::{Differentials, Engine, Gearbox, Powertrain};
+pub use powertrain::{
+    Converter, Differential, DrivenAxle, Driveline, Engine, Gearbox, LockUp, Powertrain,
+};
 use serde::{Deserialize, Serialize};
 pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
 pub use tyre::TyreSpec;
