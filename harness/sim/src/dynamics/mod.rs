@@ -75,6 +75,7 @@ struct Forces {
 pub(crate) struct Vehicle {
     mass: f64,
     inertia: V3,
+    resistance: Vec<[f64; 2]>,
     envelope: Envelope,
     law: BrushLaw,
     tyre: crate::TyreSpec,
@@ -120,6 +121,7 @@ impl Vehicle {
         Self {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
+            resistance: spec.chassis.resistance.clone(),
             envelope: Envelope::new(&spec.tyre),
             law: BrushLaw::new(&spec.tyre),
             tyre: spec.tyre,

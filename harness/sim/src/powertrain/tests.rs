@@ -539,7 +539,7 @@ fn a_converter_in_steady_drive_balances_at_its_speed_ratio() {
 fn an_overrun_converter_brakes_and_loses_energy() {
     let v = dynamometer();
     let mut b = Bench::new(&v, 0.0);
-    for _ in 0..5000 {
+    for _ in 0..20_000 {
         b.hold(0.0, 200.0 * 0.1708 * 0.2, DT);
     }
     let s = b.drive.state();

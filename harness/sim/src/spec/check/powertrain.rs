@@ -21,7 +21,7 @@ impl Check<'_> {
     }
 
     /// A table of finite numbers over increasing speeds or ratios.
-    fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), SimError> {
+    pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), SimError> {
         if points.is_empty() || points.iter().flatten().any(|x| !x.is_finite()) {
             return self.fail(field, "needs at least one point of two finite numbers".to_owned());
         }
