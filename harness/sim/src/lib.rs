@@ -22,8 +22,8 @@ pub use error::SimError;
 pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
-    Axle, Chassis, Converter, Damper, Differential, DrivenAxle, Driveline, Engine, Gearbox, Hardpoints, LockUp,
-    Powertrain, Spring, Steering, Stops, Suspension, TyreSpec, VehicleSpec,
+    Axle, Chassis, Converter, Damper, Differential, Driveline, DrivenAxle, Engine, Gearbox, Hardpoints,
+    LockUp, Powertrain, Spring, Steering, Stops, Suspension, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{CornerPose, SuspensionTable};

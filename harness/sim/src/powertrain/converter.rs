@@ -5,9 +5,9 @@
 //! change roles, and the stator runs free: R = 1. Tables end at r = 1 with a finite capacity; there the torque falls
 //! to zero within the last two per cent, so that it changes its sign steadily.
 
+use super::Coupling;
 use super::engine::Law;
 use super::table::interpolate;
-use super::Coupling;
 use crate::spec::{Converter, Engine};
 
 /// Range of the speed ratio next to 1 in which the torque falls to zero.
@@ -90,7 +90,11 @@ impl FreeEngine {
     fn throttle(&self, driver: f64) -> (f64, f64) {
         let band = GOVERNOR_BAND * self.converter.idle_speed;
         let governor = ((self.converter.idle_speed - self.speed) / band).min(1.0);
-        if governor > driver { (governor, if governor < 1.0 { -1.0 / band } else { 0.0 }) } else { (driver, 0.0) }
+        if governor > driver {
+            (governor, if governor < 1.0 { -1.0 / band } else { 0.0 })
+        } else {
+            (driver, 0.0)
+        }
     }
 
     /// Torque of the turbine in the coming step, as far as it depends on the turbine's own change of speed.

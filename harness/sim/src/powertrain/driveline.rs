@@ -10,7 +10,7 @@
 //! its slip within the step, as far as its limit reaches. With the symmetric inertia this is a convex quadratic
 //! programme with bounds, solved by projected Gauss–Seidel sweeps in a fixed order (Cryer 1971), which converge from
 //! any start and never add energy. Without brakes the constraints of up to two axles don't interact, so that one
-//! sweep is exact.
+//! sweep is exact; with brakes that can hold all wheels the start is already the solution.
 
 use crate::spec::{Differential, VehicleSpec};
 
@@ -48,14 +48,18 @@ pub(super) struct Input {
 struct Axle {
     /// Index of its left wheel; the right one follows.
     left: usize,
-    /// Inertia of σ, kg m², without the output shaft's.
+    /// Inertia of σ without the output shaft's, kg m², and its inverse.
     inertia: f64,
-    /// Of one wheel, kg m².
+    ease: f64,
+    /// Of one wheel.
     wheel_inertia: f64,
+    wheel_ease: f64,
     /// Speed of the drive shaft over σ.
     gain: f64,
     /// Share times gain.
     pull: f64,
+    /// Pull over inertia.
+    lean: f64,
     differential: Differential,
 }
 
@@ -96,25 +100,23 @@ impl Motion<'_> {
     /// Answer of σ of axle `a` to a unit impulse on it.
     fn mobility(&self, a: usize) -> f64 {
         let x = &self.axles[a];
-        let g = x.pull / x.inertia;
-        1.0 / x.inertia - self.common * g * g
+        x.ease - self.common * x.lean * x.lean
     }
 
     /// An impulse on σ of one axle, N m s.
     fn push(&mut self, a: usize, impulse: f64) {
-        let x = &self.axles[a];
-        self.sum[a] += impulse / x.inertia;
-        let shared = self.common * x.pull / x.inertia * impulse;
-        for (b, y) in self.axles.iter().enumerate() {
-            self.sum[b] -= y.pull / y.inertia * shared;
+        let shared = self.common * self.axles[a].lean * impulse;
+        self.sum[a] += self.axles[a].ease * impulse;
+        for (sum, y) in self.sum.iter_mut().zip(self.axles) {
+            *sum -= y.lean * shared;
         }
     }
 
     /// An impulse on the output shaft, N m s.
     fn turn(&mut self, impulse: f64) {
         let left = impulse * (1.0 - self.common * self.ease);
-        for (b, y) in self.axles.iter().enumerate() {
-            self.sum[b] += y.pull / y.inertia * left;
+        for (sum, y) in self.sum.iter_mut().zip(self.axles) {
+            *sum += y.lean * left;
         }
     }
 
@@ -140,19 +142,23 @@ impl Driveline {
     pub(super) fn new(v: &VehicleSpec) -> Self {
         let d = &v.powertrain.driveline;
         let driven = v.axles.iter().enumerate().filter(|(_, a)| a.driven);
-        let axles: Vec<Axle> = driven
-            .zip(&d.axles)
-            .map(|((i, a), x)| Axle {
+        let axle = |((i, a), x): ((usize, &crate::spec::Axle), &crate::spec::DrivenAxle)| {
+            let gain = 1.0 / x.final_drive;
+            let inertia = 2.0 * a.spin_inertia + x.box_inertia + x.shaft_inertia * gain * gain;
+            let pull = x.share * gain;
+            Axle {
                 left: 2 * i,
-                inertia: 2.0 * a.spin_inertia
-                    + x.box_inertia
-                    + x.shaft_inertia / (x.final_drive * x.final_drive),
+                inertia,
+                ease: 1.0 / inertia,
                 wheel_inertia: a.spin_inertia,
-                gain: 1.0 / x.final_drive,
-                pull: x.share / x.final_drive,
+                wheel_ease: 1.0 / a.spin_inertia,
+                gain,
+                pull,
+                lean: pull / inertia,
                 differential: x.differential,
-            })
-            .collect();
+            }
+        };
+        let axles = driven.zip(&d.axles).map(axle).collect();
         Self {
             axles,
             centre: d.centre,
@@ -195,7 +201,7 @@ impl Driveline {
     /// The motion that there would be without friction.
     fn free(&self, input: &Input, wheels: &Wheels<'_>, dt: f64) -> Motion<'_> {
         let c = self.shaft_inertia + input.inertia + dt * input.drag;
-        let ease: f64 = self.axles.iter().map(|x| x.pull * x.pull / x.inertia).sum();
+        let ease: f64 = self.axles.iter().map(|x| x.pull * x.lean).sum();
         let mut m = Motion {
             axles: &self.axles,
             sum: [0.0; MAX_AXLES],
@@ -209,13 +215,13 @@ impl Driveline {
             let (l, r) = (x.left, x.left + 1);
             m.sum[a] = 0.5 * (wheels.spins[l] + wheels.spins[r]);
             m.half[a] = 0.5 * (wheels.spins[l] - wheels.spins[r]);
-            m.half[a] += dt * (wheels.moments[l] - wheels.moments[r]) / (2.0 * x.wheel_inertia);
+            m.half[a] += 0.5 * dt * (wheels.moments[l] - wheels.moments[r]) * x.wheel_ease;
             let impulse = dt * (wheels.moments[l] + wheels.moments[r] + input.torque * x.pull);
-            gained[a] = impulse / x.inertia;
+            gained[a] = impulse * x.ease;
             shaft += x.pull * gained[a];
         }
         for (a, x) in self.axles.iter().enumerate() {
-            m.sum[a] += gained[a] - x.pull / x.inertia * m.common * shaft;
+            m.sum[a] += gained[a] - x.lean * m.common * shaft;
         }
         m
     }
@@ -227,6 +233,9 @@ impl Driveline {
         let mut axle = [Friction::default(); MAX_AXLES];
         let mut brake = [Friction::default(); 2 * MAX_AXLES];
         let braking = brakes.iter().any(|&b| b > 0.0);
+        if braking {
+            self.brake_all(m, input, brakes, &mut brake, dt);
+        }
         for _ in 0..MAX_SWEEPS {
             let mut change: f64 = 0.0;
             if input.friction > 0.0 {
@@ -243,8 +252,8 @@ impl Driveline {
                     continue;
                 }
                 let (e, f) = (pair[0].gain, pair[1].gain);
-                let leaning = e * pair[0].pull / pair[0].inertia - f * pair[1].pull / pair[1].inertia;
-                let mobility = e * e / pair[0].inertia + f * f / pair[1].inertia - m.common * leaning * leaning;
+                let lean = e * pair[0].lean - f * pair[1].lean;
+                let mobility = e * e * pair[0].ease + f * f * pair[1].ease - m.common * lean * lean;
                 let p = centre[a].hold(m.sum[a] * e - m.sum[a + 1] * f, mobility, bound);
                 m.push(a, -p * e);
                 m.push(a + 1, p * f);
@@ -255,17 +264,17 @@ impl Driveline {
                 let entering = torque * x.pull + x.gain * (before - centre[a].0) / dt;
                 let bound = dt * limit(x.differential, entering);
                 if bound > 0.0 {
-                    let p = axle[a].hold(2.0 * m.half[a], 2.0 / x.wheel_inertia, bound);
-                    m.half[a] -= p / x.wheel_inertia;
-                    change = change.max(p.abs() * 2.0 / x.wheel_inertia);
+                    let p = axle[a].hold(2.0 * m.half[a], 2.0 * x.wheel_ease, bound);
+                    m.half[a] -= p * x.wheel_ease;
+                    change = change.max(p.abs() * 2.0 * x.wheel_ease);
                 }
                 for (side, sign) in [(0, 1.0), (1, -1.0)] {
                     let bound = dt * brakes[x.left + side];
                     if bound > 0.0 {
-                        let mobility = m.mobility(a) + 0.5 / x.wheel_inertia;
+                        let mobility = m.mobility(a) + 0.5 * x.wheel_ease;
                         let p = brake[2 * a + side].hold(m.sum[a] + sign * m.half[a], mobility, bound);
                         m.push(a, -p);
-                        m.half[a] -= sign * p * 0.5 / x.wheel_inertia;
+                        m.half[a] -= sign * p * 0.5 * x.wheel_ease;
                         change = change.max(p.abs() * mobility);
                     }
                 }
@@ -277,5 +286,26 @@ impl Driveline {
             }
         }
         engine.0
+    }
+
+    /// Lets each brake take the impulse that ends all motion, within its bound: if all can, nothing is left to do;
+    /// else it is a start from which the sweeps go on.
+    fn brake_all(&self, m: &mut Motion<'_>, input: &Input, brakes: &[f64], brake: &mut [Friction], dt: f64) {
+        let common = (self.shaft_inertia + input.inertia + dt * input.drag) * m.shaft();
+        let mut pushed = [0.0; MAX_AXLES];
+        for (a, x) in self.axles.iter().enumerate() {
+            let both = x.inertia * m.sum[a] + x.pull * common;
+            let across = 2.0 * x.wheel_inertia * m.half[a];
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                let bound = dt * brakes[x.left + side];
+                let p = (0.5 * (both + sign * across)).clamp(-bound, bound);
+                brake[2 * a + side].0 = p;
+                m.half[a] -= sign * p * 0.5 * x.wheel_ease;
+                pushed[a] += p;
+            }
+        }
+        for (a, p) in pushed.into_iter().enumerate().take(self.axles.len()) {
+            m.push(a, -p);
+        }
     }
 }

@@ -28,7 +28,9 @@ impl Engine {
     #[must_use]
     pub fn inertia(&self) -> f64 {
         match self {
-            Self::Map { inertia, .. } | Self::Simple { inertia, .. } | Self::Electric { inertia, .. } => *inertia,
+            Self::Map { inertia, .. } | Self::Simple { inertia, .. } | Self::Electric { inertia, .. } => {
+                *inertia
+            }
         }
     }
 

@@ -293,7 +293,10 @@ fn the_driveline_never_creates_energy_and_locked_wheels_keep_what_momentum_leave
             for k in 0..3000 {
                 b.step(1.0, DT);
                 let now = b.energy(&v);
-                assert!(now <= before * (1.0 + 1e-12) + 1e-9, "{differential:?}, step {k}: {before} J to {now} J");
+                assert!(
+                    now <= before * (1.0 + 1e-12) + 1e-9,
+                    "{differential:?}, step {k}: {before} J to {now} J"
+                );
                 before = now;
             }
             std::mem::swap(&mut v.powertrain.engine, &mut engine);
@@ -352,7 +355,9 @@ fn a_closed_throttle_never_drives_and_its_drag_holds_at_rest() {
 
 #[test]
 fn brakes_stop_a_wheel_and_hold_it_up_to_their_torque_whatever_the_differentials() {
-    for differential in [Differential::Open {}, Differential::Clutch { torque: 100.0 }, Differential::Locked {}] {
+    for differential in
+        [Differential::Open {}, Differential::Clutch { torque: 100.0 }, Differential::Locked {}]
+    {
         let v = with(differential);
         let mut b = Bench::new(&v, 8.0);
         b.brakes.fill(1000.0);
@@ -579,7 +584,10 @@ fn steps_from_a_quarter_to_four_milliseconds_give_the_same_start_with_a_converte
     assert!(spin > 10.0, "{spin}");
     for dt in [0.5e-3, 1e-3, 2e-3, 4e-3] {
         let (s, e) = run(dt);
-        assert!((s / spin - 1.0).abs() < 5e-3 && (e / engine - 1.0).abs() < 5e-3, "{dt}: {s} {spin} {e} {engine}");
+        assert!(
+            (s / spin - 1.0).abs() < 5e-3 && (e / engine - 1.0).abs() < 5e-3,
+            "{dt}: {s} {spin} {e} {engine}"
+        );
     }
 }
 
@@ -598,7 +606,10 @@ fn a_lock_up_clutch_turns_engine_and_gearbox_together_until_it_is_released() {
                 // It transmits all of the engine's torque within half a radian per second of slip.
                 2999 => {
                     assert!((s.engine_speed - 200.0).abs() < 0.5, "{s:?}");
-                    assert!((s.shaft_torque * 0.1708 - s.engine_torque).abs() < 0.01 * s.engine_torque, "{s:?}");
+                    assert!(
+                        (s.shaft_torque * 0.1708 - s.engine_torque).abs() < 0.01 * s.engine_torque,
+                        "{s:?}"
+                    );
                 }
                 3999 => assert!(s.engine_speed > 120.0, "{s:?}"),
                 _ => {}

@@ -5,9 +5,7 @@ mod powertrain;
 mod suspension;
 mod tyre;
 
-pub use powertrain::{
-    Converter, Differential, DrivenAxle, Driveline, Engine, Gearbox, LockUp, Powertrain,
-};
+pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
 use serde::{Deserialize, Serialize};
 pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
 pub use tyre::TyreSpec;

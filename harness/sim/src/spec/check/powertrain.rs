@@ -12,7 +12,8 @@ impl Check<'_> {
             self.converter(c)?;
             let inertia = p.engine.inertia();
             if inertia <= 0.0 {
-                let reason = format!("{inertia} must be positive, since a converter lets the engine turn freely");
+                let reason =
+                    format!("{inertia} must be positive, since a converter lets the engine turn freely");
                 return self.fail("powertrain.engine.inertia", reason);
             }
         }
@@ -142,7 +143,8 @@ impl Check<'_> {
         }
         let sum: f64 = d.axles.iter().map(|a| a.share).sum();
         if (sum - 1.0).abs() > 1e-6 {
-            return self.fail("powertrain.driveline.axles", format!("the shares make {sum}; they must make 1"));
+            return self
+                .fail("powertrain.driveline.axles", format!("the shares make {sum}; they must make 1"));
         }
         Ok(())
     }
@@ -158,5 +160,101 @@ impl Check<'_> {
                 self.not_negative(&format!("{field}.preload"), preload)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::spec::{Differential, Engine, VehicleSpec};
+
+    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
+
+    /// The HMMWV's file with another engine, and lines added below it.
+    fn with_engine(engine: &str) -> Result<VehicleSpec, String> {
+        let (head, rest) = HMMWV.split_once("  engine:\n").unwrap();
+        let (_, tail) = rest.split_once("  gearbox:\n").unwrap();
+        let text = format!("{head}  engine: {engine}\n  gearbox:\n{tail}");
+        VehicleSpec::parse(&text, "car.yaml").map_err(|e| e.to_string())
+    }
+
+    fn replaced(from: &str, to: &str) -> Result<VehicleSpec, String> {
+        assert!(HMMWV.contains(from), "{from}");
+        VehicleSpec::parse(&HMMWV.replacen(from, to, 1), "car.yaml").map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn every_kind_of_engine_and_differential_can_be_written() {
+        let v = with_engine("{type: simple, torque: 200.0, power: 14000.0, max_speed: 366.5}").unwrap();
+        assert_eq!(v.powertrain.engine.inertia(), 0.0);
+        let v = with_engine("{type: electric, torque: [[0.0, 1.6], [503.7, 0.0]], inertia: 1.0e-4}").unwrap();
+        assert!(matches!(v.powertrain.engine, Engine::Electric { regeneration: 0.0, .. }));
+        for (text, expected) in [
+            ("{type: open}", Differential::Open {}),
+            ("{type: locked}", Differential::Locked {}),
+            ("{type: limited_slip, bias: 2.0}", Differential::LimitedSlip { bias: 2.0, preload: 0.0 }),
+        ] {
+            let v = replaced("centre: {type: clutch, torque: 100.0}", &format!("centre: {text}")).unwrap();
+            assert_eq!(v.powertrain.driveline.centre, expected);
+        }
+    }
+
+    #[test]
+    fn a_converter_asks_for_an_engine_with_inertia_and_for_a_torque_ratio_that_gives_no_power() {
+        let engine = "{type: simple, torque: 800.0, power: 1.0e5, max_speed: 300.0, inertia: INERTIA}\n  \
+                      converter: {idle_speed: 80.0, capacity: [[0.0, 15.0], [1.0, 35.0]], \
+                      torque_ratio: [[0.0, 2.0], [0.9, RATIO], [1.0, 1.0]]}";
+        let of = |inertia: &str, ratio: &str| {
+            with_engine(&engine.replace("INERTIA", inertia).replace("RATIO", ratio))
+        };
+        assert!(of("1.6", "1.05").is_ok());
+        let e = of("0.0", "1.05").unwrap_err();
+        assert!(e.starts_with("car.yaml: powertrain.engine.inertia: 0 must be positive"), "{e}");
+        let e = of("1.6", "1.3").unwrap_err();
+        assert!(
+            e.starts_with("car.yaml: powertrain.converter.torque_ratio: ") && e.contains("more power"),
+            "{e}"
+        );
+    }
+
+    #[test]
+    fn messages_name_the_field_the_value_and_what_to_do() {
+        for (from, to, expected) in [
+            (
+                "share: 0.5",
+                "share: 0.6",
+                "car.yaml: powertrain.driveline.axles: the shares make 1.1; they must make 1",
+            ),
+            (
+                "steered: false\n    driven: true",
+                "steered: false\n    driven: false",
+                "car.yaml: powertrain.driveline.axles: 2 given, but 1 of the vehicle's axles are driven",
+            ),
+            (
+                "centre: {type: clutch, torque: 100.0}",
+                "centre: {type: limited_slip, bias: 0.5}",
+                "car.yaml: powertrain.driveline.centre.bias: 0.5 must be 1 or more",
+            ),
+            (
+                "[0.1708, 0.2791,",
+                "[0.1708, 0.1,",
+                "car.yaml: powertrain.gearbox.ratios[1]: 0.1 follows 0.1708; the lowest gear comes first",
+            ),
+            (
+                "reverse: -0.2",
+                "reverse: 0.2",
+                "car.yaml: powertrain.gearbox.reverse: 0.2 must be a negative number",
+            ),
+            (
+                "- [104.72, 926.0]",
+                "- [64.72, 926.0]",
+                "car.yaml: powertrain.engine.full_throttle: first numbers must increase, but 64.72 follows 83.776",
+            ),
+        ] {
+            assert_eq!(replaced(from, to).unwrap_err(), expected);
+        }
+        let e = with_engine("{type: electric, torque: [[0.0, 1.6], [503.7, 0.2]]}").unwrap_err();
+        assert!(e.contains("must go from [0, stall torque] to [no-load speed, 0]"), "{e}");
+        let e = with_engine("{type: steam, torque: 3.0}").unwrap_err();
+        assert!(e.starts_with("car.yaml: powertrain.engine") && e.contains("steam"), "{e}");
     }
 }
