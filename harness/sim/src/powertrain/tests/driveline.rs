@@ -227,6 +227,21 @@ fn brakes_stop_a_wheel_and_hold_it_up_to_their_torque_whatever_the_differentials
 }
 
 #[test]
+fn a_wheel_that_nothing_drives_is_braked_and_held_too() {
+    let mut v = with(Differential::Locked {});
+    v.axles[0].driven = false;
+    v.powertrain.driveline.axles.truncate(1);
+    v.powertrain.driveline.axles[0].share = 1.0;
+    let mut b = Bench::new(&v, 0.0);
+    b.spins = vec![10.0, 0.001, 0.0, 0.0];
+    b.brakes.fill(100.0);
+    b.moments = vec![0.0, 80.0, 0.0, 0.0];
+    b.step(0.0, DT);
+    assert!(((10.0 - b.spins[0]) / DT - 100.0 / 8.7143).abs() < 1e-9, "{:?}", b.spins);
+    assert!(b.spins[1].abs() < 1e-12 && (b.torques[1] + 80.0 + 8.7143).abs() < 1e-9, "{:?}", b.torques);
+}
+
+#[test]
 fn a_locked_axle_brakes_a_wheel_without_brake() {
     // Gator: brakes at the rear only. One brake of 1000 N m slows all four wheels of a locked driveline alike.
     let mut v = with(Differential::Locked {});
