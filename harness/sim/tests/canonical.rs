@@ -5,7 +5,7 @@
 mod common;
 use common::{controls, flat, grade, hmmwv, hold_speed, start};
 use vb_math::angle::degrees;
-use vb_sim::{Differential, SimOptions, Simulation, VehicleSpec};
+use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, VehicleSpec};
 use vb_world::Pose2;
 
 #[test]
@@ -78,6 +78,34 @@ fn brakes_at_the_rear_alone_hold_all_wheels_through_a_locked_driveline() {
         let moved = (sim.state().position - a).norm();
         assert_eq!(moved < 1e-3, holds, "locked {locked}: {moved} m in 5 s");
     }
+}
+
+#[test]
+fn behind_a_converter_it_creeps_until_the_brakes_hold_it() {
+    // Idling at 72 rad/s at least, the impeller takes (72/15)² = 23 N m, the turbine gives twice that: 1349 N m at
+    // the wheels in first gear, 2.9 kN, against 0.37 kN of rolling resistance.
+    let mut vehicle = hmmwv();
+    vehicle.powertrain.engine = Engine::Map {
+        full_throttle: vec![[0.0, 309.1], [83.8, 336.2], [167.6, 731.0], [261.8, 478.0], [282.7, -484.0]],
+        closed_throttle: vec![[0.0, 0.0], [5.2, -30.0], [104.7, -50.0], [314.2, -90.0]],
+        inertia: 1.6,
+    };
+    vehicle.powertrain.converter = Some(Converter {
+        idle_speed: 80.0,
+        capacity: vec![[0.0, 15.0], [0.5, 15.0], [0.75, 16.0], [0.9, 18.0], [1.0, 35.0]],
+        torque_ratio: vec![[0.0, 2.0], [0.25, 1.8], [0.5, 1.5], [0.75, 1.15], [1.0, 1.0]],
+        lock_up: None,
+    });
+    let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let mut sim = Simulation::new(flat(0.9), &vehicle, start, SimOptions::default()).expect("it settles");
+    sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();
+    let a = sim.state().position;
+    sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
+    assert!((sim.state().position - a).norm() < 1e-6, "{}", sim.state().position - a);
+    sim.advance(controls(0.0, 0.0, 0.0), 3000).unwrap();
+    let v = sim.state().velocity.x;
+    // At most what idle speed makes through the gears: 80 · 0.1708 · 0.2 · 0.467 = 1.28 m/s.
+    assert!(v > 0.5 && v < 1.28, "{v} m/s");
 }
 
 #[test]

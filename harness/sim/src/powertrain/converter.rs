@@ -141,3 +141,43 @@ impl FreeEngine {
         self.speed = (self.speed + self.change[0] + self.change[1] * turbine_change).max(0.0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn converter() -> Converter {
+        Converter {
+            idle_speed: 80.0,
+            capacity: vec![[0.0, 15.0], [0.5, 15.0], [0.75, 16.0], [0.9, 18.0], [1.0, 35.0]],
+            torque_ratio: vec![[0.0, 2.0], [1.0, 1.0]],
+            lock_up: None,
+        }
+    }
+
+    #[test]
+    fn the_torque_passes_steadily_through_zero_at_synchronous_speed() {
+        let c = converter();
+        let t = |turbine: f64| c.flow(200.0, turbine).torque;
+        assert!(t(200.0 - 1e-6).abs() < 1e-4 && t(200.0).abs() < 1e-12 && t(200.0 + 1e-6).abs() < 1e-4);
+        assert!(t(195.0) > 10.0 && t(205.0) < -10.0);
+        // Beyond the last two per cent it is the table's: (200/26.5)² at a ratio of 0.95.
+        assert!((t(190.0) - (200.0 / 26.5) * (200.0 / 26.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_slopes_are_those_of_the_torque() {
+        let c = converter();
+        let h = 1e-5;
+        for (engine, turbine) in
+            [(200.0, 120.0), (200.0, 170.0), (200.0, 198.0), (150.0, 190.0), (150.0, 151.0)]
+        {
+            let f = c.flow(engine, turbine);
+            let by = |e: f64, t: f64| {
+                (c.flow(engine + e, turbine + t).torque - c.flow(engine - e, turbine - t).torque) / (2.0 * h)
+            };
+            assert!((f.by_engine - by(h, 0.0)).abs() < 1e-4, "{engine} {turbine}");
+            assert!((f.by_turbine + by(0.0, h)).abs() < 1e-4, "{engine} {turbine}");
+        }
+    }
+}

@@ -84,7 +84,7 @@ impl Drive {
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
         let interrupts = self.shifter.interrupts();
-        // While a shift interrupts the torque the engine runs at no load, its throttle closed.
+        // While a shift interrupts the torque the throttle is closed.
         let demand = if interrupts { 0.0 } else { throttle };
         let (coupling, friction, engine_torque) = match &mut self.free {
             Some(free) => {

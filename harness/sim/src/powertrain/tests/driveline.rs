@@ -105,6 +105,38 @@ fn the_bias_ratio_of_a_limited_slip_differential_is_reached_and_not_exceeded() {
     assert!((b.torques[3] - b.torques[2] - 400.0).abs() < 1e-8, "{:?}", b.torques);
 }
 
+/// Limited slip of bias 2 between the wheels, the axles locked together, shafts without inertia.
+fn limited_slip(engine: Engine) -> VehicleSpec {
+    let mut v = with(Differential::Locked {});
+    v.powertrain.engine = engine;
+    v.powertrain.driveline.shaft_inertia = 0.0;
+    for a in &mut v.powertrain.driveline.axles {
+        let differential = Differential::LimitedSlip { bias: 2.0, preload: 0.0 };
+        *a = DrivenAxle { shaft_inertia: 0.0, box_inertia: 0.0, differential, ..*a };
+    }
+    v
+}
+
+#[test]
+fn a_limited_slip_axle_biases_all_of_the_torque_that_the_centre_hands_it() {
+    // Nothing but the right rear wheel meets resistance.
+    let mut b = Bench::new(&limited_slip(constant(300.0, 0.0)), 0.0);
+    for _ in 0..1000 {
+        b.moments[3] = -4000.0 * b.spins[3];
+        b.step(1.0, DT);
+    }
+    assert!(b.torques[3] > 0.49 * b.torques.iter().sum::<f64>(), "{:?}", b.torques);
+    assert!((b.torques[3] / b.torques[2] - 2.0).abs() < 1e-6, "{:?}", b.torques);
+}
+
+#[test]
+fn a_limited_slip_axle_biases_the_drag_of_the_engine_too() {
+    let mut b = Bench::new(&limited_slip(constant(-100.0, 0.0)), 0.0);
+    b.spins = vec![12.0, 8.0, 10.0, 10.0];
+    b.step(0.0, DT);
+    assert!(b.torques[1] < -1.0 && (b.torques[0] / b.torques[1] - 2.0).abs() < 1e-6, "{:?}", b.torques);
+}
+
 #[test]
 fn with_one_wheel_in_the_air_an_open_axle_can_push_no_more_than_the_air_but_a_locked_one_can() {
     // The left wheel is free, the right one held by the ground: the locked axle hands all of its torque to it.

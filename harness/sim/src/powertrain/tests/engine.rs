@@ -255,3 +255,37 @@ fn a_governed_engine_is_steady_at_any_step() {
         assert!((b.drive.state().engine_speed - 246.999).abs() < 1e-2, "{dt}: {:?}", b.drive.state());
     }
 }
+
+#[test]
+fn what_the_engine_loses_the_turbine_gains_when_the_fluid_does_not_multiply() {
+    // In overrun the torques of impeller and turbine are equal, at any step and however light the wheels are.
+    for dt in [1e-3, 4e-3] {
+        let mut v = with_converter();
+        v.powertrain.engine = constant(30.0, 1.6);
+        v.powertrain.gearbox.shift_up[0] = 1000.0;
+        let mut b = Bench::new(&v, 250.0 * 0.1708 * 0.2);
+        for _ in 0..20 {
+            let before = b.drive.state().engine_speed.max(80.0);
+            b.step(0.0, dt);
+            let s = b.drive.state();
+            assert!(s.shaft_speed / 0.1708 > s.engine_speed, "{s:?}");
+            let gained = 1.6 * (s.engine_speed - before) / dt;
+            assert!((gained + s.shaft_torque * 0.1708 - 30.0).abs() < 1e-6, "{dt} s: {gained} {s:?}");
+        }
+    }
+}
+
+#[test]
+fn the_engine_does_not_race_while_a_shift_interrupts_the_torque() {
+    let mut v = dynamometer();
+    v.powertrain.gearbox.shift_time = 0.3;
+    let mut b = Bench::new(&v, 0.0);
+    let spin = 235.0 * 0.1708 * 0.2;
+    b.hold(1.0, spin, DT);
+    assert!(b.drive.shifter.interrupts());
+    for _ in 0..250 {
+        b.hold(1.0, spin, DT);
+        let s = b.drive.state();
+        assert!(s.shaft_torque == 0.0 && s.engine_torque < 20.0, "{s:?}");
+    }
+}
