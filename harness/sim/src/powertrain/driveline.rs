@@ -248,7 +248,8 @@ impl Driveline {
             for (a, pair) in self.axles.windows(2).enumerate() {
                 let entering = torque * (pair[0].pull / pair[0].gain + pair[1].pull / pair[1].gain);
                 let bound = dt * limit(self.centre, entering);
-                if bound <= 0.0 {
+                // Nor with a bound that isn't a number, in a state that has diverged.
+                if bound.is_nan() || bound <= 0.0 {
                     continue;
                 }
                 let (e, f) = (pair[0].gain, pair[1].gain);

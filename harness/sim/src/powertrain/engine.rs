@@ -3,7 +3,8 @@
 use super::table::interpolate;
 use crate::spec::Engine;
 
-/// Part of its greatest speed over which the torque of a simple engine ends, which keeps it from chattering there.
+/// Part of its greatest speed over which the torque of a simple engine ends. Ours: the source drops it at once, which
+/// chatters.
 const CUT_OFF: f64 = 0.01;
 
 /// Torque of an engine and how it changes.

@@ -2,9 +2,9 @@
 
 use crate::spec::Gearbox;
 
-/// A shift down must leave this part of the lower gear's speed range free below its shift up.
+/// A shift down must leave this part of the lower gear's shift-up speed free below it. Ours.
 const HYSTERESIS: f64 = 0.05;
-/// Time over which a load-sensing gearbox averages torque and acceleration, s.
+/// Time over which a load-sensing gearbox averages the load, s. Ours: above the period of the wheels' hop.
 const SENSE_TIME: f64 = 0.3;
 
 /// A gearbox and its gear.

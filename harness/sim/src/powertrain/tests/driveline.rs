@@ -301,3 +301,15 @@ fn brakes_meet_a_heavy_engine_without_losing_torque() {
         assert!(((20.0 - w) / DT - 2000.0 / inertia).abs() < 1e-6, "{:?}", b.spins);
     }
 }
+
+#[test]
+fn a_state_that_has_diverged_stays_so_without_a_panic() {
+    for differential in [Differential::LimitedSlip { bias: 2.0, preload: 0.0 }, Differential::Locked {}] {
+        let mut b = Bench::new(&with(differential), 1.0);
+        b.spins[0] = f64::NAN;
+        b.brakes.fill(10.0);
+        b.step(0.5, DT);
+        b.step(0.0, DT);
+        assert!(b.spins[0].is_nan());
+    }
+}
