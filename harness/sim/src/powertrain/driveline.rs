@@ -248,7 +248,7 @@ impl Driveline {
             for (a, pair) in self.axles.windows(2).enumerate() {
                 let entering = torque * (pair[0].pull / pair[0].gain + pair[1].pull / pair[1].gain);
                 let bound = dt * limit(self.centre, entering);
-                // Nor with a bound that isn't a number, in a state that has diverged.
+                // An open centre; or, in a state that has diverged, a bound that isn't a number.
                 if bound.is_nan() || bound <= 0.0 {
                     continue;
                 }
