@@ -303,6 +303,12 @@ impl Simulation {
         }
     }
 
+    /// What engine and shafts did in the last step.
+    #[must_use]
+    pub fn drive(&self) -> crate::DriveState {
+        self.vehicle.drive_state()
+    }
+
     /// Turns the vehicle about its long axis by `roll` (rad) and lifts its reference point to `height` (m) above
     /// the ground under it, at rest: for tests of rollovers.
     pub fn overturn(&mut self, roll: f64, height: f64) {
