@@ -5,7 +5,7 @@
 mod common;
 use common::{controls, flat, grade, hmmwv, hold_speed, start};
 use vb_math::angle::degrees;
-use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, VehicleSpec};
+use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, SoilSet, VehicleSpec};
 use vb_world::Pose2;
 
 #[test]
@@ -70,8 +70,14 @@ fn brakes_at_the_rear_alone_hold_all_wheels_through_a_locked_driveline() {
         d.centre = kind;
         d.axles.iter_mut().for_each(|a| a.differential = kind);
         let facing_down = Pose2 { x: 20.0, y: 0.0, yaw: std::f64::consts::PI };
-        let mut sim = Simulation::new(grade(28.0, 0.9), &vehicle, facing_down, SimOptions::default())
-            .expect("it settles");
+        let mut sim = Simulation::new(
+            grade(28.0, 0.9),
+            &vehicle,
+            &SoilSet::default(),
+            facing_down,
+            SimOptions::default(),
+        )
+        .expect("it settles");
         sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();
         let a = sim.state().position;
         sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
@@ -97,7 +103,8 @@ fn behind_a_converter_it_creeps_until_the_brakes_hold_it() {
         lock_up: None,
     });
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
-    let mut sim = Simulation::new(flat(0.9), &vehicle, start, SimOptions::default()).expect("it settles");
+    let mut sim = Simulation::new(flat(0.9), &vehicle, &SoilSet::default(), start, SimOptions::default())
+        .expect("it settles");
     sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();
     let a = sim.state().position;
     sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
@@ -150,7 +157,8 @@ fn full_brakes_stop_it_within_the_distance_that_friction_allows() {
 /// Times (s) at which the speeds (m/s) are reached on level ground, heading held.
 fn times_to(vehicle: &VehicleSpec, throttle: f64, mu: f64, speeds: &[f64]) -> Vec<f64> {
     let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
-    let mut sim = Simulation::new(flat(mu), vehicle, start, SimOptions::default()).expect("it settles");
+    let mut sim = Simulation::new(flat(mu), vehicle, &SoilSet::default(), start, SimOptions::default())
+        .expect("it settles");
     let reach = |&speed: &f64| {
         while sim.state().velocity.x < speed {
             let s = sim.state();
@@ -218,7 +226,8 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
     for (from, expected) in [(15.0, &[13.071, 11.120, 8.661][..]), (5.0, &[4.046, 2.818])] {
         let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
         let vehicle = with_reference_resistance();
-        let mut sim = Simulation::new(flat(0.9), &vehicle, start, SimOptions::default()).expect("it settles");
+        let mut sim = Simulation::new(flat(0.9), &vehicle, &SoilSet::default(), start, SimOptions::default())
+            .expect("it settles");
         while sim.state().velocity.x < from {
             sim.advance(controls(0.0, 0.3, 0.0), 1).unwrap();
         }
