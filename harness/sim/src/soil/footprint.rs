@@ -6,7 +6,7 @@ use crate::{M3, V3};
 use vb_world::Heightfield;
 
 /// Stations along the heading: this many on each side of the one under the axle.
-const REACH: usize = 12;
+const REACH: usize = 10;
 const STATIONS: usize = 2 * REACH + 1;
 /// The outermost stations lie at this part of the radius, where the rim stands at 72 degrees.
 const EXTENT: f64 = 0.95;
