@@ -21,12 +21,12 @@ mod tyre;
 pub use error::SimError;
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
-    Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
-    Suspension, TyreSpec, VehicleSpec,
+    Axle, BrushTyre, Chassis, Damper, Differentials, Engine, FialaTyre, Gearbox, Hardpoints, Powertrain,
+    RigidTyre, Spring, Steering, Stops, Suspension, TmeasyTyre, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{CornerPose, SuspensionTable};
-pub use tyre::{Brush, Contact, Envelope};
+pub use tyre::{Contact, Envelope, Patch, SteadyForce, Tyre};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;

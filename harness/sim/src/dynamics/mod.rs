@@ -14,7 +14,7 @@ use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
 use crate::spec::{Damper, Spring, Stops, Suspension, VehicleSpec};
 use crate::state::Controls;
-use crate::tyre::{Brush, BrushLaw, Envelope};
+use crate::tyre::{Envelope, Patch, Tyre};
 use crate::{M3, Quat, SuspensionTable, V3};
 use vb_world::{Heightfield, Semantics};
 
@@ -45,8 +45,8 @@ struct Corner {
     travel: f64,
     travel_rate: f64,
     spin: f64,
-    ground_brush: Brush,
-    obstacle_brush: Brush,
+    ground_patch: Patch,
+    obstacle_patch: Patch,
     /// Normal force of the last step, N.
     load: f64,
 }
@@ -76,9 +76,7 @@ struct Forces {
 pub(crate) struct Vehicle {
     mass: f64,
     inertia: V3,
-    envelope: Envelope,
-    law: BrushLaw,
-    tyre: crate::TyreSpec,
+    tyre: Tyre,
     steering_rate: f64,
     corners: Vec<Corner>,
     drive: Drive,
@@ -114,8 +112,8 @@ impl Vehicle {
                     travel: 0.0,
                     travel_rate: 0.0,
                     spin: 0.0,
-                    ground_brush: Brush::default(),
-                    obstacle_brush: Brush::default(),
+                    ground_patch: Patch::default(),
+                    obstacle_patch: Patch::default(),
                     load: 0.0,
                 });
             }
@@ -123,9 +121,7 @@ impl Vehicle {
         Self {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
-            envelope: Envelope::new(&spec.tyre),
-            law: BrushLaw::new(&spec.tyre),
-            tyre: spec.tyre,
+            tyre: Tyre::new(&spec.tyre),
             steering_rate: spec.steering.rate,
             forces: Vec::with_capacity(corners.len()),
             spins: vec![0.0; corners.len()],
@@ -166,7 +162,7 @@ impl Vehicle {
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
-            let (g, o) = (c.ground_brush.deflection, c.obstacle_brush.deflection);
+            let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
             [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]]
         });
         corners.chain([self.steering, self.drive.gear() as f64])
@@ -181,7 +177,7 @@ impl Vehicle {
     }
 
     pub(crate) fn envelope(&self) -> &Envelope {
-        &self.envelope
+        self.tyre.envelope()
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

@@ -91,7 +91,7 @@ impl Check<'_> {
         }
         self.positive("steering.rate", v.steering.rate)?;
         self.not_negative("steering.rack_travel", v.steering.rack_travel)?;
-        self.tyre(v)?;
+        self.tyres(v)?;
         self.powertrain(v)
     }
 

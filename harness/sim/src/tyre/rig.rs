@@ -1,0 +1,1 @@
+//! A wheel on its own, for tests of the tyres.
