@@ -74,8 +74,11 @@ impl Fiala {
         };
         let qx = if fx > 0.0 && vx > 0.0 { vx / fx } else { start[0] };
         let held = |e: f64, f: f64| if f > 0.0 { e.abs() / f } else { f64::INFINITY };
-        let compliance =
-            [stick(qx, start[0], held(elastic[0], fx)), stick(qy, start[1], held(elastic[1], fy))];
+        // The lateral curve ends, at t = 3, where it yields three times as easily as at first.
+        let compliance = [
+            stick(qx, 3.0 * start[0], held(elastic[0], fx)),
+            stick(qy, 3.0 * start[1], held(elastic[1], fy)),
+        ];
         Creep { compliance, limit: [limit; 2] }
     }
 

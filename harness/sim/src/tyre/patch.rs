@@ -108,12 +108,12 @@ fn excess(force: [f64; 2], limit: [f64; 2]) -> f64 {
 }
 
 /// The compliance `q` of a slip curve, less where the carcass still holds: while its force is below most of what
-/// sliding would give (`held` is their ratio), it yields no more than thrice as easily as at small slip (`start`). So a
-/// parked vehicle that is shaken doesn't walk, as Dahl's friction alone would let it (Dupont et al., Single state
-/// elastoplastic friction models, 2002). The fixed point, `held` = 1, stays that of the curve.
+/// sliding would give (`held` is their ratio), it yields no more easily than the curve does short of sliding
+/// (`creeping`). So a parked vehicle that is shaken doesn't walk, as Dahl's friction alone would let it (Dupont et al.,
+/// Single state elastoplastic friction models, 2002). The fixed point, `held` = 1, stays that of the curve.
 #[inline]
-pub(crate) fn stick(q: f64, start: f64, held: f64) -> f64 {
-    let base = q.min(3.0 * start);
+pub(crate) fn stick(q: f64, creeping: f64, held: f64) -> f64 {
+    let base = q.min(creeping);
     base + ((held - 0.7) / 0.3).clamp(0.0, 1.0) * (q - base)
 }
 

@@ -100,14 +100,12 @@ impl Tmeasy {
             peak_slip: m * both(x.peak_slip, y.peak_slip).max(1e-6),
             slide_slip: m * both(x.slide_slip, y.slide_slip),
         };
-        let start = rolling / c.steepness();
         let slip = v / rolling;
         let q = if slip < c.peak_slip {
-            let secant = c.secant(slip);
-            stick(rolling / secant, start, norm(elastic) / (secant * slip))
+            rolling / c.secant(slip)
         } else {
             let f = c.beyond((v / rolling.max(LOW_SPEED)).max(c.peak_slip));
-            stick(v / f, start, norm(elastic) / f)
+            stick(v / f, rolling * c.peak_slip / c.peak, norm(elastic) / f)
         };
         Creep { compliance: [q; 2], limit: [m * x.peak, m * y.peak] }
     }
