@@ -5,7 +5,7 @@ use crate::V3;
 use vb_world::Heightfield;
 
 /// Stations on each side of the lowest one.
-const SIDE: usize = 9;
+const SIDE: usize = 7;
 const STATIONS: usize = 2 * SIDE + 1;
 /// Spacing of the innermost stations over that of evenly spaced ones: a hard tyre's footprint is as short as 10 cm.
 const DENSITY: f64 = 0.3;
