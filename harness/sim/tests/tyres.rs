@@ -49,7 +49,8 @@ fn fiala_gives_the_closed_form_in_slip_and_in_slip_angle() {
             let a = degrees.to_radians();
             let limit = u(tan(a).abs()) * load;
             // Sliding from the critical slip angle on, atan(3 U F_z/C_α).
-            let h = if a.abs() < atan(3.0 * limit / ca) { 1.0 - ca * tan(a).abs() / (3.0 * limit) } else { 0.0 };
+            let h =
+                if a.abs() < atan(3.0 * limit / ca) { 1.0 - ca * tan(a).abs() / (3.0 * limit) } else { 0.0 };
             let lateral = -limit * (1.0 - h * h * h) * a.signum();
             let aligning = limit * 0.318 * (1.0 - h) * h * h * h * a.signum();
             let f = t.steady_force(load, 0.0, a, 0.8);
@@ -162,7 +163,9 @@ fn tmeasy_aligns_with_the_trail_of_its_sheet_which_vanishes_in_sliding() {
 fn the_hard_tyre_reaches_the_friction_circle_at_small_slip_and_never_leaves_it() {
     let t = tyre("rigid");
     let load = 6115.0;
-    for (slip, angle) in [(-0.02, 0.0), (0.03, 0.0), (-1.0, 0.0), (0.0, 0.02), (0.0, 1.0), (-0.02, -0.02), (2.0, 0.3)] {
+    for (slip, angle) in
+        [(-0.02, 0.0), (0.03, 0.0), (-1.0, 0.0), (0.0, 0.02), (0.0, 1.0), (-0.02, -0.02), (2.0, 0.3)]
+    {
         let f = t.steady_force(load, slip, angle, 0.6);
         let size = hypot(f.longitudinal, f.lateral);
         assert!(close(size, 0.6 * load, 1e-9), "{slip} {angle}: {size}");
@@ -189,7 +192,10 @@ fn at_any_load_a_tyre_is_stiff_and_its_forces_are_sane() {
             let g = t.steady_force(load, 0.0, 0.05, 0.8).lateral;
             assert!(f < 0.0 && g < 0.0 && f >= -load && g >= -load, "{name} at {load} N: {f} {g}");
             // More load, more force, until it grows no further.
-            assert!(f <= before[0] + 1e-6 * load && g <= before[1] + 1e-6 * load, "{name} at {load} N: {f} {g}");
+            assert!(
+                f <= before[0] + 1e-6 * load && g <= before[1] + 1e-6 * load,
+                "{name} at {load} N: {f} {g}"
+            );
             before = [f, g];
         }
     }
@@ -202,10 +208,7 @@ fn at_any_load_a_tyre_is_stiff_and_its_forces_are_sane() {
 #[test]
 fn an_unknown_tyre_is_refused_with_the_names_that_there_are() {
     let e = hmmwv().with_tyre("slick").unwrap_err().to_string();
-    assert_eq!(
-        e,
-        "hmmwv: tyres: \"slick\" is not among them; choose one of brush, fiala, rigid, tmeasy"
-    );
+    assert_eq!(e, "hmmwv: tyres: \"slick\" is not among them; choose one of brush, fiala, rigid, tmeasy");
 }
 
 #[test]

@@ -162,12 +162,8 @@ mod tests {
     fn on_a_side_slope_a_tilted_wheel_finds_the_plane_and_stands_on_its_lower_side() {
         let e = envelope();
         let slope = |x: f64, y: f64| 0.2 * x - 0.15 * y;
-        let ground = Heightfield::new(
-            9,
-            9,
-            1.0,
-            (0..81).map(|i| slope(f64::from(i % 9), f64::from(i / 9))).collect(),
-        );
+        let ground =
+            Heightfield::new(9, 9, 1.0, (0..81).map(|i| slope(f64::from(i % 9), f64::from(i / 9))).collect());
         let n = V3::new(-0.2, 0.15, 1.0).normalize();
         let along = V3::y().cross(&n).normalize();
         let left = n.cross(&along);

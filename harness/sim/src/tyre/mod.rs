@@ -7,9 +7,9 @@ mod brush;
 mod envelope;
 mod fiala;
 mod patch;
-mod rigid;
 #[cfg(test)]
 mod rig;
+mod rigid;
 mod sample;
 mod tmeasy;
 

@@ -7,8 +7,7 @@ use vb_world::Heightfield;
 
 /// The HMMWV's tyres, by name.
 fn tyres() -> Vec<(String, TyreSpec)> {
-    let v =
-        VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
+    let v = VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
     let mut all: Vec<_> = v.tyres.into_iter().collect();
     all.push((v.tyre.model().to_owned(), v.tyre));
     all
@@ -248,7 +247,10 @@ fn a_bouncing_rolling_wheel_never_gains_energy() {
             greatest_rise = greatest_rise.max(now - least);
             least = least.min(now);
         }
-        assert!(greatest_rise < 0.005 * first + 0.5 * STORED, "{name}: it gains {greatest_rise} of {first} J");
+        assert!(
+            greatest_rise < 0.005 * first + 0.5 * STORED,
+            "{name}: it gains {greatest_rise} of {first} J"
+        );
         assert!(rig.energy(&ground) < 0.95 * first, "{name}: it dissipates");
     }
 }
@@ -256,7 +258,8 @@ fn a_bouncing_rolling_wheel_never_gains_energy() {
 #[test]
 fn after_one_relaxation_length_the_lateral_force_has_63_percent() {
     // Relaxation length: slope at zero slip over the carcass' stiffness; Fiala c_alpha/c_y, TMeasy dF_y0(F_z)/c_y.
-    for (name, length) in [("fiala", 50_000.0 / 107_000.0), ("tmeasy", 0.0), ("brush", 0.467), ("rigid", 0.1)] {
+    for (name, length) in [("fiala", 50_000.0 / 107_000.0), ("tmeasy", 0.0), ("brush", 0.467), ("rigid", 0.1)]
+    {
         let spec = tyre(name);
         let tyre = Tyre::new(&spec);
         let load = 6000.0;
@@ -280,9 +283,7 @@ fn after_one_relaxation_length_the_lateral_force_has_63_percent() {
             spin: rolling,
         };
         let mut patch = Patch::default();
-        let force = |patch: &mut Patch| {
-            tyre.react(&motion, &contact, 0.8, patch, dt).unwrap().force.y
-        };
+        let force = |patch: &mut Patch| tyre.react(&motion, &contact, 0.8, patch, dt).unwrap().force.y;
         let steps = (length / speed / dt).round() as usize;
         let mut f = 0.0;
         for _ in 0..steps {
@@ -303,9 +304,13 @@ fn nothing_diverges_between_spinning_at_rest_and_locked_at_forty_metres_a_second
     let ground = flat();
     let ground_x = road();
     for (name, spec) in tyres() {
-        for (speed, spin, locked) in
-            [(0.0, 100.0, false), (40.0, 0.0, true), (40.0, 0.0, false), (40.0, 85.0, false), (0.5, -50.0, false)]
-        {
+        for (speed, spin, locked) in [
+            (0.0, 100.0, false),
+            (40.0, 0.0, true),
+            (40.0, 0.0, false),
+            (40.0, 85.0, false),
+            (0.5, -50.0, false),
+        ] {
             for (drift, ground) in [(0.0, &ground_x), (10.0, &ground)] {
                 let mut rig = Rig::new(&spec);
                 rig.velocity = V3::new(speed, drift, 0.0);

@@ -18,10 +18,7 @@ impl Rigid {
         Self {
             stiffness: t.vertical_stiffness,
             friction: t.friction,
-            bristle: Carcass {
-                stiffness: [t.tangential_stiffness; 2],
-                damping: [t.tangential_damping; 2],
-            },
+            bristle: Carcass { stiffness: [t.tangential_stiffness; 2], damping: [t.tangential_damping; 2] },
             slip_stiffness: t.tangential_stiffness * t.relaxation_length,
         }
     }

@@ -69,7 +69,8 @@ impl Tyre {
     /// slip and slip angle (rad); see [`Tyre::steady_force`].
     #[must_use]
     pub fn sample(&self, loads: &[f64], points: &[(f64, f64)], friction: f64) -> Vec<Vec<SteadyForce>> {
-        let curve = |load: f64| points.iter().map(|&(k, a)| self.steady_force(load, k, a, friction)).collect();
+        let curve =
+            |load: f64| points.iter().map(|&(k, a)| self.steady_force(load, k, a, friction)).collect();
         loads.iter().map(|&load| curve(load)).collect()
     }
 }
