@@ -4,7 +4,7 @@ mod common;
 use common::{controls, flat, grade, hmmwv, hold_speed, world};
 use std::sync::Arc;
 use vb_math::{atan, hypot, tan};
-use vb_sim::{SimOptions, Simulation, Tyre, VehicleSpec};
+use vb_sim::{SimOptions, Simulation, Tyre, TyreSpec, VehicleSpec};
 use vb_world::{Heightfield, Pose2, World};
 
 const NAMES: [&str; 4] = ["brush", "fiala", "rigid", "tmeasy"];
@@ -30,7 +30,7 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 fn fiala_gives_the_closed_form_in_slip_and_in_slip_angle() {
     // Adams/Tire's Fiala (facts §6) with the sheet's c_slip, c_alpha, mu_min, mu_max; ground friction 0.8 = mu_0.
     let (cs, ca, least, most) = (193_929.0, 50_000.0, 0.5568, 0.9835);
-    let t = tyre("fiala");
+    let (t, width) = (tyre("fiala"), on("fiala").tyre.width());
     for load in [3000.0, 6000.0, 15_000.0] {
         let u = |s: f64| most - (most - least) * f64::min(s, 1.0);
         for slip in [-1.0, -0.3, -0.05, -0.004, 0.002, 0.01, 0.02, 0.1, 0.5, 1.5] {
@@ -52,7 +52,7 @@ fn fiala_gives_the_closed_form_in_slip_and_in_slip_angle() {
             let h =
                 if a.abs() < atan(3.0 * limit / ca) { 1.0 - ca * tan(a).abs() / (3.0 * limit) } else { 0.0 };
             let lateral = -limit * (1.0 - h * h * h) * a.signum();
-            let aligning = limit * 0.318 * (1.0 - h) * h * h * h * a.signum();
+            let aligning = limit * width * (1.0 - h) * h * h * h * a.signum();
             let f = t.steady_force(load, 0.0, a, 0.8);
             assert!(close(f.lateral, lateral, 1e-6), "{degrees}: {} {lateral}", f.lateral);
             assert!((f.aligning - aligning).abs() < 1e-6 * limit, "{degrees}: {} {aligning}", f.aligning);
@@ -92,13 +92,13 @@ fn tmeasy_has_the_slopes_peaks_and_sliding_forces_of_its_sheet() {
     let sheet = [
         (
             pn,
-            [152_216.231, 7703.54696, 0.10811, 3954.57021, 0.66667],
-            [63_376.0486, 6497.13032, 0.33167, 5846.3555, 1.0296],
+            [152216.231, 7703.54696, 0.10811, 3954.57021, 0.66667],
+            [63376.0486, 6497.13032, 0.33167, 5846.3555, 1.0296],
         ),
         (
             2.0 * pn,
-            [248_837.454, 13_315.3666, 0.12389, 7252.54288, 0.66667],
-            [117_319.287, 12_438.0194, 0.33216, 11_186.3054, 1.0296],
+            [248837.454, 13315.3666, 0.12389, 7252.54288, 0.66667],
+            [117319.287, 12438.0194, 0.33216, 11186.3054, 1.0296],
         ),
     ];
     // TMeasy's slips are over the rolling speed ω R_e = (1 + κ) v_x: braking with κ, s = −κ/(1 + κ).
@@ -149,7 +149,7 @@ fn tmeasy_aligns_with_the_trail_of_its_sheet_which_vanishes_in_sliding() {
     let t = tyre("tmeasy");
     // At pn and a small slip angle: nL0 · 2 √(R_0 d) with nL0 = 0.178 and d = pn/C_z.
     let load: f64 = 8562.82661;
-    let length = 2.0 * (0.4699 * load / 411_120.924).sqrt();
+    let length = 2.0 * (0.4699 * load / 411120.924).sqrt();
     let f = t.steady_force(load, 0.0, 1e-5, 0.8);
     assert!(close(-f.aligning / f.lateral, 0.178 * length, 1e-3), "{f:?}");
     // Against the slip angle: it turns the wheel back (ISO: M_z > 0 for v_y > 0).
@@ -202,7 +202,70 @@ fn at_any_load_a_tyre_is_stiff_and_its_forces_are_sane() {
     // TMeasy's rim: from R_0 − R_rim − 0.01 m on, five times the stiffness more.
     let t = tyre("tmeasy");
     let slope = (t.vertical_force(0.3) - t.vertical_force(0.29)) / 0.01;
-    assert!(close(slope, 6.0 * 411_120.924, 1e-6), "{slope}");
+    assert!(close(slope, 6.0 * 411120.924, 1e-6), "{slope}");
+}
+
+/// The numbers of a flow sequence or a scalar that stands after `key:` below the line `section:` of a sheet.
+fn sheet_numbers(sheet: &str, section: &str, key: &str) -> Vec<f64> {
+    let from = sheet.find(&format!("\n  {section}:\n")).expect("the sheet has the section");
+    let line =
+        sheet[from..].lines().find_map(|l| l.strip_prefix(&format!("    {key}: "))).expect("it has the key");
+    line.split(['[', ']', ',']).filter_map(|n| n.trim().parse().ok()).collect()
+}
+
+#[test]
+fn the_shipped_tyres_are_those_of_the_reference_sheet() {
+    let shared = std::env::var("VB_SHARED")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared").to_owned());
+    let path = std::path::Path::new(&shared).join("reference/vehicles/hmmwv.yaml");
+    let Ok(sheet) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: no {}", path.display());
+        return;
+    };
+    let TyreSpec::Tmeasy(t) = on("tmeasy").tyre else { panic!("tmeasy") };
+    for (key, ours) in [
+        ("unloaded_radius", &[t.radius][..]),
+        ("width", &[t.width]),
+        ("rim_radius", &[t.rim_radius]),
+        ("rolling_resistance", &[t.rolling_resistance]),
+        ("mu_0", &[t.mu_0]),
+        ("pn", &[t.pn]),
+        ("pn_max", &[t.pn_max]),
+        ("vertical_stiffness", &[t.vertical_stiffness]),
+        ("vertical_damping", &[t.vertical_damping]),
+        ("dfx0", &t.dfx0),
+        ("fxm", &t.fxm),
+        ("fxs", &t.fxs),
+        ("dfy0", &t.dfy0),
+        ("fym", &t.fym),
+        ("fys", &t.fys),
+        ("sxm", &t.sxm),
+        ("sxs", &t.sxs),
+        ("sym", &t.sym),
+        ("sys", &t.sys),
+        ("nL0", &t.nl0),
+        ("sq0", &t.sq0),
+        ("sqe", &t.sqe),
+    ] {
+        assert_eq!(sheet_numbers(&sheet, "tmeasy", key), ours, "tmeasy.{key}");
+    }
+    let TyreSpec::Fiala(t) = on("fiala").tyre else { panic!("fiala") };
+    for (key, ours) in [
+        ("unloaded_radius", t.radius),
+        ("width", t.width),
+        ("rolling_resistance", t.rolling_resistance),
+        ("c_slip", t.c_slip),
+        ("c_alpha", t.c_alpha),
+        ("mu_min", t.mu_min),
+        ("mu_max", t.mu_max),
+        ("vertical_damping", t.vertical_damping),
+    ] {
+        assert_eq!(sheet_numbers(&sheet, "fiala", key), [ours], "fiala.{key}");
+    }
+    assert_eq!(sheet_numbers(&sheet, "fiala", "vertical_map"), t.vertical_map.concat());
+    let TyreSpec::Rigid(t) = on("rigid").tyre else { panic!("rigid") };
+    assert_eq!(sheet_numbers(&sheet, "rigid", "radius"), [t.radius]);
+    assert_eq!(sheet_numbers(&sheet, "rigid", "width"), [t.width]);
 }
 
 #[test]
@@ -259,10 +322,10 @@ fn braked_in_a_turn(name: &str, step: f64) -> (f64, f64, f64) {
     let per = (1e-3 / step).round() as u64;
     while sim.state().velocity.x < 10.0 {
         let c = hold_speed(&sim, 10.5, 0.0);
-        sim.advance(c, per).unwrap();
+        sim.advance(c, per).expect("finite");
     }
     let from = sim.state().position;
-    sim.advance(controls(0.4, 0.0, 0.3), 1200 * per).unwrap();
+    sim.advance(controls(0.4, 0.0, 0.3), 1200 * per).expect("finite");
     let s = sim.state();
     ((s.position - from).norm(), s.roll_pitch_yaw().2, s.velocity.norm())
 }

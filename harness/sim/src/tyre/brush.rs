@@ -42,10 +42,10 @@ impl Brush {
         let load = s.load;
         let limit = s.friction.min(self.friction) * load;
         let mut rate = [0.0; 2];
-        for k in 0..2 {
+        for (k, rate) in rate.iter_mut().enumerate() {
             let old = patch.deflection[k];
             let new = (old + dt * s.sliding[k]) / (1.0 + dt * s.rolling / self.relaxation[k]);
-            rate[k] = (new - old) / dt;
+            *rate = (new - old) / dt;
             patch.deflection[k] = new;
         }
         let e: [f64; 2] = std::array::from_fn(|k| self.bristle[k] * load * patch.deflection[k]);

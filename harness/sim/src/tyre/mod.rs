@@ -74,7 +74,7 @@ enum Model {
     Rigid(Rigid),
     Brush(Brush),
     Fiala(Fiala),
-    Tmeasy(Tmeasy),
+    Tmeasy(Box<Tmeasy>),
 }
 
 impl Tyre {
@@ -87,7 +87,7 @@ impl Tyre {
             TyreSpec::Rigid(t) => (Model::Rigid(Rigid::new(t)), 0.0),
             TyreSpec::Brush(t) => (Model::Brush(Brush::new(t)), 1.0 / 3.0),
             TyreSpec::Fiala(t) => (Model::Fiala(Fiala::new(t)), 1.0),
-            TyreSpec::Tmeasy(t) => (Model::Tmeasy(Tmeasy::new(t)), 1.0 / 3.0),
+            TyreSpec::Tmeasy(t) => (Model::Tmeasy(Box::new(Tmeasy::new(t))), 1.0 / 3.0),
         };
         Self {
             envelope: Envelope::new(spec.radius(), spec.width()),

@@ -265,7 +265,7 @@ fn after_one_relaxation_length_the_lateral_force_has_63_percent() {
         let load = 6000.0;
         let length = if name == "tmeasy" {
             let q: f64 = load / 8562.82661;
-            let slope = q * (2.0 * 63_376.0486 - 0.5 * 117_319.287 - (63_376.0486 - 0.5 * 117_319.287) * q);
+            let slope = q * (2.0 * 63376.0486 - 0.5 * 117319.287 - (63376.0486 - 0.5 * 117319.287) * q);
             slope / 136_000.0
         } else {
             length
