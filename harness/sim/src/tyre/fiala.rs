@@ -74,10 +74,12 @@ impl Fiala {
         };
         let qx = if fx > 0.0 && vx > 0.0 { vx / fx } else { start[0] };
         let held = |e: f64, f: f64| if f > 0.0 { e.abs() / f } else { f64::INFINITY };
-        // The lateral curve ends, at t = 3, where it yields three times as easily as at first.
+        // The lateral curve ends, at t = 3, where it yields three times as easily as at first. Slips are over the speed
+        // of the hub, but only a wheel that turns sheds its deflection short of sliding.
+        let creeping = 3.0 * s.rolling_or_still();
         let compliance = [
-            stick(qx, 3.0 * start[0], held(elastic[0], fx)),
-            stick(qy, 3.0 * start[1], held(elastic[1], fy)),
+            stick(qx, creeping / self.c_slip, held(elastic[0], fx)),
+            stick(qy, creeping / self.c_alpha, held(elastic[1], fy)),
         ];
         Creep { compliance, limit: [limit; 2] }
     }

@@ -131,15 +131,12 @@ impl Tyre {
     ) -> Option<Reaction> {
         let n = contact.normal;
         let load = self.vertical_force(contact.depth) - self.damping * motion.velocity.dot(&n);
-        if load <= 0.0 || friction <= 0.0 {
+        if load <= 0.0 {
             *patch = Patch::default();
-            return (load > 0.0).then(|| Reaction {
-                load,
-                force: n * load,
-                moment: V3::zeros(),
-                spin_moment: 0.0,
-            });
+            return None;
         }
+        // Ice without any friction would divide by zero.
+        let friction = friction.max(1e-6);
         // A contact at the wheel's side has no rolling direction; any one in its plane will do.
         let along = motion
             .axis
