@@ -90,7 +90,7 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
         height: spec.height,
         wheelbase: shape.wheelbase,
         track: shape.track,
-        wheel_radius: spec.tyre.radius,
+        wheel_radius: spec.tyre.radius(),
         wheels: 2 * spec.axles.len() as u32,
         ground_clearance: shape.ground_clearance,
         max_steer_angle: shape.max_steer_angle,

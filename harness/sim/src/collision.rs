@@ -150,9 +150,10 @@ pub(crate) struct WheelShape {
 
 impl WheelShape {
     pub(crate) fn new(tyre: &TyreSpec) -> Self {
-        let margin = (0.4 * tyre.width).min(0.3 * tyre.radius);
-        let core = Cylinder::new(0.5 * tyre.width - margin, tyre.radius - margin);
-        Self { core, margin, bound: vb_math::hypot(tyre.radius, 0.5 * tyre.width) }
+        let (radius, width) = (tyre.radius(), tyre.width());
+        let margin = (0.4 * width).min(0.3 * radius);
+        let core = Cylinder::new(0.5 * width - margin, radius - margin);
+        Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width) }
     }
 
     fn contact(&self, solid: &Solid, hub: &V3, axis: &V3) -> Option<Contact> {

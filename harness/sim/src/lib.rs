@@ -24,12 +24,13 @@ pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation};
 pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
-    Axle, Chassis, Converter, Damper, Differential, Driveline, DrivenAxle, Engine, Gearbox, Hardpoints,
-    LockUp, Powertrain, Spring, Steering, Stops, Suspension, TyreSpec, VehicleSpec,
+    Axle, BrushTyre, Chassis, Converter, Damper, Differential, Driveline, DrivenAxle, Engine, FialaTyre,
+    Gearbox, Hardpoints, LockUp, Powertrain, RigidTyre, Spring, Steering, Stops, Suspension, TmeasyTyre,
+    TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{CornerPose, SuspensionTable};
-pub use tyre::{Brush, Contact, Envelope};
+pub use tyre::{Contact, Envelope, Patch, SteadyForce, Tyre};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;

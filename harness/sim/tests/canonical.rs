@@ -5,7 +5,7 @@
 mod common;
 use common::{controls, flat, grade, hmmwv, hold_speed, start};
 use vb_math::angle::degrees;
-use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, SoilSet, VehicleSpec};
+use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, SoilSet, TyreSpec, VehicleSpec};
 use vb_world::Pose2;
 
 #[test]
@@ -196,7 +196,8 @@ fn it_accelerates_like_the_reference_run_at_the_speeds_of_the_tasks() {
 /// throttle_0.6.csv above. The runs at full throttle and the coasting from 5 m/s are in none of it.
 fn with_reference_resistance() -> VehicleSpec {
     let mut vehicle = hmmwv();
-    vehicle.tyre.rolling_resistance = 0.0;
+    let TyreSpec::Brush(tyre) = &mut vehicle.tyre else { panic!("the default tyre") };
+    tyre.rolling_resistance = 0.0;
     vehicle.chassis.resistance = vec![[0.0, 0.0], [3.15, 94.0], [5.01, 186.0], [7.04, 461.0], [8.81, 801.0]];
     vehicle.chassis.resistance.extend([[11.02, 1318.0], [12.49, 1723.0], [14.13, 2302.0], [14.93, 3156.0]]);
     vehicle.chassis.resistance.extend([[15.62, 3506.0], [16.25, 3794.0], [17.29, 4097.0], [18.53, 4342.0]]);

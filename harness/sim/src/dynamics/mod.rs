@@ -15,7 +15,7 @@ use crate::powertrain::Drive;
 use crate::soil::{Footprint, SoilGround};
 use crate::spec::{Damper, Spring, Stops, Suspension, VehicleSpec};
 use crate::state::{Controls, WheelState};
-use crate::tyre::{Brush, BrushLaw, Envelope};
+use crate::tyre::{Envelope, Patch, Tyre};
 use crate::{M3, Quat, SuspensionTable, V3};
 use vb_world::{Heightfield, Semantics};
 
@@ -46,8 +46,8 @@ struct Corner {
     travel: f64,
     travel_rate: f64,
     spin: f64,
-    ground_brush: Brush,
-    obstacle_brush: Brush,
+    ground_patch: Patch,
+    obstacle_patch: Patch,
     footprint: Footprint,
     /// Greatest depth of the wheel below undisturbed soil in the last step, m.
     sinkage: f64,
@@ -81,9 +81,7 @@ pub(crate) struct Vehicle {
     mass: f64,
     inertia: V3,
     resistance: Vec<[f64; 2]>,
-    envelope: Envelope,
-    law: BrushLaw,
-    tyre: crate::TyreSpec,
+    tyre: Tyre,
     steering_rate: f64,
     corners: Vec<Corner>,
     drive: Drive,
@@ -117,9 +115,9 @@ impl Vehicle {
                     travel: 0.0,
                     travel_rate: 0.0,
                     spin: 0.0,
-                    ground_brush: Brush::default(),
-                    obstacle_brush: Brush::default(),
-                    footprint: Footprint::new(spec.tyre.radius, spec.tyre.width, soil_pitch),
+                    ground_patch: Patch::default(),
+                    obstacle_patch: Patch::default(),
+                    footprint: Footprint::new(spec.tyre.radius(), spec.tyre.width(), soil_pitch),
                     sinkage: 0.0,
                     load: 0.0,
                 });
@@ -129,9 +127,7 @@ impl Vehicle {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
             resistance: spec.chassis.resistance.clone(),
-            envelope: Envelope::new(&spec.tyre),
-            law: BrushLaw::new(&spec.tyre),
-            tyre: spec.tyre,
+            tyre: Tyre::new(&spec.tyre),
             steering_rate: spec.steering.rate,
             forces: Vec::with_capacity(corners.len()),
             corners,
@@ -175,7 +171,7 @@ impl Vehicle {
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
-            let (g, o) = (c.ground_brush.deflection, c.obstacle_brush.deflection);
+            let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
             let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
             motion.into_iter().chain(c.footprint.digest())
         });
@@ -191,7 +187,7 @@ impl Vehicle {
     }
 
     pub(crate) fn envelope(&self) -> &Envelope {
-        &self.envelope
+        self.tyre.envelope()
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

@@ -3,7 +3,7 @@
 use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::soil::{BLEND, Under, WheelMotion};
-use crate::tyre::{Brush, BrushLaw, Contact};
+use crate::tyre::{Contact, Motion, Patch, Tyre};
 use crate::{M3, V3};
 
 impl Vehicle {
@@ -45,15 +45,16 @@ impl Vehicle {
             let motion = Motion { hub, velocity: hub_velocity, rotation, axis, spin: c.spin };
             c.load = 0.0;
             c.sinkage = 0.0;
-            let reach = self.tyre.radius;
+            let envelope = self.tyre.envelope();
+            let reach = envelope.radius();
             let under =
                 if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
             let contact = match under {
-                Under::Rigid => self.envelope.query(ground.heightfield, &hub, &axis),
+                Under::Rigid => envelope.query(ground.heightfield, &hub, &axis),
                 Under::Soil(_) => None,
                 Under::Mixed => {
                     let rigid = |x, y| 1.0 - ground.soil.share(x, y, BLEND);
-                    self.envelope.query_where(ground.heightfield, &hub, &axis, rigid)
+                    envelope.query_where(ground.heightfield, &hub, &axis, rigid)
                 }
             };
             if let Some(contact) = contact {
@@ -62,18 +63,9 @@ impl Vehicle {
                     Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
                     _ => ground.semantics.friction_at(x, y),
                 };
-                let friction = friction.min(self.tyre.friction);
-                c.load += motion.tyre_force(
-                    &self.tyre,
-                    &self.law,
-                    &contact,
-                    friction,
-                    &mut c.ground_brush,
-                    &mut f,
-                    dt,
-                );
+                c.load += motion.tyre_force(&self.tyre, &contact, friction, &mut c.ground_patch, &mut f, dt);
             } else {
-                c.ground_brush = Brush::default();
+                c.ground_patch = Patch::default();
             }
             if !ground.soil.is_empty() {
                 let motion = WheelMotion { hub, velocity: hub_velocity, rotation, axis };
@@ -88,77 +80,40 @@ impl Vehicle {
                 }
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(wheel, &hub, &axis) {
-                let friction = OBSTACLE_FRICTION.min(self.tyre.friction);
                 c.load += motion.tyre_force(
                     &self.tyre,
-                    &self.law,
                     &contact,
-                    friction,
-                    &mut c.obstacle_brush,
+                    OBSTACLE_FRICTION,
+                    &mut c.obstacle_patch,
                     &mut f,
                     dt,
                 );
             } else {
-                c.obstacle_brush = Brush::default();
+                c.obstacle_patch = Patch::default();
             }
             self.forces.push(f);
         }
     }
 }
 
-/// How a wheel moves.
-struct Motion {
-    hub: V3,
-    velocity: V3,
-    rotation: V3,
-    axis: V3,
-    spin: f64,
-}
-
 impl Motion {
     /// Adds the force of one contact to `f`; returns the normal force.
-    #[allow(clippy::too_many_arguments, reason = "tyre, contact and wheel are three things")]
     fn tyre_force(
         &self,
-        tyre: &crate::TyreSpec,
-        law: &BrushLaw,
+        tyre: &Tyre,
         contact: &Contact,
         friction: f64,
-        brush: &mut Brush,
+        patch: &mut Patch,
         f: &mut Forces,
         dt: f64,
     ) -> f64 {
-        let n = contact.normal;
-        let arm = contact.point - self.hub;
-        let normal_speed = self.velocity.dot(&n);
-        let load = tyre.vertical_stiffness * contact.depth - tyre.vertical_damping * normal_speed;
-        if load <= 0.0 {
-            brush.deflection = [0.0; 2];
+        let Some(r) = tyre.react(self, contact, friction, patch, dt) else {
             return 0.0;
-        }
-        // A contact at the wheel's side has no rolling direction; any one in its plane will do.
-        let along = self
-            .axis
-            .cross(&n)
-            .try_normalize(0.05)
-            .unwrap_or_else(|| n.cross(&V3::z()).try_normalize(1e-6).unwrap_or_else(V3::x));
-        let across = n.cross(&along);
-        // The tread rolls on a radius between the loaded and the free one (Rill: one third of the deflection).
-        let lever = arm.norm();
-        let rolling_arm = if lever > 0.0 { arm * ((lever + 2.0 / 3.0 * contact.depth) / lever) } else { arm };
-        let patch = self.velocity + self.rotation.cross(&rolling_arm);
-        let rolling_speed = (self.axis.cross(&rolling_arm) * self.spin).norm();
-        let sliding = [patch.dot(&along), patch.dot(&across)];
-        let t = brush.advance(law, sliding, rolling_speed, load, friction, dt);
-        let tangential = along * t[0] + across * t[1];
-        let total = tangential + n * load;
-        let moment = arm.cross(&total);
-        f.force += total;
-        f.moment += moment - self.axis * self.axis.dot(&moment);
-        // The pressure acts through the axle; only friction and rolling resistance turn the wheel.
-        let resistance = tyre.rolling_resistance * load * lever * (self.spin * lever / 0.1).clamp(-1.0, 1.0);
-        f.spin_moment += self.axis.dot(&rolling_arm.cross(&tangential)) - resistance;
-        f.inertia += n * n.transpose() * (dt * tyre.vertical_damping);
-        load
+        };
+        f.force += r.force;
+        f.moment += r.moment;
+        f.spin_moment += r.spin_moment;
+        f.inertia += contact.normal * contact.normal.transpose() * (dt * tyre.damping());
+        r.load
     }
 }

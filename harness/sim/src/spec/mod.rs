@@ -5,10 +5,12 @@ mod powertrain;
 mod suspension;
 mod tyre;
 
+use crate::error::SimError;
 pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
-pub use tyre::TyreSpec;
+pub use tyre::{BrushTyre, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec};
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
 pub type Point = [f64; 3];
@@ -37,10 +39,37 @@ pub struct VehicleSpec {
     pub axles: Vec<Axle>,
     /// Steering gear.
     pub steering: Steering,
-    /// All tyres.
+    /// The tyre on all wheels.
     pub tyre: TyreSpec,
+    /// Tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
+    #[serde(default)]
+    pub tyres: BTreeMap<String, TyreSpec>,
     /// Engine, gearbox and driveline.
     pub powertrain: Powertrain,
+}
+
+impl VehicleSpec {
+    /// The same vehicle on another of its tyres, or on the one that it has by the name of that one's model.
+    ///
+    /// # Errors
+    /// [`SimError::VehicleInvalid`], with the names that there are.
+    pub fn with_tyre(mut self, name: &str) -> Result<Self, SimError> {
+        if let Some(tyre) = self.tyres.get(name) {
+            self.tyre = tyre.clone();
+            return Ok(self);
+        }
+        if name == self.tyre.model() {
+            return Ok(self);
+        }
+        let mut known: Vec<&str> = self.tyres.keys().map(String::as_str).collect();
+        known.push(self.tyre.model());
+        known.sort_unstable();
+        Err(SimError::VehicleInvalid {
+            file: self.name.clone(),
+            field: "tyres".to_owned(),
+            reason: format!("{name:?} is not among them; choose one of {}", known.join(", ")),
+        })
+    }
 }
 
 /// The sprung body.

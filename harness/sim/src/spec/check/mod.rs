@@ -91,7 +91,7 @@ impl Check<'_> {
         }
         self.positive("steering.rate", v.steering.rate)?;
         self.not_negative("steering.rack_travel", v.steering.rack_travel)?;
-        self.tyre(v)?;
+        self.tyres(v)?;
         self.powertrain(v)
     }
 
@@ -167,6 +167,30 @@ mod tests {
         );
         let e = broken("width: 0.254", "breadth: 0.254");
         assert!(e.contains("breadth"), "{e}");
+    }
+
+    #[test]
+    fn a_tyre_says_what_its_model_lacks_and_what_no_tyre_can_be() {
+        let e = broken("model: fiala", "model: slick");
+        assert!(e.contains("tyres.fiala.model") && e.contains("slick") && e.contains("tmeasy"), "{e}");
+        let e = broken("    model: rigid\n    radius: 0.467\n", "    radius: 0.467\n    model: rigid\n");
+        assert!(e.contains("tyres.rigid") && e.contains("first key is `model:"), "{e}");
+        let e = broken("    c_slip: 193929\n", "");
+        assert!(e.contains("tyres.fiala") && e.contains("c_slip"), "{e}");
+        let e = broken("pn_max: 29969.8931", "pn_max: heavy");
+        assert!(e.contains("tyres.tmeasy.pn_max") && e.contains("heavy") && e.contains("line "), "{e}");
+        let e = broken("mu_min: 0.5568", "mu_min: 1.2");
+        assert_eq!(e, "car.yaml: tyres.fiala.mu_min: 1.2 exceeds mu_max (0.9835); friction falls with slip");
+        let e = broken("[0.1, 58000]", "[0.1, 28000]");
+        assert!(e.starts_with("car.yaml: tyres.fiala.vertical_map[2]: [0.1, 28000.0] must exceed"), "{e}");
+        let e = broken("rim_radius: 0.20955", "rim_radius: 0.5");
+        assert_eq!(e, "car.yaml: tyres.tmeasy.rim_radius: 0.5 must be less than the radius (0.4699)");
+        let e = broken("fxs: [3954.57021, 7252.54288]", "fxs: [3954.57021, 17252.54288]");
+        assert!(e.starts_with("car.yaml: tyres.tmeasy.fxs[1]: 17252.54288"), "{e}");
+        let e = broken("sxs: [0.66667, 0.66667]", "sxs: [0.1, 0.66667]");
+        assert!(e.starts_with("car.yaml: tyres.tmeasy.sxs[0]: 0.1 must exceed the slip"), "{e}");
+        let e = broken("tangential_stiffness: 4.0e6", "tangential_stiffness: 0");
+        assert_eq!(e, "car.yaml: tyres.rigid.tangential_stiffness: 0 must be a positive number");
     }
 
     #[test]
