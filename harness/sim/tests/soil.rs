@@ -252,7 +252,7 @@ fn from_rigid_ground_to_soil_and_back_there_is_no_jump() {
     // time; what jumps changes as much.
     let ((change, rise), (quarter, _)) = (changes(1e-3), changes(2.5e-4));
     assert!(change < 1000.0, "{change} N in 1 ms; the static load is 6.1 kN");
-    assert!(quarter < 0.4 * change, "{change} N in 1 ms, {quarter} N in 0.25 ms");
+    assert!(quarter < 0.5 * change, "{change} N in 1 ms, {quarter} N in 0.25 ms");
     assert!(rise < 0.3, "{rise} m/s");
 }
 

@@ -130,7 +130,9 @@ impl Tyre {
         dt: f64,
     ) -> Option<Reaction> {
         let n = contact.normal;
-        let load = self.vertical_force(contact.depth) - self.damping * motion.velocity.dot(&n);
+        let elastic = self.vertical_force(contact.depth);
+        // The damper does no more than the spring, so that contacts begin and end without a jump.
+        let load = elastic - (self.damping * motion.velocity.dot(&n)).clamp(-elastic, elastic);
         if load <= 0.0 {
             *patch = Patch::default();
             return None;
