@@ -21,11 +21,12 @@ mod tyre;
 pub use error::SimError;
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
-    Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
-    Suspension, TyreSpec, VehicleSpec,
+    AntiRoll, Axle, Beam, Chassis, Damper, Differentials, DoubleWishbone, Engine, Gearbox, KnuckleDrive, Knuckles,
+    LeafAxle, Linkage, Multilink, Part, Powertrain, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy,
+    Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, Torsion, TorsionArm, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
-pub use suspension::{CornerPose, SuspensionTable};
+pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};
 pub use tyre::{Brush, Contact, Envelope};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;

@@ -5,7 +5,7 @@ use crate::dynamics::{Ground, MAX_WHEELS, Vehicle};
 use crate::error::SimError;
 use crate::spec::VehicleSpec;
 use crate::state::{Controls, VehicleState, WheelState};
-use crate::{Quat, SuspensionTable, V3};
+use crate::{AxleKinematics, Quat, V3};
 use std::sync::Arc;
 use vb_math::atan;
 use vb_world::{Pose2, World};
@@ -68,14 +68,13 @@ impl Simulation {
         if 2 * spec.axles.len() > MAX_WHEELS {
             return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
         }
-        let mut tables = Vec::new();
+        let mut axles = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
-            let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
-            let table = SuspensionTable::solve(&axle.suspension, rack)
-                .map_err(|reason| invalid(format!("axles[{i}].suspension.hardpoints"), reason))?;
-            tables.push(table);
+            let solved = AxleKinematics::solve(axle)
+                .map_err(|e| invalid(format!("axles[{i}].suspension.linkage"), e.to_string()))?;
+            axles.push(solved);
         }
-        let vehicle = Vehicle::new(spec, tables);
+        let vehicle = Vehicle::new(spec, &axles);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {

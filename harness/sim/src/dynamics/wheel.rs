@@ -3,45 +3,14 @@
 use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::tyre::{Brush, BrushLaw, Contact};
-use crate::{M3, V3};
+use crate::V3;
 
 impl Vehicle {
-    pub(super) fn corner_forces(
-        &mut self,
-        turn: &M3,
-        steer_rate: f64,
-        ground: &Ground<'_>,
-        wheel: &WheelShape,
-        dt: f64,
-    ) {
-        self.forces.clear();
+    pub(super) fn corner_forces(&mut self, ground: &Ground<'_>, wheel: &WheelShape, dt: f64) {
         let look = ground.obstacles.any_near();
-        for c in &mut self.corners {
-            let command = if c.steered { self.steering } else { 0.0 };
-            let pose = c.table.at(c.travel, command, c.side);
-            let arm = turn * (c.mount + pose.hub);
-            let axis = turn * pose.axis;
-            let tangent = turn * pose.hub_rate;
-            let tilt = turn * pose.tilt_rate;
-            let hub = self.x + arm;
-            let mut hub_velocity = self.v + self.w.cross(&arm) + tangent * c.travel_rate;
-            if c.steered {
-                hub_velocity += turn * (pose.hub_steer_rate * steer_rate);
-            }
-            let mut f = Forces {
-                arm,
-                tangent,
-                axis,
-                tilt,
-                strut: pose.strut,
-                strut_rate: pose.strut_rate,
-                force: V3::zeros(),
-                moment: V3::zeros(),
-                spin_moment: 0.0,
-                inertia: M3::from_diagonal_element(c.mass),
-            };
-            let rotation = self.w + tilt * c.travel_rate + axis * c.spin;
-            let motion = Motion { hub, velocity: hub_velocity, rotation, axis, spin: c.spin };
+        for (c, f) in self.corners.iter_mut().zip(&mut self.forces) {
+            let (hub, axis) = (self.x + f.arm, f.axis);
+            let motion = Motion { hub, velocity: f.velocity, rotation: f.rotation, axis, spin: c.spin };
             c.load = 0.0;
             if let Some(contact) = self.envelope.query(ground.heightfield, &hub, &axis) {
                 let friction = ground.semantics.friction_at(contact.point.x, contact.point.y);
@@ -52,7 +21,7 @@ impl Vehicle {
                     &contact,
                     friction,
                     &mut c.ground_brush,
-                    &mut f,
+                    f,
                     dt,
                 );
             } else {
@@ -66,13 +35,12 @@ impl Vehicle {
                     &contact,
                     friction,
                     &mut c.obstacle_brush,
-                    &mut f,
+                    f,
                     dt,
                 );
             } else {
                 c.obstacle_brush = Brush::default();
             }
-            self.forces.push(f);
         }
     }
 }
