@@ -60,7 +60,11 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
                 atan2(-axis.x, axis.y)
             };
             let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
-            hubs.push((axle.position[0] + left.x, left.y - right.y, 0.5 * (angle(Side::Left) + angle(Side::Right))));
+            hubs.push((
+                axle.position[0] + left.x,
+                left.y - right.y,
+                0.5 * (angle(Side::Left) + angle(Side::Right)),
+            ));
         }
     }
     let (first, last) = (hubs[0], hubs[hubs.len() - 1]);

@@ -21,9 +21,10 @@ mod tyre;
 pub use error::SimError;
 pub use simulation::{SimOptions, Simulation};
 pub use spec::{
-    AntiRoll, Axle, Beam, Chassis, Damper, Differentials, DoubleWishbone, Engine, Gearbox, KnuckleDrive, Knuckles,
-    LeafAxle, Linkage, Multilink, Part, Powertrain, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy,
-    Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, Torsion, TorsionArm, TyreSpec, VehicleSpec,
+    AntiRoll, Axle, Beam, Chassis, Damper, Differentials, DoubleWishbone, Engine, Gearbox, KnuckleDrive,
+    Knuckles, LeafAxle, Linkage, Multilink, Part, PivotAxle, Powertrain, RigidMount, Rod, SingleWishbone,
+    SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, Torsion,
+    TorsionArm, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};

@@ -7,6 +7,7 @@
 //! (Σ Tᵀ M T) q̈ = Q − Σ Tᵀ M (G ẍ + b) and are eliminated.
 
 use super::{Corner, Forces, solve::skew};
+use crate::spec::Linkage;
 use crate::suspension::BeamAxle;
 use crate::{GRAVITY, M3, V3};
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
@@ -24,6 +25,8 @@ pub(super) struct Beam {
     pub(super) mass: f64,
     at_hub: f64,
     at_middle: f64,
+    /// Whether it can only roll.
+    pivots: bool,
     /// N/m over the difference of travels.
     anti_roll: f64,
     // Of this step, world axes.
@@ -62,9 +65,10 @@ impl Beam {
         beam: crate::Beam,
         left: usize,
         mount: V3,
-        half_track: f64,
+        linkage: &Linkage,
         anti_roll: f64,
     ) -> Self {
+        let half_track = linkage.spindle()[1];
         let at_hub = 0.5 * beam.inertia / (half_track * half_track);
         Self {
             kinematics,
@@ -73,6 +77,7 @@ impl Beam {
             mass: beam.mass,
             at_hub,
             at_middle: beam.mass - 2.0 * at_hub,
+            pivots: matches!(linkage, Linkage::PivotAxle(_)),
             anti_roll,
             arm: V3::zeros(),
             tangents: [V3::zeros(); 2],
@@ -88,8 +93,26 @@ impl Beam {
         self.kinematics.at([0.0; 2], [0.0; 2], 0.0).middle
     }
 
+    /// What of the beam's mass is at each hub, kg.
+    #[cfg(test)]
+    pub(super) fn hub_mass(&self) -> f64 {
+        self.at_hub
+    }
+
+    /// What of the beam's mass is in its middle, kg.
+    #[cfg(test)]
+    pub(super) fn middle_mass(&self) -> f64 {
+        self.at_middle
+    }
+
     /// Eliminates the travels of the two wheels; `w` is the chassis' angular velocity.
-    pub(super) fn eliminate(&self, pair: &[Corner], forces: &[Forces], w: &V3, dt: f64) -> (Passed, Remembered) {
+    pub(super) fn eliminate(
+        &self,
+        pair: &[Corner],
+        forces: &[Forces],
+        w: &V3,
+        dt: f64,
+    ) -> (Passed, Remembered) {
         let rates = Vector2::new(pair[0].travel_rate, pair[1].travel_rate);
         let gravity = V3::new(0.0, 0.0, -GRAVITY);
         let mut d = Matrix2::zeros();
@@ -146,7 +169,12 @@ impl Beam {
         let twist = self.anti_roll * (pair[0].travel - pair[1].travel);
         rhs += Vector2::new(-twist, twist);
         let det = d.m11 * d.m22 - d.m12 * d.m21;
-        let inverse = Matrix2::new(d.m22, -d.m12, -d.m21, d.m11) / det;
+        let inverse = if self.pivots {
+            // One travel alone is left, along (1, −1).
+            Matrix2::new(1.0, -1.0, -1.0, 1.0) / (d.m11 - d.m12 - d.m21 + d.m22)
+        } else {
+            Matrix2::new(d.m22, -d.m12, -d.m21, d.m11) / det
+        };
         let (over_angular, over_linear) = (h_angular * inverse, h_linear * inverse);
         p.angular -= over_angular * h_angular.transpose();
         p.coupling -= over_angular * h_linear.transpose();

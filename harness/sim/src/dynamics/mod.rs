@@ -17,8 +17,8 @@ use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
 use crate::spec::{AntiRoll, Stops, VehicleSpec};
 use crate::state::Controls;
-use crate::tyre::{Brush, BrushLaw, Envelope};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
+use crate::tyre::{Brush, BrushLaw, Envelope};
 use crate::{M3, Quat, V3};
 use beam::Beam;
 use std::sync::Arc;
@@ -138,7 +138,7 @@ impl Vehicle {
                 None => (0.0, 0.0),
             };
             if let (Some(kinematics), Some(beam)) = (kinematics.beam(), suspension.linkage.beam()) {
-                beams.push(Beam::new(kinematics, beam, 2 * i, mount, suspension.linkage.spindle()[1], bar.0));
+                beams.push(Beam::new(kinematics, beam, 2 * i, mount, &suspension.linkage, bar.0));
             } else if bar.0 > 0.0 {
                 bars.push(Bar { left: 2 * i, stiffness: bar.0, damping: bar.1 });
             }

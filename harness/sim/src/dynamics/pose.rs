@@ -50,8 +50,7 @@ impl Vehicle {
                     + f.tangent * rates[i]
                     + cross * rates[1 - i]
                     + turn * (w.hub_steer_rate * steer_rate);
-                f.rotation =
-                    self.w + f.tilt * rates[i] + cross_tilt * rates[1 - i] + f.axis * c.spin;
+                f.rotation = self.w + f.tilt * rates[i] + cross_tilt * rates[1 - i] + f.axis * c.spin;
                 b.cross[i] = cross;
                 b.cross_tilt[i] = cross_tilt;
                 b.strut_rates[i] = w.strut_rates;

@@ -60,7 +60,9 @@ impl Vehicle {
             if let Some(stops) = &c.stops {
                 along -= stops.force(c.travel);
             }
-            let bias = self.w.cross(&self.w.cross(&f.arm)) + self.w.cross(&f.tangent) * (2.0 * c.travel_rate) + f.bend;
+            let bias = self.w.cross(&self.w.cross(&f.arm))
+                + self.w.cross(&f.tangent) * (2.0 * c.travel_rate)
+                + f.bend;
             let applied = f.force + gravity * c.mass;
             let mt = f.inertia * f.tangent;
             let d = mt.dot(&f.tangent) + dt * damping;
@@ -79,8 +81,7 @@ impl Vehicle {
         let mut beams = [None; MAX_WHEELS / 2];
         for (b, kept) in self.beams.iter().zip(&mut beams) {
             let pair = b.left..b.left + 2;
-            let (p, remembered) =
-                b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, dt);
+            let (p, remembered) = b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, dt);
             angular += p.angular;
             coupling += p.coupling;
             linear += p.linear;

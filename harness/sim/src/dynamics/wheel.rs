@@ -1,9 +1,9 @@
 //! Forces of ground and obstacles on the wheels.
 
 use super::{Forces, Ground, Vehicle};
+use crate::V3;
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::tyre::{Brush, BrushLaw, Contact};
-use crate::V3;
 
 impl Vehicle {
     pub(super) fn corner_forces(&mut self, ground: &Ground<'_>, wheel: &WheelShape, dt: f64) {
@@ -15,15 +15,8 @@ impl Vehicle {
             if let Some(contact) = self.envelope.query(ground.heightfield, &hub, &axis) {
                 let friction = ground.semantics.friction_at(contact.point.x, contact.point.y);
                 let friction = friction.min(self.tyre.friction);
-                c.load += motion.tyre_force(
-                    &self.tyre,
-                    &self.law,
-                    &contact,
-                    friction,
-                    &mut c.ground_brush,
-                    f,
-                    dt,
-                );
+                c.load +=
+                    motion.tyre_force(&self.tyre, &self.law, &contact, friction, &mut c.ground_brush, f, dt);
             } else {
                 c.ground_brush = Brush::default();
             }

@@ -42,6 +42,9 @@ pub enum Linkage {
     SolidAxle(SolidAxle),
     /// A rigid beam between two wheels on leaf springs.
     LeafAxle(LeafAxle),
+    /// A rigid beam between two wheels that turns about a longitudinal pin at the chassis and can't rise: an axle that
+    /// gives way to the ground but doesn't spring.
+    PivotAxle(PivotAxle),
     /// The wheels are fixed to the chassis.
     Rigid(RigidMount),
 }
@@ -165,6 +168,21 @@ pub struct LeafAxle {
     pub knuckles: Option<Knuckles>,
 }
 
+/// A rigid beam on a pin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PivotAxle {
+    /// Wheel centre.
+    pub spindle: Point,
+    /// The beam's mass.
+    pub beam: Beam,
+    /// Height of the pin, m.
+    pub pin_height: f64,
+    /// For a steered axle.
+    #[serde(default)]
+    pub knuckles: Option<Knuckles>,
+}
+
 /// What a beam weighs, beside the unsprung masses of its two wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -229,10 +247,10 @@ pub struct RigidMount {
 pub struct Strut {
     /// End on the chassis.
     pub chassis: Point,
-    /// End on the part named by `on`.
+    /// End on `part`.
     pub end: Point,
-    /// The part that moves.
-    pub on: Part,
+    /// The part that moves this end.
+    pub part: Part,
     /// Spring along it.
     #[serde(default)]
     pub spring: Option<Spring>,
@@ -374,10 +392,10 @@ pub enum AntiRoll {
         pivot: Point,
         /// Upper end of the drop link, on the bar's arm.
         arm_end: Point,
-        /// Lower end of the drop link, on the part named by `on`.
+        /// Lower end of the drop link, on `part`.
         link_end: Point,
         /// The part that moves it.
-        on: Part,
+        part: Part,
     },
 }
 
@@ -456,6 +474,7 @@ impl Linkage {
             Self::TorsionArm(l) => l.spindle,
             Self::SolidAxle(l) => l.spindle,
             Self::LeafAxle(l) => l.spindle,
+            Self::PivotAxle(l) => l.spindle,
             Self::Rigid(l) => l.spindle,
         }
     }
@@ -466,6 +485,7 @@ impl Linkage {
         match self {
             Self::SolidAxle(l) => Some(l.beam),
             Self::LeafAxle(l) => Some(l.beam),
+            Self::PivotAxle(l) => Some(l.beam),
             _ => None,
         }
     }
@@ -476,6 +496,7 @@ impl Linkage {
         match self {
             Self::SolidAxle(l) => l.knuckles.as_ref(),
             Self::LeafAxle(l) => l.knuckles.as_ref(),
+            Self::PivotAxle(l) => l.knuckles.as_ref(),
             _ => None,
         }
     }

@@ -77,6 +77,13 @@ fn mechanism(suspension: &Suspension, spindle: V3, middle: V3) -> Mechanism {
             m.coordinate(Anchor::Part(beam, V3::new(seat.x, 0.0, seat.z)), 1, None);
             m.direction(beam, V3::z(), V3::x());
         }
+        Linkage::PivotAxle(l) => {
+            let pin = Anchor::Part(beam, V3::new(spindle.x, 0.0, l.pin_height));
+            m.coordinate(pin, 0, None);
+            m.coordinate(pin, 1, None);
+            m.direction(beam, V3::z(), V3::x());
+            m.direction(beam, V3::y(), V3::x());
+        }
         _ => {}
     }
     for (drive, side) in [(0, 1.0), (1, -1.0)] {
@@ -162,8 +169,7 @@ impl BeamAxle {
             let d = vector(&p.rates[j]);
             (d * w - v * scalar_rate(&d) + v.cross(&d)) * 2.0
         });
-        let (d, dd) =
-            (vector(&p.rates[0]) * rates[0] + vector(&p.rates[1]) * rates[1], vector(&p.bend));
+        let (d, dd) = (vector(&p.rates[0]) * rates[0] + vector(&p.rates[1]) * rates[1], vector(&p.bend));
         let w_rate = scalar_rate(&d);
         let w_bend = -(d.norm_squared() + v.dot(&dd) + w_rate * w_rate) / w;
         let spin_bend = (dd * w - v * w_bend + v.cross(&dd)) * 2.0;
@@ -171,10 +177,7 @@ impl BeamAxle {
         let shift_rates = [place(&p.rates[0]), place(&p.rates[1])];
         let middle = self.middle + place(&p.value);
         let middle_bend = place(&p.bend);
-        let angles = self
-            .knuckles
-            .as_ref()
-            .map_or([KnuckleAngle::default(); 2], |k| k.at(travels, command));
+        let angles = self.knuckles.as_ref().map_or([KnuckleAngle::default(); 2], |k| k.at(travels, command));
         let wheels = [Side::Left, Side::Right].map(|side| {
             let (i, sign) = (side.index(), side.sign());
             let spindle = mirror(self.spindle, sign);
@@ -194,8 +197,7 @@ impl BeamAxle {
                     None => spindle - self.middle,
                 };
             let steered = kingpin.cross(&(turn * lever));
-            let hub_rates =
-                [0, 1].map(|j| shift_rates[j] + spins[j].cross(&arm) + steered * angle.rates[j]);
+            let hub_rates = [0, 1].map(|j| shift_rates[j] + spins[j].cross(&arm) + steered * angle.rates[j]);
             let tilt_rates = [0, 1].map(|j| {
                 let r = spins[j] + kingpin * angle.rates[j];
                 r - axis * axis.dot(&r)

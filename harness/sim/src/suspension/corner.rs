@@ -42,10 +42,7 @@ impl Corner {
                 let arm = m.part(None, hinge(front, rear));
                 let upright = m.part(Some(arm), Joint::Ball { at: l.lower_ball_joint.into() });
                 for chassis in [l.upper_arm_front, l.upper_arm_rear] {
-                    m.rod(
-                        Anchor::Part(upright, l.upper_ball_joint.into()),
-                        Anchor::Chassis(chassis.into()),
-                    );
+                    m.rod(Anchor::Part(upright, l.upper_ball_joint.into()), Anchor::Chassis(chassis.into()));
                 }
                 tie(&mut m, upright, l.tie_rod_inner, l.tie_rod_outer);
                 (upright, arm)
@@ -78,7 +75,7 @@ impl Corner {
                 (arm, arm)
             }
             // Not of this kind: no coordinates, which leaves the wheel where it is.
-            Linkage::Rigid(_) | Linkage::SolidAxle(_) | Linkage::LeafAxle(_) => {
+            Linkage::Rigid(_) | Linkage::SolidAxle(_) | Linkage::LeafAxle(_) | Linkage::PivotAxle(_) => {
                 return Self { mechanism: m, upright: 0, spindle, measures, bar: None };
             }
         };
@@ -87,10 +84,10 @@ impl Corner {
         measures.extend(suspension.struts.iter().map(|s| Measure::Length {
             chassis: s.chassis.into(),
             end: s.end.into(),
-            part: part(s.on),
+            part: part(s.part),
         }));
         let bar = match &suspension.anti_roll {
-            Some(AntiRoll::Bar { pivot, arm_end, link_end, on, .. }) => {
+            Some(AntiRoll::Bar { pivot, arm_end, link_end, part: on, .. }) => {
                 let arm = m.part(None, Joint::Hinge { at: (*pivot).into(), axis: V3::y_axis() });
                 m.rod(Anchor::Part(arm, (*arm_end).into()), Anchor::Part(part(*on), (*link_end).into()));
                 Some((arm, V3::y()))
@@ -153,8 +150,7 @@ pub(super) fn solve(
         for indices in outward {
             let mut poses = centre.clone();
             for i in indices {
-                poses =
-                    corner.mechanism.solve(&[at(i)], &[joint], &poses).ok_or_else(|| locked(at(i)))?;
+                poses = corner.mechanism.solve(&[at(i)], &[joint], &poses).ok_or_else(|| locked(at(i)))?;
                 column[i] = corner.row(&poses, at(i));
             }
         }

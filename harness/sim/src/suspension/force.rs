@@ -144,8 +144,7 @@ mod tests {
         let truck = Spring::Progressive { stiffness: 85490.0, progression: 495_208.0, free_length: 0.667 };
         assert!((truck.force(0.567) - (8549.0 + 4952.08)).abs() < 1e-9);
         assert!((truck.force(0.767) + (8549.0 + 4952.08)).abs() < 1e-9);
-        let table =
-            Spring::Table { free_length: 0.3, points: vec![[-0.1, -50.0], [0.0, 0.0], [0.1, 200.0]] };
+        let table = Spring::Table { free_length: 0.3, points: vec![[-0.1, -50.0], [0.0, 0.0], [0.1, 200.0]] };
         for (length, force) in [(0.25, 100.0), (0.35, -25.0), (0.1, 400.0), (0.5, -100.0)] {
             assert!((table.force(length) - force).abs() < 1e-9, "{length}: {}", table.force(length));
         }

@@ -75,7 +75,9 @@ pub enum LinkageError {
         travels: [f64; 2],
     },
     /// The steering gear locks.
-    #[error("the steering gear does not close at command {command:.2}; correct its points or reduce its angle")]
+    #[error(
+        "the steering gear does not close at command {command:.2}; correct its points or reduce its angle"
+    )]
     SteeringLocked {
         /// In [-1, 1].
         command: f64,
@@ -93,7 +95,9 @@ pub enum LinkageError {
         command: f64,
     },
     /// A spring would push the wheel up.
-    #[error("struts[{strut}] does not shorten in compression at travel {travel:.3} m; correct its ends or narrow the range")]
+    #[error(
+        "struts[{strut}] does not shorten in compression at travel {travel:.3} m; correct its ends or narrow the range"
+    )]
     Lengthens {
         /// Number of the strut.
         strut: usize,

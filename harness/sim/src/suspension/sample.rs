@@ -2,7 +2,7 @@
 
 use super::{AxleKinematics, Side, elements};
 use crate::spec::{AntiRoll, Linkage, Suspension};
-use crate::{WheelPose, V3};
+use crate::{V3, WheelPose};
 use vb_math::{asin, atan2};
 
 /// How the two wheels of an axle move while it is sampled.
@@ -83,9 +83,11 @@ impl AxleKinematics {
         for side in [Side::Left, Side::Right] {
             for c in 0..commands {
                 let command = at(c, commands, -1.0, 1.0);
-                samples.extend((0..travels).map(|t| {
-                    self.sample_at(suspension, motion, side, at(t, travels, low, high), command)
-                }));
+                samples.extend(
+                    (0..travels).map(|t| {
+                        self.sample_at(suspension, motion, side, at(t, travels, low, high), command)
+                    }),
+                );
             }
         }
         samples
@@ -110,7 +112,8 @@ impl AxleKinematics {
             let work = |s: Side| {
                 let pose = |travel: f64| self.wheel(s, both(travel), command);
                 let (a, b, now) = (pose(travel - h), pose(travel + h), pose(travel));
-                let shortens = |a: &WheelPose, b: &WheelPose, k: usize| (a.struts[k] - b.struts[k]) / (2.0 * h);
+                let shortens =
+                    |a: &WheelPose, b: &WheelPose, k: usize| (a.struts[k] - b.struts[k]) / (2.0 * h);
                 let struts: f64 = elements
                     .iter()
                     .enumerate()
@@ -141,7 +144,8 @@ impl AxleKinematics {
         };
         let h = 1e-5;
         let pose = self.wheel(side, both(travel), command);
-        let (a, b) = (self.wheel(side, both(travel - h), command), self.wheel(side, both(travel + h), command));
+        let (a, b) =
+            (self.wheel(side, both(travel - h), command), self.wheel(side, both(travel + h), command));
         WheelSample {
             side,
             travel,

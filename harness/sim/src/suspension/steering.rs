@@ -69,8 +69,7 @@ impl Pitman {
         let arm = mechanism.part(None, Joint::Hinge { at: (*pivot).into(), axis });
         let link = mechanism.part(Some(arm), Joint::Hinge { at: (*arm_end).into(), axis });
         mechanism.angle(arm, 0);
-        mechanism
-            .rod(Anchor::Part(link, (*idler_end).into()), Anchor::Chassis((*idler_pivot).into()));
+        mechanism.rod(Anchor::Part(link, (*idler_end).into()), Anchor::Chassis((*idler_pivot).into()));
         Some(Self { mechanism, link })
     }
 }

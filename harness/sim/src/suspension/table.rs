@@ -61,12 +61,7 @@ pub(super) fn weights(f: f64) -> [[f64; 4]; 3] {
             ((-1.5 * f + 2.0) * f + 0.5) * f,
             (0.5 * f - 0.5) * f * f,
         ],
-        [
-            (-1.5 * f + 2.0) * f - 0.5,
-            (4.5 * f - 5.0) * f,
-            (-4.5 * f + 4.0) * f + 0.5,
-            (1.5 * f - 1.0) * f,
-        ],
+        [(-1.5 * f + 2.0) * f - 0.5, (4.5 * f - 5.0) * f, (-4.5 * f + 4.0) * f + 0.5, (1.5 * f - 1.0) * f],
         [-3.0 * f + 2.0, 9.0 * f - 5.0, -9.0 * f + 4.0, 3.0 * f - 1.0],
     ]
 }
@@ -167,7 +162,8 @@ fn spline(nodes: &[Row; 4], w: &[[f64; 4]; 3]) -> (Row, Row, [f64; 2]) {
 fn padded(column: &[Row; TRAVELS]) -> [Row; NODES] {
     let mut rows = [[0.0; COLUMNS]; NODES];
     rows[PAD..PAD + TRAVELS].copy_from_slice(column);
-    let ends = [(column[0], column[1], PAD, -1), (column[TRAVELS - 1], column[TRAVELS - 2], NODES - PAD - 1, 1)];
+    let ends =
+        [(column[0], column[1], PAD, -1), (column[TRAVELS - 1], column[TRAVELS - 2], NODES - PAD - 1, 1)];
     for (end, before, index, outwards) in ends {
         for k in 1..=PAD {
             let node = index.saturating_add_signed(outwards * k as isize);

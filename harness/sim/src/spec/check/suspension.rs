@@ -127,13 +127,16 @@ impl Check<'_> {
                 rod("eye", l.eye, l.seat)?;
                 self.beam(field, l.spindle, l.beam, l.knuckles.as_ref())?;
             }
+            Linkage::PivotAxle(l) => {
+                self.finite(&format!("{field}.pin_height"), &[l.pin_height])?;
+                self.beam(field, l.spindle, l.beam, l.knuckles.as_ref())?;
+            }
             Linkage::Rigid(_) => return Ok(()),
         }
         let field = field.replace(".linkage", ".range");
         self.finite(&field, &s.range)?;
         if !(s.range[0] < 0.0 && s.range[1] > 0.0) {
-            return self
-                .fail(&field, format!("{:?} must go from a negative to a positive travel", s.range));
+            return self.fail(&field, format!("{:?} must go from a negative to a positive travel", s.range));
         }
         Ok(())
     }
@@ -204,13 +207,13 @@ impl Check<'_> {
             return self.fail(&list, reason);
         }
         let springs = torsion + s.struts.iter().filter(|x| x.spring.is_some()).count();
-        if springs == 0 && !matches!(s.linkage, Linkage::Rigid(_)) {
+        if springs == 0 && !matches!(s.linkage, Linkage::Rigid(_) | Linkage::PivotAxle(_)) {
             return self.fail(&list, "none has a spring to carry the vehicle".to_owned());
         }
         for (k, strut) in s.struts.iter().enumerate() {
             let at = |f: &str| format!("{list}[{k}].{f}");
             self.apart(&at("end"), strut.chassis, strut.end)?;
-            self.part(&at("on"), strut.on, &s.linkage)?;
+            self.part(&at("part"), strut.part, &s.linkage)?;
             if let Some(spring) = &strut.spring {
                 self.spring(&at("spring"), spring)?;
             }
@@ -237,7 +240,7 @@ impl Check<'_> {
             }
             Linkage::Multilink(_) => (&[Part::Upright], "upright"),
             Linkage::TorsionArm(_) => (&[Part::Arm], "arm"),
-            Linkage::SolidAxle(_) | Linkage::LeafAxle(_) => (&[Part::Beam], "beam"),
+            Linkage::SolidAxle(_) | Linkage::LeafAxle(_) | Linkage::PivotAxle(_) => (&[Part::Beam], "beam"),
             Linkage::Rigid(_) => (&[], "nothing"),
         };
         if parts.contains(&on) {
@@ -307,9 +310,8 @@ impl Check<'_> {
             self.finite(field, p)?;
         }
         match points.windows(2).find(|w| w[0][0] >= w[1][0]) {
-            Some(w) => {
-                self.fail(field, format!("the first numbers must increase, but {} follows {}", w[1][0], w[0][0]))
-            }
+            Some(w) => self
+                .fail(field, format!("the first numbers must increase, but {} follows {}", w[1][0], w[0][0])),
             None => Ok(()),
         }
     }
@@ -344,7 +346,7 @@ impl Check<'_> {
                 self.fail(field, "given, but the wheels are fixed to the chassis".to_owned())
             }
             Some(AntiRoll::Travel { stiffness }) => self.positive(&format!("{field}.stiffness"), *stiffness),
-            Some(AntiRoll::Bar { stiffness, damping, pivot, arm_end, link_end, on }) => {
+            Some(AntiRoll::Bar { stiffness, damping, pivot, arm_end, link_end, part }) => {
                 if s.linkage.beam().is_some() {
                     let reason = "a bar with drop links needs wheels that are guided independently; \
                                   give a beam type: travel";
@@ -354,8 +356,86 @@ impl Check<'_> {
                 self.not_negative(&format!("{field}.damping"), *damping)?;
                 self.apart(&format!("{field}.arm_end"), *pivot, *arm_end)?;
                 self.apart(&format!("{field}.link_end"), *arm_end, *link_end)?;
-                self.part(&format!("{field}.on"), *on, &s.linkage)
+                self.part(&format!("{field}.part"), *part, &s.linkage)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::VehicleSpec;
+
+    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
+
+    fn refused(changes: &[(&str, &str)], says: &str) {
+        let mut text = HMMWV.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        let e = VehicleSpec::parse(&text, "car.yaml").unwrap_err().to_string();
+        assert!(e.starts_with(&format!("car.yaml: {says}")), "{e}");
+        assert!(!e.contains('\n'), "{e}");
+    }
+
+    #[test]
+    fn a_strut_on_a_part_that_the_linkage_has_not_is_refused_with_the_parts_it_has() {
+        refused(
+            &[("part: upright", "part: beam")],
+            "axles[0].suspension.struts[0].part: beam is no part of this linkage; it has upright or arm",
+        );
+    }
+
+    #[test]
+    fn a_range_that_leaves_the_design_position_out_is_refused() {
+        refused(
+            &[("range: [-0.16, 0.16]", "range: [0.02, 0.16]")],
+            "axles[0].suspension.range: [0.02, 0.16] must go from a negative to a positive travel",
+        );
+    }
+
+    #[test]
+    fn a_damper_that_drives_is_refused() {
+        refused(
+            &[(
+                "damper: {type: linear, coefficient: 22460.0083}",
+                "damper: {type: table, points: [[-1, 5], [0, 0], [1, 5]]}",
+            )],
+            "axles[0].suspension.struts[0].damper.points: [-1.0, 5.0] would drive the motion",
+        );
+    }
+
+    #[test]
+    fn a_gear_at_an_axle_is_refused_where_the_driveline_steers() {
+        refused(
+            &[("  rate: 2.0 ", "  by: differential\n  rate: 2.0 ")],
+            "axles[0].steering: given, but steering.by says that the driveline steers",
+        );
+        let text = HMMWV.replacen("  rate: 2.0 ", "  by: differential\n  rate: 2.0 ", 1).replacen(
+            "    steering: {type: rack_and_pinion, travel: 0.0523598776}\n",
+            "",
+            1,
+        );
+        assert!(VehicleSpec::parse(&text, "car.yaml").unwrap().steers_by_driveline());
+    }
+
+    #[test]
+    fn a_rod_without_length_is_refused() {
+        refused(
+            &[(
+                "tie_rod_outer: [-0.1758188, 0.8211058, -0.0163322]",
+                "tie_rod_outer: [-0.250317, 0.448437, 0.054229]",
+            )],
+            "axles[0].suspension.linkage.tie_rod_inner: both ends are at [-0.250317, 0.448437, 0.054229]",
+        );
+    }
+
+    #[test]
+    fn a_spring_that_pushes_the_wheel_up_is_refused() {
+        refused(
+            &[("- chassis: [0.10414, 0.707644, 0.323088]", "- chassis: [0.10414, 0.707644, -0.5]")],
+            "axles[0].suspension.linkage: struts[0] does not shorten in compression",
+        );
     }
 }
