@@ -9,8 +9,8 @@ pub use powertrain::{Differentials, Engine, Gearbox, Powertrain};
 use serde::{Deserialize, Serialize};
 pub use suspension::{
     AntiRoll, Beam, Damper, DoubleWishbone, KnuckleDrive, Knuckles, LeafAxle, Linkage, Multilink, Part,
-    PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops, Strut,
-    StrutStops, Suspension, Torsion, TorsionArm,
+    PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops,
+    Strut, StrutStops, Suspension, Torsion, TorsionArm,
 };
 pub use tyre::TyreSpec;
 

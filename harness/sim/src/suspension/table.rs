@@ -158,18 +158,19 @@ fn spline(nodes: &[Row; 4], w: &[[f64; 4]; 3]) -> (Row, Row, [f64; 2]) {
 }
 
 /// Carries a column of nodes on beyond its ends: positions and directions come to rest within one node, lengths and
-/// angles go on at the end's rate, since a spring that lost its rate would let go.
+/// angles go on at the end's rate, since a spring that lost its rate would let go. The first node beyond continues the
+/// parabola through the last three, which gives the end its slope to second order.
 fn padded(column: &[Row; TRAVELS]) -> [Row; NODES] {
     let mut rows = [[0.0; COLUMNS]; NODES];
     rows[PAD..PAD + TRAVELS].copy_from_slice(column);
-    let ends =
-        [(column[0], column[1], PAD, -1), (column[TRAVELS - 1], column[TRAVELS - 2], NODES - PAD - 1, 1)];
-    for (end, before, index, outwards) in ends {
+    for (first, inwards) in [(PAD, 1_isize), (PAD + TRAVELS - 1, -1)] {
+        let end = |k: isize| column[(first - PAD).saturating_add_signed(inwards * k)];
+        let (p0, p1, p2) = (end(0), end(1), end(2));
         for k in 1..=PAD {
-            let node = index.saturating_add_signed(outwards * k as isize);
+            let node = first.saturating_add_signed(-inwards * k as isize);
             for c in 0..COLUMNS {
-                let steps = if c < 4 { 1.0 } else { k as f64 };
-                rows[node][c] = end[c] + (end[c] - before[c]) * steps;
+                let step = 2.0 * p0[c] - 3.0 * p1[c] + p2[c];
+                rows[node][c] = p0[c] + step * if c < 4 { 1.0 } else { k as f64 };
             }
         }
     }

@@ -241,7 +241,8 @@ fn a_torsion_arm_carries_what_the_m113s_sheet_says() {
     }
 }
 
-/// verti4wheeler.yaml, front: the same mechanism at a tenth of the size, steered further.
+/// verti4wheeler.yaml, front: the same mechanism at a tenth of the size, steered further. The sheet rounds its points to
+/// 0.1 mm on arms of 23 mm.
 #[test]
 fn the_small_cars_beam_steers_as_the_verti_4_wheelers_sheet_says() {
     let a = axle(
@@ -268,6 +269,6 @@ fn the_small_cars_beam_steers_as_the_verti_4_wheelers_sheet_says() {
             (0.75, 33.568, 27.353),
             (1.0, 56.0, 37.418),
         ],
-        0.02,
+        0.1,
     );
 }
