@@ -185,13 +185,13 @@ fn a_beam_on_its_springs_oscillates_at_its_natural_frequencies() {
         (strut.chassis, strut.end) = ([0.0, 0.6, 20.0], [0.0, 0.6, 0.0]);
         strut.spring = spring(90000.0, 20.0);
     }
-    let (m, beam, half) = (spec.axles[0].unsprung_mass, 120.0, 0.909_701);
+    let (m, beam, half): (f64, f64, f64) = (spec.axles[0].unsprung_mass, 120.0, 0.909_701);
     let k = 90000.0;
-    let heave = (2.0 * k / (2.0 * m + beam) as f64).sqrt();
+    let heave = (2.0 * k / (2.0 * m + beam)).sqrt();
     // About the middle: two hubs and the beam; the triangle's tip 0.2 m above is the roll centre, about which the
     // masses turn.
     let inertia = 2.0 * m * half * half + 40.0 + (2.0 * m + beam) * 0.2 * 0.2;
-    let roll = (2.0 * k * 0.6 * 0.6 / inertia as f64).sqrt();
+    let roll = (2.0 * k * 0.6 * 0.6 / inertia).sqrt();
     for (start, expected) in [([0.01, 0.01], heave), ([0.01, -0.01], roll)] {
         let mut vehicle = build(&spec);
         vehicle.corners[0].travel = start[0];
@@ -246,6 +246,39 @@ fn an_anti_roll_bar_resists_roll_alone() {
         assert!((l / expected - 1.0).abs() < 0.1, "{l} {expected}");
         assert!((l + r).abs() < 0.1 * l.abs(), "{l} {r}");
     }
+}
+
+#[test]
+fn a_bar_with_drop_links_resists_roll_by_the_twist_of_its_arms() {
+    let mut spec = without_damping(hmmwv());
+    let springs = build(&spec);
+    let (stiffness, arm) = (8000.0, 0.25);
+    for axle in &mut spec.axles {
+        // Long upright drop links from the lower arms, on which they sit at the ball joints' height.
+        axle.suspension.anti_roll = Some(AntiRoll::Bar {
+            stiffness,
+            damping: 0.0,
+            pivot: [0.25, 0.78, 5.0],
+            arm_end: [0.0, 0.78, 5.0],
+            link_end: [0.0, 0.78, -0.118],
+            part: Part::Arm,
+        });
+    }
+    let bars = build(&spec);
+    let force = |vehicle: &Vehicle, travels: [f64; 2]| {
+        let mut v = vehicle.clone();
+        (v.mass, v.inertia) = (1e9, V3::repeat(1e9));
+        (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+        let mut rate = 0.0;
+        fall(&mut v, &spec, 1e-3, 1, |v, _| rate = v.corners[0].travel_rate);
+        rate / 1e-3 * v.corners[0].mass
+    };
+    let change = |travels: [f64; 2]| force(&bars, travels) - force(&springs, travels);
+    assert!(change([0.02, 0.02]).abs() < 1e-6);
+    // The links follow the wheels nearly one to one: a twist of 0.04 m over the arm, back through the same ratio.
+    let expected = -stiffness * (0.04 / arm) / arm;
+    let got = change([0.02, -0.02]);
+    assert!((got / expected - 1.0).abs() < 0.15, "{got} N, {expected} N");
 }
 
 /// Sets the vehicle down on flat ground, brakes on, and lets it come to rest.

@@ -237,24 +237,22 @@ impl BeamTable {
         };
         let (ll, lr, rr) = (rates[0] * rates[0], 2.0 * rates[0] * rates[1], rates[1] * rates[1]);
         let square = per * per;
-        for i in 0..4 {
-            let row = &self.rows[l + i];
+        for (i, row) in self.rows[l..l + 4].iter().enumerate() {
             let mut over = [[0.0; BEAM_COLUMNS]; 3];
-            for j in 0..4 {
-                for c in 0..BEAM_COLUMNS {
-                    let x = row[r + j][c];
+            for (j, node) in row[r..r + 4].iter().enumerate() {
+                for (c, x) in node.iter().enumerate() {
                     over[0][c] += wr[0][j] * x;
                     over[1][c] += wr[1][j] * x;
                     over[2][c] += wr[2][j] * x;
                 }
             }
+            let [w, dw, ddw] = [wl[0][i], wl[1][i], wl[2][i]];
+            let [value, slope, bend] = over;
             for c in 0..BEAM_COLUMNS {
-                p.value[c] += wl[0][i] * over[0][c];
-                p.rates[0][c] += wl[1][i] * over[0][c] * per;
-                p.rates[1][c] += wl[0][i] * over[1][c] * per;
-                p.bend[c] +=
-                    (wl[2][i] * over[0][c] * ll + wl[1][i] * over[1][c] * lr + wl[0][i] * over[2][c] * rr)
-                        * square;
+                p.value[c] += w * value[c];
+                p.rates[0][c] += dw * value[c] * per;
+                p.rates[1][c] += w * slope[c] * per;
+                p.bend[c] += (ddw * value[c] * ll + dw * slope[c] * lr + w * bend[c] * rr) * square;
             }
         }
         p

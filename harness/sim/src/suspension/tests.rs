@@ -3,7 +3,7 @@
 use super::*;
 use crate::VehicleSpec;
 use vb_math::angle::{degrees, radians};
-use vb_math::{acos, asin, atan2, cos, sin};
+use vb_math::{acos, asin, atan2, cos, hypot, sin};
 
 mod sheets;
 
@@ -91,7 +91,7 @@ fn the_hub_of_a_trailing_arm_follows_its_circle_and_a_torsion_bar_turns_with_it(
          torsion: {stiffness: 1000}}, range: [-0.15, 0.25]}",
     ))
     .unwrap();
-    let radius = f64::hypot(0.4, 0.1);
+    let radius = hypot(0.4, 0.1);
     for travel in [-0.15, -0.1, 0.05, 0.175, 0.25] {
         let p = at(&k, Side::Left, travel, 0.0);
         assert!((p.hub.y - 1.0).abs() < 1e-12 && (p.axis - V3::y()).norm() < 1e-12);
@@ -112,7 +112,7 @@ fn a_swing_arm_cambers_by_its_angle_and_its_roll_centre_lies_on_the_line_through
          torsion: {stiffness: 1000}}, range: [-0.2, 0.2]}",
     ))
     .unwrap();
-    let radius = f64::hypot(0.8, 0.1);
+    let radius = hypot(0.8, 0.1);
     for travel in [-0.15, 0.05, 0.2] {
         let turned = asin((travel + 0.1) / radius) - asin(0.1 / radius);
         let p = at(&k, Side::Left, travel, 0.0);
@@ -142,7 +142,7 @@ fn the_motion_ratio_of_an_inclined_strut_is_that_of_the_triangle() {
         let p = at(&k, Side::Left, travel, 0.0);
         let angle = asin(travel / 0.4);
         // Pivot–strut end 0.3 m, pivot–strut top (−0.15, 0.5): cosine rule.
-        let top = f64::hypot(0.15, 0.5);
+        let top = hypot(0.15, 0.5);
         let between = atan2(0.5, 0.15) - angle;
         let length = (0.09 + top * top - 2.0 * 0.3 * top * cos(between)).sqrt();
         assert!((p.struts[0] - length).abs() < 1e-7, "{travel}: {} {length}", p.struts[0]);
@@ -215,14 +215,14 @@ fn a_parallelogram_tie_bar_turns_both_wheels_alike() {
 fn a_trapezoid_tie_bar_turns_the_inner_wheel_more_by_the_angle_of_its_four_bar_linkage() {
     // Arms of 0.2 m to the rear and 0.05 m inwards.
     let k = AxleKinematics::solve(&solid_axle(0.65)).unwrap();
-    let (arm, lean) = (f64::hypot(0.2, 0.05), atan2(0.05, 0.2));
+    let (arm, lean) = (hypot(0.2, 0.05), atan2(0.05, 0.2));
     for command in [-1.0, -0.5, 0.5, 1.0] {
         let angle = |s: Side| radians(toe(&k.wheel(s, [0.0; 2], command)));
         let (left, right) = (angle(Side::Left), angle(Side::Right));
         // End of the left arm; the right one lies where a circle of the bar's length cuts its own (cosine rule).
         let end = (-arm * cos(lean + left), 0.7 - arm * sin(lean + left));
         let (dx, dy) = (end.0, end.1 + 0.7);
-        let reach = f64::hypot(dx, dy);
+        let reach = hypot(dx, dy);
         let bar = 1.3;
         let at_pivot = acos((arm * arm + reach * reach - bar * bar) / (2.0 * arm * reach));
         let direction = atan2(dy, dx) + at_pivot;
@@ -264,7 +264,7 @@ fn a_leaf_springs_axle_moves_on_the_arc_of_its_effective_link_and_rolls_about_it
     for travel in [-0.1, 0.06] {
         let p = k.wheel(Side::Left, [travel; 2], 0.0);
         // SAE HS-788: ¾ of the fixed half.
-        let x = 0.45 - (0.45_f64.powi(2) - travel * travel).sqrt();
+        let x = 0.45 - (0.45 * 0.45 - travel * travel).sqrt();
         assert!((p.hub.x - x).abs() < 1e-6, "{travel}: {} {x}", p.hub.x);
     }
     let (l, r) = (k.wheel(Side::Left, [0.08, -0.08], 0.0), k.wheel(Side::Right, [0.08, -0.08], 0.0));

@@ -87,8 +87,8 @@ fn a_single_wishbone_moves_as_the_gators_sheet_says() {
         ],
     );
     let samples = k.sample(&a.suspension, Motion::Parallel, 11, 1);
-    for (travel, force) in [(-0.1, -11834.3), (-0.04, -4553.3), (0.02, 2360.8), (0.1, 12706.7)] {
-        let s = samples.iter().find(|s| (s.travel - travel as f64).abs() < 1e-9).unwrap();
+    for (travel, force) in [(-0.1_f64, -11834.3), (-0.04, -4553.3), (0.02, 2360.8), (0.1, 12706.7)] {
+        let s = samples.iter().find(|s| (s.travel - travel).abs() < 1e-9).unwrap();
         assert!((s.force - force).abs() < 0.002 * f64::abs(force) + 2.0, "{travel}: {} {force}", s.force);
     }
     // Motion ratio and wheel rate at the static travel.
