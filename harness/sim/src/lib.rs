@@ -1,10 +1,10 @@
 //! Vehicle dynamics: suspension, tyres, powertrain, contacts.
 //!
 //! The vehicle is a chassis with six degrees of freedom and one corner a wheel, each with a suspension travel and a
-//! spin. Corners are eliminated from the equations of motion in the manner of articulated bodies, so a step costs
-//! one 6 × 6 solve. State and integration are our own, in f64, with symplectic Euler at a fixed step and linearly
-//! implicit dampers; rapier resolves contacts of the chassis hull with ground and obstacles, and parry finds
-//! contacts of wheels with obstacles, only when something is near.
+//! spin; two wheels on a solid axle share a beam. Corners and beams are eliminated from the equations of motion in the
+//! manner of articulated bodies, so a step costs one 6 × 6 solve. State and integration are our own, in f64, with
+//! symplectic Euler at a fixed step and linearly implicit dampers; rapier resolves contacts of the chassis hull with
+//! ground and obstacles, and parry finds contacts of wheels with obstacles, only when something is near.
 //!
 //! Axes: world x east, y north, z up; body x forward, y left, z up (ISO 8855). SI units, radians.
 

@@ -8,11 +8,12 @@ use vb_sim::{
 };
 use vb_world::{Heightfield, Pose2};
 
-/// The HMMWV on two solid axles, the front one steered by drag link and toe bar.
+/// The HMMWV on two solid axles, the front one steered by drag link and toe bar. The drag link pulls ahead of the axle:
+/// to the left for a left turn.
 fn on_beams() -> VehicleSpec {
     let mut spec = common::hmmwv();
     for (i, axle) in spec.axles.iter_mut().enumerate() {
-        axle.steering = (i == 0).then_some(SteeringGear::RackAndPinion { travel: 0.08 });
+        axle.steering = (i == 0).then_some(SteeringGear::RackAndPinion { travel: -0.08 });
         axle.unsprung_mass = 80.0;
         axle.suspension.linkage = Linkage::SolidAxle(SolidAxle {
             spindle: [0.0, 0.909_701, 0.0],

@@ -153,8 +153,13 @@ impl AxleKinematics {
                 let p = V3::from(p);
                 let places = steering::joints(gear, &[p, mirror(p, -1.0)])?;
                 let joints = |i: usize| places.iter().map(|p| Some(p[i])).collect::<Vec<_>>();
-                let right = corner::solve(suspension, &joints(1), -1.0)?;
-                (corner::solve(suspension, &joints(0), 1.0)?, right)
+                let left = corner::solve(suspension, &joints(0), 1.0)?;
+                // A gear that is its own mirror image spares half the work.
+                let symmetric =
+                    places.iter().zip(places.iter().rev()).all(|(p, q)| p[0] == mirror(q[1], -1.0));
+                let right =
+                    if symmetric { left.mirrored() } else { corner::solve(suspension, &joints(1), -1.0)? };
+                (left, right)
             }
             _ => {
                 let left = corner::solve(suspension, &[None], 1.0)?;

@@ -86,9 +86,11 @@ impl CornerTable {
         Self { side, low: 0.0, per_step: 1.0, z_design: spindle.z, rows: vec![[row; NODES]] }
     }
 
-    /// The same linkage at the other side of an axle that isn't steered.
+    /// The same linkage at the other side, for an axle that isn't steered or whose gear does to the right at a command
+    /// what it does to the left at the opposite one.
     pub(super) fn mirrored(&self) -> Self {
-        Self { side: -self.side, ..self.clone() }
+        let rows = self.rows.iter().rev().copied().collect();
+        Self { side: -self.side, rows, ..*self }
     }
 
     /// The wheel's pose at a travel and a steering command in [-1, 1].
