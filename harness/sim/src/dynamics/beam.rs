@@ -192,3 +192,48 @@ impl Remembered {
         self.inverse * (self.rhs - chassis)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::dynamics::tests::{build, on_beams};
+    use crate::{M3, V3};
+
+    #[test]
+    fn forces_at_a_wheels_contact_do_their_virtual_work_on_both_travels() {
+        let mut spec = on_beams(0.0);
+        for axle in &mut spec.axles {
+            axle.suspension.struts.iter_mut().for_each(|s| s.spring = None);
+            axle.suspension.stops = None;
+        }
+        let mut v = build(&spec);
+        let travels = [0.05, -0.03];
+        (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+        v.place_wheels(&M3::identity(), 0.0);
+        let rhs = |v: &crate::dynamics::Vehicle| {
+            v.beams[0].eliminate(&v.corners[..2], &v.forces[..2], &V3::zeros(), 1e-3).1.rhs
+        };
+        let before = rhs(&v);
+        let (force, arm) = (V3::new(40.0, 300.0, 500.0), V3::new(0.05, 0.02, -0.4));
+        let axis = v.forces[0].axis;
+        let moment = arm.cross(&force);
+        v.forces[0].force = force;
+        v.forces[0].moment = moment - axis * axis.dot(&moment);
+        let work = rhs(&v) - before;
+        // The contact moves with the hub and with the axle's direction; about its axle the wheel is free.
+        let h = 1e-6;
+        for j in 0..2 {
+            let at = |d: f64| {
+                let mut q = travels;
+                q[j] += d;
+                v.beams[0].kinematics.at(q, [0.0; 2], 0.0).wheels[0]
+            };
+            let (a, b) = (at(-h), at(h));
+            let tilt = axis.cross(&((b.axis - a.axis) / (2.0 * h)));
+            let moves = (b.hub - a.hub) / (2.0 * h) + tilt.cross(&arm);
+            let spun = axis * axis.dot(&moment);
+            let expected = force.dot(&moves) - tilt.dot(&spun);
+            assert!((work[j] - expected).abs() < 1e-3, "{j}: {} {expected}", work[j]);
+            assert!(expected.abs() > 10.0, "{j}: both travels feel it: {expected}");
+        }
+    }
+}

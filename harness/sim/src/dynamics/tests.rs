@@ -9,7 +9,7 @@ fn hmmwv() -> VehicleSpec {
     VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
 }
 
-fn build(spec: &VehicleSpec) -> Vehicle {
+pub(super) fn build(spec: &VehicleSpec) -> Vehicle {
     let axles: Vec<_> = spec.axles.iter().map(|a| AxleKinematics::solve(a).unwrap()).collect();
     Vehicle::new(spec, &axles)
 }
@@ -19,7 +19,7 @@ fn spring(stiffness: f64, free_length: f64) -> Option<Spring> {
 }
 
 /// The HMMWV on two solid axles on rods, each end on an upright spring.
-fn on_beams(damping: f64) -> VehicleSpec {
+pub(super) fn on_beams(damping: f64) -> VehicleSpec {
     let mut spec = hmmwv();
     for axle in &mut spec.axles {
         axle.steering = None;
