@@ -336,6 +336,12 @@ impl Check<'_> {
         if !(stops.rebound.is_finite() && stops.rebound < 0.0) {
             return self.fail(&at("rebound"), format!("{} must be negative", stops.rebound));
         }
+        for (name, stop) in [("jounce", stops.jounce), ("rebound", stops.rebound)] {
+            if !(s.range[0]..=s.range[1]).contains(&stop) {
+                let reason = format!("{stop} lies outside the range of travel, {:?}", s.range);
+                return self.fail(&at(name), reason);
+            }
+        }
         self.stop_law(&format!("{field}.stops"), stops.stiffness, &stops.table)
     }
 
@@ -392,6 +398,14 @@ mod tests {
         refused(
             &[("range: [-0.16, 0.16]", "range: [0.02, 0.16]")],
             "axles[0].suspension.range: [0.02, 0.16] must go from a negative to a positive travel",
+        );
+    }
+
+    #[test]
+    fn stops_beyond_the_range_are_refused() {
+        refused(
+            &[("stops: {jounce: 0.12", "stops: {jounce: 0.2")],
+            "axles[0].suspension.stops.jounce: 0.2 lies outside the range of travel, [-0.16, 0.16]",
         );
     }
 

@@ -272,3 +272,30 @@ fn the_small_cars_beam_steers_as_the_verti_4_wheelers_sheet_says() {
         0.1,
     );
 }
+
+/// verti4wheeler.yaml, rear: rods and triangle end on the line of the wheel centres, whose lengths conflict in heave. The
+/// sheet advises an axle that rolls only.
+#[test]
+fn the_small_cars_rear_axle_locks_in_heave_and_pivots_instead() {
+    let rods = axle(
+        "",
+        "{linkage: {type: solid_axle, spindle: [0, 0.1, 0], beam: {mass: 0.709, inertia: 0.005}, \
+         links: [{chassis: [0.1, 0.026, 0.03], carrier: [0.0015, 0, 0]}, \
+         {chassis: [0.1, 0.03, 0.05], carrier: [0, 0.06, 0]}]}, range: [-0.01, 0.01], \
+         struts: [{chassis: [0, 0.04, 0.08], end: [0.01, 0.055, 0.005], part: beam, \
+         spring: {type: linear, stiffness: 2.745, free_length: 0.06}}]}",
+    );
+    let e = AxleKinematics::solve(&rods).unwrap_err();
+    assert!(matches!(e, LinkageError::BeamLocked { .. }), "{e}");
+    let pivot = axle(
+        "",
+        "{linkage: {type: pivot_axle, spindle: [0, 0.1, 0], beam: {mass: 0.709, inertia: 0.005}, \
+         pin_height: 0}, range: [-0.03, 0.03]}",
+    );
+    let k = AxleKinematics::solve(&pivot).unwrap();
+    let travels = [0.03, -0.03];
+    let (l, r) = (k.wheel(Side::Left, travels, 0.0), k.wheel(Side::Right, travels, 0.0));
+    assert!((l.hub + r.hub).norm() < 1e-9, "the pin stays: {} {}", l.hub, r.hub);
+    // 0.1 m of half track, 0.03 m up: asin 0.3.
+    assert!((camber(&l) + degrees(asin(0.3))).abs() < 1e-3, "{}", camber(&l));
+}
