@@ -83,6 +83,13 @@ enum Closure {
     },
 }
 
+/// Where a point is in the design position.
+fn design(anchor: Anchor) -> V3 {
+    match anchor {
+        Anchor::Chassis(p) | Anchor::Input(_, p) | Anchor::Part(_, p) => p,
+    }
+}
+
 /// Parts and closures.
 #[derive(Clone, Default)]
 pub(super) struct Mechanism {
@@ -106,13 +113,13 @@ impl Mechanism {
 
     /// A rod between two points, as long as it is in the design position.
     pub(super) fn rod(&mut self, a: Anchor, b: Anchor) {
-        let length = (self.design(a) - self.design(b)).norm();
+        let length = (design(a) - design(b)).norm();
         self.closures.push(Closure::Rod { a, b, length });
     }
 
     /// Lets the coordinate `axis` (0 x, 1 y, 2 z) of a point follow a drive, or keep its value.
     pub(super) fn coordinate(&mut self, point: Anchor, axis: usize, drive: Option<usize>) {
-        let design = self.design(point)[axis];
+        let design = design(point)[axis];
         self.closures.push(Closure::Coordinate { point, axis, design, drive });
     }
 
@@ -129,13 +136,6 @@ impl Mechanism {
     /// The design position.
     pub(super) fn start(&self) -> Vec<Pose> {
         vec![Pose::identity(); self.parts.len()]
-    }
-
-    #[allow(clippy::unused_self, reason = "reads as the others do")]
-    fn design(&self, anchor: Anchor) -> V3 {
-        match anchor {
-            Anchor::Chassis(p) | Anchor::Input(_, p) | Anchor::Part(_, p) => p,
-        }
     }
 
     fn place(anchor: Anchor, inputs: &[V3], poses: &[Pose]) -> V3 {
