@@ -58,5 +58,17 @@ fn step(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, step);
+/// What every start of a simulation pays for its suspension.
+fn linkages(c: &mut Criterion) {
+    let spec = common::hmmwv();
+    c.bench_function("solve the linkages", |b| {
+        b.iter(|| {
+            for axle in &spec.axles {
+                black_box(vb_sim::AxleKinematics::solve(axle).expect("it closes"));
+            }
+        });
+    });
+}
+
+criterion_group!(benches, step, linkages);
 criterion_main!(benches);

@@ -6,7 +6,7 @@ use crate::error::SimError;
 use crate::soil::{SoilGround, SoilSet};
 use crate::spec::VehicleSpec;
 use crate::state::{Controls, VehicleState};
-use crate::{Quat, SuspensionTable, V3};
+use crate::{AxleKinematics, Quat, V3};
 use std::sync::Arc;
 use vb_math::atan;
 use vb_world::{Pose2, World};
@@ -75,16 +75,15 @@ impl Simulation {
         if 2 * spec.axles.len() > MAX_WHEELS {
             return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
         }
-        let mut tables = Vec::new();
+        let mut axles = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
-            let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
-            let table = SuspensionTable::solve(&axle.suspension, rack)
-                .map_err(|reason| invalid(format!("axles[{i}].suspension.hardpoints"), reason))?;
-            tables.push(table);
+            let solved = AxleKinematics::solve(axle)
+                .map_err(|e| invalid(format!("axles[{i}].suspension.linkage"), e.to_string()))?;
+            axles.push(solved);
         }
         let soil_pitch = options.soil_pitch * world.scale;
         let soil = SoilGround::new(&world, soils, soil_pitch)?;
-        let vehicle = Vehicle::new(spec, tables, soil_pitch);
+        let vehicle = Vehicle::new(spec, &axles, soil_pitch);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {
@@ -224,7 +223,11 @@ impl Simulation {
             "a wheel's state that is not finite"
         } else if v.v.norm() > FASTEST || v.w.norm() > FASTEST {
             "a speed beyond 200 m/s or rad/s"
-        } else if v.hubs().any(|(hub, _)| self.world.heightfield.height(hub.x, hub.y) > hub.z + DEEPEST) {
+        } else if v.hubs().any(|(hub, _)| {
+            // Beyond the edge the ground is made up.
+            let ground = &self.world.heightfield;
+            ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST
+        }) {
             "a wheel deep below the ground"
         } else {
             return Ok(());

@@ -4,45 +4,13 @@ use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::soil::{BLEND, Under, WheelMotion};
 use crate::tyre::{Contact, Motion, Patch, Tyre};
-use crate::{M3, V3};
 
 impl Vehicle {
-    pub(super) fn corner_forces(
-        &mut self,
-        turn: &M3,
-        steer_rate: f64,
-        ground: &mut Ground<'_>,
-        wheel: &WheelShape,
-        dt: f64,
-    ) {
-        self.forces.clear();
+    pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheel: &WheelShape, dt: f64) {
         let look = ground.obstacles.any_near();
-        for c in &mut self.corners {
-            let command = if c.steered { self.steering } else { 0.0 };
-            let pose = c.table.at(c.travel, command, c.side);
-            let arm = turn * (c.mount + pose.hub);
-            let axis = turn * pose.axis;
-            let tangent = turn * pose.hub_rate;
-            let tilt = turn * pose.tilt_rate;
-            let hub = self.x + arm;
-            let mut hub_velocity = self.v + self.w.cross(&arm) + tangent * c.travel_rate;
-            if c.steered {
-                hub_velocity += turn * (pose.hub_steer_rate * steer_rate);
-            }
-            let mut f = Forces {
-                arm,
-                tangent,
-                axis,
-                tilt,
-                strut: pose.strut,
-                strut_rate: pose.strut_rate,
-                force: V3::zeros(),
-                moment: V3::zeros(),
-                spin_moment: 0.0,
-                inertia: M3::from_diagonal_element(c.mass),
-            };
-            let rotation = self.w + tilt * c.travel_rate + axis * c.spin;
-            let motion = Motion { hub, velocity: hub_velocity, rotation, axis, spin: c.spin };
+        for (c, f) in self.corners.iter_mut().zip(&mut self.forces) {
+            let (hub, axis) = (self.x + f.arm, f.axis);
+            let motion = Motion { hub, velocity: f.velocity, rotation: f.rotation, axis, spin: c.spin };
             c.load = 0.0;
             c.sinkage = 0.0;
             let envelope = self.tyre.envelope();
@@ -63,12 +31,12 @@ impl Vehicle {
                     Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
                     _ => ground.semantics.friction_at(x, y),
                 };
-                c.load += motion.tyre_force(&self.tyre, &contact, friction, &mut c.ground_patch, &mut f, dt);
+                c.load += motion.tyre_force(&self.tyre, &contact, friction, &mut c.ground_patch, f, dt);
             } else {
                 c.ground_patch = Patch::default();
             }
             if !ground.soil.is_empty() {
-                let motion = WheelMotion { hub, velocity: hub_velocity, rotation, axis };
+                let motion = WheelMotion { hub, velocity: f.velocity, rotation: f.rotation, axis };
                 if let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt) {
                     c.load += s.load;
                     c.sinkage = s.sinkage;
@@ -80,18 +48,11 @@ impl Vehicle {
                 }
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(wheel, &hub, &axis) {
-                c.load += motion.tyre_force(
-                    &self.tyre,
-                    &contact,
-                    OBSTACLE_FRICTION,
-                    &mut c.obstacle_patch,
-                    &mut f,
-                    dt,
-                );
+                c.load +=
+                    motion.tyre_force(&self.tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
             } else {
                 c.obstacle_patch = Patch::default();
             }
-            self.forces.push(f);
         }
     }
 }

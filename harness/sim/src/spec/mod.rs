@@ -9,7 +9,11 @@ use crate::error::SimError;
 pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
+pub use suspension::{
+    AntiRoll, Beam, Damper, DoubleWishbone, KnuckleDrive, Knuckles, LeafAxle, Linkage, Multilink, Part,
+    PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops,
+    Strut, StrutStops, Suspension, Torsion, TorsionArm,
+};
 pub use tyre::{BrushTyre, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec};
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
@@ -37,7 +41,7 @@ pub struct VehicleSpec {
     pub chassis: Chassis,
     /// Front to back.
     pub axles: Vec<Axle>,
-    /// Steering gear.
+    /// The driver's steering.
     pub steering: Steering,
     /// The tyre on all wheels.
     pub tyre: TyreSpec,
@@ -100,11 +104,12 @@ pub struct Axle {
     pub name: String,
     /// Reference point of the hardpoints in the chassis frame, m.
     pub position: Point,
-    /// Whether the rack moves its inner tie-rod joints.
-    pub steered: bool,
+    /// What steers its wheels, if anything does.
+    #[serde(default)]
+    pub steering: Option<SteeringGear>,
     /// Whether the engine drives it.
     pub driven: bool,
-    /// Unsprung mass a wheel, kg.
+    /// Unsprung mass a wheel, a beam's own left out, kg.
     pub unsprung_mass: f64,
     /// Spin inertia a wheel, kg m².
     pub spin_inertia: f64,
@@ -112,4 +117,19 @@ pub struct Axle {
     pub brake_torque: f64,
     /// How the wheels are guided.
     pub suspension: Suspension,
+}
+
+impl VehicleSpec {
+    /// Mass of the whole vehicle, kg.
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        let axle = |a: &Axle| 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass);
+        self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
+    }
+
+    /// Whether steering commands go to the driveline instead of the wheels.
+    #[must_use]
+    pub fn steers_by_driveline(&self) -> bool {
+        self.steering.by == SteeredBy::Differential
+    }
 }

@@ -225,8 +225,8 @@ mod tests {
                 "car.yaml: powertrain.driveline.axles: the shares make 1.1; they must make 1",
             ),
             (
-                "steered: false\n    driven: true",
-                "steered: false\n    driven: false",
+                "position: [-1.68656, 0.0, 0.0263906]\n    driven: true",
+                "position: [-1.68656, 0.0, 0.0263906]\n    driven: false",
                 "car.yaml: powertrain.driveline.axles: 2 given, but 1 of the vehicle's axles are driven",
             ),
             (
