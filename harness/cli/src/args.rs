@@ -165,6 +165,28 @@ pub(crate) struct ImportArgs {
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Which ground to make: as paper and labels describe it, or as the original's simulator builds it
+    #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
+    pub(crate) ground: Ground,
+}
+
+/// Which ground an import makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Ground {
+    /// Friction and soil per patch, obstacles on the ground.
+    #[default]
+    AsDescribed,
+    /// Friction per merged section, soil in bands and rectangles, obstacles as boxes at their stored height.
+    AsSimulated,
+}
+
+impl From<Ground> for vb_suite::import::Ground {
+    fn from(ground: Ground) -> Self {
+        match ground {
+            Ground::AsDescribed => Self::AsDescribed,
+            Ground::AsSimulated => Self::AsSimulated,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
