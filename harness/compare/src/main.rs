@@ -1,8 +1,8 @@
 //! `vb-compare`: drives the tasks that Project Chrono was recorded on, with the original's planner, speed and rules,
 //! and puts both results side by side. `cargo xtask compare-chrono` builds what it needs and runs it.
 
+mod mode;
 mod reference;
-mod route;
 mod table;
 
 use std::collections::BTreeMap;
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Parser;
+use mode::Mode;
 use reference::Run;
-use route::Route;
-use table::Pair;
+use table::{Ours, Row};
 use vb_score::TaskRecord;
 use vb_suite::import::{Ground, ImportError, Source};
 use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
@@ -23,9 +23,12 @@ struct Args {
     /// The harness' binary
     #[arg(long, value_name = "FILE")]
     harness: PathBuf,
-    /// The PID planner
+    /// Folder of the planners: pid.wasm, pid-release.wasm
+    #[arg(long, value_name = "DIR")]
+    plugins: PathBuf,
+    /// Our vehicle
     #[arg(long, value_name = "FILE")]
-    plugin: PathBuf,
+    vehicle: PathBuf,
     /// Folder of the recorded runs: wW_P.txt and .csv
     #[arg(long, value_name = "DIR")]
     recorded: PathBuf,
@@ -56,6 +59,16 @@ enum CompareError {
         /// The line, counted from 1.
         line: usize,
         /// What is wrong there.
+        problem: String,
+    },
+    /// The vehicle can't be given the recorded one's hull.
+    #[error("{}: {field}: {problem}", file.display())]
+    Vehicle {
+        /// The file.
+        file: PathBuf,
+        /// The field.
+        field: String,
+        /// What is wrong.
         problem: String,
     },
     /// The original's worlds can't be imported.
@@ -114,73 +127,92 @@ fn compare(args: &Args) -> Result<(), CompareError> {
             worlds.insert(run.world, source.world(run.world)?);
         }
     }
-    let mut report = String::from("# Whole tasks: Project Chrono and here\n");
-    for route in Route::ALL {
-        let dir = args.out.join(route.name());
-        let suite = dir.join("suite");
-        write_suite(&suite, source.meta(), &runs, &worlds, route)?;
-        let mut pairs: Vec<Pair> = Vec::new();
-        for terrain in [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable] {
-            let recorded: Vec<&Run> = runs.iter().filter(|r| r.terrain == terrain).collect();
-            if recorded.is_empty() {
+    let suite = args.out.join("suite");
+    write_suite(&suite, source.meta(), &runs, &worlds)?;
+    let vehicle = args.out.join("recorded-vehicle.yaml");
+    std::fs::write(&vehicle, mode::recorded_vehicle(&args.vehicle)?)
+        .map_err(|source| CompareError::Io { path: vehicle.clone(), source })?;
+    let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
+    for mode in Mode::ALL {
+        eprintln!("driving: {}", mode.title());
+        let mut of_mode = BTreeMap::new();
+        let mut refused: BTreeMap<Terrain, String> = BTreeMap::new();
+        for world in worlds.values() {
+            if refused.contains_key(&world.terrain) {
                 continue;
             }
-            eprintln!("driving {} {} tasks on {} paths", recorded.len(), terrain.name(), route.name());
-            let out = dir.join(terrain.name());
-            match drive(args, &suite, terrain, route, &out)? {
-                Ok(records) => pairs.extend(join(&recorded, &records)),
-                Err(message) => eprintln!("skipped: {} ground: {message}", terrain.name()),
+            let chosen = if mode == Mode::Physics { &vehicle } else { &args.vehicle };
+            match drive(args, &suite, world, mode, chosen)? {
+                Ok(list) => of_mode.extend(list.into_iter().map(|r| (r.task.clone(), r))),
+                Err(message) => drop(refused.insert(world.terrain, message)),
             }
         }
-        report +=
-            &format!("\n## {} paths\n\n{}\n{}", route.name(), table::aggregate(&pairs), table::tasks(&pairs));
+        for (terrain, message) in refused {
+            eprintln!("skipped: {} ground: {message}", terrain.name());
+        }
+        records.push(of_mode);
     }
+    let rows: Vec<Row> = runs
+        .into_iter()
+        .map(|run| Row { ours: records.iter().map(|of_mode| ours(&run, of_mode)).collect(), run })
+        .collect();
+    let mut report = String::from("# Whole tasks: Project Chrono and here\n");
+    for mode in Mode::ALL {
+        report += &format!("\n## {}\n\n{}", mode.title(), table::aggregate(&rows, mode));
+    }
+    report += &format!("\n## Tasks\n\n{}", table::tasks(&rows));
     let file = args.out.join("compare.md");
     std::fs::write(&file, &report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
     eprintln!("results: {}", file.display());
     Ok(())
 }
 
-/// Writes the worlds with the recorded tasks alone, and the paths to be driven.
+/// Marks of the tasks whose start is moved along x, and by how much, m.
+const MOVED: [(&str, f64); 2] = [("_p", 1e-3), ("_m", -1e-3)];
+
+/// Writes the worlds with the recorded tasks alone, each as it is and with its start moved.
 fn write_suite(
     dir: &Path,
     meta: SuiteMeta,
     runs: &[Run],
     worlds: &BTreeMap<u32, World>,
-    route: Route,
 ) -> Result<(), CompareError> {
     let mut writer = SuiteWriter::create(dir, meta)?;
     for (id, world) in worlds {
         let mut world = world.clone();
-        let half = [world.heightfield.half_x(), world.heightfield.half_y()];
-        let mut tasks = Vec::new();
-        for mut task in std::mem::take(&mut world.tasks) {
-            let Some(run) = runs.iter().find(|r| r.world == *id && r.task_id() == task.id) else { continue };
-            if route == Route::Driven {
-                task.path = route::driven(&task, &run.trajectory()?, half);
+        world.tasks.retain(|t| runs.iter().any(|r| r.world == *id && r.task_id() == t.id));
+        for task in world.tasks.clone() {
+            for (mark, by) in MOVED {
+                let mut moved = task.clone();
+                moved.id += mark;
+                moved.start.x += by;
+                moved.path[0][0] += by;
+                world.tasks.push(moved);
             }
-            tasks.push(task);
         }
-        world.tasks = tasks;
         writer.add(&world)?;
     }
     writer.finish()?;
     Ok(())
 }
 
-/// Runs the harness over the tasks of a ground; its records, or what it says if it refuses.
+/// Runs the harness over the tasks of a world; its records, or what it says if it refuses.
 fn drive(
     args: &Args,
     suite: &Path,
-    terrain: Terrain,
-    route: Route,
-    out: &Path,
+    world: &World,
+    mode: Mode,
+    vehicle: &Path,
 ) -> Result<Result<Vec<TaskRecord>, String>, CompareError> {
+    let out = args.out.join(mode.name()).join(&world.id);
+    let plugin = args.plugins.join(format!("{}.wasm", mode.planner()));
     let mut command = Command::new(&args.harness);
-    command.arg("--plugin").arg(&args.plugin).arg("--suite").arg(suite).arg("--out").arg(out);
-    command.args(["--tasks", &format!("terrain={}", terrain.name()), "--rules", "release"]);
+    command.arg("--plugin").arg(&plugin).arg("--suite").arg(suite).arg("--out").arg(&out);
+    command.arg("--vehicle").arg(vehicle).args(["--tasks", &world.id, "--rules", "release"]);
     command.args(["--param", &format!("speed={SPEED}")]);
-    command.args(["--param", &format!("lookahead={}", route.look_ahead())]);
+    if mode.planner() == "pid-release" {
+        command.args(["--param", &format!("obstacles={}", mode::obstacle_squares(world))]);
+    }
     let output =
         command.output().map_err(|source| CompareError::Io { path: args.harness.clone(), source })?;
     let file = out.join("tasks.jsonl");
@@ -194,8 +226,9 @@ fn drive(
     records.map(Ok).map_err(|source| CompareError::Record { file, source })
 }
 
-/// Each recorded run with our record of its task, if there is one.
-fn join(runs: &[&Run], records: &[TaskRecord]) -> Vec<Pair> {
-    let record = |run: &Run| records.iter().find(|r| r.task == run.task()).cloned();
-    runs.iter().filter_map(|&run| Some((run.clone(), record(run)?))).collect()
+/// Our records of a recorded run's task, if there are any.
+fn ours(run: &Run, records: &BTreeMap<String, TaskRecord>) -> Option<Ours> {
+    let nominal = records.get(&run.task())?.clone();
+    let moved = MOVED.iter().filter_map(|(mark, _)| records.get(&format!("{}{mark}", run.task())).cloned());
+    Some(Ours { nominal, moved: moved.collect() })
 }

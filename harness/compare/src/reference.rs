@@ -1,8 +1,7 @@
-//! The recorded runs of Project Chrono: `tasks/w{world}_{pair}.txt`, one line a run, and `.csv`, its trajectory at
-//! 10 Hz.
+//! The recorded runs of Project Chrono: `w{world}_{pair}.txt`, one line a run.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use vb_world::{Elevation, Terrain};
 
@@ -46,8 +45,6 @@ pub(crate) struct Run {
     pub(crate) pitch: f64,
     /// Distance from the goal marker at its end, m.
     pub(crate) goal_distance: f64,
-    /// Where the trajectory lies.
-    trajectory: PathBuf,
 }
 
 impl Run {
@@ -64,26 +61,6 @@ impl Run {
     /// Name of the task in its world.
     pub(crate) fn task_id(&self) -> String {
         format!("t{:02}", self.pair)
-    }
-
-    /// The places of the vehicle's reference point, m, every 0.1 s from the start on.
-    pub(crate) fn trajectory(&self) -> Result<Vec<[f64; 2]>, CompareError> {
-        let file = &self.trajectory;
-        let text = read(file)?;
-        let mut lines = text.lines();
-        let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-        let column = |name: &str| {
-            let found = header.iter().position(|h| *h == name);
-            found.ok_or_else(|| CompareError::reference(file, 1, format!("no column {name}: restore it")))
-        };
-        let (x, y) = (column("x")?, column("y")?);
-        let mut points = Vec::new();
-        for (k, line) in lines.enumerate() {
-            let cells: Vec<&str> = line.split(',').collect();
-            let cell = |column: usize| number(file, k + 2, &cells, column);
-            points.push([cell(x)?, cell(y)?]);
-        }
-        Ok(points)
     }
 }
 
@@ -152,7 +129,6 @@ fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
         roll: number(file, 1, &cells, ROLL)?,
         pitch: number(file, 1, &cells, PITCH)?,
         goal_distance: number(file, 1, &cells, GOAL_DISTANCE)?,
-        trajectory: file.with_extension("csv"),
     })
 }
 
@@ -188,13 +164,17 @@ mod tests {
     }
 
     #[test]
-    fn a_trajectory_is_read_by_the_names_of_its_columns() {
+    fn runs_are_read_from_a_folder_by_ground_level_world_and_pair() {
         let dir = tempfile::tempdir().unwrap();
-        std::fs::write(dir.path().join("w1_0.txt"), LINE).unwrap();
-        std::fs::write(dir.path().join("w1_0.csv"), "t,y,x\n0.0,1.5,60.0\n0.1,1.6,59.0\n").unwrap();
-        let run = &runs(dir.path()).unwrap()[0];
-        assert_eq!(run.trajectory().unwrap(), [[60.0, 1.5], [59.0, 1.6]]);
-        std::fs::write(dir.path().join("w1_0.csv"), "t,y\n0.0,1.5\n").unwrap();
-        assert!(run.trajectory().unwrap_err().to_string().contains("no column x"));
+        let write = |name: &str, line: &str| std::fs::write(dir.path().join(name), line).unwrap();
+        write("w1_0.txt", LINE);
+        write("w1_0.csv", "t,x\n");
+        write("w10_3.txt", &LINE.replace("1,high,rigid,0", "10,high,rigid,3"));
+        write("w2_3.txt", &LINE.replace("1,high,rigid,0", "2,high,rigid,3"));
+        write("w70_0.txt", &LINE.replace("1,high,rigid", "70,low,deformable"));
+        write("w91_0.txt", &LINE.replace("1,high,rigid", "91,low,mixed"));
+        write("w93_0.txt", &LINE.replace("1,high,rigid", "93,low,rigid"));
+        let order: Vec<_> = runs(dir.path()).unwrap().iter().map(Run::task).collect();
+        assert_eq!(order, ["w093/t00", "w001/t00", "w002/t03", "w010/t03", "w091/t00", "w070/t00"]);
     }
 }

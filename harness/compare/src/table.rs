@@ -5,69 +5,56 @@ use std::fmt::Write as _;
 use vb_score::{Outcome, TaskRecord};
 use vb_world::{Elevation, Terrain};
 
+use crate::mode::Mode;
 use crate::reference::{End, Run};
 
-/// A recorded run and our record of the same task.
-pub(crate) type Pair = (Run, TaskRecord);
-
-fn both_succeed((run, record): &Pair) -> bool {
-    run.end == End::Success && record.outcome == Outcome::Success
+/// Our records of one task: as it is, and with the start moved by 1 mm forth and back.
+#[derive(Clone, Debug)]
+pub(crate) struct Ours {
+    pub(crate) nominal: TaskRecord,
+    pub(crate) moved: Vec<TaskRecord>,
 }
+
+impl Ours {
+    fn succeeds(&self) -> bool {
+        self.nominal.outcome == Outcome::Success
+    }
+
+    /// Whether a millimetre decides between arriving and not.
+    fn is_chance(&self) -> bool {
+        self.moved.iter().any(|r| (r.outcome == Outcome::Success) != self.succeeds())
+    }
+}
+
+/// A recorded run and ours of the same task in each mode, in the order of [`Mode::ALL`]; none where the ground can't
+/// be simulated.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub(crate) run: Run,
+    pub(crate) ours: Vec<Option<Ours>>,
+}
+
+/// A recorded run and ours in one mode.
+type Pair<'a> = (&'a Run, &'a Ours);
 
 /// Whether the vehicle arrived in both or in neither: the ways of failing have different names, and a vehicle that
 /// lies on its side is stuck by these rules.
-fn agree((run, record): &Pair) -> bool {
-    (run.end == End::Success) == (record.outcome == Outcome::Success)
+fn agree((run, ours): Pair<'_>) -> bool {
+    (run.end == End::Success) == ours.succeeds()
 }
 
 /// Our value over Chrono's, each summed over the pairs in which both vehicles arrive; none if there is no such pair.
 fn ratio(
-    pairs: &[&Pair],
+    pairs: &[Pair<'_>],
     ours: impl Fn(&TaskRecord) -> Option<f64>,
     theirs: impl Fn(&Run) -> f64,
 ) -> Option<f64> {
     let mut sums = [0.0; 2];
-    for (run, record) in pairs.iter().filter(|p| both_succeed(p)) {
-        sums[0] += ours(record)?;
+    for (run, own) in pairs.iter().filter(|(run, own)| run.end == End::Success && own.succeeds()) {
+        sums[0] += ours(&own.nominal)?;
         sums[1] += theirs(run);
     }
     (sums[1] > 0.0).then(|| sums[0] / sums[1])
-}
-
-/// The table of tasks.
-pub(crate) fn tasks(pairs: &[Pair]) -> String {
-    let mut out = String::from(
-        "| world | ground | level | pair | outcome: Chrono | here | | time, s | | mean \\|roll\\|, ° | | mean \\|pitch\\|, ° | |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for pair @ (run, record) in pairs {
-        let metrics = record.metrics;
-        let cell = |value: Option<f64>, decimals: usize| {
-            value.map_or_else(|| "–".to_owned(), |v| format!("{v:.decimals$}"))
-        };
-        let short = |outcome: &str, distance: Option<f64>| match distance {
-            Some(d) if outcome != "success" => format!("{outcome}, {d:.0} m short"),
-            _ => outcome.to_owned(),
-        };
-        let _ = writeln!(
-            out,
-            "| {} | {} | {} | {} | {} | {} | {} | {:.1} | {:.1} | {:.1} | {} | {:.1} | {} |",
-            run.world,
-            run.terrain.name(),
-            level(run.elevation),
-            run.pair,
-            short(&run.end.to_string(), Some(run.goal_distance)),
-            short(record.outcome.name(), metrics.map(|m| m.goal_distance_end_m)),
-            if agree(pair) { "" } else { "≠" },
-            run.time,
-            record.time_s,
-            run.roll,
-            cell(metrics.map(|m| m.roll_mean_deg), 1),
-            run.pitch,
-            cell(metrics.map(|m| m.pitch_mean_deg), 1),
-        );
-    }
-    out
 }
 
 /// The original's name of a level.
@@ -79,30 +66,83 @@ fn level(elevation: Elevation) -> &'static str {
     }
 }
 
-/// The table by ground and level.
-pub(crate) fn aggregate(pairs: &[Pair]) -> String {
+/// One line a task.
+pub(crate) fn tasks(rows: &[Row]) -> String {
+    let mut out = String::from("| world, pair | ground | level | Chrono |");
+    for mode in Mode::ALL {
+        let _ = write!(out, " {} |", mode.title());
+    }
+    out.push_str("\n|---|---|---|---|");
+    out.push_str(&"---|".repeat(Mode::ALL.len()));
+    out.push('\n');
+    for Row { run, ours } in rows {
+        let theirs = cell(&run.end.to_string(), run.time, run.roll, run.pitch, run.goal_distance);
+        let (ground, level) = (run.terrain.name(), level(run.elevation));
+        let _ = write!(out, "| {}, {} | {ground} | {level} | {theirs} |", run.world, run.pair);
+        for own in ours {
+            let text = own.as_ref().map_or_else(|| "–".into(), |own| own_cell((run, own)));
+            let _ = write!(out, " {text} |");
+        }
+        out.push('\n');
+    }
+    out
+}
+
+fn own_cell(pair: Pair<'_>) -> String {
+    let record = &pair.1.nominal;
+    let text = match record.metrics {
+        Some(m) => {
+            let name = record.outcome.name().replace('_', " ");
+            cell(&name, record.time_s, m.roll_mean_deg, m.pitch_mean_deg, m.goal_distance_end_m)
+        }
+        None => record.reason.clone(),
+    };
+    let mark = if agree(pair) { "" } else { "**≠** " };
+    let chance = if pair.1.is_chance() { " ±" } else { "" };
+    format!("{mark}{text}{chance}")
+}
+
+/// Time and mean |roll| and |pitch| of an arrival; how and where a failure ended.
+fn cell(outcome: &str, time: f64, roll: f64, pitch: f64, goal_distance: f64) -> String {
+    if outcome == "success" {
+        format!("{time:.1} s, {roll:.1}°, {pitch:.1}°")
+    } else {
+        format!("{outcome} after {time:.0} s, {goal_distance:.0} m short")
+    }
+}
+
+/// One line a ground and level, for one mode.
+pub(crate) fn aggregate(rows: &[Row], mode: Mode) -> String {
+    let index = Mode::ALL.iter().position(|m| *m == mode).unwrap_or(0);
+    let pairs: Vec<Pair<'_>> = rows.iter().filter_map(|r| Some((&r.run, r.ours[index].as_ref()?))).collect();
     let mut out = String::from(
-        "| ground | level | tasks | same outcome | successes: Chrono | here | time, here / Chrono | mean \\|roll\\| | mean \\|pitch\\| |\n\
-         |---|---|---|---|---|---|---|---|---|\n",
+        "| ground | level | tasks | same outcome | of them certain | successes: Chrono | here | time, here / Chrono \
+         | mean \\|roll\\| | mean \\|pitch\\| |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for terrain in [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable] {
         for elevation in Elevation::ALL {
-            let group: Vec<&Pair> =
-                pairs.iter().filter(|p| p.0.terrain == terrain && p.0.elevation == elevation).collect();
+            let group: Vec<Pair<'_>> = pairs
+                .iter()
+                .filter(|p| p.0.terrain == terrain && p.0.elevation == elevation)
+                .copied()
+                .collect();
             if group.is_empty() {
                 continue;
             }
-            let count = |test: &dyn Fn(&Pair) -> bool| group.iter().filter(|p| test(p)).count();
+            let count = |test: &dyn Fn(Pair<'_>) -> bool| group.iter().filter(|p| test(**p)).count();
             let cell = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.2}"));
+            let certain = |p: Pair<'_>| !p.1.is_chance();
             let _ = writeln!(
                 out,
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {} | {} | {} | {} of {} | {} | {} | {} | {} | {} |",
                 terrain.name(),
                 level(elevation),
                 group.len(),
                 count(&agree),
+                count(&|p| agree(p) && certain(p)),
+                count(&certain),
                 count(&|p| p.0.end == End::Success),
-                count(&|p| p.1.outcome == Outcome::Success),
+                count(&|p| p.1.succeeds()),
                 cell(ratio(&group, |r| Some(r.time_s), |r| r.time)),
                 cell(ratio(&group, |r| r.metrics.map(|m| m.roll_mean_deg), |r| r.roll)),
                 cell(ratio(&group, |r| r.metrics.map(|m| m.pitch_mean_deg), |r| r.pitch)),
