@@ -6,6 +6,7 @@ mod reference;
 mod table;
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -123,8 +124,8 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     eprintln!("importing the worlds of {} recorded runs", runs.len());
     let mut worlds: BTreeMap<u32, World> = BTreeMap::new();
     for run in &runs {
-        if !worlds.contains_key(&run.world) {
-            worlds.insert(run.world, source.world(run.world)?);
+        if let Entry::Vacant(place) = worlds.entry(run.world) {
+            place.insert(source.world(run.world)?);
         }
     }
     let suite = args.out.join("suite");
