@@ -5,6 +5,8 @@
 
 pub mod angle;
 mod elementary;
+mod fast;
 pub mod rng;
 
 pub use elementary::*;
+pub use fast::{fast_exp, fast_pow};

@@ -43,6 +43,7 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
             patch: side,
             classes: vec![TerrainClass::Concrete],
             friction: vec![0.8],
+            soil: vb_world::SoilLevels::default(),
         },
         obstacles: vec![],
         tasks: vec![],
