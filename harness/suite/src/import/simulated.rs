@@ -64,6 +64,7 @@ fn bands(described: &Semantics, side: usize) -> Semantics {
         patch: patch as f64,
         classes: (0..n).rev().flat_map(|row| std::iter::repeat_n(class_of(row), n)).collect(),
         friction: vec![0.0; n * n],
+        soil: described.soil,
     }
 }
 
@@ -111,10 +112,11 @@ pub(crate) fn obstacles(
 mod tests {
     use super::*;
     use TerrainClass::{Clay, Mud, Sand, Snow};
+    use vb_world::SoilLevels;
 
     fn patches(n: usize, patch: f64, classes: Vec<TerrainClass>) -> Semantics {
         let friction = classes.iter().map(|c| if c.is_deformable() { 0.0 } else { 0.5 }).collect();
-        Semantics { rows: n, cols: n, patch, classes, friction }
+        Semantics { rows: n, cols: n, patch, classes, friction, soil: SoilLevels::default() }
     }
 
     #[test]
