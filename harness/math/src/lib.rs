@@ -5,8 +5,6 @@
 
 pub mod angle;
 mod elementary;
-mod fast;
 pub mod rng;
 
 pub use elementary::*;
-pub use fast::{fast_exp, fast_pow};

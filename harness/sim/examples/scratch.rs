@@ -15,6 +15,30 @@ fn main() {
     let classes = [TerrainClass::Snow, TerrainClass::Mud, TerrainClass::Sand];
     let options = SimOptions { step, soil_pitch: pitch, ..SimOptions::default() };
     let per = (0.01 / step).round() as u64;
+    if a[1] == "rate" {
+        let soils2 = soils();
+        for (name, w) in [
+            ("rigid", flat(0.8)),
+            ("snow", soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Snow)),
+            ("mud", soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Mud)),
+            ("sand", soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Sand)),
+        ] {
+            let set = if a.len() > 4 { &set } else { &soils2 };
+            let mut sim =
+                Simulation::new(w, &hmmwv(), set, Pose2 { x: -100.0, y: 0.0, yaw: 0.0 }, options).unwrap();
+            let mut best = f64::MAX;
+            for _ in 0..400 {
+                let t0 = std::time::Instant::now();
+                for _ in 0..10 {
+                    let c = hold_speed(&sim, 4.0, 0.0);
+                    sim.advance(c, per).unwrap();
+                }
+                best = best.min(t0.elapsed().as_secs_f64());
+            }
+            println!("{name} best {:.0}x v {:.2}", 0.1 / best, sim.state().velocity.x);
+        }
+        return;
+    }
     for c in classes {
         if a[1] == "rig" {
             let w =

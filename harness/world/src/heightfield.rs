@@ -29,6 +29,35 @@ pub struct SurfacePoint {
     pub dzdy: f64,
 }
 
+/// One triangle of the surface, for many questions about nearby points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// South-western corner of its cell, and the height there.
+    corner: [f64; 2],
+    z: f64,
+    pitch: f64,
+    /// Whether it is the cell's north-western half.
+    upper: bool,
+    gradient: [f64; 2],
+}
+
+impl Facet {
+    /// Height at a point, if it lies on this triangle.
+    #[inline]
+    #[must_use]
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let (u, v) = (x - self.corner[0], y - self.corner[1]);
+        let inside = (u >= 0.0) & (v >= 0.0) & (u < self.pitch) & (v < self.pitch) & ((v >= u) == self.upper);
+        inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
+    }
+
+    /// ∂z/∂x and ∂z/∂y.
+    #[must_use]
+    pub fn gradient(&self) -> [f64; 2] {
+        self.gradient
+    }
+}
+
 impl Heightfield {
     /// A surface from row-major heights (m), row 0 in the south.
     ///
@@ -147,6 +176,26 @@ impl Heightfield {
         SurfacePoint { z: z00 + gu * u + gv * v, dzdx: gu * inv, dzdy: gv * inv }
     }
 
+    /// The triangle at (x, y); beyond the edge the edge cell's.
+    #[must_use]
+    pub fn facet(&self, x: f64, y: f64) -> Facet {
+        let inv = self.inverse_pitch;
+        let fx = (x + self.half[0]) * inv;
+        let fy = (y + self.half[1]) * inv;
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        let corner = [col as f64 * self.pitch - self.half[0], row as f64 * self.pitch - self.half[1]];
+        let g = self.at(x, y);
+        let upper = fy - row as f64 >= fx - col as f64;
+        Facet {
+            corner,
+            pitch: self.pitch,
+            upper,
+            z: self.heights[row * self.cols + col],
+            gradient: [g.dzdx, g.dzdy],
+        }
+    }
+
     /// Height at (x, y), m.
     #[inline]
     #[must_use]
@@ -229,6 +278,20 @@ mod tests {
         assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
         assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
         assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+    }
+
+    #[test]
+    fn a_facet_has_the_height_and_gradient_of_the_surface_on_itself_and_none_elsewhere() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.5, heights);
+        let f = h.facet(0.1, 0.3);
+        assert_eq!(f.gradient(), [h.at(0.1, 0.3).dzdx, h.at(0.1, 0.3).dzdy]);
+        for (x, y, on) in [(0.1, 0.3, true), (0.2, 0.45, true), (0.3, 0.1, false), (-0.1, 0.3, false)] {
+            match f.height(x, y) {
+                Some(z) => assert!(on && (z - h.height(x, y)).abs() < 1e-12),
+                None => assert!(!on, "{x} {y}"),
+            }
+        }
     }
 
     #[test]

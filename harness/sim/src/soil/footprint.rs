@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
 use crate::{M3, V3};
-use vb_world::{Heightfield, SurfacePoint};
+use vb_world::Heightfield;
 
 /// Stations along the heading: this many on each side of the one under the axle.
 const REACH: usize = 12;
@@ -48,25 +48,27 @@ pub(crate) struct SoilForce {
     pub(crate) inertia: M3,
 }
 
-/// The states of the soil under and around one wheel.
-///
-/// Stations are numbered strip by strip, from the rearmost of the rightmost strip on.
+/// One number a station of a strip, from the rearmost on.
+type Row = [f64; STATIONS];
+
+/// The states of the soil under and around one wheel; strips from the rightmost on.
 #[derive(Clone, Debug)]
 pub(crate) struct Footprint {
     radius: f64,
     width: f64,
     strips: usize,
     /// Distance of each station from the axle along the heading, and the length it stands for.
-    xs: [f64; STATIONS],
-    lengths: [f64; STATIONS],
-    inverse_lengths: [f64; STATIONS],
-    /// Half the chord of the wheel's disc at each station.
-    half: [f64; STATIONS],
+    xs: Row,
+    lengths: Row,
+    inverse_lengths: Row,
+    /// Half the chord of the wheel's disc at each station; sine, cosine and secant of the rim's slope there.
+    half: Row,
+    rim: [(f64, f64, f64); STATIONS],
     /// As in [`super::grid::Cell`].
-    plastic: Vec<f64>,
-    raised: Vec<f64>,
+    plastic: Vec<Row>,
+    raised: Vec<Row>,
     /// Displacement of the rim against the soil since it came into contact, along the heading and to the left, m.
-    shear: [Vec<f64>; 2],
+    shear: [Vec<Row>; 2],
     live: bool,
     /// Way to the left that the states have not yet followed, m.
     behind: f64,
@@ -115,16 +117,17 @@ impl Footprint {
     pub(crate) fn new(radius: f64, width: f64, pitch: f64) -> Self {
         let strips = ((width / pitch) as usize).clamp(2, 16);
         let extent = EXTENT * radius;
-        let xs: [f64; STATIONS] = std::array::from_fn(|k| {
+        let xs: Row = std::array::from_fn(|k| {
             let u = (k as f64 - REACH as f64) / REACH as f64;
             extent * u * (CROWDING + (1.0 - CROWDING) * u * u)
         });
-        let lengths: [f64; STATIONS] = std::array::from_fn(|k| {
+        let lengths: Row = std::array::from_fn(|k| {
             let low = if k == 0 { xs[0] } else { xs[k - 1] };
             let high = if k + 1 == STATIONS { xs[k] } else { xs[k + 1] };
             0.5 * (high - low)
         });
-        let states = vec![0.0; strips * STATIONS];
+        let half = xs.map(|x| (radius * radius - x * x).sqrt());
+        let states = vec![[0.0; STATIONS]; strips];
         Self {
             radius,
             width,
@@ -132,7 +135,8 @@ impl Footprint {
             xs,
             lengths,
             inverse_lengths: lengths.map(|l| 1.0 / l),
-            half: xs.map(|x| (radius * radius - x * x).sqrt()),
+            half,
+            rim: std::array::from_fn(|k| (xs[k] / radius, half[k] / radius, radius / half[k])),
             plastic: states.clone(),
             raised: states.clone(),
             shear: [states.clone(), states],
@@ -153,7 +157,7 @@ impl Footprint {
         dt: f64,
     ) -> Option<SoilForce> {
         let below = surface.at(motion.hub.x, motion.hub.y);
-        let normal = normal_of(&below);
+        let normal = normal_of([below.dzdx, below.dzdy]);
         let height = (motion.hub.z - below.z) * normal.z;
         let near = height < (1.0 + CLEARANCE) * self.radius && under != Under::Rigid;
         let frame = motion
@@ -196,7 +200,7 @@ impl Footprint {
 
     /// Numbers that change when the soil under the wheel does.
     pub(crate) fn digest(&self) -> [f64; 5] {
-        let sum = |states: &[f64]| states.iter().sum::<f64>();
+        let sum = |states: &[Row]| states.iter().flatten().sum::<f64>();
         let [a, b] = &self.shear;
         [self.breadth, self.behind, sum(&self.plastic), sum(&self.raised), sum(a) + sum(b)]
     }
@@ -206,17 +210,17 @@ impl Footprint {
     }
 
     /// Takes the state of a station from the grid, unsheared.
-    fn take(&mut self, station: usize, grid: &Grid, at: V3) {
+    fn take(&mut self, strip: usize, k: usize, grid: &Grid, at: V3) {
         let cell = grid.at(at.x, at.y);
-        self.plastic[station] = cell.plastic;
-        self.raised[station] = cell.raised;
-        self.shear[0][station] = 0.0;
-        self.shear[1][station] = 0.0;
+        self.plastic[strip][k] = cell.plastic;
+        self.raised[strip][k] = cell.raised;
+        self.shear[0][strip][k] = 0.0;
+        self.shear[1][strip][k] = 0.0;
     }
 
     /// Leaves the state of a station to the grid.
-    fn leave(&self, station: usize, grid: &mut Grid, at: V3) {
-        let (plastic, raised) = (self.plastic[station], self.raised[station]);
+    fn leave(&self, strip: usize, k: usize, grid: &mut Grid, at: V3) {
+        let (plastic, raised) = (self.plastic[strip][k], self.raised[strip][k]);
         if (plastic != 0.0 || raised != 0.0)
             && let Some(cell) = grid.at_mut(at.x, at.y)
         {
@@ -230,7 +234,7 @@ impl Footprint {
         for strip in 0..self.strips {
             let origin = m.hub + m.axis * self.offset(strip);
             for k in 0..STATIONS {
-                self.take(strip * STATIONS + k, grid, origin + f.along * self.xs[k]);
+                self.take(strip, k, grid, origin + f.along * self.xs[k]);
             }
         }
         self.behind = 0.0;
@@ -248,7 +252,7 @@ impl Footprint {
         for strip in 0..self.strips {
             let origin = m.hub + m.axis * self.offset(strip);
             for k in 0..STATIONS {
-                self.leave(strip * STATIONS + k, grid, origin + along * self.xs[k]);
+                self.leave(strip, k, grid, origin + along * self.xs[k]);
             }
         }
     }
@@ -271,24 +275,24 @@ impl Footprint {
             // Upwind differences are stable up to one station a step.
             let parts = (travel * self.inverse_lengths[REACH]) as usize + 1;
             let part = travel / parts as f64;
-            let range = strip * STATIONS..(strip + 1) * STATIONS;
-            let rows = [
-                (&mut self.plastic[range.clone()], cell.plastic),
-                (&mut self.raised[range.clone()], cell.raised),
-            ];
             let [a, b] = &mut self.shear;
-            let sheared = [(&mut a[range.clone()], 0.0), (&mut b[range], 0.0)];
-            for (row, inflow) in rows.into_iter().chain(sheared) {
+            let rows = [
+                (&mut self.plastic[strip], cell.plastic),
+                (&mut self.raised[strip], cell.raised),
+                (&mut a[strip], 0.0),
+                (&mut b[strip], 0.0),
+            ];
+            for (row, inflow) in rows {
                 for _ in 0..parts {
                     advect(row, inflow, direction > 0.0, part, &self.inverse_lengths);
                 }
             }
             // Fast wheels leave more than a cell a step.
-            let last = strip * STATIONS + if direction > 0.0 { 0 } else { STATIONS - 1 };
+            let last = if direction > 0.0 { 0 } else { STATIONS - 1 };
             let cells = (travel / grid.pitch()) as usize + 1;
             for i in 0..cells {
                 let back = edge * direction + direction * travel * i as f64 / cells as f64;
-                self.leave(last, grid, origin - f.along * back);
+                self.leave(strip, last, grid, origin - f.along * back);
             }
         }
         self.behind += m.velocity.dot(&m.axis) * dt;
@@ -306,24 +310,19 @@ impl Footprint {
             let middle = m.hub + f.along * self.xs[k];
             let entering = middle + m.axis * side;
             let cell = grid.at(entering.x, entering.y);
-            let (first, step) =
-                if distance > 0.0 { (0, STATIONS as isize) } else { (self.strips - 1, -(STATIONS as isize)) };
-            let leaving = first * STATIONS + k;
-            self.leave(leaving, grid, middle - m.axis * side);
             // From where states leave towards where they enter, so that each still finds its neighbour's old state.
-            let mut station = leaving;
+            let strip = |i: usize| if distance > 0.0 { i } else { self.strips - 1 - i };
+            self.leave(strip(0), k, grid, middle - m.axis * side);
             for i in 0..self.strips {
-                let from = station.wrapping_add_signed(step);
-                let inner = i + 1 < self.strips;
-                let mix = |states: &mut [f64], inflow: f64| {
-                    let upstream = if inner { states[from] } else { inflow };
-                    states[station] += c * (upstream - states[station]);
+                let (to, from) = (strip(i), (i + 1 < self.strips).then(|| strip(i + 1)));
+                let mix = |states: &mut [Row], inflow: f64| {
+                    let upstream = from.map_or(inflow, |from| states[from][k]);
+                    states[to][k] += c * (upstream - states[to][k]);
                 };
                 mix(&mut self.plastic, cell.plastic);
                 mix(&mut self.raised, cell.raised);
                 mix(&mut self.shear[0], 0.0);
                 mix(&mut self.shear[1], 0.0);
-                station = from;
             }
         }
     }
@@ -341,44 +340,48 @@ impl Footprint {
         sum: &mut Sum,
     ) {
         let strip_width = self.width / self.strips as f64;
-        let inverse_radius = 1.0 / self.radius;
         let velocity = f.local(&m.velocity);
         let rotation = f.local(&m.rotation);
-        let mut facet = Facet::new(f, 0.0, 0.0);
+        let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
+        let mut facet = Facet::at(surface, f, &m.hub);
         let reach = vb_math::hypot(self.radius, self.width);
-        let heaped = self.raised.iter().fold(0.0, |a: f64, &b| a.max(b));
-        let top = surface.ceiling(m.hub.x, m.hub.y, reach).map_or(f64::INFINITY, |top| top + heaped);
+        let top = surface.ceiling(m.hub.x, m.hub.y, reach).unwrap_or(f64::INFINITY);
         for strip in 0..self.strips {
             let offset = self.offset(strip);
             let origin = m.hub + m.axis * offset;
             let mut touches = false;
+            let (raised, plastic) = (&self.raised[strip], &mut self.plastic[strip]);
+            let [a, b] = &mut self.shear;
+            let (shear_along, shear_across) = (&mut a[strip], &mut b[strip]);
             for k in 0..STATIONS {
                 let (x, half) = (self.xs[k], self.half[k]);
-                let i = strip * STATIONS + k;
                 let point = origin + f.along * x - f.up * half;
-                if point.z >= top {
-                    self.shear[0][i] = 0.0;
-                    self.shear[1][i] = 0.0;
+                if point.z >= top + raised[k] {
+                    shear_along[k] = 0.0;
+                    shear_across[k] = 0.0;
                     continue;
                 }
-                let g = surface.at(point.x, point.y);
-                let gap = g.z + self.raised[i] - point.z;
+                let gap = facet.follow(surface, f, &point) + raised[k] - point.z;
                 if gap <= 0.0 {
-                    self.shear[0][i] = 0.0;
-                    self.shear[1][i] = 0.0;
+                    shear_along[k] = 0.0;
+                    shear_across[k] = 0.0;
                     continue;
                 }
-                facet.follow(f, &g);
                 let sinkage = gap * facet.slope;
-                let (soil, share) = match under {
-                    Under::Soil(ref soil) => (soil, 1.0),
-                    _ => match ground.soil_at(point.x, point.y) {
+                let (soil, share) = match only {
+                    Some(soil) => (soil, 1.0),
+                    None => match ground.soil_at(point.x, point.y) {
                         Some(soil) => (soil, ground.share(point.x, point.y, BLEND)),
                         None => continue,
                     },
                 };
-                let before = self.plastic[i];
-                let (stress, yields) = soil.load(soil.modulus(self.breadth), sinkage, &mut self.plastic[i]);
+                let before = plastic[k];
+                let (stress, yields) = soil.load(soil.modulus(self.breadth), sinkage, &mut plastic[k]);
+                if stress <= 0.0 {
+                    shear_along[k] = 0.0;
+                    shear_across[k] = 0.0;
+                    continue;
+                }
                 // Velocity of the rim, in the wheel's frame.
                 let v = velocity
                     + V3::new(
@@ -389,27 +392,27 @@ impl Footprint {
                 // Area of the ground that the station stands for; that of the rim over it is larger where it is steep.
                 let area = self.lengths[k] * strip_width * share;
                 let (n, t, rim) = if soil.radial {
-                    let (cos, sin) = (half * inverse_radius, x * inverse_radius);
-                    (V3::new(-sin, 0.0, cos), V3::new(cos, 0.0, sin), area / cos)
+                    let (sin, cos, sec) = self.rim[k];
+                    (V3::new(-sin, 0.0, cos), V3::new(cos, 0.0, sin), area * sec)
                 } else {
                     (facet.normal, V3::x(), area)
                 };
                 let leaving = v.dot(&n);
-                let pressure = if stress > 0.0 { stress - soil.damping * leaving } else { 0.0 };
+                let pressure = stress - soil.damping * leaving;
                 if pressure <= 0.0 {
-                    self.shear[0][i] = 0.0;
-                    self.shear[1][i] = 0.0;
+                    shear_along[k] = 0.0;
+                    shear_across[k] = 0.0;
                     continue;
                 }
                 touches = true;
                 sum.sinkage = sum.sinkage.max(sinkage);
-                sum.displaced += (self.plastic[i] - before) * area;
+                sum.displaced += (plastic[k] - before) * area;
                 sum.span = Some(sum.span.map_or((k, k), |(a, b)| (a.min(k), b.max(k))));
                 let slip = [(v - n * leaving).dot(&t), v.y - n.y * leaving];
-                let mut shear = [self.shear[0][i], self.shear[1][i]];
+                let mut shear = [shear_along[k], shear_across[k]];
                 let tangential = soil.shear_stress(&mut shear, slip, pressure, dt);
-                self.shear[0][i] = shear[0];
-                self.shear[1][i] = shear[1];
+                shear_along[k] = shear[0];
+                shear_across[k] = shear[1];
                 let push = n * (pressure * rim);
                 let mut force = push + t * (tangential[0] * rim);
                 force.y += tangential[1] * rim;
@@ -453,7 +456,7 @@ impl Footprint {
             let outside = |k: usize| k.checked_add_signed(step).filter(|k| *k < STATIONS);
             let Some(nearest) = outside(from) else { continue };
             for strip in 0..self.strips {
-                let row = &mut self.raised[strip * STATIONS..(strip + 1) * STATIONS];
+                let row = &mut self.raised[strip];
                 row[nearest] += end / (self.width * self.lengths[nearest]);
                 let mut k = nearest;
                 while let Some(next) = outside(k) {
@@ -510,14 +513,14 @@ const RINGS: usize = 10;
 pub(crate) const BLEND: f64 = 0.05;
 
 #[inline]
-fn normal_of(g: &SurfacePoint) -> V3 {
-    let inv = 1.0 / (1.0 + g.dzdx * g.dzdx + g.dzdy * g.dzdy).sqrt();
-    V3::new(-g.dzdx * inv, -g.dzdy * inv, inv)
+fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
+    let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();
+    V3::new(-dzdx * inv, -dzdy * inv, inv)
 }
 
 /// The last facet of the ground that a station stood on, since the next mostly stands on it too.
 struct Facet {
-    gradient: [f64; 2],
+    plane: vb_world::Facet,
     /// Vertical component of the normal.
     slope: f64,
     /// In the wheel's frame.
@@ -525,23 +528,26 @@ struct Facet {
 }
 
 impl Facet {
-    fn new(f: &Frame, dzdx: f64, dzdy: f64) -> Self {
-        let normal = normal_of(&SurfacePoint { z: 0.0, dzdx, dzdy });
-        Self { gradient: [dzdx, dzdy], slope: normal.z, normal: f.local(&normal) }
+    fn at(surface: &Heightfield, f: &Frame, point: &V3) -> Self {
+        let plane = surface.facet(point.x, point.y);
+        let normal = normal_of(plane.gradient());
+        Self { plane, slope: normal.z, normal: f.local(&normal) }
     }
 
+    /// Height of the ground at a point, whose facet becomes the current one.
     #[inline]
-    fn follow(&mut self, f: &Frame, g: &SurfacePoint) {
-        if self.gradient != [g.dzdx, g.dzdy] {
-            *self = Self::new(f, g.dzdx, g.dzdy);
+    fn follow(&mut self, surface: &Heightfield, f: &Frame, point: &V3) -> f64 {
+        if let Some(z) = self.plane.height(point.x, point.y) {
+            return z;
         }
+        *self = Self::at(surface, f, point);
+        surface.height(point.x, point.y)
     }
 }
 
 /// Moves a row of states backward (`forward`: the wheel moves forward) by a distance of at most one station.
 #[inline]
-fn advect(row: &mut [f64], inflow: f64, forward: bool, distance: f64, inverse_lengths: &[f64; STATIONS]) {
-    let Ok(row) = <&mut [f64; STATIONS]>::try_from(row) else { return };
+fn advect(row: &mut Row, inflow: f64, forward: bool, distance: f64, inverse_lengths: &Row) {
     if forward {
         for k in 0..STATIONS - 1 {
             row[k] += (row[k + 1] - row[k]) * (distance * inverse_lengths[k]);

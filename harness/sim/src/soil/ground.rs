@@ -23,12 +23,12 @@ pub(crate) struct SoilGround {
 const RIGID: u8 = u8::MAX;
 
 /// What lies under a rectangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Under {
     /// Rigid ground only.
     Rigid,
-    /// One soil only.
-    Soil(Soil),
+    /// One soil only, by its number.
+    Soil(u8),
     /// More than one kind.
     Mixed,
 }
@@ -122,6 +122,12 @@ impl SoilGround {
         self.soils.get(usize::from(self.kind(self.row(y).0, self.column(x).0)))
     }
 
+    /// The soil of a number that [`Under`] gives.
+    #[inline]
+    pub(crate) fn soil(&self, number: u8) -> Option<&Soil> {
+        self.soils.get(usize::from(number))
+    }
+
     /// What lies within `reach` of a position along x and y.
     #[inline]
     pub(crate) fn under(&self, x: f64, y: f64, reach: f64) -> Under {
@@ -135,7 +141,7 @@ impl SoilGround {
                 }
             }
         }
-        self.soils.get(usize::from(first)).map_or(Under::Rigid, |s| Under::Soil(*s))
+        if first == RIGID { Under::Rigid } else { Under::Soil(first) }
     }
 
     /// Share of soil in a square of half side `reach` about a position: rises linearly as the square crosses an edge,

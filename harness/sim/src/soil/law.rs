@@ -1,7 +1,7 @@
 //! The law of one soil: pressure over sinkage, shear stress over shear displacement.
 
+use super::table::{Power, SATURATED, Saturation};
 use serde::{Deserialize, Serialize};
-use vb_math::{fast_exp, fast_pow};
 
 /// The parameters of one soil, as a soil file gives them.
 ///
@@ -57,15 +57,18 @@ pub struct Bulldozing {
 }
 
 /// A soil's law with what a step needs worked out.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Soil {
     pub(crate) k_phi: f64,
     pub(crate) k_c: f64,
-    pub(crate) n: f64,
+    power: Power,
+    saturation: Saturation,
     pub(crate) cohesion: f64,
     pub(crate) tan_phi: f64,
     pub(crate) inverse_shear_modulus: f64,
     pub(crate) elastic: f64,
+    /// 1 / elastic.
+    compliance: f64,
     pub(crate) damping: f64,
     pub(crate) radial: bool,
     /// (greatest slope of a heap, share of the displaced volume).
@@ -73,9 +76,6 @@ pub(crate) struct Soil {
     /// Stress of the shear damper per shear strength and speed of shear, s/m.
     pub(crate) shear_damping: f64,
 }
-
-/// Largest shear displacement that is remembered, in shear moduli: exp(−5) is as good as sheared.
-const SHEARED: f64 = 5.0;
 
 /// Damping ratio of a resting vehicle's shear against the soil: a choice of ours, the soil's law has none.
 const SHEAR_DAMPING_RATIO: f64 = 0.25;
@@ -86,11 +86,13 @@ impl SoilLaw {
         Soil {
             k_phi: self.k_phi,
             k_c: self.k_c,
-            n: self.n,
+            power: Power::new(self.n),
+            saturation: Saturation::new(),
             cohesion: self.cohesion,
             tan_phi,
             inverse_shear_modulus: 1.0 / self.shear_modulus,
             elastic: self.elastic_stiffness,
+            compliance: 1.0 / self.elastic_stiffness,
             damping: self.damping,
             radial: self.pressure == PressureDirection::Radial,
             heap: self.bulldozing.map(|b| (vb_math::tan(b.erosion_angle_deg.to_radians()), b.flow)),
@@ -123,11 +125,11 @@ impl Soil {
         if elastic <= 0.0 {
             return (0.0, false);
         }
-        let yielding = modulus * fast_pow(sinkage, self.n);
+        let yielding = modulus * self.power.at(sinkage);
         if elastic <= yielding {
             return (elastic, false);
         }
-        *plastic = sinkage - yielding / self.elastic;
+        *plastic = sinkage - yielding * self.compliance;
         (yielding, true)
     }
 
@@ -135,7 +137,7 @@ impl Soil {
     #[inline]
     pub(crate) fn shear(&self, pressure: f64, displacement: f64) -> f64 {
         (self.cohesion + pressure * self.tan_phi)
-            * (1.0 - fast_exp(-displacement * self.inverse_shear_modulus))
+            * self.saturation.at(displacement * self.inverse_shear_modulus)
     }
 
     /// Advances the shear displacement (m) by a slip velocity (m/s); returns the stress on the rim (Pa).
@@ -154,9 +156,10 @@ impl Soil {
             return [0.0; 2];
         }
         let size = square.sqrt();
-        let unit = [j[0] / size, j[1] / size];
-        if size * self.inverse_shear_modulus > SHEARED {
-            let most = SHEARED / self.inverse_shear_modulus;
+        let inverse = 1.0 / size;
+        let unit = [j[0] * inverse, j[1] * inverse];
+        if size * self.inverse_shear_modulus > SATURATED {
+            let most = SATURATED / self.inverse_shear_modulus;
             *displacement = [unit[0] * most, unit[1] * most];
         }
         let strength = self.cohesion + pressure * self.tan_phi;

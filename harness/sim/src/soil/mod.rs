@@ -15,6 +15,7 @@ mod ground;
 mod law;
 mod rig;
 mod set;
+mod table;
 
 pub(crate) use footprint::{BLEND, Footprint, WheelMotion};
 pub(crate) use ground::{SoilGround, Under};
