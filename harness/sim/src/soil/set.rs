@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use vb_world::{SoilLevel, TerrainClass};
 
-/// Named soils, and which of them each deformable class is made of at each level.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Named soils, and which of them each deformable class is made of at each level. The default has none: rigid worlds
+/// need none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilSet {
     /// Version of this format; 1.
@@ -24,7 +25,7 @@ pub struct SoilSet {
 }
 
 /// Names of the soils of the deformable classes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the classes of the paper")]
 pub struct Classes {
@@ -34,7 +35,7 @@ pub struct Classes {
 }
 
 /// Names of a class's soils.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the levels of the paper")]
 pub struct Levels {
