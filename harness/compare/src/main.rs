@@ -210,7 +210,7 @@ fn drive(
     let mut command = Command::new(&args.harness);
     command.arg("--plugin").arg(&plugin).arg("--suite").arg(suite).arg("--out").arg(&out);
     command.arg("--vehicle").arg(vehicle).args(["--tasks", &world.id, "--rules", "release"]);
-    command.args(["--param", &format!("speed={SPEED}")]);
+    command.args(["--soils", "original", "--param", &format!("speed={SPEED}")]);
     if mode.planner() == "pid-release" {
         command.args(["--param", &format!("obstacles={}", mode::obstacle_squares(world))]);
     }
