@@ -151,3 +151,66 @@ pub(crate) fn aggregate(rows: &[Row], mode: Mode) -> String {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn run(end: End, time: f64, roll: f64) -> Run {
+        let (elevation, terrain) = (Elevation::Medium, Terrain::Rigid);
+        Run { world: 8, pair: 3, elevation, terrain, end, time, roll, pitch: 2.0, goal_distance: 61.7 }
+    }
+
+    fn record(outcome: &str, time: f64, roll: f64) -> TaskRecord {
+        let metrics = json!({
+            "samples": 3000, "roll_mean_deg": roll, "roll_variance_deg2": 1.0, "roll_max_deg": 9.0,
+            "roll_end_deg": 0.0, "pitch_mean_deg": 1.0, "pitch_variance_deg2": 1.0, "pitch_max_deg": 4.0,
+            "distance_m": 100.0, "speed_mean_m_per_s": 3.9, "speed_max_m_per_s": 4.4, "throttle_effort_s": 1.0,
+            "brake_effort_s": 0.0, "steering_effort_s": 1.0, "steering_rate_per_s": 0.1,
+            "goal_distance_min_m": 7.9, "goal_distance_end_m": 42.4,
+        });
+        serde_json::from_value(json!({
+            "task": "w008/t03", "world": "w008", "elevation": "medium", "terrain": "rigid", "density": "dense",
+            "outcome": outcome, "three_way": if outcome == "success" { outcome } else { "stuck" },
+            "reason": "", "time_s": time, "state_hash": "0", "sim_steps": 1, "planner_steps": 1, "clamped": 0,
+            "fuel": null, "metrics": metrics,
+        }))
+        .unwrap()
+    }
+
+    fn row(end: End, outcome: &str, moved: &str, time: [f64; 2], roll: [f64; 2]) -> Row {
+        let nominal = record(outcome, time[1], roll[1]);
+        let ours = Ours { nominal, moved: vec![record(outcome, 1.0, 1.0), record(moved, 1.0, 1.0)] };
+        Row { run: run(end, time[0], roll[0]), ours: vec![Some(ours), None, None] }
+    }
+
+    #[test]
+    fn ratios_are_taken_over_tasks_that_both_complete() {
+        let rows = [
+            row(End::Success, "success", "success", [30.0, 33.0], [4.0, 3.0]),
+            row(End::Success, "success", "stuck", [30.0, 27.0], [4.0, 3.0]),
+            row(End::Success, "stuck", "stuck", [30.0, 99.0], [4.0, 99.0]),
+            row(End::FellOffMap, "stuck", "stuck", [8.0, 99.0], [99.0, 99.0]),
+        ];
+        let table = aggregate(&rows, Mode::Physics);
+        // Four tasks; same outcome but for the third; of the three others the second hangs on a millimetre.
+        // Times (33 + 27) / 60, roll 6 / 8, pitch 2 / 4.
+        let expected = "| rigid | mid | 4 | 3 | 2 of 3 | 3 | 2 | 1.00 | 0.75 | 0.50 |\n";
+        assert!(table.ends_with(expected), "{table}");
+        // Nothing was driven in the other modes.
+        assert_eq!(aggregate(&rows, Mode::Planner).lines().count(), 2);
+    }
+
+    #[test]
+    fn a_task_shows_how_both_ended_and_whether_a_millimetre_decides() {
+        let line = |row: Row| tasks(&[row]).lines().last().unwrap_or_default().to_owned();
+        let same = line(row(End::Success, "success", "stuck", [30.0, 31.0], [4.0, 3.0]));
+        assert_eq!(same, "| 8, 3 | rigid | mid | 30.0 s, 4.0°, 2.0° | 31.0 s, 3.0°, 1.0° ± | – | – |");
+        let other = line(row(End::Success, "out_of_bounds", "stuck", [30.0, 20.4], [4.0, 3.0]));
+        let ours = "**≠** out of bounds after 20 s, 42 m short";
+        assert_eq!(other, format!("| 8, 3 | rigid | mid | 30.0 s, 4.0°, 2.0° | {ours} | – | – |"));
+        let fell = line(row(End::FellOffMap, "stuck", "stuck", [8.0, 20.0], [99.0, 3.0]));
+        assert!(fell.contains("| fell off after 8 s, 62 m short | stuck after 20 s, 42 m short |"), "{fell}");
+    }
+}
