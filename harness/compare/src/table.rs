@@ -194,7 +194,7 @@ mod tests {
             row(End::FellOffMap, "stuck", "stuck", [8.0, 99.0], [99.0, 99.0]),
         ];
         let table = aggregate(&rows, Mode::Physics);
-        // Four tasks; same outcome but for the third; of the three others the second hangs on a millimetre.
+        // Four tasks; same outcome but for the third; the second hangs on a millimetre, of the three others two agree.
         // Times (33 + 27) / 60, roll 6 / 8, pitch 2 / 4.
         let expected = "| rigid | mid | 4 | 3 | 2 of 3 | 3 | 2 | 1.00 | 0.75 | 0.50 |\n";
         assert!(table.ends_with(expected), "{table}");
