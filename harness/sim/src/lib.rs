@@ -20,11 +20,12 @@ mod suspension;
 mod tyre;
 
 pub use error::SimError;
+pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation};
 pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
-    Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
-    Suspension, TyreSpec, VehicleSpec,
+    Axle, Chassis, Converter, Damper, Differential, Driveline, DrivenAxle, Engine, Gearbox, Hardpoints,
+    LockUp, Powertrain, Spring, Steering, Stops, Suspension, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{CornerPose, SuspensionTable};

@@ -39,7 +39,6 @@ struct Corner {
     spin_inertia: f64,
     brake_torque: f64,
     steered: bool,
-    driven: bool,
     spring: Spring,
     damper: Damper,
     stops: Stops,
@@ -81,6 +80,7 @@ struct Forces {
 pub(crate) struct Vehicle {
     mass: f64,
     inertia: V3,
+    resistance: Vec<[f64; 2]>,
     envelope: Envelope,
     law: BrushLaw,
     tyre: crate::TyreSpec,
@@ -88,7 +88,6 @@ pub(crate) struct Vehicle {
     corners: Vec<Corner>,
     drive: Drive,
     forces: Vec<Forces>,
-    spins: Vec<f64>,
     pub(crate) x: V3,
     pub(crate) q: Quat,
     pub(crate) v: V3,
@@ -101,7 +100,7 @@ impl Vehicle {
         let com = V3::from(spec.chassis.com);
         let drive = Drive::new(spec);
         let mut corners = Vec::new();
-        for (i, (axle, table)) in spec.axles.iter().zip(tables).enumerate() {
+        for (axle, table) in spec.axles.iter().zip(tables) {
             let Suspension::DoubleWishbone { spring, damper, stops, .. } = &axle.suspension;
             for side in [1.0, -1.0] {
                 corners.push(Corner {
@@ -112,7 +111,6 @@ impl Vehicle {
                     spin_inertia: axle.spin_inertia,
                     brake_torque: axle.brake_torque,
                     steered: axle.steered,
-                    driven: drive.is_driven(2 * i),
                     spring: *spring,
                     damper: *damper,
                     stops: *stops,
@@ -130,12 +128,12 @@ impl Vehicle {
         Self {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
+            resistance: spec.chassis.resistance.clone(),
             envelope: Envelope::new(&spec.tyre),
             law: BrushLaw::new(&spec.tyre),
             tyre: spec.tyre,
             steering_rate: spec.steering.rate,
             forces: Vec::with_capacity(corners.len()),
-            spins: vec![0.0; corners.len()],
             corners,
             drive,
             x: V3::zeros(),
@@ -170,6 +168,10 @@ impl Vehicle {
         WheelState { speed: c.spin, deflection: c.travel, load: c.load, sinkage: c.sinkage }
     }
 
+    pub(crate) fn drive_state(&self) -> crate::DriveState {
+        self.drive.state()
+    }
+
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
@@ -177,7 +179,7 @@ impl Vehicle {
             let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
             motion.into_iter().chain(c.footprint.digest())
         });
-        corners.chain([self.steering, self.drive.gear() as f64])
+        corners.chain([self.steering]).chain(self.drive.inner_state())
     }
 
     /// Positions and axle directions of the wheels at their present travel.

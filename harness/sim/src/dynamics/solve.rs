@@ -1,6 +1,7 @@
 //! Elimination of the corners and the solution for the accelerations.
 
 use super::{MAX_WHEELS, Vehicle};
+use crate::powertrain::interpolate;
 use crate::{GRAVITY, M3, V3};
 use nalgebra::{Matrix6, Vector6};
 
@@ -9,6 +10,17 @@ fn skew(r: &V3) -> M3 {
 }
 
 impl Vehicle {
+    /// Of the air, N, world axes.
+    fn resistance(&self) -> V3 {
+        let speed = self.v.norm();
+        if self.resistance.is_empty() || speed <= 0.0 {
+            return V3::zeros();
+        }
+        // A table that starts above zero must not push a vehicle at rest.
+        let force = interpolate(&self.resistance, speed).0 * (speed / 0.1).min(1.0);
+        self.v * (-force / speed)
+    }
+
     pub(super) fn solve(&mut self, turn: &M3, axle_torques: &[f64; MAX_WHEELS], dt: f64) {
         let inertia = turn * M3::from_diagonal(&self.inertia) * turn.transpose();
         let gravity = V3::new(0.0, 0.0, -GRAVITY);
@@ -16,7 +28,7 @@ impl Vehicle {
         let mut coupling = M3::zeros();
         let mut linear = M3::from_diagonal_element(self.mass);
         let mut moment = -self.w.cross(&(inertia * self.w));
-        let mut force = gravity * self.mass;
+        let mut force = gravity * self.mass + self.resistance();
         // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
         let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
         for (i, (c, f)) in self.corners.iter().zip(&self.forces).enumerate() {

@@ -5,7 +5,7 @@ mod powertrain;
 mod suspension;
 mod tyre;
 
-pub use powertrain::{Differentials, Engine, Gearbox, Powertrain};
+pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
 use serde::{Deserialize, Serialize};
 pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
 pub use tyre::TyreSpec;
@@ -55,6 +55,10 @@ pub struct Chassis {
     pub inertia: [f64; 3],
     /// Friction coefficient of the hull.
     pub friction: f64,
+    /// Resistance of the air, and of what else grows with speed, as points \[speed m/s, force N\]: linear between
+    /// and constant beyond them, against the motion, at the centre of mass. None if empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resistance: Vec<[f64; 2]>,
     /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }

@@ -109,6 +109,13 @@ impl Check<'_> {
             }
         }
         self.not_negative("chassis.friction", c.friction)?;
+        if !c.resistance.is_empty() {
+            self.table("chassis.resistance", &c.resistance)?;
+            for (i, p) in c.resistance.iter().enumerate() {
+                self.not_negative(&format!("chassis.resistance[{i}][0]"), p[0])?;
+                self.not_negative(&format!("chassis.resistance[{i}][1]"), p[1])?;
+            }
+        }
         for (i, part) in c.hull.iter().enumerate() {
             let field = format!("chassis.hull[{i}]");
             for point in part {
