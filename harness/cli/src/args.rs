@@ -283,6 +283,22 @@ mod tests {
     }
 
     #[test]
+    fn an_import_takes_each_ground_by_its_name_and_the_described_one_without() {
+        use vb_suite::import::Ground;
+        let ground = |more: &[&str]| {
+            let args = [&["vb-harness", "suite", "import", "BenchMaps", "--out", "original"], more].concat();
+            match Cli::try_parse_from(args).unwrap().command {
+                Some(Command::Suite(SuiteCommand::Import(args))) => Ground::from(args.ground),
+                other => panic!("{other:?}"),
+            }
+        };
+        for wanted in Ground::ALL {
+            assert_eq!(ground(&["--ground", wanted.name()]), wanted);
+        }
+        assert_eq!(ground(&[]), Ground::AsDescribed);
+    }
+
+    #[test]
     fn run_is_the_default_command() {
         let with = |args: &[&str]| Cli::try_parse_from([&["vb-harness"], args].concat());
         let short = with(&["--plugin", "a.wasm", "--seed", "7"]).unwrap();
