@@ -54,7 +54,8 @@ const HULL: [f64; 4] = [1.0, 0.5, 0.1, 0.1];
 /// Greatest rate of the recorded steering command, 1/s: 0.05 in a step of 5 ms.
 const STEERING_RATE: f64 = 10.0;
 
-/// Our vehicle with the hull and the steering rate of the recorded one, as a document that the harness reads.
+/// Our vehicle with the hull, the steering rate and the rigid tyres of the recorded one, as a document that the harness
+/// reads.
 pub(crate) fn recorded_vehicle(file: &Path) -> Result<String, CompareError> {
     let text =
         std::fs::read_to_string(file).map_err(|source| CompareError::Io { path: file.into(), source })?;
@@ -70,7 +71,12 @@ pub(crate) fn recorded_vehicle(file: &Path) -> Result<String, CompareError> {
         [sign(2) * x, sign(1) * y, above + sign(0) * z]
     };
     let hull: Vec<_> = (0..8).map(corner).collect();
-    for (field, value) in [("/chassis/hull", json!([hull])), ("/steering/rate", json!(STEERING_RATE))] {
+    let rigid = vehicle.pointer("/tyres/rigid").cloned();
+    let tyre = rigid
+        .ok_or_else(|| flaw("/tyres/rigid", "is missing: the recorded vehicle has rigid tyres".into()))?;
+    let changes =
+        [("/chassis/hull", json!([hull])), ("/steering/rate", json!(STEERING_RATE)), ("/tyre", tyre)];
+    for (field, value) in changes {
         match vehicle.pointer_mut(field) {
             Some(place) => *place = value,
             None => return Err(flaw(field, "is missing: the comparison sets it".into())),
@@ -104,7 +110,7 @@ mod tests {
     use vb_suite::import::{Ground, Source};
 
     #[test]
-    fn the_recorded_vehicle_differs_in_hull_and_steering_rate_alone() {
+    fn the_recorded_vehicle_differs_in_hull_tyres_and_steering_rate_alone() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/vehicles/hmmwv.yaml");
         let ours: Value = yaml::parse(&std::fs::read_to_string(&file).unwrap()).unwrap();
         let mut theirs: Value = yaml::parse(&recorded_vehicle(&file).unwrap()).unwrap();
@@ -118,6 +124,8 @@ mod tests {
         assert_eq!(theirs["steering"]["rate"], 10.0);
         theirs["chassis"]["hull"] = ours["chassis"]["hull"].clone();
         theirs["steering"]["rate"] = ours["steering"]["rate"].clone();
+        assert_eq!(theirs["tyre"]["model"], "rigid");
+        theirs["tyre"] = ours["tyre"].clone();
         assert_eq!(ours, theirs);
     }
 
