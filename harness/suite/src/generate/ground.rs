@@ -37,8 +37,13 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
     }
     let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
     // Each class of a world has one level, all three equally likely.
-    let mut level = || SoilLevel::ALL[between(0, 2, rng)];
-    let soil = SoilLevels { mud: level(), sand: level(), snow: level() };
+    let mut level = |class: TerrainClass| {
+        let drawn = SoilLevel::ALL[between(0, 2, rng)];
+        // A class that isn't there has no level to keep.
+        if patches.contains(&class) { drawn } else { SoilLevel::default() }
+    };
+    let [mud, sand, snow] = [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow].map(&mut level);
+    let soil = SoilLevels { mud, sand, snow };
     Semantics { rows: n, cols: n, patch, classes: patches, friction, soil }
 }
 

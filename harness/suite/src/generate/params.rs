@@ -466,7 +466,11 @@ mod tests {
             ("depth: [3.0, 10.0]", "depth: [30.0, 10.0]", "elevation.pits.depth[1]: 10 must lie in 30"),
             ("patches: 16", "patches: 15", "ground.patches: 15 does not divide the 128 cells"),
             ("rigid: [1, 7]", "rigid: [1, 8]", "ground.clusters.rigid: [1, 8] must be two numbers in 1 to 7"),
-            ("{rigid: 1, ", "{rigid: 0, ", "ground.mix: all are 0"),
+            (
+                "{rigid: 6, deformable: 3, mixed: 1}",
+                "{rigid: 0, deformable: 0, mixed: 0}",
+                "ground.mix: all are 0",
+            ),
             ("spacing: 10.0", "spacings: 10.0", "spacings"),
             (
                 "boulder_scale: [0.7, 1.2]",
