@@ -15,7 +15,7 @@ use crate::powertrain::Drive;
 use crate::spec::{Damper, Spring, Stops, Suspension, VehicleSpec};
 use crate::state::Controls;
 use crate::tyre::{Brush, BrushLaw, Envelope};
-use crate::{M3, Quat, SuspensionTable, V3};
+use crate::{GRAVITY, M3, Quat, SuspensionTable, V3};
 use vb_world::{Heightfield, Semantics};
 
 /// What the wheels stand on.
@@ -84,6 +84,8 @@ pub(crate) struct Vehicle {
     drive: Drive,
     forces: Vec<Forces>,
     spins: Vec<f64>,
+    /// World axes, m/s².
+    pub(crate) gravity: V3,
     pub(crate) x: V3,
     pub(crate) q: Quat,
     pub(crate) v: V3,
@@ -131,6 +133,7 @@ impl Vehicle {
             spins: vec![0.0; corners.len()],
             corners,
             drive,
+            gravity: V3::new(0.0, 0.0, -GRAVITY),
             x: V3::zeros(),
             q: Quat::identity(),
             v: V3::zeros(),
@@ -184,6 +187,14 @@ impl Vehicle {
         &self.envelope
     }
 
+    /// Brings all wheels to design height, at rest and without tyre forces.
+    pub(crate) fn reset_wheels(&mut self) {
+        for c in &mut self.corners {
+            (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
+            (c.ground_brush, c.obstacle_brush) = (Brush::default(), Brush::default());
+        }
+    }
+
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to
     /// the contact solver.
     pub(crate) fn accelerate(
@@ -231,7 +242,7 @@ pub(crate) const MAX_WHEELS: usize = 16;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GRAVITY, Suspension};
+    use crate::Suspension;
 
     #[test]
     fn in_free_fall_without_dampers_energy_stays() {

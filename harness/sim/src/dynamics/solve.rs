@@ -1,7 +1,7 @@
 //! Elimination of the corners and the solution for the accelerations.
 
 use super::{MAX_WHEELS, Vehicle};
-use crate::{GRAVITY, M3, V3};
+use crate::{M3, V3};
 use nalgebra::{Matrix6, Vector6};
 
 fn skew(r: &V3) -> M3 {
@@ -11,7 +11,7 @@ fn skew(r: &V3) -> M3 {
 impl Vehicle {
     pub(super) fn solve(&mut self, turn: &M3, axle_torques: &[f64; MAX_WHEELS], dt: f64) {
         let inertia = turn * M3::from_diagonal(&self.inertia) * turn.transpose();
-        let gravity = V3::new(0.0, 0.0, -GRAVITY);
+        let gravity = self.gravity;
         let mut angular = inertia;
         let mut coupling = M3::zeros();
         let mut linear = M3::from_diagonal_element(self.mass);
