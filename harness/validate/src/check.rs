@@ -84,13 +84,7 @@ impl Expectation {
     /// An expectation of theory, by its formula.
     #[must_use]
     pub fn theory(figure: impl Into<String>, expected: Expected, source: impl Into<String>) -> Self {
-        Self {
-            figure: figure.into(),
-            expected,
-            kind: Kind::Theory,
-            source: source.into(),
-            unsound: None,
-        }
+        Self { figure: figure.into(), expected, kind: Kind::Theory, source: source.into(), unsound: None }
     }
 }
 
@@ -149,7 +143,10 @@ mod tests {
         assert_eq!([verdict(near, -2.0999), verdict(near, -2.1001)], [Verdict::Pass, Verdict::Fail]);
         assert_eq!([verdict(near, -1.9001), verdict(near, -1.8999)], [Verdict::Pass, Verdict::Fail]);
         let between = Expected::Between(1.0, 2.0);
-        assert_eq!([1.0, 2.0, 0.99, 2.01].map(|v| verdict(between, v) == Verdict::Pass), [true, true, false, false]);
+        assert_eq!(
+            [1.0, 2.0, 0.99, 2.01].map(|v| verdict(between, v) == Verdict::Pass),
+            [true, true, false, false]
+        );
         assert_eq!(verdict(Expected::AtLeast(1.0), 0.9), Verdict::Fail);
         assert_eq!(verdict(Expected::AtMost(1.0), 1.1), Verdict::Fail);
     }

@@ -82,7 +82,12 @@ impl Outcome {
         self.figures.push(Figure { name: name.into(), value, unit });
     }
 
-    pub(crate) fn theory(&mut self, figure: impl Into<String>, expected: Expected, source: impl Into<String>) {
+    pub(crate) fn theory(
+        &mut self,
+        figure: impl Into<String>,
+        expected: Expected,
+        source: impl Into<String>,
+    ) {
         self.theory.push(Expectation::theory(figure, expected, source));
     }
 
@@ -140,8 +145,11 @@ impl Series {
     /// As CSV: a header of `name [unit]`, then the rows.
     #[must_use]
     pub fn csv(&self) -> String {
-        let head: Vec<String> =
-            self.columns.iter().map(|(n, u)| if u.is_empty() { n.clone() } else { format!("{n} [{u}]") }).collect();
+        let head: Vec<String> = self
+            .columns
+            .iter()
+            .map(|(n, u)| if u.is_empty() { n.clone() } else { format!("{n} [{u}]") })
+            .collect();
         let mut out = head.join(",") + "\n";
         for row in &self.rows {
             let cells: Vec<String> = row.iter().map(|v| format!("{v:.6}")).collect();
@@ -195,7 +203,13 @@ impl Plot {
     }
 
     /// Adds a line of a case.
-    pub(crate) fn line(&mut self, kind: LineKind, case: usize, label: impl Into<String>, points: Vec<[f64; 2]>) {
+    pub(crate) fn line(
+        &mut self,
+        kind: LineKind,
+        case: usize,
+        label: impl Into<String>,
+        points: Vec<[f64; 2]>,
+    ) {
         self.lines.push(Line { label: label.into(), kind, points, case });
     }
 

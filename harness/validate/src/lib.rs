@@ -23,5 +23,5 @@ pub use error::ValidateError;
 pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Plot, Series};
 pub use events::{event, events};
 pub use reference::{Curve, References};
-pub use report::{Counts, Report};
+pub use report::{Counts, Report, expected, number};
 pub use run::{EventResult, RunOptions, run};

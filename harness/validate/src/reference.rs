@@ -89,7 +89,8 @@ impl Entry {
             }
             _ => Err((
                 "value",
-                "give value with share or tolerance, or at_least, or at_most, or at_least and at_most".to_owned(),
+                "give value with share or tolerance, or at_least, or at_most, or at_least and at_most"
+                    .to_owned(),
             )),
         }
     }
@@ -120,7 +121,10 @@ impl References {
         };
         let read: File = vb_world::yaml::parse(text).map_err(|e| invalid(e.field, e.problem))?;
         if read.schema != 1 {
-            return Err(invalid("schema".to_owned(), format!("{} is unknown; this version reads 1", read.schema)));
+            return Err(invalid(
+                "schema".to_owned(),
+                format!("{} is unknown; this version reads 1", read.schema),
+            ));
         }
         if read.vehicle != vehicle {
             let reason = format!("{:?} is not the vehicle under test, {vehicle:?}", read.vehicle);
@@ -174,16 +178,21 @@ mod tests {
     #[test]
     fn messages_name_file_field_and_what_to_give() {
         let e = parsed("value: 2").unwrap_err();
-        assert!(e.starts_with("car.yaml: events.braking[0].value: give value with share or tolerance"), "{e}");
+        assert!(
+            e.starts_with("car.yaml: events.braking[0].value: give value with share or tolerance"),
+            "{e}"
+        );
         let e = parsed("value: 2, tolerance: 0").unwrap_err();
         assert!(e.starts_with("car.yaml: events.braking[0].tolerance: 0 must be positive"), "{e}");
         let e = parsed("at_least: .nan").unwrap_err();
         assert!(e.contains("events.braking[0].at_least: NaN"), "{e}");
         let e = parsed("at_least: 3, at_most: 2").unwrap_err();
         assert!(e.contains("3 is greater than at_most, 2"), "{e}");
-        let other = References::parse("schema: 1\nvehicle: car\nevents: {}\n", "car.yaml", "bus").unwrap_err();
+        let other =
+            References::parse("schema: 1\nvehicle: car\nevents: {}\n", "car.yaml", "bus").unwrap_err();
         assert!(other.to_string().contains("\"bus\""), "{other}");
-        let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", "car").unwrap_err();
+        let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", "car")
+            .unwrap_err();
         assert!(e.to_string().contains("events.flying: there is no event flying (one of: suspension"), "{e}");
     }
 }

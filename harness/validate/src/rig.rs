@@ -70,7 +70,11 @@ pub(crate) fn step(height: f64, friction: f64) -> Arc<World> {
 
 /// What the driver wants.
 pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
-    Controls { steering: steering.clamp(-1.0, 1.0), throttle: throttle.clamp(0.0, 1.0), brake: brake.clamp(0.0, 1.0) }
+    Controls {
+        steering: steering.clamp(-1.0, 1.0),
+        throttle: throttle.clamp(0.0, 1.0),
+        brake: brake.clamp(0.0, 1.0),
+    }
 }
 
 /// Brakes on, no throttle, wheels straight.
@@ -111,7 +115,6 @@ pub(crate) struct Drive {
     series: Series,
     /// Steps between two samples.
     every: u64,
-    tilt: f64,
 }
 
 impl Drive {
@@ -161,7 +164,7 @@ impl Drive {
         }
         let every = ((1.0 / SAMPLE_RATE / bench.options.step).round() as u64).max(1);
         let series = Series { name: case.to_owned(), columns, rows: Vec::new() };
-        Ok(Self { sim, series, every, tilt: 0.0 })
+        Ok(Self { sim, series, every })
     }
 
     /// The state now.
@@ -176,14 +179,8 @@ impl Drive {
 
     /// Tilts gravity about the x axis: as if the ground had turned by `angle` (rad), its y axis downhill.
     pub(crate) fn tilt(&mut self, angle: f64) {
-        self.tilt = angle;
         let (s, c) = vb_math::sin_cos(angle);
         self.sim.set_gravity([0.0, vb_sim::GRAVITY * s, -vb_sim::GRAVITY * c]);
-    }
-
-    /// The present tilt, rad.
-    pub(crate) fn tilted(&self) -> f64 {
-        self.tilt
     }
 
     fn record(&mut self, s: &VehicleState, c: Controls) {

@@ -115,11 +115,15 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         d.hold(9.0, |s| hold_speed(s, 8.0, hold_line(s)))?;
         let begin = d.state().time;
         let (mut rates, mut roll) = (Vec::new(), 0.0_f64);
-        d.run(5.0, |s| hold_speed(s, 8.0, steering), |s| {
-            rates.push([s.time - begin, s.rates.z]);
-            roll = roll.max(s.roll_pitch_yaw().0.abs());
-            false
-        })?;
+        d.run(
+            5.0,
+            |s| hold_speed(s, 8.0, steering),
+            |s| {
+                rates.push([s.time - begin, s.rates.z]);
+                roll = roll.max(s.roll_pitch_yaw().0.abs());
+                false
+            },
+        )?;
         let last: Vec<f64> = rates.iter().filter(|r| r[0] > 3.0).map(|r| r[1]).collect();
         let steady = last.iter().sum::<f64>() / last.len() as f64;
         let peak = rates.iter().map(|r| r[1]).fold(0.0, f64::max);
@@ -162,10 +166,14 @@ fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut d = Drive::new(bench, &format!("corner-{steering}"), &flat(0.9), 0.0, 0.0)?;
         d.hold(15.0, |s| hold_speed(s, 8.0, steering))?;
         let mut m = Means::default();
-        d.run(5.0, |s| hold_speed(s, 8.0, steering), |s| {
-            m.add(s);
-            false
-        })?;
+        d.run(
+            5.0,
+            |s| hold_speed(s, 8.0, steering),
+            |s| {
+                m.add(s);
+                false
+            },
+        )?;
         let lateral = m.of(m.lateral);
         corner.push([lateral, m.of(m.roll)]);
         o.series.push(d.finish());

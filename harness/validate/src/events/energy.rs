@@ -21,14 +21,18 @@ fn free_fall(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let (begin, from) = (d.state().time, g.com_of(&d.state()));
     let seconds = 0.8;
     let (mut worst, mut aside, mut points) = (0.0_f64, 0.0_f64, Vec::new());
-    d.run(seconds, |_| COASTING, |s| {
-        let t = s.time - begin;
-        let p = g.com_of(s) - from;
-        worst = worst.max((p.z + 0.5 * GRAVITY * t * t).abs());
-        aside = aside.max(vb_math::hypot(p.x, p.y));
-        points.push([t, p.z]);
-        false
-    })?;
+    d.run(
+        seconds,
+        |_| COASTING,
+        |s| {
+            let t = s.time - begin;
+            let p = g.com_of(s) - from;
+            worst = worst.max((p.z + 0.5 * GRAVITY * t * t).abs());
+            aside = aside.max(vb_math::hypot(p.x, p.y));
+            points.push([t, p.z]);
+            false
+        },
+    )?;
     // Symplectic Euler falls ½ g t dt too far.
     let own = 0.5 * GRAVITY * seconds * bench.options.step;
     o.expect(
@@ -72,15 +76,19 @@ fn energy(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     };
     let (mut gain, mut lowest, mut rise) = (f64::NEG_INFINITY, first, 0.0_f64);
     let mut points = Vec::new();
-    d.run(40.0, |_| COASTING, |s| {
-        let e = g.mechanical_energy(s);
-        gain = gain.max(e - first);
-        // What springs and tyres give back shows as ripple; a growth would add up.
-        lowest = lowest.min(e);
-        rise = rise.max(e - lowest);
-        points.push([s.time - begin, (e - bottom) / 1e3]);
-        false
-    })?;
+    d.run(
+        40.0,
+        |_| COASTING,
+        |s| {
+            let e = g.mechanical_energy(s);
+            gain = gain.max(e - first);
+            // What springs and tyres give back shows as ripple; a growth would add up.
+            lowest = lowest.min(e);
+            rise = rise.max(e - lowest);
+            points.push([s.time - begin, (e - bottom) / 1e3]);
+            false
+        },
+    )?;
     let swing = first - bottom;
     o.figure("energy at the start above the bottom", swing / 1e3, "kJ");
     o.expect(

@@ -29,7 +29,8 @@ impl Driver {
 /// under the controller; with full throttle more than 5 m within 12 s, and still moving up at the end.
 fn climb(bench: &Bench<'_>, driver: Driver, slope: f64, friction: f64) -> Result<(bool, Series), SimError> {
     let angle = radians(slope);
-    let mut d = Drive::new(bench, &format!("{slope:.2}-mu-{friction:.1}"), &plane(angle, friction), 0.0, 0.0)?;
+    let mut d =
+        Drive::new(bench, &format!("{slope:.2}-mu-{friction:.1}"), &plane(angle, friction), 0.0, 0.0)?;
     let along = |s: &VehicleState| s.position.x / vb_math::cos(angle);
     let climbed = match driver {
         Driver::Held => {

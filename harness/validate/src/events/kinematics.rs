@@ -57,7 +57,11 @@ fn suspension(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         return Ok(o);
     };
     let right = left + 1;
-    let mut steer = Plot::new("Wheel angles over the steering command", "command (left positive)", "angle, ° (left positive)");
+    let mut steer = Plot::new(
+        "Wheel angles over the steering command",
+        "command (left positive)",
+        "angle, ° (left positive)",
+    );
     let commands: Vec<f64> = (-20..=20).map(|k| f64::from(k) / 20.0).collect();
     let angle = |i: usize, c: f64| degrees(g.wheel_angle(i, 0.0, c));
     let rows = commands.iter().map(|&c| {
@@ -70,7 +74,12 @@ fn suspension(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let table = Series { name: "steering".to_owned(), columns, rows: rows.collect() };
     for (case, side) in ["left", "right"].into_iter().enumerate() {
         steer.line(LineKind::Ours, case, format!("{side} wheel"), table.pairs("command", side));
-        steer.line(LineKind::Theory, case, format!("{side}, Ackermann"), table.pairs("command", &format!("ideal {side}")));
+        steer.line(
+            LineKind::Theory,
+            case,
+            format!("{side}, Ackermann"),
+            table.pairs("command", &format!("ideal {side}")),
+        );
     }
     o.plots.push(steer);
     o.series.push(table);

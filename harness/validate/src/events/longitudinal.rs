@@ -16,10 +16,17 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut whole = Plot::new("Speed after a throttle step", "t, s", "speed, m/s");
     let mut start = Plot::new("The first ten seconds", "t, s", "speed, m/s");
-    for (throttle, friction, seconds) in [(1.0, 0.9, 60.0), (0.6, 0.9, 60.0), (0.3, 0.9, 60.0), (1.0, 0.5, 30.0)] {
+    for (throttle, friction, seconds) in
+        [(1.0, 0.9, 60.0), (0.6, 0.9, 60.0), (0.3, 0.9, 60.0), (1.0, 0.5, 30.0)]
+    {
         let case = format!("throttle {throttle:.1}, μ {friction:.1}");
-        let mut d =
-            Drive::new(bench, &format!("throttle-{throttle:.1}-mu-{friction:.1}"), &flat(friction), 0.0, 0.0)?;
+        let mut d = Drive::new(
+            bench,
+            &format!("throttle-{throttle:.1}-mu-{friction:.1}"),
+            &flat(friction),
+            0.0,
+            0.0,
+        )?;
         let begin = d.state().time;
         let press = |s: &VehicleState| controls(hold_line(s), throttle, 0.0);
         for target in [5.0, 10.0, 15.0, 20.0, 30.0] {
@@ -67,10 +74,14 @@ fn brake(
     d.run(60.0, |s| hold_speed(s, from + 0.3, hold_line(s)), |s| s.velocity.x >= from)?;
     let a = d.state();
     let mut pitch: f64 = 0.0;
-    d.run(30.0, |s| controls(hold_line(s), 0.0, pedal), |s| {
-        pitch = pitch.max(s.roll_pitch_yaw().1.abs());
-        s.velocity.x <= 0.01
-    })?;
+    d.run(
+        30.0,
+        |s| controls(hold_line(s), 0.0, pedal),
+        |s| {
+            pitch = pitch.max(s.roll_pitch_yaw().1.abs());
+            s.velocity.x <= 0.01
+        },
+    )?;
     let b = d.state();
     o.series.push(d.finish());
     Ok((a.velocity.x, (b.position - a.position).norm(), b.time - a.time, pitch))
@@ -79,12 +90,24 @@ fn brake(
 fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut plot = Plot::new("Speed in braking", "t, s", "speed, m/s");
-    let cases =
-        [(15.0, 1.0, 0.9), (8.0, 1.0, 0.9), (4.0, 1.0, 0.9), (15.0, 0.5, 0.9), (15.0, 0.25, 0.9), (15.0, 1.0, 0.5)];
+    let cases = [
+        (15.0, 1.0, 0.9),
+        (8.0, 1.0, 0.9),
+        (4.0, 1.0, 0.9),
+        (15.0, 0.5, 0.9),
+        (15.0, 0.25, 0.9),
+        (15.0, 1.0, 0.5),
+    ];
     for (from, pedal, friction) in cases {
         let label = format!("{from:.0} m/s, brake {pedal}, μ {friction:.1}");
-        let (v, distance, time, pitch) =
-            brake(bench, &mut o, &format!("{from:.0}-brake-{pedal}-mu-{friction:.1}"), from, pedal, friction)?;
+        let (v, distance, time, pitch) = brake(
+            bench,
+            &mut o,
+            &format!("{from:.0}-brake-{pedal}-mu-{friction:.1}"),
+            from,
+            pedal,
+            friction,
+        )?;
         o.figure(format!("{label}: distance"), distance, "m");
         o.figure(format!("{label}: time"), time, "s");
         o.figure(format!("{label}: greatest pitch"), pitch.to_degrees(), "°");
@@ -97,7 +120,10 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.theory(format!("{label}: distance"), expected, "friction: v² / 2 μ g with all wheels at the limit");
         let series = o.series.last().map(|s| s.pairs("t", "vx")).unwrap_or_default();
         let begin = series.last().map_or(0.0, |p| p[0]) - time;
-        plot.ours(label, series.into_iter().filter(|p| p[0] >= begin).map(|p| [p[0] - begin, p[1]]).collect());
+        plot.ours(
+            label,
+            series.into_iter().filter(|p| p[0] >= begin).map(|p| [p[0] - begin, p[1]]).collect(),
+        );
     }
     o.plots.push(plot);
     Ok(o)
@@ -126,13 +152,17 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let (mut slowest, mut previous, mut gained) = (f64::INFINITY, from, 0.0_f64);
         let mut last = 0.0;
         for after in [2.0, 5.0, 10.0, 30.0, 90.0] {
-            d.run(after - last, |s| controls(hold_line(s), 0.0, 0.0), |s| {
-                slowest = slowest.min(s.velocity.x);
-                // Gearshifts and the carcass may ripple: what counts is a gain over the lowest speed so far.
-                previous = previous.min(s.velocity.x);
-                gained = gained.max(s.velocity.x - previous);
-                false
-            })?;
+            d.run(
+                after - last,
+                |s| controls(hold_line(s), 0.0, 0.0),
+                |s| {
+                    slowest = slowest.min(s.velocity.x);
+                    // Gearshifts and the carcass may ripple: what counts is a gain over the lowest speed so far.
+                    previous = previous.min(s.velocity.x);
+                    gained = gained.max(s.velocity.x - previous);
+                    false
+                },
+            )?;
             last = after;
             o.figure(format!("from {from:.0} m/s: speed after {after:.0} s"), d.state().velocity.x, "m/s");
         }
@@ -164,7 +194,12 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let series = d.finish();
         plot.ours(
             format!("from {from:.0} m/s"),
-            series.pairs("t", "vx").into_iter().filter(|p| p[0] >= begin).map(|p| [p[0] - begin, p[1]]).collect(),
+            series
+                .pairs("t", "vx")
+                .into_iter()
+                .filter(|p| p[0] >= begin)
+                .map(|p| [p[0] - begin, p[1]])
+                .collect(),
         );
         o.series.push(series);
     }
@@ -197,7 +232,8 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             "v / ω lies between the loaded and the free radius (Pacejka 2012, ch. 1), less 0.2 % of slip",
         );
     }
-    let spread = radii.iter().copied().fold(0.0, f64::max) / radii.iter().copied().fold(f64::INFINITY, f64::min) - 1.0;
+    let spread =
+        radii.iter().copied().fold(0.0, f64::max) / radii.iter().copied().fold(f64::INFINITY, f64::min) - 1.0;
     o.expect("spread of the rolling radii", 100.0 * spread, "%", Expected::AtMost(0.5), "no wheel slips");
     o.series.push(d.finish());
     Ok(o)

@@ -31,9 +31,21 @@ fn standing(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     };
     let source = "moments about the centre of mass: Σ Fz x = 0";
     let ahead = 1e3 * (weighted(|h| h.x) - com.x);
-    o.expect("resultant of the loads ahead of the centre of mass", ahead, "mm", Expected::Within { value: 0.0, tolerance: 5.0 }, source);
+    o.expect(
+        "resultant of the loads ahead of the centre of mass",
+        ahead,
+        "mm",
+        Expected::Within { value: 0.0, tolerance: 5.0 },
+        source,
+    );
     let beside = 1e3 * (weighted(|h| h.y) - com.y);
-    o.expect("resultant of the loads left of the centre of mass", beside, "mm", Expected::Within { value: 0.0, tolerance: 5.0 }, source);
+    o.expect(
+        "resultant of the loads left of the centre of mass",
+        beside,
+        "mm",
+        Expected::Within { value: 0.0, tolerance: 5.0 },
+        source,
+    );
     let (roll, pitch, _) = s.roll_pitch_yaw();
     o.figure("height of the reference point", s.position.z, "m");
     o.figure("pitch", degrees(pitch), "°");

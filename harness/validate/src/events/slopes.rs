@@ -33,11 +33,15 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     o.series.push(d.finish());
     let mut d = Drive::new(bench, "driving", &ground, 0.0, FRAC_PI_2)?;
     let (mut off, mut roll) = (0.0_f64, 0.0_f64);
-    d.run(15.0, |s| hold_speed(s, 4.0, hold_line_across(s)), |s| {
-        off = off.max(s.position.x.abs() / vb_math::cos(atan(0.4)));
-        roll = roll.max(s.roll_pitch_yaw().0.abs());
-        false
-    })?;
+    d.run(
+        15.0,
+        |s| hold_speed(s, 4.0, hold_line_across(s)),
+        |s| {
+            off = off.max(s.position.x.abs() / vb_math::cos(atan(0.4)));
+            roll = roll.max(s.roll_pitch_yaw().0.abs());
+            false
+        },
+    )?;
     let s = d.state();
     o.figure("driving: farthest off the line", off, "m");
     o.figure("driving: greatest roll", degrees(roll), "°");
@@ -75,10 +79,14 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         while angle < limit + 4.0 {
             angle += if angle < limit - 4.0 { 0.05 } else { 0.0025 };
             d.tilt(radians(angle));
-            let slid = d.run(0.01, |_| PARKED, |s| {
-                let v = s.attitude * s.velocity;
-                angle > limit - 3.5 && v.y.abs() > SLIDING
-            })?;
+            let slid = d.run(
+                0.01,
+                |_| PARKED,
+                |s| {
+                    let v = s.attitude * s.velocity;
+                    angle > limit - 3.5 && v.y.abs() > SLIDING
+                },
+            )?;
             let s = d.state();
             points.push([angle, (s.attitude * s.velocity).y.abs()]);
             if slid {
@@ -99,7 +107,14 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let g = &bench.geometry;
     let mut lean = Plot::new("Load on the upper wheels", "tilt, °", "sum of loads / weight");
     for (label, spec) in [("as it is", sticky(bench.spec)), ("stiffened", stiff(bench))] {
-        let mut d = Drive::with_spec(bench, &spec, &format!("tip-{}", label.replace(' ', "-")), &flat(TIP_FRICTION), 0.0, 0.0)?;
+        let mut d = Drive::with_spec(
+            bench,
+            &spec,
+            &format!("tip-{}", label.replace(' ', "-")),
+            &flat(TIP_FRICTION),
+            0.0,
+            0.0,
+        )?;
         let s = d.state();
         let height = g.com_of(&s).z;
         let rigid = degrees(atan(0.5 * g.track() / height));
@@ -122,7 +137,11 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(name.clone(), carried, "°");
         o.figure(format!("height of the centre of mass, {label}"), height, "m");
         if label == "stiffened" {
-            o.theory(name, Expected::Within { value: rigid, tolerance: 1.0 }, "rigid body: atan(track / 2 h)");
+            o.theory(
+                name,
+                Expected::Within { value: rigid, tolerance: 1.0 },
+                "rigid body: atan(track / 2 h)",
+            );
         } else {
             o.theory(
                 name,

@@ -23,14 +23,18 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         d.hold(10.0, |s| hold_speed(s, 2.0, steering))?;
         let (mut centre, mut count) = (Vector3::zeros(), 0.0);
         let (mut path, mut curb, mut wall) = (0.0, 0.0, 0.0);
-        d.run(10.0, |s| hold_speed(s, 2.0, steering), |s| {
-            // The centre of turning: where the velocity field of the rigid body is zero.
-            let v = s.attitude * s.velocity;
-            centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.rates.z;
-            path += speed(s) / s.rates.z.abs();
-            count += 1.0;
-            false
-        })?;
+        d.run(
+            10.0,
+            |s| hold_speed(s, 2.0, steering),
+            |s| {
+                // The centre of turning: where the velocity field of the rigid body is zero.
+                let v = s.attitude * s.velocity;
+                centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.rates.z;
+                path += speed(s) / s.rates.z.abs();
+                count += 1.0;
+                false
+            },
+        )?;
         centre /= count;
         path /= count;
         let from = |p: Vector3<f64>| hypot(p.x - centre.x, p.y - centre.y);

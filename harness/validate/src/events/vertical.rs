@@ -19,8 +19,13 @@ const SPAN: f64 = 0.05;
 
 fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
-    let mut tilt = Plot::new("Pitch over the bump", "x of the reference point, m", "pitch, ° (nose down positive)");
-    let mut shake = Plot::new("Vertical acceleration, mean over 50 ms", "x of the reference point, m", "acceleration, m/s²");
+    let mut tilt =
+        Plot::new("Pitch over the bump", "x of the reference point, m", "pitch, ° (nose down positive)");
+    let mut shake = Plot::new(
+        "Vertical acceleration, mean over 50 ms",
+        "x of the reference point, m",
+        "acceleration, m/s²",
+    );
     let window = (SPAN / bench.options.step).round().max(1.0) as usize;
     for (length, target) in [(1.0, 5.0), (2.0, 5.0), (4.0, 5.0), (2.0, 3.0)] {
         let label = format!("{length:.0} m, {target:.0} m/s");
@@ -28,13 +33,17 @@ fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             Drive::new(bench, &format!("{length:.0}m-{target:.0}"), &bump(length, 0.2, 0.9), -20.0, 0.0)?;
         let mut trace: Vec<[f64; 3]> = Vec::new();
         let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
-        d.run(30.0, |s| hold_speed(s, target, hold_line(s)), |s| {
-            if s.position.x > -4.0 {
-                trace.push([s.position.x, (s.attitude * s.velocity).z, degrees(s.roll_pitch_yaw().1)]);
-                heights = [heights[0].min(s.position.z), heights[1].max(s.position.z)];
-            }
-            s.position.x > length + 8.0
-        })?;
+        d.run(
+            30.0,
+            |s| hold_speed(s, target, hold_line(s)),
+            |s| {
+                if s.position.x > -4.0 {
+                    trace.push([s.position.x, (s.attitude * s.velocity).z, degrees(s.roll_pitch_yaw().1)]);
+                    heights = [heights[0].min(s.position.z), heights[1].max(s.position.z)];
+                }
+                s.position.x > length + 8.0
+            },
+        )?;
         let span = window as f64 * bench.options.step;
         let mean: Vec<[f64; 2]> = (window..trace.len())
             .map(|k| [trace[k - window / 2][0], (trace[k][1] - trace[k - window][1]) / span])
@@ -73,19 +82,23 @@ fn drop(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let start = d.state().position.z;
     let (mut touched, mut lowest, mut peak, mut highest) = (f64::NAN, f64::INFINITY, 0.0_f64, 0.0_f64);
     let begin = d.state().time;
-    d.run(5.0, |_| COASTING, |s| {
-        let sum: f64 = s.wheels.iter().map(|w| w.load).sum();
-        if sum > 0.0 && touched.is_nan() {
-            touched = s.time - begin;
-        }
-        peak = peak.max(sum);
-        if s.position.z < lowest {
-            lowest = s.position.z;
-            highest = lowest;
-        }
-        highest = highest.max(s.position.z);
-        false
-    })?;
+    d.run(
+        5.0,
+        |_| COASTING,
+        |s| {
+            let sum: f64 = s.wheels.iter().map(|w| w.load).sum();
+            if sum > 0.0 && touched.is_nan() {
+                touched = s.time - begin;
+            }
+            peak = peak.max(sum);
+            if s.position.z < lowest {
+                lowest = s.position.z;
+                highest = lowest;
+            }
+            highest = highest.max(s.position.z);
+            false
+        },
+    )?;
     let fall = (2.0 * CLEARANCE / GRAVITY).sqrt();
     o.expect(
         "first contact",
@@ -106,7 +119,15 @@ fn drop(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     o.figure("greatest sum of wheel loads", peak, "N");
     let series = d.finish();
     let mut plot = Plot::new("Height of the reference point", "t, s", "height, m");
-    plot.ours("drop", series.pairs("t", "z").into_iter().filter(|p| p[0] - begin < 2.5).map(|p| [p[0] - begin, p[1]]).collect());
+    plot.ours(
+        "drop",
+        series
+            .pairs("t", "z")
+            .into_iter()
+            .filter(|p| p[0] - begin < 2.5)
+            .map(|p| [p[0] - begin, p[1]])
+            .collect(),
+    );
     o.plots.push(plot);
     o.series.push(series);
     Ok(o)

@@ -2,6 +2,7 @@
 
 mod page;
 mod svg;
+mod text;
 
 use crate::check::{Check, Kind, Verdict};
 use crate::error::ValidateError;
@@ -9,6 +10,7 @@ use crate::event::Figure;
 use crate::run::EventResult;
 use serde::Serialize;
 use std::path::Path;
+pub use text::{expected, number};
 use vb_sim::VehicleSpec;
 
 /// What a run of events gave.

@@ -108,14 +108,33 @@ pub(super) fn plot(p: &Plot) -> String {
     );
     for t in ticks(x0, x1, 7.0) {
         let x = sx(t);
-        let _ = write!(s, "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/>", TOP + h);
-        let _ = write!(s, "<text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", TOP + h + 16.0, number(t));
+        let _ = write!(
+            s,
+            "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/>",
+            TOP + h
+        );
+        let _ = write!(
+            s,
+            "<text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+            TOP + h + 16.0,
+            number(t)
+        );
     }
     for t in ticks(y0, y1, 6.0) {
         let y = sy(t);
         let class = if t == 0.0 { "grid zero" } else { "grid" };
-        let _ = write!(s, "<line class=\"{class}\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>", LEFT + w);
-        let _ = write!(s, "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", LEFT - 6.0, y + 4.0, number(t));
+        let _ = write!(
+            s,
+            "<line class=\"{class}\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>",
+            LEFT + w
+        );
+        let _ = write!(
+            s,
+            "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            LEFT - 6.0,
+            y + 4.0,
+            number(t)
+        );
     }
     let _ = write!(
         s,
@@ -133,7 +152,8 @@ pub(super) fn plot(p: &Plot) -> String {
     for l in &p.lines {
         let kind = class(l.kind);
         let colour = l.case % COLOURS;
-        let shown: Vec<[f64; 2]> = thinned(&l.points).into_iter().filter(|q| q[0].is_finite() && q[1].is_finite()).collect();
+        let shown: Vec<[f64; 2]> =
+            thinned(&l.points).into_iter().filter(|q| q[0].is_finite() && q[1].is_finite()).collect();
         let mut path = String::new();
         for q in &shown {
             let _ = write!(path, "{:.1},{:.1} ", sx(q[0]), sy(q[1]));
@@ -142,7 +162,12 @@ pub(super) fn plot(p: &Plot) -> String {
         // Few points are values of their own, not samples of a curve.
         if shown.len() <= 8 {
             for q in &shown {
-                let _ = write!(s, "<circle class=\"c{colour}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\"/>", sx(q[0]), sy(q[1]));
+                let _ = write!(
+                    s,
+                    "<circle class=\"c{colour}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\"/>",
+                    sx(q[0]),
+                    sy(q[1])
+                );
             }
         }
     }
@@ -180,8 +205,14 @@ mod tests {
     #[test]
     fn ticks_are_round_and_within_the_range() {
         assert_eq!(ticks(0.0, 10.0, 5.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert_eq!(ticks(-0.13, 0.27, 4.0).iter().map(|t| number(*t)).collect::<Vec<_>>(), ["−0.1", "0", "0.1", "0.2"]);
-        assert_eq!(ticks(9990.0, 10_050.0, 6.0), [9990.0, 10_000.0, 10_010.0, 10_020.0, 10_030.0, 10_040.0, 10_050.0]);
+        assert_eq!(
+            ticks(-0.13, 0.27, 4.0).iter().map(|t| number(*t)).collect::<Vec<_>>(),
+            ["−0.1", "0", "0.1", "0.2"]
+        );
+        assert_eq!(
+            ticks(9990.0, 10_050.0, 6.0),
+            [9990.0, 10_000.0, 10_010.0, 10_020.0, 10_030.0, 10_040.0, 10_050.0]
+        );
     }
 
     #[test]
