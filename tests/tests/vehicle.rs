@@ -34,20 +34,27 @@ fn vehicles_are_listed_shown_and_checked() {
 #[test]
 fn a_test_writes_a_page_that_needs_nothing_else_and_results_and_series() {
     let bench = Bench::new();
-    let text = bench.ok(&["vehicle", "test", "hmmwv", "--out", "r", "--event", "free-fall", "--event", "static"]);
+    let text =
+        bench.ok(&["vehicle", "test", "hmmwv", "--out", "r", "--event", "free-fall", "--event", "static"]);
     assert!(text.contains("free-fall") && !text.contains("FAIL"), "{text}");
     let page = fs::read_to_string(bench.path("r/report.html")).expect("a page");
     for outside in ["http://", "https://", "<script", "src=", "@import", "url("] {
         assert!(!page.contains(outside), "{outside} in the page");
     }
-    assert!(page.contains("<svg") && page.contains("prefers-color-scheme:dark") && page.contains("@media print"));
+    assert!(
+        page.contains("<svg") && page.contains("prefers-color-scheme:dark") && page.contains("@media print")
+    );
     assert!(!page.contains("NaN"));
     let results = bench.json("r/results.json");
     assert_eq!(results["checks"]["failed"], 0);
-    let names: Vec<&Value> = results["events"].as_array().expect("events").iter().map(|e| &e["event"]).collect();
+    let names: Vec<&Value> =
+        results["events"].as_array().expect("events").iter().map(|e| &e["event"]).collect();
     assert_eq!(names, ["static", "free-fall"]);
     let series = fs::read_to_string(bench.path("r/series/free-fall-fall.csv")).expect("a series");
-    assert!(series.starts_with("t [s],x [m],y [m],z [m],roll [°],") && series.lines().count() > 80, "{series}");
+    assert!(
+        series.starts_with("t [s],x [m],y [m],z [m],roll [°],") && series.lines().count() > 80,
+        "{series}"
+    );
 }
 
 #[test]
@@ -66,7 +73,17 @@ fn the_number_of_jobs_changes_nothing() {
 fn a_vehicle_that_is_not_what_it_should_be_fails_with_its_own_exit_code() {
     let bench = Bench::new();
     bench.write("heavy.yaml", hmmwv().replacen("mass: 2095.592", "mass: 2395.592", 1));
-    let done = bench.run(&["vehicle", "test", "heavy.yaml", "--event", "static", "--out", "r", "--message-format", "json"]);
+    let done = bench.run(&[
+        "vehicle",
+        "test",
+        "heavy.yaml",
+        "--event",
+        "static",
+        "--out",
+        "r",
+        "--message-format",
+        "json",
+    ]);
     let messages: Vec<Value> = done.stdout.lines().map(|l| serde_json::from_str(l).expect("JSON")).collect();
     let error = done.error(CHECKS_FAILED);
     assert!(error.contains("hmmwv: ") && error.contains("checks failed; see r/report.html"), "{error}");
@@ -106,7 +123,10 @@ fn bad_input_to_a_test_is_one_line_that_says_what_to_do() {
     refused(&["hmmwv", "--event", "flying", "--out", "r"], USAGE, &["no event flying", "braking"]);
     refused(&["hmmwv", "--step", "50", "--out", "r"], USAGE, &["0.05", "between 0.01 and 10 ms"]);
     refused(&[], USAGE, &["NAME|FILE"]);
-    bench.write("r.yaml", "schema: 1\nvehicle: hmmwv\nevents:\n  braking:\n    - {figure: a, kind: chrono, source: s}\n");
+    bench.write(
+        "r.yaml",
+        "schema: 1\nvehicle: hmmwv\nevents:\n  braking:\n    - {figure: a, kind: chrono, source: s}\n",
+    );
     let args = ["hmmwv", "--references", "r.yaml", "--out", "r"];
     refused(&args, BAD_INPUT, &["r.yaml: events.braking[0].value: give value with share or tolerance"]);
     bench.write("file", "");

@@ -17,6 +17,7 @@ mod reference;
 mod report;
 mod rig;
 mod run;
+mod theory;
 
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use error::ValidateError;

@@ -85,6 +85,8 @@ fn grade_held(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let limit = steepest(bench, &mut o, Driver::Held, friction)?;
         o.figure(name.clone(), limit, "°");
         friction_bound(&mut o, name, friction);
+        // The reference knows even degrees only.
+        o.figure(format!("μ {friction:.1}: last even degree climbed"), 2.0 * (0.5 * limit).floor(), "°");
         if let Some(s) = o.series.last() {
             plot.ours(format!("μ {friction:.1}, {limit:.1}°"), s.pairs("t", "vx"));
         }
