@@ -129,6 +129,12 @@ pub(crate) struct RunArgs {
     /// Vehicle: a name, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     pub(crate) vehicle: String,
+    /// Soils of deformable ground: default, original, wong, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "default")]
+    pub(crate) soils: String,
+    /// Side of the cells in which soil remembers ruts, in metres; scaled with the world
+    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = soil_pitch)]
+    pub(crate) soil_pitch: f64,
     /// Factor on every length of the world: 1, 1/6, 1/10
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = scale)]
     pub(crate) scale: f64,
@@ -271,6 +277,12 @@ fn scale(text: &str) -> Result<f64, String> {
     value
         .filter(|v| v.is_finite() && *v >= 0.01 && *v <= 10.0)
         .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
+}
+
+/// A length in metres that a soil's memory can have.
+fn soil_pitch(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
 }
 
 /// A number of bytes with an optional binary suffix.

@@ -65,25 +65,52 @@ pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     Ok(wanted.to_owned())
 }
 
-/// The vehicle file that the user means: a path, or the name of a built-in vehicle.
-pub(crate) fn vehicle(wanted: &str) -> Result<PathBuf, CliError> {
+/// A kind of data file that comes with the harness.
+#[derive(Clone, Copy)]
+pub(crate) enum Data {
+    /// `tasks/vehicles`.
+    Vehicle,
+    /// `tasks/soils`.
+    Soils,
+}
+
+impl Data {
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicles",
+            Self::Soils => "soils",
+        }
+    }
+
+    /// What one file is called in messages.
+    pub(crate) fn noun(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicle",
+            Self::Soils => "soil set",
+        }
+    }
+}
+
+/// The data file that the user means: a path, or the name of one that comes with the harness.
+pub(crate) fn data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
     if !is_name(OsStr::new(wanted)) || Path::new(wanted).exists() {
         return Ok(PathBuf::from(wanted));
     }
-    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join("vehicles");
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join(kind.folder());
     let file = dir.join(format!("{wanted}.yaml"));
     if file.is_file() {
         return Ok(file);
     }
     Err(CliError::input(format!(
-        "there is no vehicle {wanted} (give a file, or one of: {})",
-        vehicles()?.join(", ")
+        "there is no {} {wanted} (give a file, or one of: {})",
+        kind.noun(),
+        names(kind)?.join(", ")
     )))
 }
 
-/// The names of the built-in vehicles.
-pub(crate) fn vehicles() -> Result<Vec<String>, CliError> {
-    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join("vehicles");
+/// The names of the data files of a kind that come with the harness.
+pub(crate) fn names(kind: Data) -> Result<Vec<String>, CliError> {
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join(kind.folder());
     let mut names: Vec<String> = std::fs::read_dir(&dir)
         .into_iter()
         .flatten()

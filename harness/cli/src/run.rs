@@ -8,12 +8,13 @@ use std::time::SystemTime;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use vb_host::{Limits, Plugin};
-use vb_runner::{Event, RunConfig, RunError, Vehicle};
+use vb_runner::{Event, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
-use vb_sim::VehicleSpec;
+use vb_sim::{SoilSet, VehicleSpec};
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
+use crate::places::Data;
 use crate::progress::Progress;
 use crate::{output, places, suite};
 
@@ -68,6 +69,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let tasks = suite::select(&suite, args.tasks.as_deref())?;
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = vehicle(&args.vehicle)?;
+    let soils = soils(&args.soils, args.soil_pitch)?;
     let mut limits = Limits::default();
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
@@ -92,6 +94,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         plugin_path: args.plugin.clone(),
         params: args.params.clone(),
         vehicle,
+        soils,
         rules,
         scale: args.scale,
         seed: args.seed,
@@ -105,13 +108,24 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
 }
 
 fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
-    let path = places::vehicle(wanted)?;
+    let (file, text, hash) = read_data(Data::Vehicle, wanted)?;
+    Ok(Vehicle { spec: VehicleSpec::parse(&text, &file).map_err(CliError::input)?, hash })
+}
+
+fn soils(wanted: &str, pitch: f64) -> Result<Soils, CliError> {
+    let (file, text, hash) = read_data(Data::Soils, wanted)?;
+    Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, pitch })
+}
+
+/// (path, text, SHA-256 in hexadecimal) of a data file.
+fn read_data(kind: Data, wanted: &str) -> Result<(String, String, String), CliError> {
+    let path = places::data(kind, wanted)?;
+    let file = path.display().to_string();
     let text = std::fs::read_to_string(&path).map_err(|e| {
-        CliError::input(format!("cannot read vehicle {}: {e} (give a file, or a name)", path.display()))
+        CliError::input(format!("cannot read {} {file}: {e} (give a file, or a name)", kind.noun()))
     })?;
-    let spec = VehicleSpec::parse(&text, &path.display().to_string()).map_err(CliError::input)?;
     let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
-    Ok(Vehicle { spec, hash })
+    Ok((file, text, hash))
 }
 
 /// The first Ctrl-C sets what is returned: the run ends when it has put its results away. The second ends the process.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_sim::VehicleSpec;
+use vb_sim::{SoilSet, VehicleSpec};
 use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
 
 use crate::args::{MessageFormat, VehicleArgs, VehicleTestArgs};
@@ -11,14 +11,14 @@ use crate::error::CliError;
 use crate::{output, places};
 
 fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
-    let path = places::vehicle(wanted)?;
+    let path = places::data(places::Data::Vehicle, wanted)?;
     let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
     Ok((path, spec))
 }
 
 pub(crate) fn list() -> Result<(), CliError> {
     let mut rows = Vec::new();
-    for name in places::vehicles()? {
+    for name in places::names(places::Data::Vehicle)? {
         let (_, spec) = load(&name)?;
         rows.push(vec![name, spec.description]);
     }
@@ -28,7 +28,7 @@ pub(crate) fn list() -> Result<(), CliError> {
 
 pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
     let (path, spec) = load(&args.vehicle)?;
-    vb_validate::Bench::new(&spec, vb_sim::SimOptions::default().step).map_err(CliError::input)?;
+    vb_validate::Bench::new(&spec, &[], vb_sim::SimOptions::default().step).map_err(CliError::input)?;
     output::text(&format!(
         "{}: {}, {} axles, {:.0} kg, all valid\n",
         path.display(),
@@ -106,6 +106,11 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         Some(path) => References::load(&path, &spec.name).map_err(CliError::input)?,
         None => References::default(),
     };
+    let mut soils = Vec::new();
+    for name in places::names(places::Data::Soils)? {
+        let path = places::data(places::Data::Soils, &name)?;
+        soils.push(SoilSet::load(&path).map_err(CliError::input)?);
+    }
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let options = RunOptions {
         events: args.events.clone(),
@@ -120,7 +125,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
             output::note(&format!("{} {}", if r.passed() { "pass" } else { "FAIL" }, r.event.name));
         }
     };
-    let report = vb_validate::run(&spec, &references, &options, told).map_err(|e| match e {
+    let report = vb_validate::run(&spec, &soils, &references, &options, told).map_err(|e| match e {
         ValidateError::UnknownEvent { .. } | ValidateError::Step { .. } => CliError::usage(e),
         ValidateError::Write { .. } => CliError::output(e),
         other => CliError::input(other),

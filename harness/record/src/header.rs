@@ -36,12 +36,12 @@ pub struct PluginHeader {
     pub path: String,
 }
 
-/// The vehicle of a run.
+/// A data file of a run: a vehicle or a set of soils.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct VehicleHeader {
+pub struct DataHeader {
     /// Its name.
     pub name: String,
-    /// Hash of its description (hex).
+    /// SHA-256 of the file (hex).
     pub hash: String,
 }
 
@@ -76,13 +76,17 @@ pub struct RunHeader {
     /// The planner's parameters as the user gave them.
     pub params: BTreeMap<String, String>,
     /// The vehicle.
-    pub vehicle: VehicleHeader,
+    pub vehicle: DataHeader,
+    /// The soils of deformable ground.
+    pub soils: DataHeader,
     /// Factor on every length of the world: 1, 1/6, 1/10.
     pub scale: f64,
     /// The run's seed.
     pub seed: u64,
     /// Step of the simulation, s.
     pub time_step: f64,
+    /// Side of the cells in which soil remembers ruts, at scale 1, m.
+    pub soil_pitch: f64,
     /// Time between the samples that rules and metrics see, s.
     pub sample_period: f64,
     /// The rules.

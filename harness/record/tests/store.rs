@@ -9,8 +9,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DebugSeries, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore, Sample, StoreError,
-    SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, VehicleHeader,
+    DataHeader, DebugSeries, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore, Sample,
+    StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
 };
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,10 +39,12 @@ fn header() -> RunHeader {
             path: "pid.wasm".into(),
         },
         params: BTreeMap::from([("speed".into(), "3".into())]),
-        vehicle: VehicleHeader { name: "hmmwv".into(), hash: "cc".into() },
+        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },
+        soils: DataHeader { name: "default".into(), hash: "dd".into() },
         scale: 1.0 / 6.0,
         seed: u64::MAX,
         time_step: 0.001,
+        soil_pitch: 0.1,
         sample_period: 0.01,
         rules: RulesHeader {
             name: "paper".into(),

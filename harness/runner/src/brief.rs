@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::{SimError, SimOptions, Simulation, SuspensionTable, VehicleSpec};
+use vb_sim::{SimError, SimOptions, Simulation, SoilSet, SuspensionTable, VehicleSpec};
 use vb_world::{Density, Elevation, Heightfield, Semantics, Task, Terrain, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
@@ -43,12 +43,13 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
             patch: side,
             classes: vec![TerrainClass::Concrete],
             friction: vec![0.8],
+            soil: vb_world::SoilLevels::default(),
         },
         obstacles: vec![],
         tasks: vec![],
     };
     let start = vb_world::Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
-    let state = Simulation::new(Arc::new(world), spec, start, options)?.state();
+    let state = Simulation::new(Arc::new(world), spec, &SoilSet::default(), start, options)?.state();
     let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
     let mut hubs = Vec::new();
     for axle in &spec.axles {

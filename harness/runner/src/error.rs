@@ -33,19 +33,6 @@ pub enum RunError {
         /// s.
         step: f64,
     },
-    /// Some tasks are on ground that yields.
-    #[error(
-        "{count} of {total} chosen tasks, {first} the first, are on deformable ground, which this version cannot \
-         simulate; choose those on rigid ground: --tasks terrain=rigid"
-    )]
-    Deformable {
-        /// How many.
-        count: usize,
-        /// Of how many.
-        total: usize,
-        /// The first.
-        first: String,
-    },
     /// Nothing to do.
     #[error("no task is chosen")]
     NoTasks,

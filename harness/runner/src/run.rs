@@ -8,12 +8,12 @@ use std::sync::{Arc, Mutex, mpsc};
 use vb_host::Plugin;
 use vb_math::rng::Stream;
 use vb_record::{
-    PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode, VehicleHeader,
+    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode,
 };
 use vb_score::{Rules, Summary, TaskRecord};
 use vb_sdk::Param;
-use vb_sim::{SimOptions, VehicleSpec};
-use vb_world::{Suite, SuiteError, TaskRef, Terrain, World};
+use vb_sim::{SimOptions, SoilSet, VehicleSpec};
+use vb_world::{Suite, SuiteError, TaskRef, World};
 
 use crate::brief::{planner_task, planner_vehicle, static_shape};
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
@@ -25,6 +25,17 @@ pub struct Vehicle {
     pub spec: VehicleSpec,
     /// SHA-256 of its file (hex).
     pub hash: String,
+}
+
+/// A set of soils and the hash of its file, by which runs are told apart.
+#[derive(Clone, Debug)]
+pub struct Soils {
+    /// The soils.
+    pub set: SoilSet,
+    /// SHA-256 of their file (hex).
+    pub hash: String,
+    /// Side of the cells in which soil remembers ruts, at scale 1, m.
+    pub pitch: f64,
 }
 
 /// Everything about a run.
@@ -44,6 +55,8 @@ pub struct RunConfig {
     pub params: Vec<(String, String)>,
     /// The vehicle.
     pub vehicle: Vehicle,
+    /// The soils of deformable ground.
+    pub soils: Soils,
     /// The rules.
     pub rules: Rules,
     /// Factor on every length of the worlds.
@@ -102,7 +115,7 @@ pub fn run(
     on_event: &mut dyn FnMut(Event),
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
-    let options = SimOptions::default();
+    let options = SimOptions { soil_pitch: config.soils.pitch, ..SimOptions::default() };
     let prepared = prepare(config, options)?;
     let header = header(config, options);
     let (store, mut records) = if config.resume {
@@ -189,19 +202,6 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
         return Err(RunError::ControlPeriod { planner: metadata.name.clone(), period, step: options.step });
     }
     let params = config.plugin.params(&config.params)?;
-    let mut deformable = Vec::new();
-    for task in &config.tasks {
-        if config.suite.world_info(&task.world)?.terrain != Terrain::Rigid {
-            deformable.push(task);
-        }
-    }
-    if let Some(first) = deformable.first() {
-        return Err(RunError::Deformable {
-            count: deformable.len(),
-            total: config.tasks.len(),
-            first: format!("{}/{}", first.world, first.task),
-        });
-    }
     // A damaged world must not be found after hours.
     let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
     for world in worlds {
@@ -237,10 +237,12 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             path: config.plugin_path.display().to_string(),
         },
         params: config.params.iter().cloned().collect(),
-        vehicle: VehicleHeader { name: config.vehicle.spec.name.clone(), hash: config.vehicle.hash.clone() },
+        vehicle: DataHeader { name: config.vehicle.spec.name.clone(), hash: config.vehicle.hash.clone() },
+        soils: DataHeader { name: config.soils.set.name.clone(), hash: config.soils.hash.clone() },
         scale: config.scale,
         seed: config.seed,
         time_step: options.step,
+        soil_pitch: options.soil_pitch,
         sample_period: SAMPLE_PERIOD,
         rules: RulesHeader {
             name: config.rules.name.clone(),
@@ -315,6 +317,7 @@ impl Work<'_> {
             brief: &brief,
             plugin: &c.plugin,
             vehicle: &c.vehicle.spec,
+            soils: &c.soils.set,
             options: self.options,
             rules: &c.rules,
             trace: c.trace,

@@ -8,7 +8,7 @@ use vb_host::{LogSink, Plugin, Session, clamp};
 use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
-use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec, VehicleState};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleSpec, VehicleState};
 use vb_world::{Task, World};
 
 use crate::StateHash;
@@ -31,6 +31,8 @@ pub struct Trial<'a> {
     pub plugin: &'a Plugin,
     /// The vehicle.
     pub vehicle: &'a VehicleSpec,
+    /// The soils of deformable ground.
+    pub soils: &'a SoilSet,
     /// How the simulation is stepped.
     pub options: SimOptions,
     /// The rules.
@@ -189,8 +191,9 @@ impl Trial<'_> {
                 lines.push(format!("{}: {text}", format!("{level:?}").to_lowercase()));
             }
         });
-        let mut sim = Simulation::new(self.world.clone(), self.vehicle, self.task.start, self.options)
-            .map_err(|e| Failure::simulation("simulation", e.to_string()))?;
+        let mut sim =
+            Simulation::new(self.world.clone(), self.vehicle, self.soils, self.task.start, self.options)
+                .map_err(|e| Failure::simulation("simulation", e.to_string()))?;
         let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(&f))?;
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));

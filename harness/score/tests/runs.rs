@@ -9,8 +9,8 @@ use std::path::Path;
 use vb_math::rng::Stream;
 use vb_math::sin;
 use vb_record::{
-    PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader, TRACE_SCHEMA, TraceMeta,
-    TraceMode, TraceRecorder, VehicleHeader,
+    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
+    TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
     Fault, FuelUse, Outcome, RescoreError, Rules, Scorer, Summary, TaskGeometry, TaskRecord, TaskScore,
@@ -34,10 +34,12 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             path: "pid.wasm".into(),
         },
         params: BTreeMap::new(),
-        vehicle: VehicleHeader { name: "hmmwv".into(), hash: "cc".into() },
+        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },
+        soils: DataHeader { name: "default".into(), hash: "dd".into() },
         scale: 1.0,
         seed: 0,
         time_step: 0.001,
+        soil_pitch: 0.1,
         sample_period: 0.01,
         rules: RulesHeader {
             name: rules.name.clone(),

@@ -24,16 +24,33 @@ pub enum SimError {
         /// The value and what is wrong with it.
         reason: String,
     },
-    /// The world has ground that yields, which this version can't simulate.
-    #[error(
-        "world {world} has deformable ground ({class}), which this version cannot simulate; \
-         choose tasks on rigid ground (--tasks terrain=rigid)"
-    )]
-    DeformableGround {
+    /// A soil file can't be read.
+    #[error("{}: {reason}", path.display())]
+    SoilsUnreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A soil file has a wrong shape or a value that no soil can have.
+    #[error("{file}: {field}: {reason}")]
+    SoilsInvalid {
+        /// The file.
+        file: String,
+        /// Path of the field, e.g. `soils.snow.n`.
+        field: String,
+        /// The value and what is wrong with it.
+        reason: String,
+    },
+    /// The world has a deformable class of which the soil file has no soil.
+    #[error("world {world} has {class}, for which the soil set {set} has no soil")]
+    NoSoil {
         /// Name of the world.
         world: String,
-        /// The first deformable class met.
+        /// The class.
         class: &'static str,
+        /// Name of the set.
+        set: String,
     },
     /// The state stopped being finite: a fault of the simulator, not of the planner.
     #[error("the simulation diverged at t = {time:.3} s: {what} is not finite")]

@@ -13,6 +13,7 @@ mod dynamics;
 mod error;
 mod powertrain;
 mod simulation;
+mod soil;
 mod spec;
 mod state;
 mod suspension;
@@ -20,6 +21,7 @@ mod tyre;
 
 pub use error::SimError;
 pub use simulation::{SimOptions, Simulation};
+pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
     Axle, Chassis, Damper, Differentials, Engine, Gearbox, Hardpoints, Powertrain, Spring, Steering, Stops,
     Suspension, TyreSpec, VehicleSpec,

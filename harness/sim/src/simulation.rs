@@ -3,8 +3,9 @@
 use crate::collision::{ChassisContacts, Obstacles, WheelShape};
 use crate::dynamics::{Ground, MAX_WHEELS, Vehicle};
 use crate::error::SimError;
+use crate::soil::{SoilGround, SoilSet};
 use crate::spec::VehicleSpec;
-use crate::state::{Controls, VehicleState, WheelState};
+use crate::state::{Controls, VehicleState};
 use crate::{Quat, SuspensionTable, V3};
 use std::sync::Arc;
 use vb_math::atan;
@@ -17,12 +18,15 @@ pub struct SimOptions {
     pub step: f64,
     /// Longest time the vehicle may take to come to rest before the clock starts, s.
     pub settle_time: f64,
+    /// Side of the cells in which the soil remembers ruts, at scale 1, m; it is scaled with the world.
+    pub soil_pitch: f64,
 }
 
 impl Default for SimOptions {
-    /// 1 ms, at which the results of a rugged drive have converged (docs/physics.md), and 3 s.
+    /// 1 ms, at which the results of a rugged drive have converged (docs/physics.md), 3 s, and the 0.1 m of the
+    /// original.
     fn default() -> Self {
-        Self { step: 1e-3, settle_time: 3.0 }
+        Self { step: 1e-3, settle_time: 3.0, soil_pitch: 0.1 }
     }
 }
 
@@ -37,6 +41,7 @@ pub struct Simulation {
     vehicle: Vehicle,
     reference: V3,
     obstacles: Obstacles,
+    soil: SoilGround,
     wheel: WheelShape,
     chassis: ChassisContacts,
     hull_near: bool,
@@ -49,17 +54,15 @@ impl Simulation {
     /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest; the clock then starts at 0.
     ///
     /// # Errors
-    /// [`SimError::DeformableGround`] for a world that this version can't simulate, [`SimError::VehicleInvalid`] for
-    /// a vehicle that doesn't close, [`SimError::Diverged`].
+    /// [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::VehicleInvalid`] for a
+    /// vehicle that doesn't close, [`SimError::Diverged`].
     pub fn new(
         world: Arc<World>,
         spec: &VehicleSpec,
+        soils: &SoilSet,
         start: Pose2,
         options: SimOptions,
     ) -> Result<Self, SimError> {
-        if let Some(class) = world.semantics.classes.iter().find(|c| c.is_deformable()) {
-            return Err(SimError::DeformableGround { world: world.id.clone(), class: class.name() });
-        }
         let invalid = |field: String, reason: String| SimError::VehicleInvalid {
             file: spec.name.clone(),
             field,
@@ -75,11 +78,14 @@ impl Simulation {
                 .map_err(|reason| invalid(format!("axles[{i}].suspension.hardpoints"), reason))?;
             tables.push(table);
         }
-        let vehicle = Vehicle::new(spec, tables);
+        let soil_pitch = options.soil_pitch * world.scale;
+        let soil = SoilGround::new(&world, soils, soil_pitch)?;
+        let vehicle = Vehicle::new(spec, tables, soil_pitch);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {
             obstacles: Obstacles::new(&world),
+            soil,
             wheel: WheelShape::new(&spec.tyre),
             reference: -V3::from(spec.chassis.com),
             world,
@@ -161,12 +167,13 @@ impl Simulation {
             let reach = self.chassis.bound() + 0.2 + self.vehicle.v.norm() * dt * LOOK_AROUND as f64;
             self.obstacles.look_around(&self.vehicle.x, reach);
         }
-        let ground = Ground {
+        let mut ground = Ground {
+            soil: &mut self.soil,
             heightfield: &self.world.heightfield,
             semantics: &self.world.semantics,
             obstacles: &self.obstacles,
         };
-        self.vehicle.accelerate(controls, &ground, &self.wheel, dt);
+        self.vehicle.accelerate(controls, &mut ground, &self.wheel, dt);
         if self.steps.is_multiple_of(LOOK_DOWN) {
             let margin = 0.05 + self.vehicle.v.norm() * dt * LOOK_DOWN as f64;
             self.hull_near = self.chassis.may_touch(
@@ -179,7 +186,10 @@ impl Simulation {
         }
         if self.hull_near {
             let v = &mut self.vehicle;
-            let friction = self.world.semantics.friction_at(v.x.x, v.x.y);
+            let friction = self
+                .soil
+                .soil_at(v.x.x, v.x.y)
+                .map_or_else(|| self.world.semantics.friction_at(v.x.x, v.x.y), |soil| soil.tan_phi);
             self.chassis.resolve(friction, &mut v.x, &mut v.q, &mut v.v, &mut v.w);
             self.contact_steps += 1;
         } else {
@@ -238,6 +248,16 @@ impl Simulation {
         &self.world
     }
 
+    /// Cells of the ground that yielded: position of the centre (x, y), depth of the rut below its rim and height of
+    /// the heap, m. What lies under a wheel appears when the wheel has moved on.
+    pub fn ruts(&self) -> impl Iterator<Item = ([f64; 2], f64, f64)> + '_ {
+        self.soil
+            .grid
+            .cells()
+            .filter(|(_, c)| c.plastic > 0.0 || c.raised > 0.0)
+            .map(|(p, c)| (p, c.plastic, c.raised))
+    }
+
     /// The state of the vehicle.
     #[must_use]
     pub fn state(&self) -> VehicleState {
@@ -250,12 +270,7 @@ impl Simulation {
             attitude: v.q,
             velocity: inverse * (v.v + v.w.cross(&arm)),
             rates: inverse * v.w,
-            wheels: (0..v.wheel_count())
-                .map(|i| {
-                    let (speed, deflection, load) = v.wheel(i);
-                    WheelState { speed, deflection, load }
-                })
-                .collect(),
+            wheels: (0..v.wheel_count()).map(|i| v.wheel(i)).collect(),
             steering: v.steering,
         }
     }

@@ -23,6 +23,8 @@ pub struct WheelState {
     pub deflection: f64,
     /// Normal force of the ground and of obstacles, N.
     pub load: f64,
+    /// Greatest depth below undisturbed soil, m; 0 on rigid ground.
+    pub sinkage: f64,
 }
 
 /// The state of the vehicle at its reference point, the origin of the chassis frame.

@@ -22,6 +22,7 @@ fn world(obstacles: Vec<Obstacle>) -> World {
             patch: 128.0,
             classes: vec![TerrainClass::Clay],
             friction: vec![0.6],
+            soil: vb_world::SoilLevels::default(),
         },
         obstacles,
         tasks: Vec::new(),

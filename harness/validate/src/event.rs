@@ -3,24 +3,29 @@
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
 use serde::Serialize;
-use vb_sim::{SimError, SimOptions, VehicleSpec};
+use vb_sim::{SimError, SimOptions, SoilSet, VehicleSpec};
 
 /// A vehicle ready to be put through events.
 #[derive(Clone, Debug)]
 pub struct Bench<'a> {
     pub(crate) spec: &'a VehicleSpec,
+    pub(crate) soils: &'a [SoilSet],
     pub(crate) options: SimOptions,
     pub(crate) geometry: Geometry,
 }
 
 impl<'a> Bench<'a> {
-    /// For a vehicle and a step, s.
+    /// For a vehicle, the sets of soils to put it on and a step, s.
     ///
     /// # Errors
     /// [`SimError::VehicleInvalid`] for a vehicle whose suspension doesn't close.
-    pub fn new(spec: &'a VehicleSpec, step: f64) -> Result<Self, SimError> {
+    pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
-        Ok(Self { spec, options, geometry: Geometry::new(spec)? })
+        Ok(Self { spec, soils, options, geometry: Geometry::new(spec)? })
+    }
+
+    pub(crate) fn at_pitch(&self, soil_pitch: f64) -> Self {
+        Self { options: SimOptions { soil_pitch, ..self.options }, ..self.clone() }
     }
 
     pub(crate) fn at_step(&self, step: f64) -> Self {

@@ -4,8 +4,8 @@ use crate::event::{Bench, Series};
 use std::sync::Arc;
 use vb_math::angle::{degrees, wrap};
 use vb_math::{atan2, hypot, sin, tan};
-use vb_sim::{Controls, SimError, Simulation, VehicleSpec, VehicleState};
-use vb_world::{Density, Elevation, Heightfield, Pose2, Semantics, Terrain, TerrainClass, World};
+use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleSpec, VehicleState};
+use vb_world::{Density, Elevation, Heightfield, Pose2, Semantics, SoilLevels, Terrain, TerrainClass, World};
 
 /// A world of one friction value over the given heights.
 fn world(heightfield: Heightfield, friction: f64) -> Arc<World> {
@@ -23,6 +23,7 @@ fn world(heightfield: Heightfield, friction: f64) -> Arc<World> {
             patch: side,
             classes: vec![TerrainClass::Concrete],
             friction: vec![friction],
+            soil: SoilLevels::default(),
         },
         obstacles: vec![],
         tasks: vec![],
@@ -40,6 +41,15 @@ pub(crate) fn plane(angle: f64, friction: f64) -> Arc<World> {
     let (rows, cols, pitch) = (5, 5, 10.0);
     let heights = (0..rows * cols).map(|i| slope * pitch * (i % cols) as f64).collect();
     world(Heightfield::new(rows, cols, pitch, heights), friction)
+}
+
+/// A strip of soil along x that rises by an angle, rad. Soil has an end, unlike rigid planes: `length` × `width` m.
+pub(crate) fn soil(class: TerrainClass, length: f64, width: f64, angle: f64) -> Arc<World> {
+    let slope = tan(angle);
+    let mut w = Arc::unwrap_or_clone(profile(length, width, 1.0, 0.0, |x| slope * x));
+    w.terrain = Terrain::Deformable;
+    w.semantics.classes = vec![class];
+    Arc::new(w)
 }
 
 /// Heights that depend on x alone, over `length` × `width` m, nodes `pitch` apart.
@@ -126,7 +136,7 @@ impl Drive {
         x: f64,
         yaw: f64,
     ) -> Result<Self, SimError> {
-        Self::with_spec(bench, bench.spec, case, world, x, yaw)
+        Self::with(bench, bench.spec, &SoilSet::default(), case, world, x, yaw)
     }
 
     /// The same with another specification.
@@ -138,7 +148,30 @@ impl Drive {
         x: f64,
         yaw: f64,
     ) -> Result<Self, SimError> {
-        let sim = Simulation::new(world.clone(), spec, Pose2 { x, y: 0.0, yaw }, bench.options)?;
+        Self::with(bench, spec, &SoilSet::default(), case, world, x, yaw)
+    }
+
+    /// The same on soil, heading along x.
+    pub(crate) fn on_soil(
+        bench: &Bench<'_>,
+        soils: &SoilSet,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+    ) -> Result<Self, SimError> {
+        Self::with(bench, bench.spec, soils, case, world, x, 0.0)
+    }
+
+    fn with(
+        bench: &Bench<'_>,
+        spec: &VehicleSpec,
+        soils: &SoilSet,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+        yaw: f64,
+    ) -> Result<Self, SimError> {
+        let sim = Simulation::new(world.clone(), spec, soils, Pose2 { x, y: 0.0, yaw }, bench.options)?;
         let mut columns: Vec<(String, &'static str)> = [
             ("t", "s"),
             ("x", "m"),
@@ -161,6 +194,7 @@ impl Drive {
             columns.push((format!("spin {}", c.name), "rad/s"));
             columns.push((format!("travel {}", c.name), "m"));
             columns.push((format!("load {}", c.name), "N"));
+            columns.push((format!("sinkage {}", c.name), "m"));
         }
         let every = ((1.0 / SAMPLE_RATE / bench.options.step).round() as u64).max(1);
         let series = Series { name: case.to_owned(), columns, rows: Vec::new() };
@@ -189,7 +223,7 @@ impl Drive {
         let mut row = vec![s.time, s.position.x, s.position.y, s.position.z];
         row.extend([roll, pitch, yaw].map(degrees));
         row.extend([s.velocity.x, s.velocity.y, v.z, s.rates.z, s.steering, c.throttle, c.brake]);
-        row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load]));
+        row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
         self.series.rows.push(row);
     }
 

@@ -8,7 +8,7 @@ use crate::reference::References;
 use crate::report::Report;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use vb_sim::{SimOptions, VehicleSpec};
+use vb_sim::{SimOptions, SoilSet, VehicleSpec};
 
 /// What to run, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl EventResult {
     }
 }
 
-/// Puts a vehicle through events. `finished` is told of each as it ends, in whatever order they do; the report has them
+/// Puts a vehicle through events, those on soil on the soils of `soils`. `finished` is told of each as it ends, in whatever order they do; the report has them
 /// in the order of [`events`], and the same numbers for any number of jobs.
 ///
 /// # Errors
@@ -57,6 +57,7 @@ impl EventResult {
 /// simulated at all. A simulation that fails within an event is a failure of that event.
 pub fn run(
     spec: &VehicleSpec,
+    soils: &[SoilSet],
     references: &References,
     options: &RunOptions,
     finished: impl Fn(&EventResult) + Sync,
@@ -67,7 +68,7 @@ pub fn run(
     for name in &options.events {
         event(name)?;
     }
-    let bench = Bench::new(spec, options.step)?;
+    let bench = Bench::new(spec, soils, options.step)?;
     let wanted: Vec<&'static Event> = events()
         .iter()
         .filter(|e| options.events.is_empty() || options.events.iter().any(|n| n == e.name))

@@ -120,7 +120,7 @@ mod tests {
     fn at_the_friction_limit_it_stops_in_v_squared_over_two_mu_g_and_starts_with_mu_g() {
         let spec =
             VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
-        let bench = Bench::new(&spec, 1e-3).unwrap();
+        let bench = Bench::new(&spec, &[], 1e-3).unwrap();
         let stop = PointMass::new(&bench, 0.5, 15.0).stop(1.0);
         assert!((stop / (225.0 / (2.0 * 0.5 * GRAVITY)) - 1.0).abs() < 2e-3, "{stop} m");
         // 38 kN m of torque at the wheels in first gear are far beyond the grip at μ 0.3.

@@ -10,6 +10,9 @@ pub struct Heightfield {
     rows: usize,
     cols: usize,
     pitch: f64,
+    /// Kept for the step loop, which asks for a hundred heights a step: 1 / pitch, and half the extents.
+    inverse_pitch: f64,
+    half: [f64; 2],
     heights: Vec<f64>,
     /// The heights (m) that the 16-bit levels 0 and 65 535 stand for, where the heights came from levels.
     level_range: Option<[f64; 2]>,
@@ -26,6 +29,35 @@ pub struct SurfacePoint {
     pub dzdy: f64,
 }
 
+/// One triangle of the surface, for many questions about nearby points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// South-western corner of its cell, and the height there.
+    corner: [f64; 2],
+    z: f64,
+    pitch: f64,
+    /// Whether it is the cell's north-western half.
+    upper: bool,
+    gradient: [f64; 2],
+}
+
+impl Facet {
+    /// Height at a point, if it lies on this triangle.
+    #[inline]
+    #[must_use]
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let (u, v) = (x - self.corner[0], y - self.corner[1]);
+        let inside = (u >= 0.0) & (v >= 0.0) & (u < self.pitch) & (v < self.pitch) & ((v >= u) == self.upper);
+        inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
+    }
+
+    /// ∂z/∂x and ∂z/∂y.
+    #[must_use]
+    pub fn gradient(&self) -> [f64; 2] {
+        self.gradient
+    }
+}
+
 impl Heightfield {
     /// A surface from row-major heights (m), row 0 in the south.
     ///
@@ -35,7 +67,8 @@ impl Heightfield {
     #[must_use]
     pub fn new(rows: usize, cols: usize, pitch: f64, heights: Vec<f64>) -> Self {
         assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && pitch > 0.0);
-        Self { rows, cols, pitch, heights, level_range: None }
+        let half = [cols, rows].map(|n| 0.5 * (n - 1) as f64 * pitch);
+        Self { rows, cols, pitch, inverse_pitch: 1.0 / pitch, half, heights, level_range: None }
     }
 
     /// A surface from 16-bit levels as they are stored: level v stands for `low + (high − low)·(v / 65535)` with
@@ -104,13 +137,13 @@ impl Heightfield {
     /// Half the extent along x, m.
     #[must_use]
     pub fn half_x(&self) -> f64 {
-        0.5 * (self.cols - 1) as f64 * self.pitch
+        self.half[0]
     }
 
     /// Half the extent along y, m.
     #[must_use]
     pub fn half_y(&self) -> f64 {
-        0.5 * (self.rows - 1) as f64 * self.pitch
+        self.half[1]
     }
 
     /// Whether (x, y) lies on the surface.
@@ -129,17 +162,38 @@ impl Heightfield {
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
-        let inv = 1.0 / self.pitch;
-        let fx = (x + self.half_x()) * inv;
-        let fy = (y + self.half_y()) * inv;
-        let col = (fx.max(0.0) as usize).min(self.cols - 2);
-        let row = (fy.max(0.0) as usize).min(self.rows - 2);
+        let inv = self.inverse_pitch;
+        let fx = (x + self.half[0]) * inv;
+        let fy = (y + self.half[1]) * inv;
+        // By way of u32, which a conversion reaches with fewer instructions.
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
         let (u, v) = (fx - col as f64, fy - row as f64);
         let i = row * self.cols + col;
         let (z00, z10) = (self.heights[i], self.heights[i + 1]);
         let (z01, z11) = (self.heights[i + self.cols], self.heights[i + self.cols + 1]);
         let (gu, gv) = if v >= u { (z11 - z01, z01 - z00) } else { (z10 - z00, z11 - z10) };
         SurfacePoint { z: z00 + gu * u + gv * v, dzdx: gu * inv, dzdy: gv * inv }
+    }
+
+    /// The triangle at (x, y); beyond the edge the edge cell's.
+    #[must_use]
+    pub fn facet(&self, x: f64, y: f64) -> Facet {
+        let inv = self.inverse_pitch;
+        let fx = (x + self.half[0]) * inv;
+        let fy = (y + self.half[1]) * inv;
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        let corner = [col as f64 * self.pitch - self.half[0], row as f64 * self.pitch - self.half[1]];
+        let g = self.at(x, y);
+        let upper = fy - row as f64 >= fx - col as f64;
+        Facet {
+            corner,
+            pitch: self.pitch,
+            upper,
+            z: self.heights[row * self.cols + col],
+            gradient: [g.dzdx, g.dzdy],
+        }
     }
 
     /// Height at (x, y), m.
@@ -149,12 +203,40 @@ impl Heightfield {
         self.at(x, y).z
     }
 
+    /// Greatest height within the square of half side `reach` about (x, y), or an upper bound of it, m; none where
+    /// that takes more than a few nodes to tell.
+    #[inline]
+    #[must_use]
+    pub fn ceiling(&self, x: f64, y: f64, reach: f64) -> Option<f64> {
+        const FEW: usize = 3;
+        let first = |v: f64, half: f64, n: usize| {
+            ((((v - reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize).min(n - 1)
+        };
+        let last = |v: f64, half: f64, n: usize| {
+            ((((v + reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize + 1).min(n - 1)
+        };
+        let (c0, c1) = (first(x, self.half[0], self.cols), last(x, self.half[0], self.cols));
+        let (r0, r1) = (first(y, self.half[1], self.rows), last(y, self.half[1], self.rows));
+        // Beyond the edge the planes of the edge's cells go on, to any height.
+        let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];
+        if c1 - c0 > FEW || r1 - r0 > FEW || !inside {
+            return None;
+        }
+        let mut top = f64::NEG_INFINITY;
+        for row in r0..=r1 {
+            for z in &self.heights[row * self.cols + c0..=row * self.cols + c1] {
+                top = top.max(*z);
+            }
+        }
+        Some(top)
+    }
+
     /// The same surface with every length multiplied by `s`.
     #[must_use]
     pub fn scaled(&self, s: f64) -> Self {
         let heights = self.heights.iter().map(|z| z * s).collect();
         let level_range = self.level_range.map(|r| r.map(|z| z * s));
-        Self { rows: self.rows, cols: self.cols, pitch: self.pitch * s, heights, level_range }
+        Self { level_range, ..Self::new(self.rows, self.cols, self.pitch * s, heights) }
     }
 }
 
@@ -178,6 +260,38 @@ mod tests {
         assert_eq!((at(0.0, 0.0).z, at(1.0, 0.0).z, at(0.0, 1.0).z, at(1.0, 1.0).z), (0.0, 1.0, 2.0, 7.0));
         // Beyond the edge the plane goes on.
         assert!((at(0.75, -0.25).z - (0.75 - 1.5)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn no_point_lies_above_the_ceiling_and_the_ceiling_is_not_far_above_the_highest() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 1.0, heights);
+        for (x, y, reach) in [(0.2, -1.3, 0.4), (-2.5, 2.5, 0.9), (1.0, 1.0, 0.0)] {
+            let top = h.ceiling(x, y, reach).unwrap();
+            for i in 0..=20 {
+                for j in 0..=20 {
+                    let at = |v: f64, k: i32| v + reach * (0.1 * f64::from(k) - 1.0);
+                    assert!(h.height(at(x, i), at(y, j)) <= top);
+                }
+            }
+        }
+        assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
+        assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
+        assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+    }
+
+    #[test]
+    fn a_facet_has_the_height_and_gradient_of_the_surface_on_itself_and_none_elsewhere() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.5, heights);
+        let f = h.facet(0.1, 0.3);
+        assert_eq!(f.gradient(), [h.at(0.1, 0.3).dzdx, h.at(0.1, 0.3).dzdy]);
+        for (x, y, on) in [(0.1, 0.3, true), (0.2, 0.45, true), (0.3, 0.1, false), (-0.1, 0.3, false)] {
+            match f.height(x, y) {
+                Some(z) => assert!(on && (z - h.height(x, y)).abs() < 1e-12),
+                None => assert!(!on, "{x} {y}"),
+            }
+        }
     }
 
     #[test]

@@ -18,10 +18,10 @@ pub mod yaml;
 
 pub use check::{Flaw, Part};
 pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo};
-pub use heightfield::{Heightfield, SurfacePoint};
+pub use heightfield::{Facet, Heightfield, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;
 pub use selector::{Selector, SelectorError, TaskRef};
-pub use semantics::{Semantics, TerrainClass};
+pub use semantics::{Semantics, SoilLevel, SoilLevels, TerrainClass};
 pub use task::{Pose2, Task};
 pub use world::{Density, Elevation, Terrain, World};

@@ -67,6 +67,59 @@ impl TerrainClass {
     }
 }
 
+/// How firm the ground of a deformable class is: the paper has three levels a class.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum SoilLevel {
+    /// The softest.
+    Soft,
+    /// Between.
+    #[default]
+    Medium,
+    /// The firmest.
+    Hard,
+}
+
+impl SoilLevel {
+    /// All, in order.
+    pub const ALL: [Self; 3] = [Self::Soft, Self::Medium, Self::Hard];
+
+    /// The name in lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Soft => "soft",
+            Self::Medium => "medium",
+            Self::Hard => "hard",
+        }
+    }
+}
+
+/// The level of each deformable class in a world; what it stands for is the matter of a soil file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[allow(missing_docs, reason = "the classes of the paper")]
+pub struct SoilLevels {
+    pub mud: SoilLevel,
+    pub sand: SoilLevel,
+    pub snow: SoilLevel,
+}
+
+impl SoilLevels {
+    /// The level of a deformable class; of a rigid class, `None`.
+    #[must_use]
+    pub fn of(&self, class: TerrainClass) -> Option<SoilLevel> {
+        match class {
+            TerrainClass::Mud => Some(self.mud),
+            TerrainClass::Sand => Some(self.sand),
+            TerrainClass::Snow => Some(self.snow),
+            _ => None,
+        }
+    }
+}
+
 /// A raster of square patches that tile the world from its south-west corner, row 0 in the south.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Semantics {
@@ -81,6 +134,8 @@ pub struct Semantics {
     /// Row-major Coulomb friction coefficient of each patch's own surface. Deformable patches carry 0: their
     /// resistance comes from the soil model.
     pub friction: Vec<f64>,
+    /// Level of each deformable class.
+    pub soil: SoilLevels,
 }
 
 impl Semantics {
@@ -108,6 +163,24 @@ impl Semantics {
     pub fn friction_at(&self, x: f64, y: f64) -> f64 {
         self.friction[self.patch_index(x, y)]
     }
+
+    /// Mean friction coefficient of the rigid patches that reach into the square of half side `reach` about (x, y);
+    /// 0 where there are none.
+    #[must_use]
+    pub fn rigid_friction_around(&self, x: f64, y: f64, reach: f64) -> f64 {
+        let (low, high) = (self.patch_index(x - reach, y - reach), self.patch_index(x + reach, y + reach));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for row in low / self.cols..=high / self.cols {
+            for col in low % self.cols..=high % self.cols {
+                let i = row * self.cols + col;
+                if !self.classes[i].is_deformable() {
+                    sum += self.friction[i];
+                    count += 1.0;
+                }
+            }
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
 }
 
 #[cfg(test)]
@@ -117,7 +190,14 @@ mod tests {
     #[test]
     fn a_shared_edge_belongs_to_the_patch_in_the_east_or_north() {
         let classes = vec![TerrainClass::Clay, TerrainClass::Rock, TerrainClass::Wood, TerrainClass::Mud];
-        let s = Semantics { rows: 2, cols: 2, patch: 4.0, classes, friction: vec![0.1, 0.2, 0.3, 0.0] };
+        let s = Semantics {
+            rows: 2,
+            cols: 2,
+            patch: 4.0,
+            classes,
+            friction: vec![0.1, 0.2, 0.3, 0.0],
+            soil: SoilLevels::default(),
+        };
         let cases = [
             ([-0.1, -0.1], TerrainClass::Clay),
             ([0.0, -0.1], TerrainClass::Rock),

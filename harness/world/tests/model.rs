@@ -21,6 +21,7 @@ fn world(obstacles: Vec<Obstacle>) -> World {
             patch: 4.0,
             classes: vec![TerrainClass::Clay, TerrainClass::Rock, TerrainClass::Wood, TerrainClass::Dirt],
             friction: vec![0.5, 0.6, 0.7, 0.8],
+            soil: vb_world::SoilLevels::default(),
         },
         obstacles,
         tasks: vec![Task {

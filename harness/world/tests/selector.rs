@@ -30,6 +30,7 @@ fn suite() -> (tempfile::TempDir, Suite) {
                 patch: 2.0,
                 classes: vec![if soft { TerrainClass::Mud } else { TerrainClass::Clay }],
                 friction: vec![if soft { 0.0 } else { 0.6 }],
+                soil: vb_world::SoilLevels::default(),
             },
             obstacles: Vec::new(),
             tasks: (0..if k == 11 { 4 } else { 3 }).map(task).collect(),

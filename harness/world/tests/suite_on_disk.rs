@@ -3,8 +3,8 @@
 
 use std::path::Path;
 use vb_world::{
-    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, Suite, SuiteMeta,
-    Task, Terrain, TerrainClass, World,
+    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SoilLevel,
+    SoilLevels, Suite, SuiteMeta, Task, Terrain, TerrainClass, World,
 };
 
 /// A small world of odd size (5 × 9 nodes at 2 m) with every kind of obstacle and awkward numbers.
@@ -27,6 +27,7 @@ fn world(id: &str) -> World {
             friction: (0..8)
                 .map(|k| if (k + k / 4) % 2 == 0 { 0.1 + 0.07 * k as f64 } else { 0.0 })
                 .collect(),
+            soil: SoilLevels { snow: SoilLevel::Hard, ..SoilLevels::default() },
         },
         obstacles: vec![
             Obstacle {

@@ -12,14 +12,16 @@ mod wheel;
 
 use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
+use crate::soil::{Footprint, SoilGround};
 use crate::spec::{Damper, Spring, Stops, Suspension, VehicleSpec};
-use crate::state::Controls;
+use crate::state::{Controls, WheelState};
 use crate::tyre::{Brush, BrushLaw, Envelope};
 use crate::{GRAVITY, M3, Quat, SuspensionTable, V3};
 use vb_world::{Heightfield, Semantics};
 
 /// What the wheels stand on.
 pub(crate) struct Ground<'a> {
+    pub(crate) soil: &'a mut SoilGround,
     pub(crate) heightfield: &'a Heightfield,
     pub(crate) semantics: &'a Semantics,
     pub(crate) obstacles: &'a Obstacles,
@@ -47,6 +49,9 @@ struct Corner {
     spin: f64,
     ground_brush: Brush,
     obstacle_brush: Brush,
+    footprint: Footprint,
+    /// Greatest depth of the wheel below undisturbed soil in the last step, m.
+    sinkage: f64,
     /// Normal force of the last step, N.
     load: f64,
 }
@@ -94,7 +99,7 @@ pub(crate) struct Vehicle {
 }
 
 impl Vehicle {
-    pub(crate) fn new(spec: &VehicleSpec, tables: Vec<SuspensionTable>) -> Self {
+    pub(crate) fn new(spec: &VehicleSpec, tables: Vec<SuspensionTable>, soil_pitch: f64) -> Self {
         let com = V3::from(spec.chassis.com);
         let drive = Drive::new(spec);
         let mut corners = Vec::new();
@@ -118,6 +123,8 @@ impl Vehicle {
                     spin: 0.0,
                     ground_brush: Brush::default(),
                     obstacle_brush: Brush::default(),
+                    footprint: Footprint::new(spec.tyre.radius, spec.tyre.width, soil_pitch),
+                    sinkage: 0.0,
                     load: 0.0,
                 });
             }
@@ -160,17 +167,18 @@ impl Vehicle {
         self.corners.len()
     }
 
-    /// (spin, travel, normal force) of a wheel.
-    pub(crate) fn wheel(&self, i: usize) -> (f64, f64, f64) {
+    /// The state of a wheel.
+    pub(crate) fn wheel(&self, i: usize) -> WheelState {
         let c = &self.corners[i];
-        (c.spin, c.travel, c.load)
+        WheelState { speed: c.spin, deflection: c.travel, load: c.load, sinkage: c.sinkage }
     }
 
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
             let (g, o) = (c.ground_brush.deflection, c.obstacle_brush.deflection);
-            [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]]
+            let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
+            motion.into_iter().chain(c.footprint.digest())
         });
         corners.chain([self.steering, self.drive.gear() as f64])
     }
@@ -200,7 +208,7 @@ impl Vehicle {
     pub(crate) fn accelerate(
         &mut self,
         controls: Controls,
-        ground: &Ground<'_>,
+        ground: &mut Ground<'_>,
         wheel: &WheelShape,
         dt: f64,
     ) {
@@ -258,7 +266,7 @@ mod tests {
             let rack = if a.steered { spec.steering.rack_travel } else { 0.0 };
             SuspensionTable::solve(&a.suspension, rack).unwrap()
         });
-        let mut vehicle = Vehicle::new(&spec, tables.collect());
+        let mut vehicle = Vehicle::new(&spec, tables.collect(), 0.1);
         vehicle.x.z = 100.0;
         vehicle.w = V3::new(0.9, -0.5, 0.7);
         for (i, c) in vehicle.corners.iter_mut().enumerate() {
@@ -271,14 +279,17 @@ mod tests {
             patch: 2.0,
             classes: vec![vb_world::TerrainClass::Clay],
             friction: vec![0.6],
+            soil: vb_world::SoilLevels::default(),
         };
         let empty = Obstacles::none();
-        let ground = Ground { heightfield: &world, semantics: &semantics, obstacles: &empty };
+        let mut soil = SoilGround::none();
+        let mut ground =
+            Ground { soil: &mut soil, heightfield: &world, semantics: &semantics, obstacles: &empty };
         let wheel = WheelShape::new(&spec.tyre);
         let before = vehicle.energy(V3::zeros());
         let mut worst: f64 = 0.0;
         for k in 1..=1500 {
-            vehicle.accelerate(Controls::default(), &ground, &wheel, 1e-3);
+            vehicle.accelerate(Controls::default(), &mut ground, &wheel, 1e-3);
             vehicle.move_on(1e-3);
             // In a frame that falls along, gravity does no work.
             let frame = V3::new(0.0, 0.0, -GRAVITY * 1e-3 * f64::from(k));

@@ -2,6 +2,7 @@
 
 use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
+use crate::soil::{BLEND, Under, WheelMotion};
 use crate::tyre::{Brush, BrushLaw, Contact};
 use crate::{M3, V3};
 
@@ -10,7 +11,7 @@ impl Vehicle {
         &mut self,
         turn: &M3,
         steer_rate: f64,
-        ground: &Ground<'_>,
+        ground: &mut Ground<'_>,
         wheel: &WheelShape,
         dt: f64,
     ) {
@@ -43,8 +44,24 @@ impl Vehicle {
             let rotation = self.w + tilt * c.travel_rate + axis * c.spin;
             let motion = Motion { hub, velocity: hub_velocity, rotation, axis, spin: c.spin };
             c.load = 0.0;
-            if let Some(contact) = self.envelope.query(ground.heightfield, &hub, &axis) {
-                let friction = ground.semantics.friction_at(contact.point.x, contact.point.y);
+            c.sinkage = 0.0;
+            let reach = self.tyre.radius;
+            let under =
+                if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
+            let contact = match under {
+                Under::Rigid => self.envelope.query(ground.heightfield, &hub, &axis),
+                Under::Soil(_) => None,
+                Under::Mixed => {
+                    let rigid = |x, y| 1.0 - ground.soil.share(x, y, BLEND);
+                    self.envelope.query_where(ground.heightfield, &hub, &axis, rigid)
+                }
+            };
+            if let Some(contact) = contact {
+                let (x, y) = (contact.point.x, contact.point.y);
+                let friction = match under {
+                    Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
+                    _ => ground.semantics.friction_at(x, y),
+                };
                 let friction = friction.min(self.tyre.friction);
                 c.load += motion.tyre_force(
                     &self.tyre,
@@ -57,6 +74,18 @@ impl Vehicle {
                 );
             } else {
                 c.ground_brush = Brush::default();
+            }
+            if !ground.soil.is_empty() {
+                let motion = WheelMotion { hub, velocity: hub_velocity, rotation, axis };
+                if let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt) {
+                    c.load += s.load;
+                    c.sinkage = s.sinkage;
+                    let about_axle = axis.dot(&s.moment);
+                    f.force += s.force;
+                    f.moment += s.moment - axis * about_axle;
+                    f.spin_moment += about_axle;
+                    f.inertia += s.inertia;
+                }
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(wheel, &hub, &axis) {
                 let friction = OBSTACLE_FRICTION.min(self.tyre.friction);

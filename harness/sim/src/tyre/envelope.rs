@@ -51,6 +51,17 @@ impl Envelope {
     /// The contact of a wheel with centre `hub` and axle direction `axis` (unit, to the left), if it touches.
     #[must_use]
     pub fn query(&self, ground: &Heightfield, hub: &V3, axis: &V3) -> Option<Contact> {
+        self.query_where(ground, hub, axis, |_, _| 1.0)
+    }
+
+    /// As [`Self::query`] where only a share of the ground, between 0 and 1, carries at each (x, y).
+    pub(crate) fn query_where(
+        &self,
+        ground: &Heightfield,
+        hub: &V3,
+        axis: &V3,
+        share: impl Fn(f64, f64) -> f64,
+    ) -> Option<Contact> {
         let below = ground.at(hub.x, hub.y);
         let slope = V3::new(-below.dzdx, -below.dzdy, 1.0).normalize();
         let along = axis.cross(&slope);
@@ -72,7 +83,7 @@ impl Envelope {
                 if g.z > pz {
                     // Along the chord to where it leaves the facet's plane; a facet nearly along it ends it.
                     let climb = (up.z - g.dzdx * up.x - g.dzdy * up.y).max(0.3);
-                    let overlap = ((g.z - pz) / climb).min(2.0 * half);
+                    let overlap = ((g.z - pz) / climb).min(2.0 * half) * share(px, py);
                     sum += overlap;
                     sum_x += overlap * x;
                     sum_s += overlap * offset;

@@ -2,12 +2,18 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use std::sync::Arc;
-use vb_sim::{Controls, SimOptions, Simulation, VehicleSpec};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleSpec};
 use vb_world::{Density, Elevation, Heightfield, Obstacle, Pose2, Semantics, Terrain, TerrainClass, World};
 
 pub fn hmmwv() -> VehicleSpec {
     VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml")
         .expect("the shipped vehicle is valid")
+}
+
+/// The soils that come with the harness.
+pub fn soils() -> SoilSet {
+    SoilSet::parse(include_str!("../../../../tasks/soils/default.yaml"), "default.yaml")
+        .expect("the shipped soils are valid")
 }
 
 /// A world of one friction value over the given heights.
@@ -26,10 +32,25 @@ pub fn world(heightfield: Heightfield, friction: f64, obstacles: Vec<Obstacle>) 
             patch: side,
             classes: vec![TerrainClass::Concrete],
             friction: vec![friction],
+            soil: vb_world::SoilLevels::default(),
         },
         obstacles,
         tasks: vec![],
     })
+}
+
+/// A world of one soil over the given heights.
+pub fn soil_world(heightfield: Heightfield, class: TerrainClass) -> Arc<World> {
+    let mut w = Arc::unwrap_or_clone(world(heightfield, 0.0, vec![]));
+    w.terrain = Terrain::Deformable;
+    w.semantics.classes = vec![class];
+    Arc::new(w)
+}
+
+/// The original's three soils.
+pub fn original_soils() -> SoilSet {
+    SoilSet::parse(include_str!("../../../../tasks/soils/original.yaml"), "original.yaml")
+        .expect("the shipped soils are valid")
 }
 
 pub fn flat(friction: f64) -> Arc<World> {
@@ -45,7 +66,8 @@ pub fn grade(degrees: f64, friction: f64) -> Arc<World> {
 }
 
 pub fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
-    Simulation::new(world.clone(), &hmmwv(), Pose2 { x, y, yaw }, SimOptions::default()).expect("it settles")
+    Simulation::new(world.clone(), &hmmwv(), &soils(), Pose2 { x, y, yaw }, SimOptions::default())
+        .expect("it settles")
 }
 
 pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {

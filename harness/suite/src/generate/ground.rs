@@ -5,7 +5,7 @@
 
 use super::params::{GridParams, GroundParams};
 use vb_math::rng::Stream;
-use vb_world::{Semantics, Terrain, TerrainClass};
+use vb_world::{Semantics, SoilLevel, SoilLevels, Terrain, TerrainClass};
 
 /// Largest numbers of rigid and of deformable clusters in a mixed world: all the classes there are.
 const MIXED_LIMITS: [usize; 2] = [7, 3];
@@ -36,7 +36,10 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
         }
     }
     let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
-    Semantics { rows: n, cols: n, patch, classes: patches, friction }
+    // Each class of a world has one level, all three equally likely.
+    let mut level = || SoilLevel::ALL[between(0, 2, rng)];
+    let soil = SoilLevels { mud: level(), sand: level(), snow: level() };
+    Semantics { rows: n, cols: n, patch, classes: patches, friction, soil }
 }
 
 /// One class a cluster, none twice.

@@ -13,8 +13,8 @@ use config::Config;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use vb_world::{
-    Flaw, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SuiteMeta, Task, Terrain,
-    TerrainClass, World, yaml,
+    Flaw, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SoilLevels, SuiteMeta, Task,
+    Terrain, TerrainClass, World, yaml,
 };
 
 /// Why data could not be imported. Each message names the place and what to do.
@@ -269,7 +269,14 @@ fn semantics(file: &Path, config: &Config, side: usize) -> Result<Semantics, Imp
     }
     // As many entries as patches, none given twice: every patch has its class.
     let classes: Vec<TerrainClass> = classes.into_iter().flatten().collect();
-    Ok(Semantics { rows: n, cols: n, patch: ((side - 1) / n) as f64, classes, friction })
+    Ok(Semantics {
+        rows: n,
+        cols: n,
+        patch: ((side - 1) / n) as f64,
+        classes,
+        friction,
+        soil: SoilLevels::default(),
+    })
 }
 
 /// Compares the label raster with the patches it was made from: pixel (r, c) belongs to patch (min(r / 8, 15),

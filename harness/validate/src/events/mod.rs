@@ -8,6 +8,8 @@ mod kinematics;
 mod longitudinal;
 mod rest;
 mod slopes;
+mod soil;
+mod soil_wheel;
 mod turning;
 mod vertical;
 
@@ -36,6 +38,13 @@ const EVENTS: &[Event] = &[
     vertical::STEP_CLIMB,
     energy::FREE_FALL,
     energy::ENERGY,
+    soil_wheel::PLATE,
+    soil_wheel::WHEEL,
+    soil_wheel::SECOND_PASS,
+    soil::REST,
+    soil::ACCELERATION,
+    soil::GRADE,
+    soil::GRID,
     convergence::CONVERGENCE,
 ];
 

@@ -2,7 +2,9 @@
 
 use super::{SCHEMA, error::SuiteError, text};
 use crate::check::{Flaw, MAX_SIDE, Part};
-use crate::{Density, Elevation, Obstacle, ObstacleKind, Semantics, Task, Terrain, TerrainClass, World};
+use crate::{
+    Density, Elevation, Obstacle, ObstacleKind, Semantics, SoilLevels, Task, Terrain, TerrainClass, World,
+};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -120,6 +122,8 @@ pub(crate) struct SemanticsDocument {
     legend: BTreeMap<char, TerrainClass>,
     classes: Vec<String>,
     friction: Vec<Vec<f64>>,
+    #[serde(default)]
+    soil: SoilLevels,
 }
 
 impl SemanticsDocument {
@@ -144,6 +148,18 @@ impl SemanticsDocument {
         );
         for row in s.friction.chunks(s.cols).rev() {
             let _ = writeln!(out, "  - {}", text::numbers(row));
+        }
+        let levels: Vec<_> = TerrainClass::ALL
+            .iter()
+            .filter(|c| s.classes.contains(c))
+            .filter_map(|c| Some(format!("{}: {}", c.name(), s.soil.of(*c)?.name())))
+            .collect();
+        if !levels.is_empty() {
+            let _ = writeln!(
+                out,
+                "# Level of each deformable class: soft, medium or hard.\nsoil: {{{}}}",
+                levels.join(", ")
+            );
         }
         out
     }
@@ -188,7 +204,7 @@ impl SemanticsDocument {
             }
             friction.extend(&self.friction[i]);
         }
-        Ok(Semantics { rows, cols, patch: self.patch, classes, friction })
+        Ok(Semantics { rows, cols, patch: self.patch, classes, friction, soil: self.soil })
     }
 }
 

@@ -1,0 +1,168 @@
+//! Which soil lies where in a world.
+
+use super::grid::Grid;
+use super::law::Soil;
+use super::set::SoilSet;
+use crate::error::SimError;
+use vb_world::World;
+
+/// The deformable ground of a world.
+#[derive(Clone, Debug)]
+pub(crate) struct SoilGround {
+    /// Soils that occur in the world.
+    soils: Vec<Soil>,
+    /// For each patch of the semantics the index of its soil, or `RIGID`.
+    patches: Vec<u8>,
+    rows: usize,
+    cols: usize,
+    /// Patches a metre.
+    per_metre: f64,
+    pub(crate) grid: Grid,
+}
+
+const RIGID: u8 = u8::MAX;
+
+/// What lies under a rectangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Under {
+    /// Rigid ground only.
+    Rigid,
+    /// One soil only, by its number.
+    Soil(u8),
+    /// More than one kind.
+    Mixed,
+}
+
+impl SoilGround {
+    /// The soil of a world, with its memory at a pitch (m).
+    ///
+    /// # Errors
+    /// [`SimError::NoSoil`] if a class of the world has no soil in the set.
+    pub(crate) fn new(world: &World, set: &SoilSet, pitch: f64) -> Result<Self, SimError> {
+        let s = &world.semantics;
+        let mut soils: Vec<Soil> = Vec::new();
+        let mut patches = Vec::with_capacity(s.classes.len());
+        for &class in &s.classes {
+            let Some(level) = s.soil.of(class) else {
+                patches.push(RIGID);
+                continue;
+            };
+            let law = set.law(class, level).ok_or_else(|| SimError::NoSoil {
+                world: world.id.clone(),
+                class: class.name(),
+                set: set.name.clone(),
+            })?;
+            let soil = law.prepare();
+            let index = soils.iter().position(|s| *s == soil).unwrap_or_else(|| {
+                soils.push(soil);
+                soils.len() - 1
+            });
+            patches.push(index as u8);
+        }
+        let half = [world.heightfield.half_x(), world.heightfield.half_y()];
+        Ok(Self {
+            soils,
+            patches,
+            rows: s.rows,
+            cols: s.cols,
+            per_metre: 1.0 / s.patch,
+            grid: Grid::new(half, pitch),
+        })
+    }
+
+    /// One soil throughout, over a rectangle of half extents `half` about the origin.
+    pub(crate) fn of_one(soil: Soil, half: [f64; 2], pitch: f64) -> Self {
+        let side = 2.0 * half[0].max(half[1]);
+        Self {
+            soils: vec![soil],
+            patches: vec![0],
+            rows: 1,
+            cols: 1,
+            per_metre: 1.0 / side,
+            grid: Grid::new(half, pitch),
+        }
+    }
+
+    /// Rigid ground throughout.
+    #[cfg(test)]
+    pub(crate) fn none() -> Self {
+        Self {
+            soils: Vec::new(),
+            patches: vec![RIGID],
+            rows: 1,
+            cols: 1,
+            per_metre: 1.0,
+            grid: Grid::new([1.0, 1.0], 1.0),
+        }
+    }
+
+    /// Whether the world is rigid throughout.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.soils.is_empty()
+    }
+
+    #[inline]
+    fn column(&self, x: f64) -> (usize, f64) {
+        cell(x * self.per_metre + 0.5 * self.cols as f64, self.cols)
+    }
+
+    #[inline]
+    fn row(&self, y: f64) -> (usize, f64) {
+        cell(y * self.per_metre + 0.5 * self.rows as f64, self.rows)
+    }
+
+    #[inline]
+    fn kind(&self, row: usize, col: usize) -> u8 {
+        self.patches[row * self.cols + col]
+    }
+
+    /// The soil at a position; none on rigid ground.
+    #[inline]
+    pub(crate) fn soil_at(&self, x: f64, y: f64) -> Option<&Soil> {
+        self.soils.get(usize::from(self.kind(self.row(y).0, self.column(x).0)))
+    }
+
+    /// The soil of a number that [`Under`] gives.
+    #[inline]
+    pub(crate) fn soil(&self, number: u8) -> Option<&Soil> {
+        self.soils.get(usize::from(number))
+    }
+
+    /// What lies within `reach` of a position along x and y.
+    #[inline]
+    pub(crate) fn under(&self, x: f64, y: f64, reach: f64) -> Under {
+        let (c0, c1) = (self.column(x - reach).0, self.column(x + reach).0);
+        let (r0, r1) = (self.row(y - reach).0, self.row(y + reach).0);
+        let first = self.kind(r0, c0);
+        for row in r0..=r1 {
+            for col in c0..=c1 {
+                if self.kind(row, col) != first {
+                    return Under::Mixed;
+                }
+            }
+        }
+        if first == RIGID { Under::Rigid } else { Under::Soil(first) }
+    }
+
+    /// Share of soil in a square of half side `reach` about a position: rises linearly as the square crosses an edge,
+    /// so that loads are handed over between soil and rigid ground without a jump.
+    pub(crate) fn share(&self, x: f64, y: f64, reach: f64) -> f64 {
+        let span = 2.0 * reach * self.per_metre;
+        let split = |low: (usize, f64), high: (usize, f64)| {
+            if low.0 == high.0 { 1.0 } else { ((1.0 - low.1) / span).clamp(0.0, 1.0) }
+        };
+        let (c0, c1) = (self.column(x - reach), self.column(x + reach));
+        let (r0, r1) = (self.row(y - reach), self.row(y + reach));
+        let (u, v) = (split(c0, c1), split(r0, r1));
+        let soil = |row: usize, col: usize| f64::from(u8::from(self.kind(row, col) != RIGID));
+        v * (u * soil(r0.0, c0.0) + (1.0 - u) * soil(r0.0, c1.0))
+            + (1.0 - v) * (u * soil(r1.0, c0.0) + (1.0 - u) * soil(r1.0, c1.0))
+    }
+}
+
+/// Index of the cell at a coordinate in cells, and how far within it; the nearest cell outside.
+#[inline]
+fn cell(f: f64, count: usize) -> (usize, f64) {
+    let k = (f.max(0.0) as usize).min(count - 1);
+    (k, f - k as f64)
+}

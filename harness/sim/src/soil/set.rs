@@ -1,0 +1,195 @@
+//! Sets of soils as data: `tasks/soils/*.yaml`.
+
+use super::law::SoilLaw;
+use crate::error::SimError;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use vb_world::{SoilLevel, TerrainClass};
+
+/// Named soils, and which of them each deformable class is made of at each level. The default has none: rigid worlds
+/// need none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SoilSet {
+    /// Version of this format; 1.
+    pub schema: u32,
+    /// Short name.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// The soils by name.
+    pub soils: BTreeMap<String, SoilLaw>,
+    /// Names of the soils of mud, sand and snow.
+    pub classes: Classes,
+}
+
+/// Names of the soils of the deformable classes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "the classes of the paper")]
+pub struct Classes {
+    pub mud: Levels,
+    pub sand: Levels,
+    pub snow: Levels,
+}
+
+/// Names of a class's soils.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "the levels of the paper")]
+pub struct Levels {
+    pub soft: String,
+    pub medium: String,
+    pub hard: String,
+}
+
+impl Levels {
+    fn of(&self, level: SoilLevel) -> &str {
+        match level {
+            SoilLevel::Soft => &self.soft,
+            SoilLevel::Medium => &self.medium,
+            SoilLevel::Hard => &self.hard,
+        }
+    }
+}
+
+impl SoilSet {
+    /// Reads and validates a soil file.
+    ///
+    /// # Errors
+    /// [`SimError::SoilsUnreadable`] or [`SimError::SoilsInvalid`], which name the file, the field and the value.
+    pub fn load(path: &Path) -> Result<Self, SimError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| SimError::SoilsUnreadable { path: path.to_owned(), reason: e.to_string() })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Parses and validates the text of a soil file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// [`SimError::SoilsInvalid`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
+        let invalid =
+            |field: String, reason: String| SimError::SoilsInvalid { file: file.to_owned(), field, reason };
+        let set: Self = vb_world::yaml::parse(text).map_err(|e| invalid(e.field, e.problem))?;
+        set.check().map_err(|(field, reason)| invalid(field, reason))?;
+        Ok(set)
+    }
+
+    /// The soil of a deformable class at a level; none for a rigid class.
+    #[must_use]
+    pub fn law(&self, class: TerrainClass, level: SoilLevel) -> Option<&SoilLaw> {
+        self.soils.get(self.levels(class)?.of(level))
+    }
+
+    fn levels(&self, class: TerrainClass) -> Option<&Levels> {
+        match class {
+            TerrainClass::Mud => Some(&self.classes.mud),
+            TerrainClass::Sand => Some(&self.classes.sand),
+            TerrainClass::Snow => Some(&self.classes.snow),
+            _ => None,
+        }
+    }
+
+    fn check(&self) -> Result<(), (String, String)> {
+        if self.schema != 1 {
+            return Err(("schema".to_owned(), format!("{} is unknown; this version reads 1", self.schema)));
+        }
+        for (name, law) in &self.soils {
+            law.check().map_err(|(field, reason)| (format!("soils.{name}.{field}"), reason))?;
+        }
+        for class in TerrainClass::ALL {
+            let Some(levels) = self.levels(class) else { continue };
+            for level in SoilLevel::ALL {
+                let wanted = levels.of(level);
+                if !self.soils.contains_key(wanted) {
+                    let names: Vec<_> = self.soils.keys().map(String::as_str).collect();
+                    return Err((
+                        format!("classes.{}.{}", class.name(), level.name()),
+                        format!("{wanted:?} is none of the soils: {}", names.join(", ")),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl SoilLaw {
+    fn check(&self) -> Result<(), (&'static str, String)> {
+        let range = |field, value: f64, low: f64, high: f64| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            Err((field, format!("{value} must lie between {low} and {high}")))
+        };
+        range("k_phi", self.k_phi, 1e3, 1e9)?;
+        range("k_c", self.k_c, 0.0, 1e8)?;
+        range("n", self.n, 0.05, 3.0)?;
+        range("cohesion", self.cohesion, 0.0, 1e6)?;
+        range("friction_angle_deg", self.friction_angle_deg, 0.0, 60.0)?;
+        range("shear_modulus", self.shear_modulus, 1e-4, 1.0)?;
+        range("damping", self.damping, 0.0, 1e6)?;
+        // Unloading softer than loading would give energy back; harder than this would need a smaller step.
+        range("elastic_stiffness", self.elastic_stiffness, self.k_phi, 1e9)?;
+        if let Some(b) = self.bulldozing {
+            range("bulldozing.erosion_angle_deg", b.erosion_angle_deg, 1.0, 80.0)?;
+            range("bulldozing.flow", b.flow, 0.0, 2.0)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEFAULT: &str = include_str!("../../../../tasks/soils/default.yaml");
+    const ORIGINAL: &str = include_str!("../../../../tasks/soils/original.yaml");
+    const WONG: &str = include_str!("../../../../tasks/soils/wong.yaml");
+
+    #[test]
+    fn the_shipped_sets_are_valid_and_name_a_soil_for_every_class_and_level() {
+        for (name, text) in [("default", DEFAULT), ("original", ORIGINAL), ("wong", WONG)] {
+            let set = SoilSet::parse(text, name).unwrap();
+            assert_eq!(set.name, name);
+            for class in TerrainClass::ALL {
+                for level in SoilLevel::ALL {
+                    assert_eq!(set.law(class, level).is_some(), class.is_deformable());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn within_a_class_a_softer_level_carries_less_at_every_sinkage_of_the_default_set() {
+        let set = SoilSet::parse(DEFAULT, "default").unwrap();
+        for class in [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow] {
+            let p = |level, z| set.law(class, level).unwrap().pressure(z, 0.25);
+            for z in [0.01, 0.03, 0.1] {
+                assert!(p(SoilLevel::Soft, z) < p(SoilLevel::Medium, z), "{class:?} {z}");
+                assert!(p(SoilLevel::Medium, z) < p(SoilLevel::Hard, z), "{class:?} {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn messages_name_file_field_value_and_reason() {
+        let broken = |from: &str, to: &str| {
+            assert!(ORIGINAL.contains(from), "{from}");
+            SoilSet::parse(&ORIGINAL.replacen(from, to, 1), "s.yaml").unwrap_err().to_string()
+        };
+        let e = broken("friction_angle_deg: 30.0", "friction_angle_deg: 95.0");
+        assert!(
+            e.starts_with("s.yaml: soils.") && e.contains("friction_angle_deg: 95 must lie between"),
+            "{e}"
+        );
+        let e = broken("soft: snow", "soft: slush");
+        assert!(e.contains("classes.") && e.contains("\"slush\" is none of the soils: "), "{e}");
+        let e = broken("elastic_stiffness: 4.0e7", "elastic_stiffness: 10.0");
+        assert!(e.contains("elastic_stiffness: 10 must lie between"), "{e}");
+        let e = broken("cohesion: 0.0", "stickiness: 0.0");
+        assert!(e.contains("stickiness"), "{e}");
+    }
+}
