@@ -58,6 +58,22 @@ fn a_test_writes_a_page_that_needs_nothing_else_and_results_and_series() {
 }
 
 #[test]
+fn the_whole_test_measures_every_figure_that_it_is_held_against() {
+    let bench = Bench::new();
+    let done = bench.run(&["vehicle", "test", "hmmwv", "--out", "r"]);
+    assert!(matches!(done.status.code(), Some(0 | CHECKS_FAILED)), "{}", done.stderr);
+    let results = bench.json("r/results.json");
+    let events = results["events"].as_array().expect("events");
+    assert!(events.len() > 20);
+    for event in events {
+        assert_eq!(event["failure"], Value::Null, "{event}");
+        for check in event["checks"].as_array().expect("checks") {
+            assert!(check["measured"].is_number(), "{}: {check}", event["event"]);
+        }
+    }
+}
+
+#[test]
 fn the_number_of_jobs_changes_nothing() {
     let bench = Bench::new();
     for (out, jobs) in [("a", "1"), ("b", "3")] {

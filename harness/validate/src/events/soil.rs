@@ -113,6 +113,9 @@ pub(super) const GRADE: Event = Event {
     run: grade,
 };
 
+/// Grades on which the reference was driven, °.
+const GRADES: [f64; 9] = [5.0, 10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0];
+
 fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let Some(set) = reference_set(bench, &mut o) else { return Ok(o) };
@@ -133,6 +136,8 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             Ok(climbed)
         })?;
         o.figure(format!("{}: steepest grade", class.name()), limit, "°");
+        let last = GRADES.into_iter().filter(|g| *g <= limit).fold(0.0, f64::max);
+        o.figure(format!("{}: last grade of the reference's series climbed", class.name()), last, "°");
         o.series.extend(best);
     }
     Ok(o)
