@@ -73,9 +73,9 @@ pub(crate) fn bump(length: f64, height: f64, friction: f64) -> Arc<World> {
     })
 }
 
-/// A step up at x = 0. Its face leans by one node distance, 2 cm.
+/// A step up at x = 0. Its face leans by one node distance, 4 cm.
 pub(crate) fn step(height: f64, friction: f64) -> Arc<World> {
-    profile(4.0, 6.0, 0.02, friction, |x| if x > 0.01 { height } else { 0.0 })
+    profile(4.0, 6.0, 0.04, friction, |x| if x > 0.02 { height } else { 0.0 })
 }
 
 /// What the driver wants.
@@ -308,7 +308,7 @@ mod tests {
         assert!((b.heightfield.height(1.0, 0.3) - 0.2).abs() < 1e-12);
         assert_eq!([b.heightfield.height(-5.0, 0.0), b.heightfield.height(2.5, 0.0)], [0.0, 0.0]);
         let s = step(0.3, 0.9);
-        assert_eq!([s.heightfield.height(0.0, 0.0), s.heightfield.height(0.02, 0.0)], [0.0, 0.3]);
+        assert_eq!([s.heightfield.height(0.0, 0.0), s.heightfield.height(0.04, 0.0)], [0.0, 0.3]);
         assert_eq!([s.heightfield.height(-99.0, 9.0), s.heightfield.height(99.0, 9.0)], [0.0, 0.3]);
     }
 }

@@ -13,18 +13,37 @@ pub(super) const CONVERGENCE: Event = Event {
     run: convergence,
 };
 
-/// Events and their figures that are canonical, with a name short enough for a legend.
-const CANONICAL: [(&Event, &str, &str); 8] = [
-    (&longitudinal::ACCELERATION, "throttle 1.0, μ 0.9: time to 10 m/s", "0–10 m/s"),
-    (&longitudinal::BRAKING, "15 m/s, brake 1, μ 0.9: distance", "braking distance"),
-    (&longitudinal::BRAKING, "15 m/s, brake 0.25, μ 0.9: distance", "gentle braking"),
-    (&cornering::CORNERING, "steering 0.5, 4 m/s, μ 0.9: radius", "radius"),
-    (&grades::GRADE_PUBLISHED, "speed after 15 s", "speed on 60 %"),
-    (&vertical::BUMP, "2 m, 5 m/s: highest acceleration", "bump, acceleration"),
-    (&vertical::BUMP, "2 m, 5 m/s: highest pitch", "bump, pitch"),
-    (&vertical::DROP, "lowest reference height", "drop, lowest height"),
+/// Names of the canonical figures, in the order of [`figures`].
+const NAMES: [&str; 8] = [
+    "0–10 m/s",
+    "braking distance",
+    "gentle braking",
+    "radius",
+    "speed on 60 %",
+    "bump, acceleration",
+    "bump, pitch",
+    "drop, lowest height",
 ];
 const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// The canonical figures, each in its own unit.
+fn figures(bench: &Bench<'_>) -> Result<[f64; 8], SimError> {
+    let [acceleration, pitch] = vertical::bump_peaks(bench)?;
+    Ok([
+        longitudinal::time_to_10(bench)?,
+        longitudinal::braking_distance(bench, 1.0)?,
+        longitudinal::braking_distance(bench, 0.25)?,
+        cornering::radius(bench, 0.5)?,
+        of(&grades::GRADE_PUBLISHED, bench, "speed after 15 s")?,
+        acceleration,
+        pitch,
+        of(&vertical::DROP, bench, "lowest reference height")?,
+    ])
+}
+
+fn of(event: &Event, bench: &Bench<'_>, figure: &str) -> Result<f64, SimError> {
+    Ok(event.run(bench)?.value(figure).unwrap_or(f64::NAN))
+}
 
 fn convergence(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
@@ -32,19 +51,12 @@ fn convergence(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     for factor in FACTORS {
         let at = bench.at_step(factor * bench.options.step);
         let mut row = vec![at.options.step];
-        let mut last: Option<(&str, Result<Outcome, SimError>)> = None;
-        for (event, figure, _) in CANONICAL {
-            if last.as_ref().is_none_or(|l| l.0 != event.name) {
-                last = Some((event.name, event.run(&at)));
-            }
-            // A step too coarse to run at all has no figures.
-            let value = last.as_ref().and_then(|l| l.1.as_ref().ok()).and_then(|r| r.value(figure));
-            row.push(value.unwrap_or(f64::NAN));
-        }
+        // A step too coarse to run at all has no figures.
+        row.extend(figures(&at).unwrap_or([f64::NAN; 8]));
         rows.push(row);
     }
     let mut plot = Plot::new("Deviation from the finest step", "step, ms", "deviation, %");
-    for (k, (_, _, short)) in CANONICAL.iter().enumerate() {
+    for (k, short) in NAMES.into_iter().enumerate() {
         let value = |row: usize| rows[row][k + 1];
         let change = 100.0 * (value(2) / value(1) - 1.0).abs();
         let name = format!("{short}: change from half the step");
@@ -56,10 +68,10 @@ fn convergence(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             source: format!("the same event at {} ms", 0.5e3 * bench.options.step),
             unsound: None,
         });
-        plot.ours(*short, rows.iter().map(|r| [1e3 * r[0], 100.0 * (r[k + 1] / value(0) - 1.0)]).collect());
+        plot.ours(short, rows.iter().map(|r| [1e3 * r[0], 100.0 * (r[k + 1] / value(0) - 1.0)]).collect());
     }
     let mut columns = vec![("step".to_owned(), "s")];
-    columns.extend(CANONICAL.iter().map(|c| (c.2.to_owned(), "")));
+    columns.extend(NAMES.map(|n| (n.to_owned(), "")));
     o.series.push(Series { name: "steps".to_owned(), columns, rows });
     o.plots.push(plot);
     Ok(o)

@@ -49,6 +49,26 @@ fn kinematic_radius(bench: &Bench<'_>, steering: f64) -> f64 {
     hypot(to_rear_axle, behind)
 }
 
+/// Steady means of a drive with fixed steering, a target speed and a friction; and the drive.
+fn steady(bench: &Bench<'_>, steering: f64, target: f64, friction: f64) -> Result<(Means, Drive), SimError> {
+    let case = format!("steering-{steering}-{target:.0}-mu-{friction:.1}");
+    let mut d = Drive::new(bench, &case, &flat(friction), 0.0, 0.0)?;
+    let drive = |s: &VehicleState| hold_speed(s, target, steering);
+    d.hold(10.0, drive)?;
+    let mut m = Means::default();
+    d.run(10.0, drive, |s| {
+        m.add(s);
+        false
+    })?;
+    Ok((m, d))
+}
+
+/// Radius (m) of the path of the reference point at 4 m/s and μ 0.9.
+pub(super) fn radius(bench: &Bench<'_>, steering: f64) -> Result<f64, SimError> {
+    let m = steady(bench, steering, 4.0, 0.9)?.0;
+    Ok((m.speed / m.yaw_rate).abs())
+}
+
 fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut plot = Plot::new("Paths", "x, m", "y, m");
@@ -63,15 +83,7 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     ];
     for (steering, target, friction) in cases {
         let label = format!("steering {steering}, {target:.0} m/s, μ {friction:.1}");
-        let case = format!("steering-{steering}-{target:.0}-mu-{friction:.1}");
-        let mut d = Drive::new(bench, &case, &flat(friction), 0.0, 0.0)?;
-        let drive = |s: &VehicleState| hold_speed(s, target, steering);
-        d.hold(10.0, drive)?;
-        let mut m = Means::default();
-        d.run(10.0, drive, |s| {
-            m.add(s);
-            false
-        })?;
+        let (m, d) = steady(bench, steering, target, friction)?;
         let radius = (m.of(m.speed) / m.of(m.yaw_rate)).abs();
         o.figure(format!("{label}: radius"), radius, "m");
         o.figure(format!("{label}: yaw rate"), m.of(m.yaw_rate), "rad/s");

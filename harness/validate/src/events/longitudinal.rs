@@ -98,6 +98,18 @@ pub(super) const BRAKING: Event = Event {
     run: braking,
 };
 
+/// Time (s) to 10 m/s with full throttle at μ 0.9.
+pub(super) fn time_to_10(bench: &Bench<'_>) -> Result<f64, SimError> {
+    let mut d = Drive::new(bench, "", &flat(0.9), 0.0, 0.0)?;
+    d.run(30.0, |s| controls(hold_line(s), 1.0, 0.0), |s| s.velocity.x >= 10.0)?;
+    Ok(d.state().time)
+}
+
+/// Braking distance (m) from 15 m/s at μ 0.9.
+pub(super) fn braking_distance(bench: &Bench<'_>, pedal: f64) -> Result<f64, SimError> {
+    Ok(brake(bench, &mut Outcome::default(), "", 15.0, pedal, 0.9)?.1)
+}
+
 /// One braking; returns (speed at its start, distance, time, greatest |pitch|) and adds its series.
 fn brake(
     bench: &Bench<'_>,

@@ -1,7 +1,7 @@
 //! Up and down: bumps, drops, steps.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, Outcome, Plot, Series};
 use crate::rig::{COASTING, Drive, bump, controls, flat, hold_line, hold_speed, largest, step};
 use vb_math::angle::degrees;
 use vb_sim::{GRAVITY, SimError};
@@ -17,48 +17,75 @@ pub(super) const BUMP: Event = Event {
 /// Span of the mean, s.
 const SPAN: f64 = 0.05;
 
+/// One drive over a bump.
+struct Crossing {
+    /// x (m) and pitch (°) of the reference point.
+    pitch: Vec<[f64; 2]>,
+    /// x (m) and mean vertical acceleration (m/s²).
+    acceleration: Vec<[f64; 2]>,
+    /// Lowest and highest reference point, m.
+    heights: [f64; 2],
+    series: Series,
+}
+
+fn cross(bench: &Bench<'_>, length: f64, target: f64) -> Result<Crossing, SimError> {
+    let window = (SPAN / bench.options.step).round().max(1.0) as usize;
+    let case = format!("{length:.0}m-{target:.0}");
+    let mut d = Drive::new(bench, &case, &bump(length, 0.2, 0.9), -20.0, 0.0)?;
+    let mut trace: Vec<[f64; 3]> = Vec::new();
+    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
+    d.run(
+        30.0,
+        |s| hold_speed(s, target, hold_line(s)),
+        |s| {
+            if s.position.x > -4.0 {
+                trace.push([s.position.x, (s.attitude * s.velocity).z, degrees(s.roll_pitch_yaw().1)]);
+                heights = [heights[0].min(s.position.z), heights[1].max(s.position.z)];
+            }
+            s.position.x > length + 8.0
+        },
+    )?;
+    let span = window as f64 * bench.options.step;
+    let mean = |k: usize| [trace[k - window / 2][0], (trace[k][1] - trace[k - window][1]) / span];
+    Ok(Crossing {
+        acceleration: (window..trace.len()).map(mean).collect(),
+        pitch: trace.iter().map(|p| [p[0], p[2]]).collect(),
+        heights,
+        series: d.finish(),
+    })
+}
+
+fn lowest(points: &[[f64; 2]]) -> f64 {
+    points.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min)
+}
+
+fn highest(points: &[[f64; 2]]) -> f64 {
+    points.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Highest mean acceleration (m/s²) and pitch (°) over the 2 m bump at 5 m/s.
+pub(super) fn bump_peaks(bench: &Bench<'_>) -> Result<[f64; 2], SimError> {
+    let c = cross(bench, 2.0, 5.0)?;
+    Ok([highest(&c.acceleration), highest(&c.pitch)])
+}
+
 fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
-    let mut tilt =
-        Plot::new("Pitch over the bump", "x of the reference point, m", "pitch, ° (nose down positive)");
-    let mut shake = Plot::new(
-        "Vertical acceleration, mean over 50 ms",
-        "x of the reference point, m",
-        "acceleration, m/s²",
-    );
-    let window = (SPAN / bench.options.step).round().max(1.0) as usize;
+    let x = "x of the reference point, m";
+    let mut tilt = Plot::new("Pitch over the bump", x, "pitch, ° (nose down positive)");
+    let mut shake = Plot::new("Vertical acceleration, mean over 50 ms", x, "acceleration, m/s²");
     for (length, target) in [(1.0, 5.0), (2.0, 5.0), (4.0, 5.0), (2.0, 3.0)] {
         let label = format!("{length:.0} m, {target:.0} m/s");
-        let mut d =
-            Drive::new(bench, &format!("{length:.0}m-{target:.0}"), &bump(length, 0.2, 0.9), -20.0, 0.0)?;
-        let mut trace: Vec<[f64; 3]> = Vec::new();
-        let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
-        d.run(
-            30.0,
-            |s| hold_speed(s, target, hold_line(s)),
-            |s| {
-                if s.position.x > -4.0 {
-                    trace.push([s.position.x, (s.attitude * s.velocity).z, degrees(s.roll_pitch_yaw().1)]);
-                    heights = [heights[0].min(s.position.z), heights[1].max(s.position.z)];
-                }
-                s.position.x > length + 8.0
-            },
-        )?;
-        let span = window as f64 * bench.options.step;
-        let mean: Vec<[f64; 2]> = (window..trace.len())
-            .map(|k| [trace[k - window / 2][0], (trace[k][1] - trace[k - window][1]) / span])
-            .collect();
-        let low = |v: &mut dyn Iterator<Item = f64>| v.fold(f64::INFINITY, f64::min);
-        let high = |v: &mut dyn Iterator<Item = f64>| v.fold(f64::NEG_INFINITY, f64::max);
-        o.figure(format!("{label}: lowest acceleration"), low(&mut mean.iter().map(|p| p[1])), "m/s²");
-        o.figure(format!("{label}: highest acceleration"), high(&mut mean.iter().map(|p| p[1])), "m/s²");
-        o.figure(format!("{label}: lowest pitch"), low(&mut trace.iter().map(|p| p[2])), "°");
-        o.figure(format!("{label}: highest pitch"), high(&mut trace.iter().map(|p| p[2])), "°");
-        o.figure(format!("{label}: lowest reference height"), heights[0], "m");
-        o.figure(format!("{label}: highest reference height"), heights[1], "m");
-        tilt.ours(label.clone(), trace.iter().map(|p| [p[0], p[2]]).collect());
-        shake.ours(label, mean);
-        o.series.push(d.finish());
+        let c = cross(bench, length, target)?;
+        o.figure(format!("{label}: lowest acceleration"), lowest(&c.acceleration), "m/s²");
+        o.figure(format!("{label}: highest acceleration"), highest(&c.acceleration), "m/s²");
+        o.figure(format!("{label}: lowest pitch"), lowest(&c.pitch), "°");
+        o.figure(format!("{label}: highest pitch"), highest(&c.pitch), "°");
+        o.figure(format!("{label}: lowest reference height"), c.heights[0], "m");
+        o.figure(format!("{label}: highest reference height"), c.heights[1], "m");
+        tilt.ours(label.clone(), c.pitch);
+        shake.ours(label, c.acceleration);
+        o.series.push(c.series);
     }
     o.plots.extend([tilt, shake]);
     Ok(o)

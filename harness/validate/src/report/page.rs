@@ -42,7 +42,7 @@ pub(super) fn page(report: &Report) -> String {
         s,
         "<p class=\"meta\">Verti-Bench in Rust {}, step {} ms, {} events</p></header><main>",
         env!("CARGO_PKG_VERSION"),
-        number(1e3 * report.step),
+        1e3 * report.step,
         report.results.len()
     );
     summary(&mut s, report);
@@ -101,7 +101,37 @@ fn summary(s: &mut String, report: &Report) {
             escape(r.event.title)
         );
     }
-    s.push_str("</ol></nav></section>");
+    s.push_str("</ol></nav>");
+    failures(s, report);
+    s.push_str("</section>");
+}
+
+/// What a reader wants to know first.
+fn failures(s: &mut String, report: &Report) {
+    if report.passed() {
+        return;
+    }
+    s.push_str("<h3>What fails</h3><table class=\"checks\"><tbody>");
+    for r in &report.results {
+        let link = format!("<a href=\"#{}\">{}</a>", r.event.name, escape(r.event.title));
+        if let Some(failure) = &r.failure {
+            let _ = write!(s, "<tr><td>{link}</td><td colspan=\"6\">{}</td></tr>", escape(failure));
+        }
+        for c in r.checks.iter().filter(|c| c.verdict == Verdict::Fail) {
+            let _ = write!(
+                s,
+                "<tr><td>{link}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
+                 <td class=\"n\">{}</td><td class=\"source\"><b>{}</b></td></tr>",
+                escape(&c.expectation.figure),
+                c.measured.map_or_else(|| "not reached".to_owned(), number),
+                expected(c.expectation.expected),
+                c.unit,
+                deviation(c),
+                c.expectation.kind.name(),
+            );
+        }
+    }
+    s.push_str("</tbody></table>");
 }
 
 fn section(s: &mut String, r: &EventResult) {
