@@ -200,11 +200,24 @@ pub struct Plot {
     pub y: String,
     /// The lines, in the order of the legend.
     pub lines: Vec<Line>,
+    /// Whether both axes are places on the ground and must have one scale.
+    pub map: bool,
 }
 
 impl Plot {
     pub(crate) fn new(title: &str, x: &str, y: &str) -> Self {
-        Self { title: title.to_owned(), x: x.to_owned(), y: y.to_owned(), lines: Vec::new() }
+        Self { title: title.to_owned(), x: x.to_owned(), y: y.to_owned(), lines: Vec::new(), map: false }
+    }
+
+    /// A map of places, m.
+    pub(crate) fn map(title: &str, x: &str, y: &str) -> Self {
+        Self { map: true, ..Self::new(title, x, y) }
+    }
+
+    /// Range of x over our own lines.
+    pub(crate) fn span(&self) -> [f64; 2] {
+        let ours = self.lines.iter().filter(|l| l.kind == LineKind::Ours).flat_map(|l| &l.points);
+        ours.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p[0]), b.max(p[0])])
     }
 
     /// Adds a line of a case.

@@ -108,8 +108,67 @@ fn drive(event: &'static Event, bench: &Bench<'_>, references: &References) -> E
     for curve in references.curves.iter().filter(|c| c.event == event.name) {
         for plot in outcome.plots.iter_mut().filter(|p| curve.plots.contains(&p.title)) {
             let case = plot.lines.iter().find(|l| l.label == curve.beside).map_or(0, |l| l.case);
-            plot.line(LineKind::Reference, case, curve.label.clone(), curve.points.clone());
+            let [from, to] = plot.span();
+            let points = curve.points.iter().copied().filter(|p| p[0] >= from && p[0] <= to).collect();
+            plot.line(LineKind::Reference, case, curve.label.clone(), points);
         }
     }
     EventResult { event, outcome, failure, checks }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Kind;
+
+    fn hmmwv() -> VehicleSpec {
+        VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
+    }
+
+    fn references() -> References {
+        let text = include_str!("../../../tasks/validation/hmmwv.yaml");
+        References::parse(text, "hmmwv.yaml", "hmmwv").unwrap()
+    }
+
+    fn only(events: &[&str]) -> RunOptions {
+        RunOptions { events: events.iter().map(|e| (*e).to_owned()).collect(), ..RunOptions::default() }
+    }
+
+    #[test]
+    fn checks_of_theory_come_before_those_of_the_references_and_curves_are_drawn_where_we_have_been() {
+        let report = run(&hmmwv(), &[], &references(), &only(&["drop"]), |_| {}).unwrap();
+        let result = &report.results[0];
+        let kinds: Vec<Kind> = result.checks.iter().map(|c| c.expectation.kind).collect();
+        assert!(
+            kinds.is_sorted() && kinds.contains(&Kind::Theory) && kinds.contains(&Kind::Chrono),
+            "{kinds:?}"
+        );
+        let plot = &result.outcome.plots[0];
+        let [from, to] = plot.span();
+        let curve = plot.lines.iter().find(|l| l.kind == LineKind::Reference).unwrap();
+        assert!(curve.points.len() > 5 && curve.points.iter().all(|p| p[0] >= from && p[0] <= to));
+        assert_eq!(curve.case, plot.lines[0].case, "one colour for one case");
+    }
+
+    #[test]
+    fn unknown_events_and_impossible_steps_are_refused() {
+        let refused =
+            |o: &RunOptions| run(&hmmwv(), &[], &References::default(), o, |_| {}).unwrap_err().to_string();
+        assert!(refused(&only(&["flying"])).contains("no event flying"));
+        for step in [0.0, f64::NAN, 0.02, 1e-6] {
+            assert!(
+                refused(&RunOptions { step, ..only(&["static"]) }).contains("between 0.01 and 10 ms"),
+                "{step}"
+            );
+        }
+    }
+
+    #[test]
+    fn without_its_soils_an_event_says_so_and_measures_nothing() {
+        let report = run(&hmmwv(), &[], &References::default(), &only(&["soil-rest"]), |_| {}).unwrap();
+        let outcome = &report.results[0].outcome;
+        assert!(outcome.figures.is_empty() && outcome.notes[0].contains("no soil set original"));
+        let report = run(&hmmwv(), &[], &references(), &only(&["soil-rest"]), |_| {}).unwrap();
+        assert!(!report.passed(), "a reference that nothing is measured for fails");
+    }
 }

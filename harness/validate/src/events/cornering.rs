@@ -71,7 +71,7 @@ pub(super) fn radius(bench: &Bench<'_>, steering: f64) -> Result<f64, SimError> 
 
 fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
-    let mut plot = Plot::new("Paths", "x, m", "y, m");
+    let mut plot = Plot::map("Paths", "x, m", "y, m");
     let cases = [
         (0.25, 4.0, 0.9),
         (0.5, 4.0, 0.9),

@@ -53,7 +53,7 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     o.figure("driving: greatest roll", degrees(roll), "°");
     o.figure("driving: speed at the end", s.velocity.x, "m/s");
     let series = d.finish();
-    let mut plot = Plot::new("Path along the side slope", "along the slope, m", "downhill, m");
+    let mut plot = Plot::map("Path along the side slope", "along the slope, m", "downhill, m");
     plot.ours("μ 0.8", series.rows.iter().map(|r| [r[2], -r[1]]).collect());
     o.plots.push(plot);
     o.series.push(series);

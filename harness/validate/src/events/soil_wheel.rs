@@ -10,14 +10,14 @@ fn bare(law: &SoilLaw) -> SoilLaw {
     SoilLaw { pressure: PressureDirection::Radial, damping: 0.0, bulldozing: None, ..*law }
 }
 
-/// Every soil of every set, once, with a name.
-fn soils(bench: &Bench<'_>) -> Vec<(String, SoilLaw)> {
-    let mut all: Vec<(String, SoilLaw)> = Vec::new();
+/// Every soil of every set, once, with a name and the name of its set.
+fn soils<'a>(bench: &Bench<'a>) -> Vec<(String, &'a str, SoilLaw)> {
+    let mut all: Vec<(String, &str, SoilLaw)> = Vec::new();
     for set in bench.soils {
         for (name, law) in &set.soils {
             let law = bare(law);
-            if !all.iter().any(|(_, l)| *l == law) {
-                all.push((format!("{name} ({})", set.name), law));
+            if !all.iter().any(|(_, _, l)| *l == law) {
+                all.push((format!("{name} ({})", set.name), &set.name, law));
             }
         }
     }
@@ -34,7 +34,7 @@ pub(super) const PLATE: Event = Event {
 fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut plot = Plot::new("Pressure under a plate 0.3 m wide", "sinkage, mm", "pressure, kPa");
-    for (name, law) in soils(bench) {
+    for (name, _, law) in soils(bench) {
         let mut worst = 0.0_f64;
         for breadth in [0.1, 0.3] {
             for k in 1..=10 {
@@ -132,10 +132,10 @@ const SLIPS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8];
 fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let rig = rig(bench);
-    let mut plot = Plot::new("Drawbar pull over slip", "slip", "drawbar pull / load");
+    let mut plots: Vec<Plot> = Vec::new();
     let mut columns = vec![("slip".to_owned(), "")];
     let mut rows: Vec<Vec<f64>> = SLIPS.iter().map(|s| vec![*s]).collect();
-    for (case, (name, law)) in soils(bench).into_iter().enumerate() {
+    for (name, set, law) in soils(bench) {
         let form = ClosedForm::new(&law);
         let runs: Vec<_> = SLIPS.iter().map(|&s| rig.run(&law, s, 1)).collect();
         let pull: Vec<f64> = runs.iter().map(|r| r.drawbar / LOAD).collect();
@@ -168,19 +168,22 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         for (row, (p, s)) in rows.iter_mut().zip(pull.iter().zip(SLIPS)) {
             row.extend([*p, form.drawbar(s)]);
         }
-        if case < 8 {
-            plot.line(
-                LineKind::Ours,
-                case,
-                name.clone(),
-                SLIPS.iter().zip(&pull).map(|(s, p)| [*s, *p]).collect(),
-            );
-            let theory = (0..=40).map(|k| f64::from(k) / 50.0).map(|s| [s, form.drawbar(s)]).collect();
-            plot.line(LineKind::Theory, case, format!("{name}, closed form"), theory);
+        if form.unsound().is_some() {
+            continue;
         }
+        let title = format!("Drawbar pull over slip, soils of {set}");
+        let at = plots.iter().position(|p| p.title == title).unwrap_or_else(|| {
+            plots.push(Plot::new(&title, "slip", "drawbar pull / load"));
+            plots.len() - 1
+        });
+        let measured = SLIPS.iter().zip(&pull).map(|(s, p)| [*s, *p]).collect();
+        plots[at].ours(name.clone(), measured);
+        let case = plots[at].lines.last().map_or(0, |l| l.case);
+        let theory = (0..=40).map(|k| f64::from(k) / 50.0).map(|s| [s, form.drawbar(s)]).collect();
+        plots[at].line(LineKind::Theory, case, format!("{name}, closed form"), theory);
     }
     o.series.push(Series { name: "drawbar".to_owned(), columns, rows });
-    o.plots.push(plot);
+    o.plots = plots;
     Ok(o)
 }
 
@@ -194,7 +197,7 @@ pub(super) const SECOND_PASS: Event = Event {
 fn second_pass(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let rig = rig(bench);
-    for (name, law) in soils(bench) {
+    for (name, _, law) in soils(bench) {
         let first = o.theory.len();
         let (one, two) = (rig.run(&law, 0.2, 1), rig.run(&law, 0.2, 2));
         o.figure(format!("{name}: rut after the first pass"), 1e3 * one.sinkage, "mm");

@@ -17,7 +17,7 @@ pub(super) const TURNING_CIRCLE: Event = Event {
 fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
-    let mut plot = Plot::new("Circle at full lock", "x, m", "y, m");
+    let mut plot = Plot::map("Circle at full lock", "x, m", "y, m");
     for (side, steering) in [("left", 1.0), ("right", -1.0)] {
         let mut d = Drive::new(bench, side, &flat(0.9), 0.0, 0.0)?;
         d.hold(10.0, |s| hold_speed(s, 2.0, steering))?;

@@ -87,12 +87,10 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// The plot as an SVG element with a legend below it.
 pub(super) fn plot(p: &Plot) -> String {
     let points = || p.lines.iter().flat_map(|l| &l.points);
-    // Maps of ground keep their proportions.
-    let map = p.x.ends_with(", m") && p.y.ends_with(", m") && p.title.contains(['P', 'C']) && is_map(p);
-    let (mut x0, mut x1) = range(points().map(|q| q[0]), if map { 0.03 } else { 0.0 });
+    let (mut x0, mut x1) = range(points().map(|q| q[0]), if p.map { 0.03 } else { 0.0 });
     let (mut y0, mut y1) = range(points().map(|q| q[1]), 0.05);
     let (w, h) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
-    if map {
+    if p.map {
         let scale = ((x1 - x0) / w).max((y1 - y0) / h);
         let (cx, cy) = (0.5 * (x0 + x1), 0.5 * (y0 + y1));
         (x0, x1) = (cx - 0.5 * scale * w, cx + 0.5 * scale * w);
@@ -183,11 +181,6 @@ pub(super) fn plot(p: &Plot) -> String {
     }
     s.push_str("</ul></figure>");
     s
-}
-
-/// Whether both axes are places on the ground.
-fn is_map(p: &Plot) -> bool {
-    !p.y.contains("height") && !p.y.contains("acceleration")
 }
 
 fn class(kind: LineKind) -> &'static str {
