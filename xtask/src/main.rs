@@ -1,5 +1,6 @@
 //! Development tasks: `cargo xtask help`.
 
+mod compare;
 mod plugins;
 mod run;
 mod wasm_target;
@@ -17,10 +18,12 @@ Tasks:
   test                  Build everything the tests need and run them all
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
+  compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
 
 Environment:
   VB_WASM_FALLBACK=1    Build WASM by Debian's compiler packages, not by the installed Rust
-  VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]";
+  VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]
+  VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -29,6 +32,7 @@ fn main() -> ExitCode {
         ["demo"] => demo(),
         ["test"] => test(),
         ["lint"] => lint(),
+        ["compare-chrono"] => compare::compare_chrono(),
         ["plugins"] => plugins::build(&default_plugin_dir()),
         ["plugins", "--out", dir] => plugins::build(Path::new(dir)),
         ["help" | "--help" | "-h"] => {
@@ -57,6 +61,11 @@ fn target_dir() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
+/// A program that was built with optimisation.
+fn built(name: &str) -> PathBuf {
+    target_dir().join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+}
+
 fn default_plugin_dir() -> PathBuf {
     target_dir().join("plugins")
 }
@@ -69,7 +78,7 @@ fn build_all() -> Result<(), Failure> {
 
 fn demo() -> Result<(), Failure> {
     build_all()?;
-    let harness = target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX));
+    let harness = built("vb-harness");
     let out = target_dir().join("demo-run");
     if out.exists() {
         std::fs::remove_dir_all(&out)

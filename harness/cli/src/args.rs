@@ -187,6 +187,28 @@ pub(crate) struct ImportArgs {
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Which ground to make: as paper and labels describe it, or as the original's simulator builds it
+    #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
+    pub(crate) ground: Ground,
+}
+
+/// Which ground an import makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Ground {
+    /// Friction and soil per patch, obstacles on the ground.
+    #[default]
+    AsDescribed,
+    /// Friction per merged section, soil in bands and rectangles, obstacles as boxes at their stored height.
+    AsSimulated,
+}
+
+impl From<Ground> for vb_suite::import::Ground {
+    fn from(ground: Ground) -> Self {
+        match ground {
+            Ground::AsDescribed => Self::AsDescribed,
+            Ground::AsSimulated => Self::AsSimulated,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -233,6 +255,9 @@ pub(crate) struct VehicleTestArgs {
     /// Directory for report.html, results.json and the time series; default: runs/test-VEHICLE-N
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Tyre to put on: the name of one of the vehicle's, e.g. rigid
+    #[arg(long, value_name = "NAME")]
+    pub(crate) tyre: Option<String>,
     /// Event to run; may be repeated; default: all
     #[arg(long = "event", value_name = "NAME")]
     pub(crate) events: Vec<String>,
@@ -309,6 +334,22 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn an_import_takes_each_ground_by_its_name_and_the_described_one_without() {
+        use vb_suite::import::Ground;
+        let ground = |more: &[&str]| {
+            let args = [&["vb-harness", "suite", "import", "BenchMaps", "--out", "original"], more].concat();
+            match Cli::try_parse_from(args).unwrap().command {
+                Some(Command::Suite(SuiteCommand::Import(args))) => Ground::from(args.ground),
+                other => panic!("{other:?}"),
+            }
+        };
+        for wanted in Ground::ALL {
+            assert_eq!(ground(&["--ground", wanted.name()]), wanted);
+        }
+        assert_eq!(ground(&[]), Ground::AsDescribed);
     }
 
     #[test]

@@ -88,7 +88,7 @@ pub(crate) fn validate(args: &SuiteArgs) -> Result<(), CliError> {
 }
 
 pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
-    let source = Source::find(&args.from).map_err(CliError::input)?;
+    let source = Source::find(&args.from).map_err(CliError::input)?.ground(args.ground.into());
     let mut writer = SuiteWriter::create(&args.out, source.meta()).map_err(write_error)?;
     for id in source.ids() {
         let world = source.world(id).map_err(CliError::input)?;

@@ -34,13 +34,9 @@ pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
         path.display(),
         spec.name,
         spec.axles.len(),
-        mass(&spec)
+        spec.total_mass()
     ));
     Ok(())
-}
-
-fn mass(spec: &VehicleSpec) -> f64 {
-    spec.chassis.mass + spec.axles.iter().map(|a| 2.0 * a.unsprung_mass).sum::<f64>()
 }
 
 pub(crate) fn show(args: &VehicleArgs) -> Result<(), CliError> {
@@ -52,21 +48,21 @@ pub(crate) fn show(args: &VehicleArgs) -> Result<(), CliError> {
     row("file", path.display().to_string());
     row("length x width x height", format!("{} x {} x {} m", v.length, v.width, v.height));
     row("top speed", format!("{} m/s", v.max_speed));
-    row("mass", format!("{:.1} kg, {:.1} kg of it sprung", mass(&v), v.chassis.mass));
+    row("mass", format!("{:.1} kg, {:.1} kg of it sprung", v.total_mass(), v.chassis.mass));
     let [x, y, z] = v.chassis.com;
     row("centre of sprung mass", format!("{x} m ahead, {y} m left, {z} m above the chassis frame"));
     let [x, y, z] = v.chassis.inertia;
     row("sprung inertia", format!("{x}, {y}, {z} kg m² about x, y, z"));
     for a in &v.axles {
         let mut words = vec![format!("at x = {} m", a.position[0])];
-        words.extend(a.steered.then(|| "steered".to_owned()));
+        words.extend(a.steering.is_some().then(|| "steered".to_owned()));
         words.extend(a.driven.then(|| "driven".to_owned()));
         words.push(format!("{:.1} kg unsprung", 2.0 * a.unsprung_mass));
         words.push(format!("brakes {} N m", 2.0 * a.brake_torque));
         row(&format!("axle {}", a.name), words.join(", "));
     }
     let t = &v.tyre;
-    row("tyre", format!("radius {} m, width {} m, μ {}", t.radius, t.width, t.friction));
+    row("tyre", format!("{}, radius {} m, width {} m", t.model(), t.radius(), t.width()));
     row("gears", v.powertrain.gearbox.ratios.len().to_string());
     output::text(&output::columns(&rows));
     Ok(())
@@ -101,7 +97,10 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     let Some(wanted) = &args.vehicle else {
         return Err(CliError::usage("no vehicle given (see vb-harness vehicle test --help)"));
     };
-    let (_, spec) = load(wanted)?;
+    let (_, mut spec) = load(wanted)?;
+    if let Some(tyre) = &args.tyre {
+        spec = spec.with_tyre(tyre).map_err(CliError::usage)?;
+    }
     let references = match args.references.clone().or_else(|| places::references(&spec.name)) {
         Some(path) => References::load(&path, &spec.name).map_err(CliError::input)?,
         None => References::default(),

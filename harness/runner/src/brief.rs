@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::{SimError, SimOptions, Simulation, SoilSet, SuspensionTable, VehicleSpec};
+use vb_sim::{AxleKinematics, Side, SimError, SimOptions, Simulation, SoilSet, VehicleSpec};
 use vb_world::{Density, Elevation, Heightfield, Semantics, Task, Terrain, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
@@ -53,16 +53,19 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
     let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
     let mut hubs = Vec::new();
     for axle in &spec.axles {
-        let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
         // Settling has shown that the linkages close.
-        if let Ok(table) = SuspensionTable::solve(&axle.suspension, rack) {
-            let at = |command: f64, side: f64| table.at(0.0, command, side);
-            let angle = |side: f64| {
+        if let Ok(solved) = AxleKinematics::solve(axle) {
+            let at = |command: f64, side: Side| solved.wheel(side, [0.0; 2], command);
+            let angle = |side: Side| {
                 let axis = at(1.0, side).axis;
                 atan2(-axis.x, axis.y)
             };
-            let (left, right) = (at(0.0, 1.0).hub, at(0.0, -1.0).hub);
-            hubs.push((axle.position[0] + left.x, left.y - right.y, 0.5 * (angle(1.0) + angle(-1.0))));
+            let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
+            hubs.push((
+                axle.position[0] + left.x,
+                left.y - right.y,
+                0.5 * (angle(Side::Left) + angle(Side::Right)),
+            ));
         }
     }
     let (first, last) = (hubs[0], hubs[hubs.len() - 1]);
@@ -71,7 +74,7 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
         wheelbase: first.0 - last.0,
         track: first.1,
         max_steer_angle: first.2,
-        mass: spec.chassis.mass + 2.0 * spec.axles.iter().map(|a| a.unsprung_mass).sum::<f64>(),
+        mass: spec.total_mass(),
     })
 }
 
@@ -90,7 +93,7 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
         height: spec.height,
         wheelbase: shape.wheelbase,
         track: shape.track,
-        wheel_radius: spec.tyre.radius,
+        wheel_radius: spec.tyre.radius(),
         wheels: 2 * spec.axles.len() as u32,
         ground_clearance: shape.ground_clearance,
         max_steer_angle: shape.max_steer_angle,

@@ -2,6 +2,8 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
+use vb_sim::SimOptions;
+use vb_world::TerrainClass;
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -13,17 +15,37 @@ fn rugged() -> std::sync::Arc<vb_world::World> {
     common::world(vb_world::Heightfield::new(n, n, 1.0, h), 0.6, vec![])
 }
 
+fn on_soil(class: TerrainClass) -> std::sync::Arc<vb_world::World> {
+    common::soil_world(vb_world::Heightfield::flat(301, 301, 1.0, 0.0), class)
+}
+
 /// One element of throughput is one simulated millisecond: 1 Melem/s is 1000 times real time.
 fn step(c: &mut Criterion) {
     let mut group = c.benchmark_group("simulate 1 s at 1 ms");
     group.throughput(Throughput::Elements(1000)).sample_size(20);
-    for (name, world) in [("flat", common::flat(0.8)), ("rugged", rugged())] {
+    let soft = {
+        let mut w = std::sync::Arc::unwrap_or_clone(rugged());
+        w.terrain = vb_world::Terrain::Deformable;
+        w.semantics.classes = vec![TerrainClass::Mud];
+        std::sync::Arc::new(w)
+    };
+    for (name, world, soil_pitch) in [
+        ("rigid, flat", common::flat(0.8), 0.1),
+        ("rigid, rough", rugged(), 0.1),
+        ("mud at 0.1 m, flat", on_soil(TerrainClass::Mud), 0.1),
+        ("sand at 0.1 m, flat", on_soil(TerrainClass::Sand), 0.1),
+        ("snow at 0.1 m, flat", on_soil(TerrainClass::Snow), 0.1),
+        ("mud at 0.1 m, rough", soft, 0.1),
+        ("mud at 0.05 m, flat", on_soil(TerrainClass::Mud), 0.05),
+    ] {
+        let options = SimOptions { soil_pitch, ..SimOptions::default() };
+        let start = || common::soil_start(&world, &common::soils(), [-50.0, 0.0], 0.0, options);
         group.bench_function(name, |b| {
-            let mut sim = common::start(&world, -50.0, 0.0, 0.0);
+            let mut sim = start();
             b.iter(|| {
                 let mut sim = &mut sim;
                 if sim.state().position.x.abs() > 55.0 || sim.time() > 25.0 {
-                    *sim = common::start(&world, -50.0, 0.0, 0.0);
+                    *sim = start();
                 }
                 for _ in 0..100 {
                     let controls = common::hold_speed(sim, 3.0, 0.0);
@@ -36,5 +58,17 @@ fn step(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, step);
+/// What every start of a simulation pays for its suspension.
+fn linkages(c: &mut Criterion) {
+    let spec = common::hmmwv();
+    c.bench_function("solve the linkages", |b| {
+        b.iter(|| {
+            for axle in &spec.axles {
+                black_box(vb_sim::AxleKinematics::solve(axle).expect("it closes"));
+            }
+        });
+    });
+}
+
+criterion_group!(benches, step, linkages);
 criterion_main!(benches);

@@ -31,6 +31,7 @@ pub(crate) fn points(p: &[[f64; 3]]) -> Vec<Vector> {
 }
 
 /// One convex obstacle in place.
+#[derive(Clone)]
 struct Solid {
     shape: ConvexPolyhedron,
     pose: Pose,
@@ -41,6 +42,7 @@ struct Solid {
 }
 
 /// A box in place.
+#[derive(Clone)]
 struct Cuboid {
     centre: V3,
     half: V3,
@@ -61,6 +63,7 @@ impl Cuboid {
 }
 
 /// The obstacles of a world and the few that are near the vehicle.
+#[derive(Clone)]
 pub(crate) struct Obstacles {
     solids: Vec<Solid>,
     near: Vec<usize>,
@@ -138,6 +141,7 @@ impl Obstacles {
 
 /// A wheel against convex solids: a slim core inflated by a margin, so that its shoulders are round and the distance
 /// between core and solid stays positive, where GJK gives exact and steady normals.
+#[derive(Clone)]
 pub(crate) struct WheelShape {
     core: Cylinder,
     margin: f64,
@@ -146,9 +150,10 @@ pub(crate) struct WheelShape {
 
 impl WheelShape {
     pub(crate) fn new(tyre: &TyreSpec) -> Self {
-        let margin = (0.4 * tyre.width).min(0.3 * tyre.radius);
-        let core = Cylinder::new(0.5 * tyre.width - margin, tyre.radius - margin);
-        Self { core, margin, bound: vb_math::hypot(tyre.radius, 0.5 * tyre.width) }
+        let (radius, width) = (tyre.radius(), tyre.width());
+        let margin = (0.4 * width).min(0.3 * radius);
+        let core = Cylinder::new(0.5 * width - margin, radius - margin);
+        Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width) }
     }
 
     fn contact(&self, solid: &Solid, hub: &V3, axis: &V3) -> Option<Contact> {
@@ -194,6 +199,28 @@ pub(crate) struct ChassisContacts {
     low: V3,
     high: V3,
     bound: f64,
+}
+
+impl Clone for ChassisContacts {
+    /// With all that the solver carries from step to step, so that original and clone go on alike. rapier's pipelines
+    /// hold nothing between steps and are made anew.
+    fn clone(&self) -> Self {
+        let p = &self.physics;
+        let physics = PhysicsWorld {
+            gravity: p.gravity,
+            integration_parameters: p.integration_parameters,
+            islands: p.islands.clone(),
+            broad_phase: p.broad_phase.clone(),
+            narrow_phase: p.narrow_phase.clone(),
+            bodies: p.bodies.clone(),
+            colliders: p.colliders.clone(),
+            impulse_joints: p.impulse_joints.clone(),
+            multibody_joints: p.multibody_joints.clone(),
+            soft_bodies: p.soft_bodies.clone(),
+            ..PhysicsWorld::default()
+        };
+        Self { physics, probes: self.probes.clone(), ..*self }
+    }
 }
 
 impl ChassisContacts {

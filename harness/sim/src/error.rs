@@ -52,12 +52,14 @@ pub enum SimError {
         /// Name of the set.
         set: String,
     },
-    /// The state stopped being finite: a fault of the simulator, not of the planner.
-    #[error("the simulation diverged at t = {time:.3} s: {what} is not finite")]
+    /// The state became one that no vehicle can have: a fault of the simulator, not of the planner.
+    #[error("the simulation diverged at t = {time:.3} s: {what}; {state}")]
     Diverged {
         /// Simulated time, s.
         time: f64,
-        /// The quantity.
+        /// What no vehicle can have.
         what: &'static str,
+        /// Pose, velocities and wheels at that time.
+        state: String,
     },
 }

@@ -6,7 +6,7 @@ use crate::error::SimError;
 use crate::soil::{SoilGround, SoilSet};
 use crate::spec::VehicleSpec;
 use crate::state::{Controls, VehicleState};
-use crate::{Quat, SuspensionTable, V3};
+use crate::{AxleKinematics, Quat, V3};
 use std::sync::Arc;
 use vb_math::atan;
 use vb_world::{Pose2, World};
@@ -30,11 +30,15 @@ impl Default for SimOptions {
     }
 }
 
+/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks, m, unless the simulation has failed.
+const FASTEST: f64 = 200.0;
+const DEEPEST: f64 = 1.5;
 /// Steps between two looks for obstacles in reach, and between two looks for ground under the hull.
 const LOOK_AROUND: u64 = 16;
 const LOOK_DOWN: u64 = 4;
 
-/// One vehicle in one world.
+/// One vehicle in one world. A clone is a snapshot: it goes on exactly as the original does.
+#[derive(Clone)]
 pub struct Simulation {
     world: Arc<World>,
     options: SimOptions,
@@ -71,16 +75,15 @@ impl Simulation {
         if 2 * spec.axles.len() > MAX_WHEELS {
             return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
         }
-        let mut tables = Vec::new();
+        let mut axles = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
-            let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
-            let table = SuspensionTable::solve(&axle.suspension, rack)
-                .map_err(|reason| invalid(format!("axles[{i}].suspension.hardpoints"), reason))?;
-            tables.push(table);
+            let solved = AxleKinematics::solve(axle)
+                .map_err(|e| invalid(format!("axles[{i}].suspension.linkage"), e.to_string()))?;
+            axles.push(solved);
         }
         let soil_pitch = options.soil_pitch * world.scale;
         let soil = SoilGround::new(&world, soils, soil_pitch)?;
-        let vehicle = Vehicle::new(spec, tables, soil_pitch);
+        let vehicle = Vehicle::new(spec, &axles, soil_pitch);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {
@@ -213,15 +216,43 @@ impl Simulation {
         let v = &self.vehicle;
         let finite = |a: &V3| a.iter().all(|x| x.is_finite());
         let what = if !finite(&v.x) || !v.q.coords.iter().all(|x| x.is_finite()) {
-            "the pose"
+            "a pose that is not finite"
         } else if !finite(&v.v) || !finite(&v.w) {
-            "the velocity"
+            "a velocity that is not finite"
         } else if !v.inner_state().all(f64::is_finite) {
-            "a wheel's state"
+            "a wheel's state that is not finite"
+        } else if v.v.norm() > FASTEST || v.w.norm() > FASTEST {
+            "a speed beyond 200 m/s or rad/s"
+        } else if v.hubs().any(|(hub, _)| {
+            // Beyond the edge the ground is made up.
+            let ground = &self.world.heightfield;
+            ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST
+        }) {
+            "a wheel deep below the ground"
         } else {
             return Ok(());
         };
-        Err(SimError::Diverged { time: self.time(), what })
+        Err(SimError::Diverged { time: self.time(), what, state: self.describe() })
+    }
+
+    /// The state in one line, every number in full, for messages about a failure.
+    fn describe(&self) -> String {
+        let v = &self.vehicle;
+        let wheels: Vec<String> = (0..v.wheel_count())
+            .map(|i| {
+                let w = v.wheel(i);
+                format!("[{}, {}, {}, {}]", w.speed, w.deflection, w.load, w.sinkage)
+            })
+            .collect();
+        format!(
+            "x {:?}, q {:?}, v {:?}, w {:?}, steering {}, wheels (spin, travel, load, sinkage) {}",
+            v.x.as_slice(),
+            v.q.coords.as_slice(),
+            v.v.as_slice(),
+            v.w.as_slice(),
+            v.steering,
+            wheels.join(" ")
+        )
     }
 
     /// Simulated time, s.
@@ -273,6 +304,12 @@ impl Simulation {
             wheels: (0..v.wheel_count()).map(|i| v.wheel(i)).collect(),
             steering: v.steering,
         }
+    }
+
+    /// What engine and shafts did in the last step.
+    #[must_use]
+    pub fn drive(&self) -> crate::DriveState {
+        self.vehicle.drive_state()
     }
 
     /// Turns the vehicle about its long axis by `roll` (rad) and lifts its reference point to `height` (m) above

@@ -7,10 +7,10 @@ mod common;
 use common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
 use vb_suite::{
-    import::{ImportError, Source},
+    import::{Ground, ImportError, Source},
     path,
 };
-use vb_world::{ObstacleKind, Suite, geometry};
+use vb_world::{ObstacleKind, Suite, Terrain, geometry, yaml};
 
 fn shared() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
@@ -165,17 +165,135 @@ fn every_world_has_the_measured_statistics_tasks_and_short_safe_paths() {
     assert!(ours <= beziers, "mean {} m, original {} m", ours / count as f64, beziers / count as f64);
 }
 
+/// The sections are what a run of the original's own code showed (facts §10.6): a section must have its class and
+/// its friction everywhere, and together they must leave nothing out.
+#[test]
+fn the_ground_as_simulated_is_that_of_the_physical_sections() {
+    let Some(shared) = shared() else { return };
+    let reference = std::fs::read_to_string(shared.join("reference/physical_sections.json")).unwrap();
+    let reference: serde_json::Value = serde_json::from_str(&reference).unwrap();
+    let source = Source::find(shared.join("verti-bench")).unwrap().ground(Ground::AsSimulated);
+    let (mut rigid, mut soil) = (0, 0);
+    for id in source.ids() {
+        let world = source.world(id).unwrap();
+        let s = &world.semantics;
+        let mut covered = vec![false; s.rows * s.cols];
+        for section in reference[id.to_string()].as_array().unwrap() {
+            let int = |v: &serde_json::Value| v.as_u64().unwrap() as f64;
+            // Bounds in metres south of the northern edge and east of the western one. Pixel ranges are half-open,
+            // and neighbours share a row of pixels.
+            let [north, west, south, east] = match section.get("rows") {
+                Some(rows) => [int(&rows[0]), 0.0, int(&rows[1]) - 1.0, 128.0],
+                None => {
+                    let [i, j, h, w] = ["i0", "j0", "h", "w"].map(|k| int(&section[k]));
+                    [8.0 * i, 8.0 * j, 8.0 * (i + h), 8.0 * (j + w)]
+                }
+            };
+            let mu = section.get("friction").map_or(0.0, |f| f.as_f64().unwrap());
+            let is_rigid = section["kind"] == "rigid";
+            if is_rigid {
+                rigid += 1
+            } else {
+                soil += 1
+            }
+            // Every patch of the section, by its centre.
+            let count = |from: f64, to: f64| ((to - from) / s.patch).round() as usize;
+            for i in 0..count(north, south) {
+                for j in 0..count(west, east) {
+                    let y = 64.0 - north - s.patch * (i as f64 + 0.5);
+                    let x = west - 64.0 + s.patch * (j as f64 + 0.5);
+                    let patch = s.patch_index(x, y);
+                    let (class, friction) = (s.classes[patch], s.friction[patch]);
+                    assert_eq!(class.name(), section["type"], "world {id}: {section} at {x}, {y}");
+                    // serde_json may miss the last bit.
+                    assert!((friction - mu).abs() < 1e-15, "world {id}: {section} at {x}, {y}: {friction}");
+                    assert_eq!(class.is_deformable(), !is_rigid, "world {id}: {section} at {x}, {y}");
+                    assert!(!covered[patch], "world {id}: {section} overlaps another at {x}, {y}");
+                    covered[patch] = true;
+                }
+            }
+        }
+        assert!(covered.iter().all(|&c| c), "world {id}: the sections leave patches out");
+    }
+    eprintln!("{} worlds: {rigid} rigid sections, {soil} of soil", source.ids().len());
+    assert!(rigid > 0 && soil > 0);
+}
+
+#[test]
+fn obstacles_as_simulated_are_boxes_centred_at_their_stored_position() {
+    let Some(shared) = shared() else { return };
+    let source = Source::find(shared.join("verti-bench")).unwrap().ground(Ground::AsSimulated);
+    // Least and greatest height of the stored z above the true ground, m, by level, over all 100 worlds (facts §1.9).
+    let ranges = [[-1.20, 1.14], [-1.78, 1.62], [-2.76, 2.35]];
+    let mut hanging = 0;
+    for id in source.ids() {
+        let world = source.world(id).unwrap();
+        let level = ["low", "mid", "high"][world.elevation as usize];
+        let config = shared.join("verti-bench/BenchMaps/sampled_maps/Configs/Final");
+        let config = std::fs::read_to_string(config.join(format!("config{id}_{level}.yaml"))).unwrap();
+        let config: serde_json::Value = yaml::parse(&config).unwrap();
+        let list = |key: &str| config["obstacles"][key].as_array().unwrap().clone();
+        let stored = [list("rocks"), list("trees")].concat();
+        assert_eq!(stored.len(), world.obstacles.len());
+        for (o, stored) in world.obstacles.iter().zip(stored) {
+            // Full extents of Chrono's boxes: 4.4 s × 4.4 s × 3.8 s and 1 × 1 × 5 (facts §1.9).
+            let size = match stored.get("scale") {
+                Some(s) => [4.4, 4.4, 3.8].map(|l| l * s.as_f64().unwrap()),
+                None => [1.0, 1.0, 5.0],
+            };
+            assert_eq!((o.kind, o.yaw), (ObstacleKind::Box { size }, 0.0), "world {id}");
+            let [x, y, z] = ["x", "y", "z"].map(|k| stored["position"][k].as_f64().unwrap());
+            assert_eq!([o.x, o.y], [x, y], "world {id}");
+            let above = z - o.base_z(&world.heightfield);
+            let centre = o.base_z(&world.heightfield) - o.buried + 0.5 * size[2];
+            assert!((centre - z).abs() < 1e-9, "world {id}: {o:?}: {centre} m, stored {z} m");
+            let [low, high] = ranges[world.elevation as usize];
+            // The published range is rounded to centimetres.
+            assert!(above > low - 0.005 && above < high + 0.005, "world {id}: {o:?}: {above} m");
+            hanging += usize::from(o.buried < 0.0);
+        }
+    }
+    eprintln!("{hanging} obstacles hang above the ground at their centre");
+}
+
+#[test]
+fn as_simulated_patches_share_the_friction_of_their_section() {
+    let Some(shared) = shared() else { return };
+    let described = Source::find(shared.join("verti-bench")).unwrap();
+    let simulated = described.clone().ground(Ground::AsSimulated);
+    assert_ne!(described.meta(), simulated.meta());
+    let id = described.ids().next().unwrap();
+    let (a, b) = (described.world(id).unwrap(), simulated.world(id).unwrap());
+    assert_eq!(a.terrain, Terrain::Rigid);
+    // Classes, heights and tasks' ends are the same; friction takes fewer values.
+    assert_eq!((&a.semantics.classes, &a.heightfield), (&b.semantics.classes, &b.heightfield));
+    let values = |w: &vb_world::World| {
+        w.semantics.friction.iter().map(|f| f.to_bits()).collect::<std::collections::BTreeSet<_>>()
+    };
+    assert!(values(&b).is_subset(&values(&a)) && values(&b).len() < values(&a).len() / 4);
+}
+
 #[test]
 fn an_imported_suite_reads_back_bit_for_bit() {
     let Some(shared) = shared() else { return };
     let source = Source::find(shared.join("verti-bench/BenchMaps")).unwrap();
     let dir = tempfile::tempdir().unwrap();
-    let worlds: Vec<_> = source.ids().take(2).map(|id| source.world(id).unwrap()).collect();
-    Suite::write(dir.path(), &source.meta(), &worlds).unwrap();
-    let suite = Suite::open(dir.path()).unwrap();
-    for world in &worlds {
-        assert_eq!(&suite.load_world(&world.id).unwrap(), world);
+    let mut hashes = Vec::new();
+    for ground in Ground::ALL {
+        let source = source.clone().ground(ground);
+        let worlds: Vec<_> = source.ids().take(2).map(|id| source.world(id).unwrap()).collect();
+        let dir = dir.path().join(ground.name());
+        Suite::write(&dir, &source.meta(), &worlds).unwrap();
+        let suite = Suite::open(&dir).unwrap();
+        for world in &worlds {
+            assert_eq!(&suite.load_world(&world.id).unwrap(), world);
+        }
+        // A suite says which ground it has, and its hash tells it too.
+        assert_eq!(suite.meta(), &source.meta());
+        assert!(format!("{:?}", suite.meta().provenance).contains(ground.name()));
+        hashes.push(suite.hash());
     }
+    assert_ne!(hashes[0], hashes[1]);
 }
 
 /// A copy of world 1 alone in the original's layout.

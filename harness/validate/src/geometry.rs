@@ -1,7 +1,7 @@
 //! Where the vehicle's parts are: what theory needs of a specification and a state.
 
 use nalgebra::Vector3;
-use vb_sim::{CornerPose, GRAVITY, SimError, SuspensionTable, VehicleSpec, VehicleState};
+use vb_sim::{AxleKinematics, GRAVITY, Side, SimError, VehicleSpec, VehicleState, WheelPose};
 
 type V3 = Vector3<f64>;
 
@@ -22,7 +22,7 @@ pub(crate) struct Corner {
 /// Masses and linkages of a vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Geometry {
-    tables: Vec<SuspensionTable>,
+    axles: Vec<AxleKinematics>,
     pub(crate) corners: Vec<Corner>,
     chassis_mass: f64,
     chassis_com: V3,
@@ -38,36 +38,36 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     pub(crate) fn new(spec: &VehicleSpec) -> Result<Self, SimError> {
-        let (mut tables, mut corners) = (Vec::new(), Vec::new());
+        let (mut axles, mut corners) = (Vec::new(), Vec::new());
         for (i, axle) in spec.axles.iter().enumerate() {
-            let rack = if axle.steered { spec.steering.rack_travel } else { 0.0 };
-            let table = SuspensionTable::solve(&axle.suspension, rack).map_err(|reason| {
-                let field = format!("axles[{i}].suspension.hardpoints");
-                SimError::VehicleInvalid { file: spec.name.clone(), field, reason }
+            let solved = AxleKinematics::solve(axle).map_err(|e| {
+                let field = format!("axles[{i}].suspension");
+                SimError::VehicleInvalid { file: spec.name.clone(), field, reason: e.to_string() }
             })?;
-            tables.push(table);
+            axles.push(solved);
             for (side, word) in [(1.0, "left"), (-1.0, "right")] {
                 corners.push(Corner {
                     name: format!("{} {word}", axle.name),
                     side,
                     axle: i,
                     mount: V3::from(axle.position),
-                    mass: axle.unsprung_mass,
+                    // A beam's own mass counts half to each wheel: it lies between them.
+                    mass: axle.unsprung_mass + axle.suspension.linkage.beam().map_or(0.0, |b| 0.5 * b.mass),
                     spin_inertia: axle.spin_inertia,
-                    steered: axle.steered,
+                    steered: axle.steering.is_some(),
                 });
             }
         }
         let chassis_com = V3::from(spec.chassis.com);
         let mut geometry = Self {
-            tables,
+            axles,
             corners,
             chassis_mass: spec.chassis.mass,
             chassis_com,
             chassis_inertia: V3::from(spec.chassis.inertia),
             hull: spec.chassis.hull.iter().flatten().map(|p| V3::from(*p)).collect(),
-            radius: spec.tyre.radius,
-            width: spec.tyre.width,
+            radius: spec.tyre.radius(),
+            width: spec.tyre.width(),
             mass: 0.0,
             com: V3::zeros(),
         };
@@ -83,9 +83,10 @@ impl Geometry {
     }
 
     /// Pose of a wheel's upright relative to its axle's reference point.
-    pub(crate) fn upright(&self, corner: usize, travel: f64, steering: f64) -> CornerPose {
+    pub(crate) fn upright(&self, corner: usize, travel: f64, steering: f64) -> WheelPose {
         let c = &self.corners[corner];
-        self.tables[c.axle].at(travel, if c.steered { steering } else { 0.0 }, c.side)
+        let side = if c.side > 0.0 { Side::Left } else { Side::Right };
+        self.axles[c.axle].wheel(side, [travel; 2], if c.steered { steering } else { 0.0 })
     }
 
     /// Whether the steering moves this wheel.

@@ -2,11 +2,15 @@
 //! a line. Independent of the simulator's equations of motion.
 
 use crate::event::Bench;
+use vb_sim::{Tyre, TyreSpec};
 
 /// A drive along a line.
 pub(crate) struct PointMass<'a> {
     bench: &'a Bench<'a>,
     friction: f64,
+    /// Rolling resistance over load.
+    rolling: f64,
+    final_drive: f64,
     /// Mass with all that turns, kg.
     inertia: f64,
     /// m.
@@ -28,15 +32,30 @@ impl<'a> PointMass<'a> {
     pub(crate) fn new(bench: &'a Bench<'a>, friction: f64, speed: f64) -> Self {
         let (spec, g) = (bench.spec, &bench.geometry);
         // The tread rolls on a radius a third of the deflection below the free one (Rill 2011, ch. 3).
-        let radius =
-            spec.tyre.radius - g.weight() / g.corners.len() as f64 / spec.tyre.vertical_stiffness / 3.0;
+        let deflection = Tyre::new(&spec.tyre).deflection(g.weight() / g.corners.len() as f64);
+        let radius = g.radius - deflection / 3.0;
         let wheels: f64 = g.corners.iter().map(|c| c.spin_inertia).sum();
-        let fd = spec.powertrain.final_drive;
-        let turning = wheels + spec.powertrain.shaft_inertia / (fd * fd);
+        let line = &spec.powertrain.driveline;
+        let final_drive =
+            line.axles.iter().map(|a| a.final_drive).sum::<f64>() / line.axles.len().max(1) as f64;
+        let axles: f64 = line
+            .axles
+            .iter()
+            .map(|a| a.box_inertia + a.shaft_inertia / (a.final_drive * a.final_drive))
+            .sum();
+        let turning = wheels + axles + line.shaft_inertia / (final_drive * final_drive);
         let inertia = g.mass + turning / (radius * radius);
+        let (grip, rolling) = match &spec.tyre {
+            TyreSpec::Rigid(t) => (t.friction, 0.0),
+            TyreSpec::Brush(t) => (t.friction, t.rolling_resistance),
+            TyreSpec::Fiala(t) => (f64::INFINITY, t.rolling_resistance),
+            TyreSpec::Tmeasy(t) => (f64::INFINITY, t.rolling_resistance),
+        };
         let mut p = Self {
             bench,
-            friction: friction.min(spec.tyre.friction),
+            friction: friction.min(grip),
+            rolling,
+            final_drive,
             inertia,
             radius,
             gear: 0,
@@ -52,7 +71,7 @@ impl<'a> PointMass<'a> {
 
     fn engine_speed(&self) -> f64 {
         let p = &self.bench.spec.powertrain;
-        self.speed.abs() / self.radius / p.final_drive / p.gearbox.ratios[self.gear]
+        self.speed.abs() / self.radius / self.final_drive / p.gearbox.ratios[self.gear]
     }
 
     fn shift(&mut self) {
@@ -65,16 +84,28 @@ impl<'a> PointMass<'a> {
         }
     }
 
+    /// Resistance that grows with speed, N.
+    fn air(&self) -> f64 {
+        let points = &self.bench.spec.chassis.resistance;
+        let k = points.partition_point(|p| p[0] <= self.speed);
+        match (k.checked_sub(1).and_then(|j| points.get(j)), points.get(k)) {
+            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (self.speed - a[0]) / (b[0] - a[0]),
+            (Some(a), None) => a[1],
+            (None, Some(b)) => b[1],
+            (None, None) => 0.0,
+        }
+    }
+
     /// One step with throttle and brake in [0, 1].
     fn step(&mut self, throttle: f64, brake: f64) {
         let (spec, g) = (self.bench.spec, &self.bench.geometry);
         let p = &spec.powertrain;
         let torque =
-            p.engine.torque(self.engine_speed(), throttle) / p.gearbox.ratios[self.gear] / p.final_drive;
+            p.engine.torque(self.engine_speed(), throttle) / p.gearbox.ratios[self.gear] / self.final_drive;
         let brakes: f64 = spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum::<f64>() * brake;
         let limit = self.friction * g.weight();
-        let force = ((torque - brakes) / self.radius - spec.tyre.rolling_resistance * g.weight())
-            .clamp(-limit, limit);
+        let force =
+            ((torque - brakes) / self.radius - self.rolling * g.weight() - self.air()).clamp(-limit, limit);
         // At the limit the wheels' inertia doesn't travel with the mass: they spin or stand.
         let inertia = if force.abs() >= limit { g.mass } else { self.inertia };
         self.speed += STEP * force / inertia;

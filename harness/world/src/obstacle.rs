@@ -1,4 +1,4 @@
-//! Convex obstacles that stand in the ground.
+//! Convex obstacles, most of which stand in the ground.
 
 use crate::{Heightfield, geometry};
 use vb_math::rng::Stream;
@@ -39,7 +39,8 @@ pub struct Obstacle {
     pub y: f64,
     /// Heading of the obstacle's own x axis, rad.
     pub yaw: f64,
-    /// How much of its height is below the ground at its centre, m (≥ 0).
+    /// How much of its height is below the ground at its centre, m. Negative: it hangs that far above the ground;
+    /// above its height: it lies wholly below the ground at its centre.
     pub buried: f64,
     /// Its shape.
     pub kind: ObstacleKind,

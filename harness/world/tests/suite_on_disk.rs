@@ -215,8 +215,8 @@ fn each_flaw_is_named_with_file_field_and_value() {
         (
             "obstacles.yaml",
             "buried: 2.5",
-            "buried: 5.5",
-            &["obstacles.yaml: obstacles[2].buried: 5.5", "[0, 5)"],
+            "buried: 15.5",
+            &["obstacles.yaml: obstacles[2].buried: 15.5", "[-10, 15] m"],
         ),
         (
             "obstacles.yaml",

@@ -1,14 +1,26 @@
 //! Elimination of the corners and the solution for the accelerations.
 
-use super::{MAX_WHEELS, Vehicle};
+use super::{Guide, MAX_WHEELS, Vehicle};
+use crate::powertrain::interpolate;
 use crate::{M3, V3};
 use nalgebra::{Matrix6, Vector6};
 
-fn skew(r: &V3) -> M3 {
+pub(super) fn skew(r: &V3) -> M3 {
     M3::new(0.0, -r.z, r.y, r.z, 0.0, -r.x, -r.y, r.x, 0.0)
 }
 
 impl Vehicle {
+    /// Of the air, N, world axes.
+    fn resistance(&self) -> V3 {
+        let speed = self.v.norm();
+        if self.resistance.is_empty() || speed <= 0.0 {
+            return V3::zeros();
+        }
+        // A table that starts above zero must not push a vehicle at rest.
+        let force = interpolate(&self.resistance, speed).0 * (speed / 0.1).min(1.0);
+        self.v * (-force / speed)
+    }
+
     pub(super) fn solve(&mut self, turn: &M3, axle_torques: &[f64; MAX_WHEELS], dt: f64) {
         let inertia = turn * M3::from_diagonal(&self.inertia) * turn.transpose();
         let gravity = self.gravity;
@@ -16,19 +28,53 @@ impl Vehicle {
         let mut coupling = M3::zeros();
         let mut linear = M3::from_diagonal_element(self.mass);
         let mut moment = -self.w.cross(&(inertia * self.w));
-        let mut force = gravity * self.mass;
+        let mut force = gravity * self.mass + self.resistance();
         // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
         let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
-        for (i, (c, f)) in self.corners.iter().zip(&self.forces).enumerate() {
-            let spring = c.spring.stiffness * (c.spring.free_length - f.strut) * f.strut_rate;
-            let damping = c.damper.coefficient * f.strut_rate * f.strut_rate;
-            let mut along = spring - damping * c.travel_rate;
-            if c.travel > c.stops.jounce {
-                along -= c.stops.stiffness * (c.travel - c.stops.jounce);
-            } else if c.travel < c.stops.rebound {
-                along -= c.stops.stiffness * (c.travel - c.stops.rebound);
+        // What anti-roll bars add: force along the travel, implicit damping.
+        let mut twisted = [(0.0, 0.0); MAX_WHEELS];
+        for bar in &self.bars {
+            let pair = [bar.left, bar.left + 1];
+            let [l, r] = pair.map(|i| (&self.corners[i], &self.forces[i]));
+            let rate = l.1.bar_rate * l.0.travel_rate - r.1.bar_rate * r.0.travel_rate;
+            let torque = bar.stiffness * (l.1.bar - r.1.bar) + bar.damping * rate;
+            for (i, sign) in pair.into_iter().zip([1.0, -1.0]) {
+                let ratio = self.forces[i].bar_rate;
+                twisted[i] = (-sign * torque * ratio, bar.damping * ratio * ratio);
             }
-            let bias = self.w.cross(&self.w.cross(&f.arm)) + self.w.cross(&f.tangent) * (2.0 * c.travel_rate);
+        }
+        for (i, (c, f)) in self.corners.iter().zip(&self.forces).enumerate() {
+            // The driveline reacts on the chassis; a spinning wheel resists being turned.
+            let gyroscopic = self.w.cross(&(f.axis * (c.spin_inertia * c.spin)));
+            moment += f.moment - f.axis * axle_torques[i] - gyroscopic;
+            if let Guide::Beam(_) = c.guide {
+                continue;
+            }
+            if let Guide::Mount(_) = c.guide {
+                let bias = self.w.cross(&self.w.cross(&f.arm));
+                let passed = f.force + gravity * c.mass - f.inertia * bias;
+                let s = skew(&f.arm);
+                let sm = s * f.inertia;
+                angular -= sm * s;
+                coupling += sm;
+                linear += f.inertia;
+                force += passed;
+                moment += f.arm.cross(&passed);
+                continue;
+            }
+            let (mut along, mut damping) = twisted[i];
+            for (k, strut) in c.struts.iter().enumerate().take(2) {
+                let ratio = f.strut_rates[k];
+                let resistance = strut.resistance(ratio * c.travel_rate) * ratio * ratio;
+                along += strut.force(f.struts[k]) * ratio - resistance * c.travel_rate;
+                damping += resistance;
+            }
+            if let Some(stops) = &c.stops {
+                along -= stops.force(c.travel);
+            }
+            let bias = self.w.cross(&self.w.cross(&f.arm))
+                + self.w.cross(&f.tangent) * (2.0 * c.travel_rate)
+                + f.bend;
             let applied = f.force + gravity * c.mass;
             let mt = f.inertia * f.tangent;
             let d = mt.dot(&f.tangent) + dt * damping;
@@ -41,10 +87,20 @@ impl Vehicle {
             coupling += sm;
             linear += articulated;
             force += passed;
-            // The driveline reacts on the chassis; a spinning wheel resists being turned.
-            let gyroscopic = self.w.cross(&(f.axis * (c.spin_inertia * c.spin)));
-            moment += f.arm.cross(&passed) + f.moment - f.axis * axle_torques[i] - gyroscopic;
+            moment += f.arm.cross(&passed);
             reduced[i] = (mt, d, rhs);
+        }
+        let mut beams = [None; MAX_WHEELS / 2];
+        for (b, kept) in self.beams.iter().zip(&mut beams) {
+            let pair = b.left..b.left + 2;
+            let (p, remembered) =
+                b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, &self.gravity, dt);
+            angular += p.angular;
+            coupling += p.coupling;
+            linear += p.linear;
+            moment += p.moment;
+            force += p.force;
+            *kept = Some(remembered);
         }
         let mut a = Matrix6::zeros();
         a.fixed_view_mut::<3, 3>(0, 0).copy_from(&angular);
@@ -59,10 +115,21 @@ impl Vehicle {
         let alpha = solution.fixed_rows::<3>(0).into_owned();
         let acceleration = solution.fixed_rows::<3>(3).into_owned();
         for (i, (c, f)) in self.corners.iter_mut().zip(&self.forces).enumerate() {
+            if !matches!(c.guide, Guide::Table(_)) {
+                continue;
+            }
             let (mt, d, rhs) = reduced[i];
             let hub = acceleration + alpha.cross(&f.arm);
             c.travel_rate += dt * (rhs - mt.dot(&hub)) / d;
             c.travel += dt * c.travel_rate;
+        }
+        for (b, kept) in self.beams.iter().zip(&beams) {
+            let Some(kept) = kept else { continue };
+            let travels = kept.travels(&alpha, &acceleration);
+            for (c, change) in self.corners[b.left..b.left + 2].iter_mut().zip(travels.iter()) {
+                c.travel_rate += dt * change;
+                c.travel += dt * c.travel_rate;
+            }
         }
         self.v += acceleration * dt;
         self.w += alpha * dt;

@@ -6,7 +6,7 @@ use crate::{M3, V3};
 use vb_world::Heightfield;
 
 /// Stations along the heading: this many on each side of the one under the axle.
-const REACH: usize = 12;
+const REACH: usize = 10;
 const STATIONS: usize = 2 * REACH + 1;
 /// The outermost stations lie at this part of the radius, where the rim stands at 72 degrees.
 const EXTENT: f64 = 0.95;
@@ -16,7 +16,7 @@ const CROWDING: f64 = 0.35;
 const CLEARANCE: f64 = 0.5;
 /// Time over which the width of the contact that enters Bekker's pressure follows the contact, s.
 const BREADTH_LAG: f64 = 0.02;
-/// Part of the grid's pitch by which a wheel slides before the states follow.
+/// Part of the grid's pitch by which a wheel slides before it looks at the ground beside it again.
 const SLIDE: f64 = 0.02;
 
 /// How a wheel moves.
@@ -70,8 +70,9 @@ pub(crate) struct Footprint {
     /// Displacement of the rim against the soil since it came into contact, along the heading and to the left, m.
     shear: [Vec<Row>; 2],
     live: bool,
-    /// Way to the left that the states have not yet followed, m.
-    behind: f64,
+    /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
+    aside: f64,
+    beside: [Row; 2],
     /// Width of the contact, with a lag, m.
     breadth: f64,
 }
@@ -141,7 +142,8 @@ impl Footprint {
             raised: states.clone(),
             shear: [states.clone(), states],
             live: false,
-            behind: 0.0,
+            aside: 0.0,
+            beside: [[0.0; STATIONS]; 2],
             breadth: width,
         }
     }
@@ -202,7 +204,13 @@ impl Footprint {
     pub(crate) fn digest(&self) -> [f64; 5] {
         let sum = |states: &[Row]| states.iter().flatten().sum::<f64>();
         let [a, b] = &self.shear;
-        [self.breadth, self.behind, sum(&self.plastic), sum(&self.raised), sum(a) + sum(b)]
+        [
+            self.breadth,
+            self.beside[0].iter().sum::<f64>() + self.beside[1].iter().sum::<f64>(),
+            sum(&self.plastic),
+            sum(&self.raised),
+            sum(a) + sum(b),
+        ]
     }
 
     fn offset(&self, strip: usize) -> f64 {
@@ -237,7 +245,7 @@ impl Footprint {
                 self.take(strip, k, grid, origin + f.along * self.xs[k]);
             }
         }
-        self.behind = 0.0;
+        self.aside = f64::INFINITY;
         self.breadth = self.width;
         self.live = true;
     }
@@ -295,35 +303,45 @@ impl Footprint {
                 self.leave(strip, last, grid, origin - f.along * back);
             }
         }
-        self.behind += m.velocity.dot(&m.axis) * dt;
-        if self.behind.abs() > SLIDE * grid.pitch() {
-            let distance = std::mem::take(&mut self.behind);
+        let distance = m.velocity.dot(&m.axis) * dt;
+        if distance.abs() > STILL * dt {
             self.slide(grid, m, f, distance);
         }
     }
 
-    /// Moves the states across the footprint of a wheel that has slid to the left by `distance`.
+    /// Moves the states across the footprint of a wheel that slides to the left by `distance`. What lies beside the
+    /// wheel is taken from and left to the grid every couple of millimetres.
     fn slide(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
-        let c = (distance.abs() * self.strips as f64 / self.width).min(1.0);
-        let side = distance.signum() * 0.5 * (self.width + grid.pitch());
-        for k in 0..STATIONS {
-            let middle = m.hub + f.along * self.xs[k];
-            let entering = middle + m.axis * side;
-            let cell = grid.at(entering.x, entering.y);
-            // From where states leave towards where they enter, so that each still finds its neighbour's old state.
-            let strip = |i: usize| if distance > 0.0 { i } else { self.strips - 1 - i };
-            self.leave(strip(0), k, grid, middle - m.axis * side);
-            for i in 0..self.strips {
-                let (to, from) = (strip(i), (i + 1 < self.strips).then(|| strip(i + 1)));
-                let mix = |states: &mut [Row], inflow: f64| {
-                    let upstream = from.map_or(inflow, |from| states[from][k]);
-                    states[to][k] += c * (upstream - states[to][k]);
-                };
-                mix(&mut self.plastic, cell.plastic);
-                mix(&mut self.raised, cell.raised);
-                mix(&mut self.shear[0], 0.0);
-                mix(&mut self.shear[1], 0.0);
+        let strip = |i: usize| if distance > 0.0 { i } else { self.strips - 1 - i };
+        let turned = self.aside * distance < 0.0;
+        self.aside += distance;
+        // At the start it is infinite.
+        if turned || !(self.aside.abs() < SLIDE * grid.pitch()) {
+            self.aside = 0.0;
+            let side = m.axis * (distance.signum() * 0.5 * (self.width + grid.pitch()));
+            for k in 0..STATIONS {
+                let middle = m.hub + f.along * self.xs[k];
+                self.leave(strip(0), k, grid, middle - side);
+                let entering = middle + side;
+                let cell = grid.at(entering.x, entering.y);
+                self.beside[0][k] = cell.plastic;
+                self.beside[1][k] = cell.raised;
             }
+        }
+        let c = (distance.abs() * self.strips as f64 / self.width).min(1.0);
+        // From where states leave towards where they enter, so that each still finds its neighbour's old state.
+        for i in 0..self.strips {
+            let (to, from) = (strip(i), (i + 1 < self.strips).then(|| strip(i + 1)));
+            let mix = |states: &mut [Row], inflow: &Row| {
+                let upstream = from.map_or(*inflow, |from| states[from]);
+                for (state, up) in states[to].iter_mut().zip(&upstream) {
+                    *state += c * (up - *state);
+                }
+            };
+            mix(&mut self.plastic, &self.beside[0]);
+            mix(&mut self.raised, &self.beside[1]);
+            mix(&mut self.shear[0], &[0.0; STATIONS]);
+            mix(&mut self.shear[1], &[0.0; STATIONS]);
         }
     }
 
@@ -438,7 +456,8 @@ impl Footprint {
     }
 
     /// Heaps displaced soil up around the contact: before and behind it within the footprint, beside it on the grid.
-    /// Each side gets what its share of the perimeter is.
+    /// Each side gets what its share of the perimeter is, but nothing is heaped on the ground of a rut: the law knows
+    /// one surface, so loose soil there would be as hard as the rut's ground.
     fn heap(
         &mut self,
         grid: &mut Grid,
@@ -450,14 +469,19 @@ impl Footprint {
     ) {
         let pitch = grid.pitch();
         let length = self.xs[last] - self.xs[first] + self.lengths[first];
+        let strip_width = self.width / self.strips as f64;
         let around = 2.0 * (length + self.width);
-        let end = volume * self.width / around;
+        let end = volume * self.width / (around * self.strips as f64);
+        let mut side = volume * length / around;
         for (from, step) in [(last, 1isize), (first, -1)] {
             let outside = |k: usize| k.checked_add_signed(step).filter(|k| *k < STATIONS);
-            let Some(nearest) = outside(from) else { continue };
             for strip in 0..self.strips {
+                let Some(nearest) = outside(from).filter(|k| self.plastic[strip][*k] < LOOSE) else {
+                    side += 0.5 * end;
+                    continue;
+                };
                 let row = &mut self.raised[strip];
-                row[nearest] += end / (self.width * self.lengths[nearest]);
+                row[nearest] += end / (strip_width * self.lengths[nearest]);
                 let mut k = nearest;
                 while let Some(next) = outside(k) {
                     let spacing = (self.xs[next] - self.xs[k]).abs();
@@ -473,7 +497,6 @@ impl Footprint {
                 }
             }
         }
-        let side = volume * length / around;
         let count = (length / pitch) as usize + 1;
         let each = side / (count as f64 * pitch * pitch);
         for direction in [-1.0, 1.0] {
@@ -506,11 +529,14 @@ impl Footprint {
     }
 }
 
+/// Plastic sinkage beyond which the ground counts as a rut, m.
+const LOOSE: f64 = 1e-3;
+
 /// Cells beside the wheel over which a heap may slide, as the original lets it (facts §4.3: 10 propagations).
 const RINGS: usize = 10;
 
-/// Half the width over which a load is handed over between soil and rigid ground, m.
-pub(crate) const BLEND: f64 = 0.05;
+/// Width of the strip within soil over which a load is handed over from rigid ground, m.
+pub(crate) const BLEND: f64 = 0.1;
 
 #[inline]
 fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {

@@ -144,8 +144,8 @@ impl SoilGround {
         if first == RIGID { Under::Rigid } else { Under::Soil(first) }
     }
 
-    /// Share of soil in a square of half side `reach` about a position: rises linearly as the square crosses an edge,
-    /// so that loads are handed over between soil and rigid ground without a jump.
+    /// Share of a load that soil carries, where rigid ground carries the rest: 0 on rigid ground, rising linearly to 1
+    /// within `reach` of its edge, so that loads are handed over without a jump.
     pub(crate) fn share(&self, x: f64, y: f64, reach: f64) -> f64 {
         let span = 2.0 * reach * self.per_metre;
         let split = |low: (usize, f64), high: (usize, f64)| {
@@ -155,8 +155,10 @@ impl SoilGround {
         let (r0, r1) = (self.row(y - reach), self.row(y + reach));
         let (u, v) = (split(c0, c1), split(r0, r1));
         let soil = |row: usize, col: usize| f64::from(u8::from(self.kind(row, col) != RIGID));
-        v * (u * soil(r0.0, c0.0) + (1.0 - u) * soil(r0.0, c1.0))
-            + (1.0 - v) * (u * soil(r1.0, c0.0) + (1.0 - u) * soil(r1.0, c1.0))
+        let area = v * (u * soil(r0.0, c0.0) + (1.0 - u) * soil(r0.0, c1.0))
+            + (1.0 - v) * (u * soil(r1.0, c0.0) + (1.0 - u) * soil(r1.0, c1.0));
+        // The square of half side `reach` holds half of each where its middle is on the edge.
+        (2.0 * area - 1.0).max(0.0)
     }
 }
 

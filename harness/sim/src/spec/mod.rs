@@ -5,10 +5,16 @@ mod powertrain;
 mod suspension;
 mod tyre;
 
-pub use powertrain::{Differentials, Engine, Gearbox, Powertrain};
+use crate::error::SimError;
+pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
 use serde::{Deserialize, Serialize};
-pub use suspension::{Damper, Hardpoints, Spring, Steering, Stops, Suspension};
-pub use tyre::TyreSpec;
+use std::collections::BTreeMap;
+pub use suspension::{
+    AntiRoll, Beam, Damper, DoubleWishbone, KnuckleDrive, Knuckles, LeafAxle, Linkage, Multilink, Part,
+    PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops,
+    Strut, StrutStops, Suspension, Torsion, TorsionArm,
+};
+pub use tyre::{BrushTyre, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec};
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
 pub type Point = [f64; 3];
@@ -35,12 +41,39 @@ pub struct VehicleSpec {
     pub chassis: Chassis,
     /// Front to back.
     pub axles: Vec<Axle>,
-    /// Steering gear.
+    /// The driver's steering.
     pub steering: Steering,
-    /// All tyres.
+    /// The tyre on all wheels.
     pub tyre: TyreSpec,
+    /// Tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
+    #[serde(default)]
+    pub tyres: BTreeMap<String, TyreSpec>,
     /// Engine, gearbox and driveline.
     pub powertrain: Powertrain,
+}
+
+impl VehicleSpec {
+    /// The same vehicle on another of its tyres, or on the one that it has by the name of that one's model.
+    ///
+    /// # Errors
+    /// [`SimError::VehicleInvalid`], with the names that there are.
+    pub fn with_tyre(mut self, name: &str) -> Result<Self, SimError> {
+        if let Some(tyre) = self.tyres.get(name) {
+            self.tyre = tyre.clone();
+            return Ok(self);
+        }
+        if name == self.tyre.model() {
+            return Ok(self);
+        }
+        let mut known: Vec<&str> = self.tyres.keys().map(String::as_str).collect();
+        known.push(self.tyre.model());
+        known.sort_unstable();
+        Err(SimError::VehicleInvalid {
+            file: self.name.clone(),
+            field: "tyres".to_owned(),
+            reason: format!("{name:?} is not among them; choose one of {}", known.join(", ")),
+        })
+    }
 }
 
 /// The sprung body.
@@ -55,6 +88,10 @@ pub struct Chassis {
     pub inertia: [f64; 3],
     /// Friction coefficient of the hull.
     pub friction: f64,
+    /// Resistance of the air, and of what else grows with speed, as points \[speed m/s, force N\]: linear between
+    /// and constant beyond them, against the motion, at the centre of mass. None if empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resistance: Vec<[f64; 2]>,
     /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }
@@ -67,11 +104,12 @@ pub struct Axle {
     pub name: String,
     /// Reference point of the hardpoints in the chassis frame, m.
     pub position: Point,
-    /// Whether the rack moves its inner tie-rod joints.
-    pub steered: bool,
+    /// What steers its wheels, if anything does.
+    #[serde(default)]
+    pub steering: Option<SteeringGear>,
     /// Whether the engine drives it.
     pub driven: bool,
-    /// Unsprung mass a wheel, kg.
+    /// Unsprung mass a wheel, a beam's own left out, kg.
     pub unsprung_mass: f64,
     /// Spin inertia a wheel, kg m².
     pub spin_inertia: f64,
@@ -79,4 +117,19 @@ pub struct Axle {
     pub brake_torque: f64,
     /// How the wheels are guided.
     pub suspension: Suspension,
+}
+
+impl VehicleSpec {
+    /// Mass of the whole vehicle, kg.
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        let axle = |a: &Axle| 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass);
+        self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
+    }
+
+    /// Whether steering commands go to the driveline instead of the wheels.
+    #[must_use]
+    pub fn steers_by_driveline(&self) -> bool {
+        self.steering.by == SteeredBy::Differential
+    }
 }

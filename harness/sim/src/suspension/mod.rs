@@ -1,237 +1,222 @@
-//! Suspension linkages, solved once into tables over wheel travel and rack displacement.
+//! Suspension and steering linkages, solved once into tables over wheel travel and steering command.
 //!
-//! A double wishbone with ideal joints and massless arms leaves the upright one degree of freedom beside steering.
-//! Six equations (five fixed lengths and the height of the spindle) in the six coordinates of the upright are
-//! solved by Newton's method, going outwards from the design position. What the equations of motion need comes from
-//! the tables by cubic Hermite interpolation over travel and linear interpolation over the rack, with derivatives
-//! of the very interpolant, so that spring forces stay conservative.
+//! A linkage is a mechanism of rigid parts with ideal joints and massless rods (`mechanism`). A wheel that is guided
+//! independently has one degree of freedom beside steering, its travel: the rise of its centre (`corner`). A beam
+//! between two wheels has two, the rise of either end (`beam`). Newton's method solves the mechanism going outwards from
+//! the design position. What the equations of motion need comes from the tables by splines over travel and straight
+//! lines over the command, with derivatives of the very interpolant (`table`). The steering gear is solved first,
+//! into places of the joints that it moves (`steering`).
 
-mod linkage;
+mod beam;
+mod corner;
+mod force;
+mod mechanism;
+mod sample;
+mod steering;
+mod table;
+#[cfg(test)]
+mod tests;
 
 use crate::V3;
-use crate::spec::Suspension;
-use linkage::Linkage;
-use nalgebra::UnitQuaternion;
+use crate::spec::{Axle, Linkage};
+pub(crate) use beam::BeamAxle;
+pub(crate) use force::{Element, elements};
+use nalgebra::UnitVector3;
+pub use sample::{Motion, SteeringAxis, WheelSample};
+use std::sync::Arc;
+pub(crate) use table::CornerTable;
+pub use table::WheelPose;
 
-/// Half the range of travel that is tabulated, m.
-const HALF_RANGE: f64 = 0.16;
-const TRAVELS: usize = 33;
-const RACKS: usize = 9;
-/// x, y of the hub; x and z of the axle's direction; strut length.
-const VALUES: usize = 5;
+/// A side of the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// y > 0.
+    Left,
+    /// y < 0.
+    Right,
+}
 
-type Row = [f64; VALUES];
+impl Side {
+    /// 0 left, 1 right.
+    #[must_use]
+    pub fn index(self) -> usize {
+        usize::from(self == Self::Right)
+    }
 
-/// Positions of a left wheel's upright over travel and rack displacement.
+    /// 1 left, −1 right.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        if self == Self::Left { 1.0 } else { -1.0 }
+    }
+}
+
+/// Why a linkage can't be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinkageError {
+    /// The linkage of a wheel locks before the end of its range.
+    #[error(
+        "the linkage does not close at travel {travel:.3} m, steering command {command:.2}; \
+         correct its points or narrow the range"
+    )]
+    Locked {
+        /// m.
+        travel: f64,
+        /// In [-1, 1].
+        command: f64,
+    },
+    /// The rods of a beam lock.
+    #[error(
+        "the beam's rods do not close at travels {:.3} m left, {:.3} m right; correct their points or narrow the range",
+        travels[0], travels[1]
+    )]
+    BeamLocked {
+        /// Left and right, m.
+        travels: [f64; 2],
+    },
+    /// The steering gear locks.
+    #[error(
+        "the steering gear does not close at command {command:.2}; correct its points or reduce its angle"
+    )]
+    SteeringLocked {
+        /// In [-1, 1].
+        command: f64,
+    },
+    /// Drag link, tie rods and knuckles lock.
+    #[error(
+        "the steering of the beam does not close at command {command:.2}, travels {:.3} m left, {:.3} m right; \
+         correct its points, reduce the gear's travel or narrow the range",
+        travels[0], travels[1]
+    )]
+    KnucklesLocked {
+        /// Left and right, m.
+        travels: [f64; 2],
+        /// In [-1, 1].
+        command: f64,
+    },
+    /// A spring would push the wheel up.
+    #[error(
+        "struts[{strut}] does not shorten in compression at travel {travel:.3} m; correct its ends or narrow the range"
+    )]
+    Lengthens {
+        /// Number of the strut.
+        strut: usize,
+        /// m.
+        travel: f64,
+    },
+}
+
+/// The solved linkage of an axle.
 #[derive(Clone, Debug)]
-pub struct SuspensionTable {
-    /// Greatest rack displacement, m; 0 for an axle that isn't steered.
-    rack_travel: f64,
-    /// Height of the wheel centre at travel 0, relative to the axle's reference point, m.
-    z_design: f64,
-    /// `[rack][travel]`.
-    rows: Vec<[Row; TRAVELS]>,
+pub struct AxleKinematics {
+    guide: Guide,
 }
 
-/// Where a wheel is, in the chassis frame relative to the axle's reference point, with its change over travel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CornerPose {
-    /// Wheel centre, m.
-    pub hub: V3,
-    /// ∂hub/∂travel.
-    pub hub_rate: V3,
-    /// ∂hub/∂command of the steering, m.
-    pub hub_steer_rate: V3,
-    /// Direction of the axle, to the left.
-    pub axis: V3,
-    /// Rotation of the upright per travel, rad/m, its component across the axle.
-    pub tilt_rate: V3,
-    /// Length of the strut, m.
-    pub strut: f64,
-    /// ∂strut/∂travel; the motion ratio with its sign.
-    pub strut_rate: f64,
+#[derive(Clone, Debug)]
+enum Guide {
+    /// Left and right.
+    Independent([Arc<CornerTable>; 2]),
+    Beam(Arc<BeamAxle>),
 }
 
-impl SuspensionTable {
-    /// Solves the linkage for all travels and, with `rack_travel` > 0, all rack positions.
+/// A point's mirror image for the right side (−1); for the left (1) the point.
+fn mirror(p: V3, side: f64) -> V3 {
+    V3::new(p.x, side * p.y, p.z)
+}
+
+fn unit(v: V3) -> UnitVector3<f64> {
+    UnitVector3::new_normalize(v)
+}
+
+impl AxleKinematics {
+    /// Solves the linkage of an axle for all travels and, if it is steered, all commands.
     ///
     /// # Errors
-    /// A text that tells where the linkage doesn't close.
-    pub fn solve(suspension: &Suspension, rack_travel: f64) -> Result<Self, String> {
-        let Suspension::DoubleWishbone { hardpoints, .. } = suspension;
-        let linkage = Linkage::new(hardpoints);
-        let racks = if rack_travel > 0.0 { RACKS } else { 1 };
-        let design = (linkage.spindle, UnitQuaternion::identity());
-        let mut rows = Vec::with_capacity(racks);
-        for k in 0..racks {
-            let rack =
-                if racks == 1 { 0.0 } else { rack_travel * (2.0 * k as f64 / (racks - 1) as f64 - 1.0) };
-            let locked = |travel: f64, rack: f64| {
-                format!("the linkage does not close at travel {travel:.3} m, rack {rack:.4} m")
+    /// Where the linkage or its steering doesn't close, or a strut would work the wrong way.
+    pub fn solve(axle: &Axle) -> Result<Self, LinkageError> {
+        let suspension = &axle.suspension;
+        let linkage = &suspension.linkage;
+        if linkage.beam().is_some() {
+            let inner = linkage.knuckles().map(|k| V3::from(k.drag_link_inner));
+            let joints = match (&axle.steering, inner) {
+                (Some(gear), Some(p)) => {
+                    Some(steering::joints(gear, &[p])?.iter().map(|p| p[0]).collect::<Vec<_>>())
+                }
+                (None, Some(p)) => Some(vec![p]),
+                _ => None,
             };
-            let mut centre = design;
-            for part in 1..=8 {
-                let r = rack * f64::from(part) / 8.0;
-                centre = linkage.solve(0.0, r, centre).ok_or_else(|| locked(0.0, r))?;
+            let beam = BeamAxle::solve(suspension, joints.as_deref())?;
+            return Ok(Self { guide: Guide::Beam(Arc::new(beam)) });
+        }
+        let (left, right) = match (&axle.steering, linkage.tie_rod_inner()) {
+            (Some(gear), Some(p)) => {
+                let p = V3::from(p);
+                let places = steering::joints(gear, &[p, mirror(p, -1.0)])?;
+                let joints = |i: usize| places.iter().map(|p| Some(p[i])).collect::<Vec<_>>();
+                let left = corner::solve(suspension, &joints(0), 1.0)?;
+                // A gear that is its own mirror image spares half the work.
+                let symmetric =
+                    places.iter().zip(places.iter().rev()).all(|(p, q)| p[0] == mirror(q[1], -1.0));
+                let right =
+                    if symmetric { left.mirrored() } else { corner::solve(suspension, &joints(1), -1.0)? };
+                (left, right)
             }
-            let mut column = [[0.0; VALUES]; TRAVELS];
-            let middle = TRAVELS / 2;
-            column[middle] = linkage.row(centre);
-            for direction in [-1.0, 1.0] {
-                let mut pose = centre;
-                for step in 1..=middle {
-                    let travel = direction * HALF_RANGE * step as f64 / middle as f64;
-                    pose = linkage.solve(travel, rack, pose).ok_or_else(|| locked(travel, rack))?;
-                    let index = if direction < 0.0 { middle - step } else { middle + step };
-                    column[index] = linkage.row(pose);
+            _ => {
+                let left = corner::solve(suspension, &[None], 1.0)?;
+                let right = left.mirrored();
+                (left, right)
+            }
+        };
+        Ok(Self { guide: Guide::Independent([Arc::new(left), Arc::new(right)]) })
+    }
+
+    /// Pose of a wheel at the travels of the axle's left and right wheel (m, compression positive) and a steering
+    /// command in [-1, 1]; rates are over the wheel's own travel. A wheel that is guided independently doesn't heed the
+    /// other's travel. Beyond the tabulated travels an independent wheel keeps its direction and a beam's pose goes on
+    /// in a straight line.
+    #[must_use]
+    pub fn wheel(&self, side: Side, travels: [f64; 2], command: f64) -> WheelPose {
+        let i = side.index();
+        match &self.guide {
+            Guide::Independent(tables) => tables[i].at(travels[i], command),
+            Guide::Beam(beam) => {
+                let mut own = [0.0; 2];
+                own[i] = 1.0;
+                let w = &beam.at(travels, own, command).wheels[i];
+                WheelPose {
+                    hub: w.hub,
+                    hub_rate: w.hub_rates[i],
+                    hub_curvature: w.bend,
+                    hub_steer_rate: w.hub_steer_rate,
+                    axis: w.axis,
+                    tilt_rate: w.tilt_rates[i],
+                    struts: w.struts,
+                    strut_rates: [w.strut_rates[0][i], w.strut_rates[1][i]],
+                    bar: travels[i],
+                    bar_rate: 1.0,
                 }
             }
-            if let Some(w) = column.windows(2).position(|w| w[1][4] >= w[0][4]) {
-                let travel = HALF_RANGE * (w as f64 / middle as f64 - 1.0);
-                return Err(format!("the strut does not shorten in compression at travel {travel:.3} m"));
-            }
-            rows.push(column);
         }
-        Ok(Self { rack_travel, z_design: linkage.spindle.z, rows })
     }
 
-    /// Pose of the left (`side` = 1) or right (−1) wheel at a travel (m, compression positive) and a steering
-    /// command in [-1, 1]. Beyond the tabulated travel the linkage keeps its end position and moves up and down.
-    #[must_use]
-    pub fn at(&self, travel: f64, steering: f64, side: f64) -> CornerPose {
-        // Command +1 moves the rack to the right; for the mirrored right wheel that is inwards instead of outwards.
-        let rack = -steering * side;
-        let (o, d, s) = if self.rack_travel > 0.0 {
-            let position = ((rack + 1.0) * 0.5 * (RACKS - 1) as f64).clamp(0.0, (RACKS - 1) as f64);
-            let k = (position as usize).min(RACKS - 2);
-            let f = position - k as f64;
-            let ((o0, d0), (o1, d1)) = (hermite(&self.rows[k], travel), hermite(&self.rows[k + 1], travel));
-            let mix = |a: &Row, b: &Row| std::array::from_fn::<f64, VALUES, _>(|c| a[c] + (b[c] - a[c]) * f);
-            // ∂/∂command for the left wheel: the rack moves by −1 per command.
-            let slope = -0.5 * (RACKS - 1) as f64;
-            (mix(&o0, &o1), mix(&d0, &d1), [(o1[0] - o0[0]) * slope * side, (o1[1] - o0[1]) * slope * side])
-        } else {
-            let (o, d) = hermite(&self.rows[0], travel);
-            (o, d, [0.0; 2])
-        };
-        let ay = (1.0 - o[2] * o[2] - o[3] * o[3]).sqrt();
-        let ay_rate = -(o[2] * d[2] + o[3] * d[3]) / ay;
-        let axis = V3::new(side * o[2], ay, side * o[3]);
-        let axis_rate = V3::new(side * d[2], ay_rate, side * d[3]);
-        CornerPose {
-            hub: V3::new(o[0], side * o[1], self.z_design + travel),
-            hub_rate: V3::new(d[0], side * d[1], 1.0),
-            hub_steer_rate: V3::new(s[0], side * s[1], 0.0),
-            axis,
-            tilt_rate: axis.cross(&axis_rate),
-            strut: o[4],
-            strut_rate: d[4],
+    /// The table of a wheel that is guided independently.
+    pub(crate) fn corner(&self, side: Side) -> Option<Arc<CornerTable>> {
+        match &self.guide {
+            Guide::Independent(tables) => Some(tables[side.index()].clone()),
+            Guide::Beam(_) => None,
+        }
+    }
+
+    /// The beam of a solid axle.
+    pub(crate) fn beam(&self) -> Option<Arc<BeamAxle>> {
+        match &self.guide {
+            Guide::Beam(beam) => Some(beam.clone()),
+            Guide::Independent(_) => None,
         }
     }
 }
 
-/// Catmull–Rom interpolation over travel: values and derivatives; constant values beyond the ends.
-#[inline]
-fn hermite(rows: &[Row; TRAVELS], travel: f64) -> (Row, Row) {
-    let step = 2.0 * HALF_RANGE / (TRAVELS - 1) as f64;
-    let s = (travel + HALF_RANGE) / step;
-    let last = (TRAVELS - 1) as f64;
-    if !(0.0..=last).contains(&s) {
-        let end = if s > 0.0 { rows[TRAVELS - 1] } else { rows[0] };
-        // The strut goes on shortening at the end's rate: a spring that lost its rate there would let go.
-        let (a, b) = if s > 0.0 { (TRAVELS - 2, TRAVELS - 1) } else { (0, 1) };
-        let rate = (rows[b][4] - rows[a][4]) / step;
-        let beyond = travel - if s > 0.0 { HALF_RANGE } else { -HALF_RANGE };
-        return ([end[0], end[1], end[2], end[3], end[4] + rate * beyond], [0.0, 0.0, 0.0, 0.0, rate]);
-    }
-    let k = (s as usize).min(TRAVELS - 2);
-    let f = s - k as f64;
-    let (before, after) = (k.saturating_sub(1), (k + 2).min(TRAVELS - 1));
-    let (mut value, mut rate) = ([0.0; VALUES], [0.0; VALUES]);
-    for c in 0..VALUES {
-        let (p0, p1) = (rows[k][c], rows[k + 1][c]);
-        let m0 = (p1 - rows[before][c]) / (k + 1 - before) as f64;
-        let m1 = (rows[after][c] - p0) / (after - k) as f64;
-        let (a, b) = (2.0 * (p0 - p1) + m0 + m1, -3.0 * (p0 - p1) - 2.0 * m0 - m1);
-        value[c] = ((a * f + b) * f + m0) * f + p0;
-        rate[c] = ((3.0 * a * f + 2.0 * b) * f + m0) / step;
-    }
-    (value, rate)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::VehicleSpec;
-    use vb_math::angle::degrees;
-    use vb_math::{asin, atan2};
-
-    fn tables() -> (SuspensionTable, SuspensionTable) {
-        let v = VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap();
-        let t = |i: usize, rack: f64| SuspensionTable::solve(&v.axles[i].suspension, rack).unwrap();
-        (t(0, v.steering.rack_travel), t(1, 0.0))
-    }
-
-    /// (travel, strut length, toe deg left positive counter-clockwise, camber deg left positive top outward), from an
-    /// independent solution of the same hardpoints: reference sheet vehicles/hmmwv.yaml, wheel_travel_table.
-    #[test]
-    fn strut_toe_and_camber_agree_with_the_independent_solution_of_the_reference_sheet() {
-        let front = [
-            (-0.16, 0.53622, -3.6302, -1.0468),
-            (-0.08, 0.44857, -0.7234, 1.0882),
-            (0.0, 0.37023, 0.0, 0.0),
-            (0.08, 0.29402, 0.2605, -2.5356),
-            (0.16, 0.218, 0.3759, -6.3026),
-        ];
-        let rear = [
-            (-0.16, 0.51918, 2.0679, 1.4862),
-            (-0.08, 0.43988, 0.3619, 1.9608),
-            (0.0, 0.36823, 0.0, 0.0),
-            (0.08, 0.29886, -0.1583, -3.2837),
-            (0.16, 0.22999, -0.2997, -7.7921),
-        ];
-        let (f, r) = tables();
-        for (table, sheet) in [(f, front), (r, rear)] {
-            for (travel, strut, toe, camber) in sheet {
-                let p = table.at(travel, 0.0, 1.0);
-                assert!((p.strut - strut).abs() < 2e-5, "{travel}: strut {} {strut}", p.strut);
-                let got = degrees(atan2(-p.axis.x, p.axis.y));
-                assert!((got - toe).abs() < 2e-3, "{travel}: toe {got} {toe}");
-                // The axle points to the left: camber with the top outward lowers its left end.
-                let got = degrees(asin(-p.axis.z));
-                assert!((got - camber).abs() < 2e-3, "{travel}: camber {got} {camber}");
-            }
-        }
-    }
-
-    /// Reference sheet: 21.178 deg left and 22.234 deg right at full left lock.
-    #[test]
-    fn full_lock_turns_the_wheels_by_the_angles_of_the_reference_sheet_and_mirrors_to_the_right() {
-        let (f, _) = tables();
-        let angle = |command: f64, side: f64| {
-            let a = f.at(0.0, command, side).axis;
-            degrees(atan2(-a.x, a.y))
-        };
-        assert!((angle(1.0, 1.0) - 21.178).abs() < 0.01, "{}", angle(1.0, 1.0));
-        assert!((angle(1.0, -1.0) - 22.234).abs() < 0.01, "{}", angle(1.0, -1.0));
-        assert!((angle(-1.0, 1.0) + 22.234).abs() < 0.01);
-        assert!((angle(-1.0, -1.0) + 21.178).abs() < 0.01);
-    }
-
-    #[test]
-    fn rates_are_the_derivatives_of_the_positions() {
-        let (f, _) = tables();
-        let h = 1e-6;
-        for (travel, command, side) in [(0.031, 0.3, 1.0), (-0.077, -0.8, -1.0), (0.12, 0.1, 1.0)] {
-            let at = |q: f64, s: f64| f.at(q, s, side);
-            let p = at(travel, command);
-            let (a, b) = (at(travel - h, command), at(travel + h, command));
-            assert!(((b.hub - a.hub) / (2.0 * h) - p.hub_rate).norm() < 1e-6);
-            assert!((b.strut - a.strut) / (2.0 * h) - p.strut_rate < 1e-6);
-            let turn = p.axis.cross(&((b.axis - a.axis) / (2.0 * h)));
-            assert!((turn - p.tilt_rate).norm() < 1e-5);
-            let (a, b) = (at(travel, command - h), at(travel, command + h));
-            assert!(((b.hub - a.hub) / (2.0 * h) - p.hub_steer_rate).norm() < 1e-5);
-        }
-    }
+/// Whether the wheels of a linkage can move.
+pub(crate) fn moves(linkage: &Linkage) -> bool {
+    !matches!(linkage, Linkage::Rigid(_))
 }

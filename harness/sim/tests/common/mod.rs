@@ -53,6 +53,22 @@ pub fn original_soils() -> SoilSet {
         .expect("the shipped soils are valid")
 }
 
+/// Published soils.
+pub fn wong_soils() -> SoilSet {
+    SoilSet::parse(include_str!("../../../../tasks/soils/wong.yaml"), "wong.yaml")
+        .expect("the shipped soils are valid")
+}
+
+pub fn soil_start(
+    world: &Arc<World>,
+    soils: &SoilSet,
+    [x, y]: [f64; 2],
+    yaw: f64,
+    options: SimOptions,
+) -> Simulation {
+    Simulation::new(world.clone(), &hmmwv(), soils, Pose2 { x, y, yaw }, options).expect("it settles")
+}
+
 pub fn flat(friction: f64) -> Arc<World> {
     world(Heightfield::flat(301, 301, 1.0, 0.0), friction, vec![])
 }

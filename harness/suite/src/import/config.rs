@@ -30,11 +30,13 @@ pub(crate) struct Tree {
     pub(crate) position: Position,
 }
 
-/// The stored z is not read: it was looked up at a wrong place (facts §1.9).
 #[derive(Deserialize)]
 pub(crate) struct Position {
     pub(crate) x: f64,
     pub(crate) y: f64,
+    /// Where the original's simulator centres the collision box. It was looked up at a wrong place: up to 2.8 m above
+    /// or below the ground (facts §1.9).
+    pub(crate) z: f64,
 }
 
 #[derive(Deserialize)]

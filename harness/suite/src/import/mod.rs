@@ -1,12 +1,13 @@
 //! Import of the original's released data: bitmaps, YAML, NumPy labels (facts §1, §10.1).
 //!
-//! What differs from the original on purpose: obstacles stand on the ground (their stored z was looked up at a wrong
-//! place), friction is per patch as the paper describes (the original merges patches into sections), and the paths
-//! come from our global planner. `docs/worlds.md` has the whole mapping.
+//! The files leave open what a vehicle drives on, as the original's simulator does not build what they describe;
+//! [`Ground`] chooses. Paths come from our global planner either way. `docs/worlds.md` has the whole mapping.
 
 mod bmp;
 mod config;
 mod npy;
+mod sections;
+mod simulated;
 
 use crate::path::{PathError, PathParams, Planner};
 use config::Config;
@@ -69,11 +70,39 @@ fn invalid(file: &Path, field: impl Into<String>, problem: impl Into<String>) ->
     ImportError::Invalid { file: file.into(), field: field.into(), problem: problem.into() }
 }
 
+/// Which ground and obstacles are made of the original's files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// As paper and labels describe it: each patch has its own class and friction, obstacles stand on the ground (their
+    /// stored z was looked up at a wrong place), trees are round trunks.
+    #[default]
+    AsDescribed,
+    /// As the original's simulator builds it: rigid patches merged into sections with the friction of one of their
+    /// patches, soil in bands (deformable worlds) or one rectangle a class (mixed worlds), obstacles as boxes centred at
+    /// their stored z, which may leave them in the air or under the ground (facts §1.9, §4.2, §4.3).
+    AsSimulated,
+}
+
+impl Ground {
+    /// All, in order.
+    pub const ALL: [Self; 2] = [Self::AsDescribed, Self::AsSimulated];
+
+    /// The name on the command line and in the suite.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AsDescribed => "as-described",
+            Self::AsSimulated => "as-simulated",
+        }
+    }
+}
+
 /// The original's data: which worlds there are. Worlds are read one by one, so that a caller can show progress.
 #[derive(Clone, Debug)]
 pub struct Source {
     maps: PathBuf,
     configs: BTreeMap<u32, PathBuf>,
+    ground: Ground,
 }
 
 /// Where `sampled_maps` may lie below the directory that people name.
@@ -113,7 +142,17 @@ impl Source {
                 ));
             }
         }
-        if configs.is_empty() { Err(nothing()) } else { Ok(Self { maps, configs }) }
+        if configs.is_empty() {
+            Err(nothing())
+        } else {
+            Ok(Self { maps, configs, ground: Ground::default() })
+        }
+    }
+
+    /// The same data, made into worlds with this ground.
+    #[must_use]
+    pub fn ground(self, ground: Ground) -> Self {
+        Self { ground, ..self }
     }
 
     /// The original's ids of the worlds that are there, ascending (the full release has 1 to 100).
@@ -125,15 +164,24 @@ impl Source {
     #[must_use]
     pub fn meta(&self) -> SuiteMeta {
         let count = self.configs.len();
+        let (name, ground) = match self.ground {
+            Ground::AsDescribed => {
+                ("verti-bench", "Ground as described: obstacles stand on the ground, friction is per patch.")
+            }
+            Ground::AsSimulated => (
+                "verti-bench-as-simulated",
+                "Ground as the original simulates it: friction per merged section, soil in bands and rectangles, \
+                 obstacles as boxes at their stored z.",
+            ),
+        };
         SuiteMeta {
-            name: "verti-bench".into(),
+            name: name.into(),
             version: "release".into(),
             description: format!(
-                "{count} worlds of the original Verti-Bench release. Obstacles stand on the ground, friction is per \
-                 patch, paths are planned anew."
+                "{count} worlds of the original Verti-Bench release. {ground} Paths are planned anew."
             ),
             provenance: Provenance::Imported {
-                source: format!("Verti-Bench release, {count} of 100 worlds"),
+                source: format!("Verti-Bench release, {count} of 100 worlds, ground {}", self.ground.name()),
             },
         }
     }
@@ -159,6 +207,16 @@ impl Source {
         let labels =
             npy::read_i32(&bytes(&labels_file)?, side, side).map_err(|(f, p)| invalid(&labels_file, f, p))?;
         check_labels(&labels_file, &labels, side, &semantics, config.terrain_type)?;
+        let (semantics, obstacles) = match self.ground {
+            Ground::AsDescribed => (semantics, described_obstacles(file, &config)?),
+            Ground::AsSimulated => {
+                let heightfield = heightfield(&image, &config);
+                (
+                    simulated::semantics(file, config.terrain_type, &semantics, side)?,
+                    simulated::obstacles(file, &config, &heightfield)?,
+                )
+            }
+        };
         let mut world = World {
             id: format!("w{id:03}"),
             elevation: config.terrain.difficulty.elevation(),
@@ -167,7 +225,7 @@ impl Source {
             scale: 1.0,
             heightfield: heightfield(&image, &config),
             semantics,
-            obstacles: obstacles(file, &config)?,
+            obstacles,
             tasks: Vec::new(),
         };
         world.check().map_err(|flaw| ImportError::World { file: file.clone(), flaw })?;
@@ -320,28 +378,36 @@ fn check_labels(
 
 /// Extents of the collision box of a rock of scale 1, m (facts §1.9).
 const ROCK_SIZE: [f64; 3] = [4.4, 4.4, 3.8];
-/// Radius and length of a tree's trunk, m: the original's collision box is 1 × 1 × 5 m.
-const TRUNK: [f64; 2] = [0.5, 5.0];
+/// Extents of the collision box of a tree, m (facts §1.9).
+const TREE_SIZE: [f64; 3] = [1.0, 1.0, 5.0];
 
-/// Obstacles on the true ground, half buried, as the original means it: it centres their boxes at ground level.
-fn obstacles(file: &Path, config: &Config) -> Result<Vec<Obstacle>, ImportError> {
-    let mut out = Vec::new();
-    for (k, rock) in config.obstacles.rocks.iter().enumerate() {
+/// Extents of the collision box of each rock, m.
+fn rock_sizes(file: &Path, config: &Config) -> Result<Vec<[f64; 3]>, ImportError> {
+    let size = |(k, rock): (usize, &config::Rock)| {
         let s = rock.scale;
         if !(s > 0.0 && s <= 10.0) {
             let problem = format!("{s} must lie in (0, 10] (0.7 to 1.2 in the release)");
             return Err(invalid(file, format!("obstacles.rocks[{k}].scale"), problem));
         }
-        let size = ROCK_SIZE.map(|l| l * s);
+        Ok(ROCK_SIZE.map(|l| l * s))
+    };
+    config.obstacles.rocks.iter().enumerate().map(size).collect()
+}
+
+/// Obstacles on the true ground, half buried, as the original means it: it centres their boxes at ground level. A
+/// tree becomes a trunk as wide as its box.
+fn described_obstacles(file: &Path, config: &Config) -> Result<Vec<Obstacle>, ImportError> {
+    let rocks = rock_sizes(file, config)?.into_iter().zip(&config.obstacles.rocks).map(|(size, rock)| {
         let (x, y) = (rock.position.x, rock.position.y);
-        out.push(Obstacle { x, y, yaw: 0.0, buried: 0.5 * size[2], kind: ObstacleKind::Box { size } });
-    }
-    let [radius, height] = TRUNK;
-    out.extend(config.obstacles.trees.iter().map(|tree| {
+        Obstacle { x, y, yaw: 0.0, buried: 0.5 * size[2], kind: ObstacleKind::Box { size } }
+    });
+    let [width, _, height] = TREE_SIZE;
+    let kind = ObstacleKind::Trunk { radius: 0.5 * width, height };
+    let trees = config.obstacles.trees.iter().map(|tree| {
         let (x, y) = (tree.position.x, tree.position.y);
-        Obstacle { x, y, yaw: 0.0, buried: 0.5 * height, kind: ObstacleKind::Trunk { radius, height } }
-    }));
-    Ok(out)
+        Obstacle { x, y, yaw: 0.0, buried: 0.5 * height, kind }
+    });
+    Ok(rocks.chain(trees).collect())
 }
 
 fn tasks(file: &Path, config: &Config, world: &World) -> Result<Vec<Task>, ImportError> {

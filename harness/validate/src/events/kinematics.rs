@@ -36,7 +36,7 @@ fn suspension(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let of = |&i: &usize| {
             let p = g.upright(i, q, 0.0);
             // Toe-in of a left wheel turns it to the right; camber is positive with the top outwards.
-            [-degrees(g.wheel_angle(i, q, 0.0)), degrees(asin(-p.axis.z)), -p.strut_rate]
+            [-degrees(g.wheel_angle(i, q, 0.0)), degrees(asin(-p.axis.z)), -p.strut_rates[0]]
         };
         std::iter::once(q).chain(lefts.iter().flat_map(of)).collect::<Vec<f64>>()
     };
@@ -47,7 +47,7 @@ fn suspension(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         toe.ours(name.clone(), column(0));
         camber.ours(name.clone(), column(1));
         ratio.ours(name.clone(), column(2));
-        o.figure(format!("motion ratio, {name}, design height"), -g.upright(i, 0.0, 0.0).strut_rate, "");
+        o.figure(format!("motion ratio, {name}, design height"), -g.upright(i, 0.0, 0.0).strut_rates[0], "");
     }
     o.series.push(table);
     o.plots.extend([toe, camber, ratio]);

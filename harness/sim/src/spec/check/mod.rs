@@ -90,8 +90,7 @@ impl Check<'_> {
             self.axle(v, i)?;
         }
         self.positive("steering.rate", v.steering.rate)?;
-        self.not_negative("steering.rack_travel", v.steering.rack_travel)?;
-        self.tyre(v)?;
+        self.tyres(v)?;
         self.powertrain(v)
     }
 
@@ -109,6 +108,13 @@ impl Check<'_> {
             }
         }
         self.not_negative("chassis.friction", c.friction)?;
+        if !c.resistance.is_empty() {
+            self.table("chassis.resistance", &c.resistance)?;
+            for (i, p) in c.resistance.iter().enumerate() {
+                self.not_negative(&format!("chassis.resistance[{i}][0]"), p[0])?;
+                self.not_negative(&format!("chassis.resistance[{i}][1]"), p[1])?;
+            }
+        }
         for (i, part) in c.hull.iter().enumerate() {
             let field = format!("chassis.hull[{i}]");
             for point in part {
@@ -146,7 +152,7 @@ mod tests {
         let e = broken("inertia: [1078.52, 2955.66, 3570.2]", "inertia: [1078.52, 2955.66, 9570.2]");
         assert!(e.starts_with("car.yaml: chassis.inertia[2]: 9570.2 exceeds the sum"), "{e}");
         let e = broken("stiffness: 167070.939", "stiffness: 0");
-        assert!(e.starts_with("car.yaml: axles[0].suspension.spring.stiffness: 0 must"), "{e}");
+        assert!(e.starts_with("car.yaml: axles[0].suspension.struts[0].spring.stiffness: 0 must"), "{e}");
         let e = broken("shift_down: [104.719755, ", "shift_down: [");
         assert!(e.contains("powertrain.gearbox: 6 ratios, 5 shift_down"), "{e}");
     }
@@ -163,11 +169,35 @@ mod tests {
     }
 
     #[test]
+    fn a_tyre_says_what_its_model_lacks_and_what_no_tyre_can_be() {
+        let e = broken("model: fiala", "model: slick");
+        assert!(e.contains("tyres.fiala.model") && e.contains("slick") && e.contains("tmeasy"), "{e}");
+        let e = broken("    model: rigid\n    radius: 0.467\n", "    radius: 0.467\n    model: rigid\n");
+        assert!(e.contains("tyres.rigid") && e.contains("first key is `model:"), "{e}");
+        let e = broken("    c_slip: 193929\n", "");
+        assert!(e.contains("tyres.fiala") && e.contains("c_slip"), "{e}");
+        let e = broken("pn_max: 29969.8931", "pn_max: heavy");
+        assert!(e.contains("tyres.tmeasy.pn_max") && e.contains("heavy") && e.contains("line "), "{e}");
+        let e = broken("mu_min: 0.5568", "mu_min: 1.2");
+        assert_eq!(e, "car.yaml: tyres.fiala.mu_min: 1.2 exceeds mu_max (0.9835); friction falls with slip");
+        let e = broken("[0.1, 58000]", "[0.1, 28000]");
+        assert!(e.starts_with("car.yaml: tyres.fiala.vertical_map[2]: [0.1, 28000.0] must exceed"), "{e}");
+        let e = broken("rim_radius: 0.20955", "rim_radius: 0.5");
+        assert_eq!(e, "car.yaml: tyres.tmeasy.rim_radius: 0.5 must be less than the radius (0.4699)");
+        let e = broken("fxs: [3954.57021, 7252.54288]", "fxs: [3954.57021, 17252.54288]");
+        assert!(e.starts_with("car.yaml: tyres.tmeasy.fxs[1]: 17252.54288"), "{e}");
+        let e = broken("sxs: [0.66667, 0.66667]", "sxs: [0.1, 0.66667]");
+        assert!(e.starts_with("car.yaml: tyres.tmeasy.sxs[0]: 0.1 must exceed the slip"), "{e}");
+        let e = broken("tangential_stiffness: 4.0e6", "tangential_stiffness: 0");
+        assert_eq!(e, "car.yaml: tyres.rigid.tangential_stiffness: 0 must be a positive number");
+    }
+
+    #[test]
     fn hardpoints_that_lock_are_refused_with_the_travel_at_which_they_do() {
         let e = broken(
             "upper_arm_front: [-0.048006, 0.44577, 0.244602]",
             "upper_arm_front: [-0.048006, 0.70, 0.244602]",
         );
-        assert!(e.contains("axles[0].suspension.hardpoints") && e.contains("travel"), "{e}");
+        assert!(e.contains("axles[0].suspension.linkage") && e.contains("travel"), "{e}");
     }
 }

@@ -1,0 +1,235 @@
+//! `vb-compare`: drives the tasks that Project Chrono was recorded on, with the original's planner, speed and rules,
+//! and puts both results side by side. `cargo xtask compare-chrono` builds what it needs and runs it.
+
+mod mode;
+mod reference;
+mod table;
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use clap::Parser;
+use mode::Mode;
+use reference::Run;
+use table::{Ours, Row};
+use vb_score::TaskRecord;
+use vb_suite::import::{Ground, ImportError, Source};
+use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
+
+/// Drives the tasks that Project Chrono was recorded on and puts both results side by side.
+#[derive(Debug, Parser)]
+struct Args {
+    /// The harness' binary
+    #[arg(long, value_name = "FILE")]
+    harness: PathBuf,
+    /// Folder of the planners: pid.wasm, pid-release.wasm
+    #[arg(long, value_name = "DIR")]
+    plugins: PathBuf,
+    /// Our vehicle
+    #[arg(long, value_name = "FILE")]
+    vehicle: PathBuf,
+    /// Folder of the recorded runs: wW_P.txt and .csv
+    #[arg(long, value_name = "DIR")]
+    recorded: PathBuf,
+    /// The original's BenchMaps folder, or one of its parents
+    #[arg(long, value_name = "DIR")]
+    original: PathBuf,
+    /// Folder for suites, runs and the table, compare.md; must not exist
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Why there is no comparison.
+#[derive(Debug, thiserror::Error)]
+enum CompareError {
+    /// A file or folder can't be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A recorded run is not as it must be.
+    #[error("{}: line {line}: {problem}", file.display())]
+    Reference {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// The vehicle can't be given the recorded one's hull.
+    #[error("{}: {field}: {problem}", file.display())]
+    Vehicle {
+        /// The file.
+        file: PathBuf,
+        /// The field.
+        field: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The original's worlds can't be imported.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The suite of the comparison can't be written.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// What the harness wrote is not understood.
+    #[error("{}: {source}: harness and comparison must be built from the same source", file.display())]
+    Record {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+}
+
+impl CompareError {
+    fn reference(file: &Path, line: usize, problem: impl Into<String>) -> Self {
+        Self::Reference { file: file.into(), line, problem: problem.into() }
+    }
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    for (what, dir) in [("recorded runs", &args.recorded), ("original worlds", &args.original)] {
+        if !dir.is_dir() {
+            eprintln!("skipped: no {what} at {}; nothing to compare with", dir.display());
+            return ExitCode::SUCCESS;
+        }
+    }
+    match compare(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Speed at which the recorded vehicles drove, m/s.
+const SPEED: f64 = 4.0;
+
+fn compare(args: &Args) -> Result<(), CompareError> {
+    let source = Source::find(&args.original)?.ground(Ground::AsSimulated);
+    let (runs, missing): (Vec<Run>, Vec<Run>) =
+        reference::runs(&args.recorded)?.into_iter().partition(|r| source.ids().any(|id| id == r.world));
+    for run in missing {
+        eprintln!("skipped: {}: the original's world {} is not there", run.task(), run.world);
+    }
+    eprintln!("importing the worlds of {} recorded runs", runs.len());
+    let mut worlds: BTreeMap<u32, World> = BTreeMap::new();
+    for run in &runs {
+        if let Entry::Vacant(place) = worlds.entry(run.world) {
+            place.insert(source.world(run.world)?);
+        }
+    }
+    let suite = args.out.join("suite");
+    write_suite(&suite, source.meta(), &runs, &worlds)?;
+    let vehicle = args.out.join("recorded-vehicle.yaml");
+    std::fs::write(&vehicle, mode::recorded_vehicle(&args.vehicle)?)
+        .map_err(|source| CompareError::Io { path: vehicle.clone(), source })?;
+    let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
+    for mode in Mode::ALL {
+        eprintln!("driving: {}", mode.title());
+        let mut of_mode = BTreeMap::new();
+        let mut refused: BTreeMap<Terrain, String> = BTreeMap::new();
+        for world in worlds.values() {
+            if refused.contains_key(&world.terrain) {
+                continue;
+            }
+            let chosen = if mode == Mode::Physics { &vehicle } else { &args.vehicle };
+            match drive(args, &suite, world, mode, chosen)? {
+                Ok(list) => of_mode.extend(list.into_iter().map(|r| (r.task.clone(), r))),
+                Err(message) => drop(refused.insert(world.terrain, message)),
+            }
+        }
+        for (terrain, message) in refused {
+            eprintln!("skipped: {} ground: {message}", terrain.name());
+        }
+        records.push(of_mode);
+    }
+    let rows: Vec<Row> = runs
+        .into_iter()
+        .map(|run| Row { ours: records.iter().map(|of_mode| ours(&run, of_mode)).collect(), run })
+        .collect();
+    let mut report = String::from("# Whole tasks: Project Chrono and here\n");
+    for mode in Mode::ALL {
+        report += &format!("\n## {}\n\n{}", mode.title(), table::aggregate(&rows, mode));
+    }
+    report += &format!("\n## Tasks\n\n{}", table::tasks(&rows));
+    let file = args.out.join("compare.md");
+    std::fs::write(&file, &report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
+    eprintln!("results: {}", file.display());
+    Ok(())
+}
+
+/// Marks of the tasks whose start is moved along x, and by how much, m.
+const MOVED: [(&str, f64); 2] = [("_p", 1e-3), ("_m", -1e-3)];
+
+/// Writes the worlds with the recorded tasks alone, each as it is and with its start moved.
+fn write_suite(
+    dir: &Path,
+    meta: SuiteMeta,
+    runs: &[Run],
+    worlds: &BTreeMap<u32, World>,
+) -> Result<(), CompareError> {
+    let mut writer = SuiteWriter::create(dir, meta)?;
+    for (id, world) in worlds {
+        let mut world = world.clone();
+        world.tasks.retain(|t| runs.iter().any(|r| r.world == *id && r.task_id() == t.id));
+        for task in world.tasks.clone() {
+            for (mark, by) in MOVED {
+                let mut moved = task.clone();
+                moved.id += mark;
+                moved.start.x += by;
+                moved.path[0][0] += by;
+                world.tasks.push(moved);
+            }
+        }
+        writer.add(&world)?;
+    }
+    writer.finish()?;
+    Ok(())
+}
+
+/// Runs the harness over the tasks of a world; its records, or what it says if it refuses.
+fn drive(
+    args: &Args,
+    suite: &Path,
+    world: &World,
+    mode: Mode,
+    vehicle: &Path,
+) -> Result<Result<Vec<TaskRecord>, String>, CompareError> {
+    let out = args.out.join(mode.name()).join(&world.id);
+    let plugin = args.plugins.join(format!("{}.wasm", mode.planner()));
+    let mut command = Command::new(&args.harness);
+    command.arg("--plugin").arg(&plugin).arg("--suite").arg(suite).arg("--out").arg(&out);
+    command.arg("--vehicle").arg(vehicle).args(["--tasks", &world.id, "--rules", "release"]);
+    command.args(["--soils", "original", "--param", &format!("speed={SPEED}")]);
+    if mode.planner() == "pid-release" {
+        command.args(["--param", &format!("obstacles={}", mode::obstacle_squares(world))]);
+    }
+    let output =
+        command.output().map_err(|source| CompareError::Io { path: args.harness.clone(), source })?;
+    let file = out.join("tasks.jsonl");
+    // With tasks whose simulation failed the harness ends with an error, too, but all have their records.
+    if !file.is_file() {
+        return Ok(Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
+    }
+    let text =
+        std::fs::read_to_string(&file).map_err(|source| CompareError::Io { path: file.clone(), source })?;
+    let records = text.lines().map(serde_json::from_str).collect::<Result<_, _>>();
+    records.map(Ok).map_err(|source| CompareError::Record { file, source })
+}
+
+/// Our records of a recorded run's task, if there are any.
+fn ours(run: &Run, records: &BTreeMap<String, TaskRecord>) -> Option<Ours> {
+    let nominal = records.get(&run.task())?.clone();
+    let moved = MOVED.iter().filter_map(|(mark, _)| records.get(&format!("{}{mark}", run.task())).cloned());
+    Some(Ours { nominal, moved: moved.collect() })
+}

@@ -1,0 +1,180 @@
+//! The recorded runs of Project Chrono: `w{world}_{pair}.txt`, one line a run.
+
+use std::fmt;
+use std::path::Path;
+
+use vb_world::{Elevation, Terrain};
+
+use crate::CompareError;
+
+/// How a recorded run ended, by the released code's rules; falling off the map is the recorder's own addition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    Success,
+    Stuck,
+    Timeout,
+    FellOffMap,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Success => "success",
+            Self::Stuck => "stuck",
+            Self::Timeout => "timeout",
+            Self::FellOffMap => "fell off",
+        })
+    }
+}
+
+/// One recorded run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Run {
+    /// The original's number of the world.
+    pub(crate) world: u32,
+    /// The original's number of the pair of start and goal.
+    pub(crate) pair: usize,
+    pub(crate) elevation: Elevation,
+    pub(crate) terrain: Terrain,
+    pub(crate) end: End,
+    /// Simulated time at its end, s.
+    pub(crate) time: f64,
+    /// Mean of |roll| over all steps, degrees.
+    pub(crate) roll: f64,
+    /// Mean of |pitch| over all steps, degrees.
+    pub(crate) pitch: f64,
+    /// Distance from the goal marker at its end, m.
+    pub(crate) goal_distance: f64,
+}
+
+impl Run {
+    /// Name of the task in an imported suite.
+    pub(crate) fn task(&self) -> String {
+        format!("{}/{}", self.world_id(), self.task_id())
+    }
+
+    /// Name of the world in an imported suite.
+    pub(crate) fn world_id(&self) -> String {
+        format!("w{:03}", self.world)
+    }
+
+    /// Name of the task in its world.
+    pub(crate) fn task_id(&self) -> String {
+        format!("t{:02}", self.pair)
+    }
+}
+
+fn read(file: &Path) -> Result<String, CompareError> {
+    std::fs::read_to_string(file).map_err(|source| CompareError::Io { path: file.into(), source })
+}
+
+fn number(file: &Path, line: usize, cells: &[&str], column: usize) -> Result<f64, CompareError> {
+    let text = cells.get(column).copied().unwrap_or_default();
+    let value = text.parse().ok().filter(|v: &f64| v.is_finite());
+    value.ok_or_else(|| {
+        CompareError::reference(file, line, format!("column {}: {text:?} is not a number", column + 1))
+    })
+}
+
+/// All recorded runs in `dir`, by ground, elevation, world and pair.
+pub(crate) fn runs(dir: &Path) -> Result<Vec<Run>, CompareError> {
+    let io = |source| CompareError::Io { path: dir.into(), source };
+    let mut runs = Vec::new();
+    for entry in std::fs::read_dir(dir).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        if path.extension().is_some_and(|e| e == "txt") {
+            runs.push(parse(&path, &read(&path)?)?);
+        }
+    }
+    let ground =
+        |r: &Run| [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable].iter().position(|t| *t == r.terrain);
+    runs.sort_by_key(|r| (ground(r), r.elevation, r.world, r.pair));
+    Ok(runs)
+}
+
+/// Columns of a line that are used (the recorder's own order).
+const TIME: usize = 5;
+const ROLL: usize = 7;
+const PITCH: usize = 9;
+const GOAL_DISTANCE: usize = 18;
+
+fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
+    let cells: Vec<&str> = text.trim().split(',').collect();
+    let flaw = |column: usize, want: &str| {
+        let found = cells.get(column).copied().unwrap_or_default();
+        CompareError::reference(file, 1, format!("column {}: {found:?} is not {want}", column + 1))
+    };
+    let cell = |column: usize| cells.get(column).copied().unwrap_or_default();
+    let end = match cell(4) {
+        "success" => End::Success,
+        "stuck" => End::Stuck,
+        "timeout" => End::Timeout,
+        "fell_off_map" => End::FellOffMap,
+        _ => return Err(flaw(4, "success, stuck, timeout or fell_off_map")),
+    };
+    let elevation = match cell(1) {
+        "low" => Elevation::Low,
+        "mid" => Elevation::Medium,
+        "high" => Elevation::High,
+        _ => return Err(flaw(1, "low, mid or high")),
+    };
+    let terrain = Terrain::ALL.into_iter().find(|t| t.name() == cell(2));
+    Ok(Run {
+        world: cell(0).parse().map_err(|_| flaw(0, "the number of a world"))?,
+        pair: cell(3).parse().map_err(|_| flaw(3, "the number of a pair"))?,
+        elevation,
+        terrain: terrain.ok_or_else(|| flaw(2, "rigid, deformable or mixed"))?,
+        end,
+        time: number(file, 1, &cells, TIME)?,
+        roll: number(file, 1, &cells, ROLL)?,
+        pitch: number(file, 1, &cells, PITCH)?,
+        goal_distance: number(file, 1, &cells, GOAL_DISTANCE)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE: &str = "1,high,rigid,0,stuck,16.310,0,3.969,6.261,4.863,2.171,27.76,14.17,21.00,120.00,44.39,-5.19,\
+                        4.37,104.532,9.6138,9.6172,0.04,1,123,159,1.8767\n";
+
+    #[test]
+    fn a_line_is_read_as_its_table_explains_it() {
+        let run = parse(Path::new("w1_0.txt"), LINE).unwrap();
+        assert_eq!(
+            (run.task().as_str(), run.elevation, run.terrain),
+            ("w001/t00", Elevation::High, Terrain::Rigid)
+        );
+        assert_eq!((run.end, run.time, run.roll, run.pitch), (End::Stuck, 16.31, 3.969, 4.863));
+        assert_eq!(run.goal_distance, 104.532);
+    }
+
+    #[test]
+    fn a_damaged_line_is_named() {
+        for (from, to, expected) in [
+            ("stuck", "lost", "w1_0.txt: line 1: column 5: \"lost\" is not success"),
+            ("16.310", "soon", "column 6: \"soon\" is not a number"),
+            ("high", "", "column 2: \"\" is not low"),
+        ] {
+            let message = parse(Path::new("w1_0.txt"), &LINE.replace(from, to)).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+        assert!(parse(Path::new("w1_0.txt"), "").is_err());
+    }
+
+    #[test]
+    fn runs_are_read_from_a_folder_by_ground_level_world_and_pair() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, line: &str| std::fs::write(dir.path().join(name), line).unwrap();
+        write("w1_0.txt", LINE);
+        write("w1_0.csv", "t,x\n");
+        write("w10_3.txt", &LINE.replace("1,high,rigid,0", "10,high,rigid,3"));
+        write("w2_3.txt", &LINE.replace("1,high,rigid,0", "2,high,rigid,3"));
+        write("w70_0.txt", &LINE.replace("1,high,rigid", "70,low,deformable"));
+        write("w91_0.txt", &LINE.replace("1,high,rigid", "91,low,mixed"));
+        write("w93_0.txt", &LINE.replace("1,high,rigid", "93,low,rigid"));
+        let order: Vec<_> = runs(dir.path()).unwrap().iter().map(Run::task).collect();
+        assert_eq!(order, ["w093/t00", "w001/t00", "w002/t03", "w010/t03", "w091/t00", "w070/t00"]);
+    }
+}

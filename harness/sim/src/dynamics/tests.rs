@@ -1,0 +1,370 @@
+//! The equations of motion with every kind of suspension.
+
+use super::*;
+use crate::spec::{Damper, Linkage, Spring, SteeringGear, Strut};
+use crate::{Beam as BeamSpec, GRAVITY, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm};
+use vb_world::{Heightfield, Semantics, TerrainClass};
+
+fn hmmwv() -> VehicleSpec {
+    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
+}
+
+pub(super) fn build(spec: &VehicleSpec) -> Vehicle {
+    let axles: Vec<_> = spec.axles.iter().map(|a| AxleKinematics::solve(a).unwrap()).collect();
+    Vehicle::new(spec, &axles, 0.1)
+}
+
+fn spring(stiffness: f64, free_length: f64) -> Option<Spring> {
+    Some(Spring::Linear { stiffness, free_length, preload: 0.0 })
+}
+
+/// The HMMWV on two solid axles on rods, each end on an upright spring.
+pub(super) fn on_beams(damping: f64) -> VehicleSpec {
+    let mut spec = hmmwv();
+    for axle in &mut spec.axles {
+        axle.steering = None;
+        axle.suspension.linkage = Linkage::SolidAxle(SolidAxle {
+            spindle: [0.0, 0.909_701, 0.0],
+            beam: BeamSpec { mass: 120.0, inertia: 40.0 },
+            links: vec![
+                Rod { chassis: [-0.8, 0.4, -0.05], carrier: [0.0, 0.45, -0.1] },
+                Rod { chassis: [-0.8, 0.4, 0.2], carrier: [0.0, 0.0, 0.2] },
+            ],
+            single_links: vec![],
+            knuckles: None,
+        });
+        axle.suspension.struts = vec![Strut {
+            chassis: [0.0, 0.6, 0.5],
+            end: [0.0, 0.7, 0.0],
+            part: Part::Beam,
+            spring: spring(90000.0, 0.58),
+            damper: Some(Damper::Linear { coefficient: damping }),
+            stops: None,
+        }];
+    }
+    spec
+}
+
+fn on_leaves() -> VehicleSpec {
+    let mut spec = on_beams(0.0);
+    for axle in &mut spec.axles {
+        axle.suspension.linkage = Linkage::LeafAxle(LeafAxle {
+            spindle: [0.0, 0.909_701, 0.0],
+            beam: BeamSpec { mass: 120.0, inertia: 40.0 },
+            seat: [0.0, 0.5, 0.08],
+            eye: [0.6, 0.5, 0.15],
+            knuckles: None,
+        });
+    }
+    spec
+}
+
+fn on_arms() -> VehicleSpec {
+    let mut spec = hmmwv();
+    for axle in &mut spec.axles {
+        axle.steering = None;
+        axle.suspension.linkage = Linkage::TorsionArm(TorsionArm {
+            spindle: [0.0, 0.909_701, 0.0],
+            pivot: [0.35, 0.7, 0.12],
+            axis: [0.1, 1.0, 0.0],
+            torsion: Some(Torsion { stiffness: 12000.0, damping: 0.0, preload: 1500.0 }),
+        });
+        axle.suspension.struts.clear();
+    }
+    spec
+}
+
+fn without_damping(mut spec: VehicleSpec) -> VehicleSpec {
+    for axle in &mut spec.axles {
+        // Out of reach: the stops' energy isn't in the sum.
+        axle.suspension.stops = None;
+        axle.suspension.struts.iter_mut().for_each(|s| s.damper = None);
+    }
+    spec
+}
+
+impl Vehicle {
+    /// Kinetic energy seen from a frame that moves with `frame`, and energy of springs, J. The energy of a spring is
+    /// its force's integral from a length of 0.3, by Simpson's rule, which is exact for straight lines.
+    fn energy(&self, frame: V3) -> f64 {
+        let mut copy = self.clone();
+        let turn = *self.q.to_rotation_matrix().matrix();
+        copy.place_wheels(&turn, 0.0);
+        let local = self.q.inverse() * self.w;
+        let mut e = 0.5 * self.mass * (self.v - frame).norm_squared()
+            + 0.5 * local.dot(&self.inertia.component_mul(&local));
+        for (c, f) in copy.corners.iter().zip(&copy.forces) {
+            let extra = match c.guide {
+                Guide::Beam(b) => copy.beams[b].hub_mass(),
+                _ => 0.0,
+            };
+            e += 0.5 * (c.mass + extra) * (f.velocity - frame).norm_squared();
+            for (k, s) in c.struts.iter().enumerate() {
+                let (a, b) = (0.3, f.struts[k]);
+                e -= (b - a) / 6.0 * (s.force(a) + 4.0 * s.force(0.5 * (a + b)) + s.force(b));
+            }
+        }
+        for b in &copy.beams {
+            let rates = [0, 1].map(|i| copy.corners[b.left + i].travel_rate);
+            let v =
+                self.v - frame + self.w.cross(&b.arm) + b.tangents[0] * rates[0] + b.tangents[1] * rates[1];
+            e += 0.5 * b.middle_mass() * v.norm_squared();
+        }
+        e
+    }
+}
+
+fn flat() -> (Heightfield, Semantics, Obstacles) {
+    let semantics = Semantics {
+        rows: 1,
+        cols: 1,
+        patch: 2.0,
+        classes: vec![TerrainClass::Clay],
+        friction: vec![0.6],
+        soil: vb_world::SoilLevels::default(),
+    };
+    (Heightfield::flat(3, 3, 1.0, 0.0), semantics, Obstacles::none())
+}
+
+/// Lets the vehicle tumble far above the ground; calls `see` after every step with the time.
+fn fall(vehicle: &mut Vehicle, spec: &VehicleSpec, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle, f64)) {
+    let (heightfield, semantics, obstacles) = flat();
+    let mut soil = SoilGround::none();
+    let mut ground =
+        Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
+    let wheel = WheelShape::new(&spec.tyre);
+    vehicle.x.z = 100.0;
+    for k in 1..=steps {
+        vehicle.accelerate(Controls::default(), &mut ground, &wheel, dt);
+        vehicle.move_on(dt);
+        see(vehicle, dt * f64::from(k));
+    }
+}
+
+/// Greatest change of energy in a tumbling fall, over the energy that moves to and fro.
+fn drift(spec: &VehicleSpec, dt: f64) -> f64 {
+    let mut vehicle = build(spec);
+    vehicle.w = V3::new(0.9, -0.5, 0.7);
+    for (c, travel) in vehicle.corners.iter_mut().zip([0.03, 0.02, 0.0, -0.01]) {
+        c.travel = travel;
+    }
+    let before = vehicle.energy(V3::zeros());
+    let (mut worst, mut least, mut most) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+    fall(&mut vehicle, spec, dt, (1.5 / dt) as u32, |v, t| {
+        // In a frame that falls along, gravity does no work.
+        worst = worst.max((v.energy(V3::new(0.0, 0.0, -GRAVITY * t)) - before).abs());
+        let travel = v.corners[0].travel;
+        (least, most) = (least.min(travel), most.max(travel));
+    });
+    assert!(vehicle.x.z < 90.0, "it falls");
+    assert!(most - least > 0.02, "the suspension works: {least} to {most}");
+    worst / before.abs()
+}
+
+#[test]
+fn in_free_fall_without_dampers_energy_stays_with_every_linkage() {
+    for (name, spec) in [
+        ("double wishbones", hmmwv()),
+        ("beams on rods", on_beams(0.0)),
+        ("beams on leaves", on_leaves()),
+        ("arms", on_arms()),
+    ] {
+        let spec = without_damping(spec);
+        // Symplectic Euler: an error of the order of the step, no drift.
+        let (coarse, fine) = (drift(&spec, 1e-3), drift(&spec, 1.25e-4));
+        assert!(coarse < 0.02, "{name}: {coarse}");
+        assert!(fine < 0.25 * coarse, "{name}: {fine} at an eighth of the step, {coarse} at the whole");
+    }
+}
+
+#[test]
+fn a_beam_on_its_springs_oscillates_at_its_natural_frequencies() {
+    // The chassis is as good as fixed, gravity is balanced by preload: unsprung mass on upright springs at the hubs.
+    let mut spec = without_damping(on_beams(0.0));
+    spec.chassis.mass = 1e9;
+    spec.chassis.inertia = [1e9; 3];
+    for axle in &mut spec.axles {
+        // Level rods and long upright springs: the motion ratio is 1, and constant.
+        if let Linkage::SolidAxle(l) = &mut axle.suspension.linkage {
+            l.links[0].chassis = [-8.0, 0.45, -0.1];
+            l.links[1].chassis = [-8.0, 3.0, 0.2];
+        }
+        let strut = &mut axle.suspension.struts[0];
+        (strut.chassis, strut.end) = ([0.0, 0.6, 20.0], [0.0, 0.6, 0.0]);
+        strut.spring = spring(90000.0, 20.0);
+    }
+    let (m, beam, half): (f64, f64, f64) = (spec.axles[0].unsprung_mass, 120.0, 0.909_701);
+    let k = 90000.0;
+    let heave = (2.0 * k / (2.0 * m + beam)).sqrt();
+    // About the middle: two hubs and the beam; the triangle's tip 0.2 m above is the roll centre, about which the
+    // masses turn.
+    let inertia = 2.0 * m * half * half + 40.0 + (2.0 * m + beam) * 0.2 * 0.2;
+    let roll = (2.0 * k * 0.6 * 0.6 / inertia).sqrt();
+    for (start, expected) in [([0.01, 0.01], heave), ([0.01, -0.01], roll)] {
+        let mut vehicle = build(&spec);
+        vehicle.corners[0].travel = start[0];
+        vehicle.corners[1].travel = start[1];
+        let mut crossings = Vec::new();
+        let mut before = 1.0;
+        fall(&mut vehicle, &spec, 1e-4, 10000, |v, t| {
+            // In free fall the springs rest at their free length.
+            let q = v.corners[0].travel;
+            if before < 0.0 && q >= 0.0 {
+                crossings.push(t);
+            }
+            before = q;
+        });
+        let periods = (crossings.len() - 1) as f64;
+        let period = (crossings[crossings.len() - 1] - crossings[0]) / periods;
+        let frequency = 2.0 * std::f64::consts::PI / period;
+        assert!((frequency / expected - 1.0).abs() < 0.01, "{start:?}: {frequency} rad/s, {expected}");
+    }
+}
+
+#[test]
+fn an_anti_roll_bar_resists_roll_alone() {
+    for mut spec in [without_damping(hmmwv()), without_damping(on_beams(0.0))] {
+        let springs = build(&spec);
+        for axle in &mut spec.axles {
+            axle.suspension.anti_roll = Some(AntiRoll::Travel { stiffness: 40000.0 });
+        }
+        let bars = build(&spec);
+        // The travels' accelerations in the first step, with a bar less without.
+        let first = |vehicle: &Vehicle, travels: [f64; 2]| {
+            let mut v = vehicle.clone();
+            v.mass = 1e9;
+            v.inertia = V3::repeat(1e9);
+            (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+            let mut rates = [0.0; 2];
+            fall(&mut v, &spec, 1e-3, 1, |v, _| rates = [0, 1].map(|i| v.corners[i].travel_rate / 1e-3));
+            rates
+        };
+        let change = |travels: [f64; 2]| {
+            let (a, b) = (first(&springs, travels), first(&bars, travels));
+            [b[0] - a[0], b[1] - a[1]]
+        };
+        assert!(change([0.03, 0.03]).iter().all(|x| x.abs() < 1e-6));
+        let [l, r] = change([0.03, -0.03]);
+        // 40 kN/m over 0.06 m against the unsprung mass of one end.
+        let mass = |v: &Vehicle| {
+            let c = &v.corners[0];
+            if v.beams.is_empty() { c.mass } else { c.mass + v.beams[0].hub_mass() }
+        };
+        let expected = -40000.0 * 0.06 / mass(&bars);
+        assert!((l / expected - 1.0).abs() < 0.1, "{l} {expected}");
+        assert!((l + r).abs() < 0.1 * l.abs(), "{l} {r}");
+    }
+}
+
+#[test]
+fn a_bar_with_drop_links_resists_roll_by_the_twist_of_its_arms() {
+    let mut spec = without_damping(hmmwv());
+    let springs = build(&spec);
+    let (stiffness, arm) = (8000.0, 0.25);
+    for axle in &mut spec.axles {
+        // Long upright drop links from the lower arms, on which they sit at the ball joints' height.
+        axle.suspension.anti_roll = Some(AntiRoll::Bar {
+            stiffness,
+            damping: 0.0,
+            pivot: [0.25, 0.78, 5.0],
+            arm_end: [0.0, 0.78, 5.0],
+            link_end: [0.0, 0.78, -0.118],
+            part: Part::Arm,
+        });
+    }
+    let bars = build(&spec);
+    let force = |vehicle: &Vehicle, travels: [f64; 2]| {
+        let mut v = vehicle.clone();
+        (v.mass, v.inertia) = (1e9, V3::repeat(1e9));
+        (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+        let mut rate = 0.0;
+        fall(&mut v, &spec, 1e-3, 1, |v, _| rate = v.corners[0].travel_rate);
+        rate / 1e-3 * v.corners[0].mass
+    };
+    let change = |travels: [f64; 2]| force(&bars, travels) - force(&springs, travels);
+    assert!(change([0.02, 0.02]).abs() < 1e-6);
+    // The links follow the wheels nearly one to one: a twist of 0.04 m over the arm, back through the same ratio.
+    let expected = -stiffness * (0.04 / arm) / arm;
+    let got = change([0.02, -0.02]);
+    assert!((got / expected - 1.0).abs() < 0.15, "{got} N, {expected} N");
+}
+
+/// Sets the vehicle down on flat ground, brakes on, and lets it come to rest.
+fn at_rest(spec: &VehicleSpec) -> Vehicle {
+    let mut vehicle = build(spec);
+    let (heightfield, semantics, obstacles) = flat();
+    let mut soil = SoilGround::none();
+    let mut ground =
+        Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
+    let wheel = WheelShape::new(&spec.tyre);
+    vehicle.x.z = spec.tyre.radius() + spec.chassis.com[2];
+    let controls = Controls { brake: 1.0, ..Controls::default() };
+    for _ in 0..6000 {
+        vehicle.accelerate(controls, &mut ground, &wheel, 1e-3);
+        vehicle.move_on(1e-3);
+    }
+    vehicle
+}
+
+#[test]
+fn every_suspension_carries_the_vehicles_weight_at_rest() {
+    let mut rigid = hmmwv();
+    rigid.axles[1].suspension = crate::Suspension {
+        linkage: Linkage::Rigid(crate::RigidMount { spindle: [0.0, 0.909_701, -0.026] }),
+        range: [0.0; 2],
+        struts: vec![],
+        stops: None,
+        anti_roll: None,
+    };
+    let mut arms = on_arms();
+    for axle in &mut arms.axles {
+        if let Linkage::TorsionArm(l) = &mut axle.suspension.linkage
+            && let Some(t) = &mut l.torsion
+        {
+            t.damping = 600.0;
+        }
+    }
+    let mut pivot = hmmwv();
+    pivot.axles[1].suspension.linkage = Linkage::PivotAxle(crate::PivotAxle {
+        spindle: [0.0, 0.909_701, -0.026],
+        beam: BeamSpec { mass: 120.0, inertia: 40.0 },
+        pin_height: 0.1,
+        knuckles: None,
+    });
+    pivot.axles[1].suspension.struts.clear();
+    let stops = Some(Stops { jounce: 0.12, rebound: -0.12, stiffness: 8e5, table: vec![] });
+    for (name, mut spec) in [("beams on rods", on_beams(8000.0)), ("arms", arms), ("rigid rear", rigid)] {
+        for axle in &mut spec.axles {
+            if !matches!(axle.suspension.linkage, Linkage::Rigid(_)) {
+                axle.suspension.stops.clone_from(&stops);
+            }
+        }
+        let v = at_rest(&spec);
+        assert!(v.v.norm() < 1e-3 && v.w.norm() < 1e-3, "{name}: {} {}", v.v, v.w);
+        let carried: f64 = v.corners.iter().map(|c| c.load).sum();
+        let weight = GRAVITY * spec.total_mass();
+        assert!((carried / weight - 1.0).abs() < 1e-3, "{name}: {carried} {weight}");
+        let (mass, _, _) = v.composite();
+        assert!((mass / spec.total_mass() - 1.0).abs() < 1e-12, "{name}");
+        let (left, right) = (v.corners[0].load, v.corners[1].load);
+        assert!((left / right - 1.0).abs() < 0.01, "{name}: {left} {right}");
+        for (i, c) in v.corners.iter().enumerate() {
+            assert!(c.travel.abs() < 0.13, "{name}: travel {i} {}", c.travel);
+        }
+    }
+}
+
+#[test]
+fn every_steered_axle_turns_by_its_own_gear() {
+    let mut spec = hmmwv();
+    let gear = SteeringGear::RackAndPinion { travel: -0.02 };
+    spec.axles[1].steering = Some(gear);
+    let v = build(&spec);
+    let angle = |i: usize| {
+        let (_, axis) = v.guided(&v.corners[i], [0.0; 2], 1.0);
+        vb_math::atan2(-axis.x, axis.y)
+    };
+    assert!(angle(0) > 0.3, "front to the left: {}", angle(0));
+    // The rear's tie rods lie ahead of the axle.
+    assert!(angle(2).abs() > 0.05 && angle(2).abs() < 0.2, "rear by less: {}", angle(2));
+}

@@ -1,0 +1,124 @@
+//! Torque of engines over speed and throttle.
+
+use super::table::interpolate;
+use crate::spec::Engine;
+
+/// Part of its greatest speed over which the torque of a simple engine ends. Ours: the source drops it at once, which
+/// chatters.
+const CUT_OFF: f64 = 0.01;
+
+/// Torque of an engine and how it changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Law {
+    /// N m; negative is drag.
+    pub(super) torque: f64,
+    /// ∂torque/∂speed, N m s.
+    pub(super) by_speed: f64,
+    /// ∂torque/∂throttle, N m.
+    pub(super) by_throttle: f64,
+}
+
+impl Engine {
+    /// Torque at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1], N m.
+    #[must_use]
+    pub fn torque(&self, speed: f64, throttle: f64) -> f64 {
+        self.law(speed, throttle).torque
+    }
+
+    /// Inertia at engine speed, kg m².
+    #[must_use]
+    pub fn inertia(&self) -> f64 {
+        match self {
+            Self::Map { inertia, .. } | Self::Simple { inertia, .. } | Self::Electric { inertia, .. } => {
+                *inertia
+            }
+        }
+    }
+
+    pub(super) fn law(&self, speed: f64, throttle: f64) -> Law {
+        let ((full, full_slope), (closed, closed_slope)) = match self {
+            Self::Map { full_throttle, closed_throttle, .. } => {
+                (interpolate(full_throttle, speed), interpolate(closed_throttle, speed))
+            }
+            Self::Simple { torque, power, max_speed, .. } => {
+                (simple(*torque, *power, *max_speed, speed), (0.0, 0.0))
+            }
+            Self::Electric { torque, regeneration, .. } => {
+                // Armature with constant flux: torque ∝ (voltage − back-EMF), so shorted it brakes ∝ speed.
+                let (stall, no_load) = (torque[0][1], torque[torque.len() - 1][0]);
+                let slope = -regeneration * stall / no_load;
+                (interpolate(torque, speed), (slope * speed, slope))
+            }
+        };
+        Law {
+            torque: closed + (full - closed) * throttle,
+            by_speed: closed_slope + (full_slope - closed_slope) * throttle,
+            by_throttle: full - closed,
+        }
+    }
+}
+
+/// Torque of a simple engine at full throttle and its derivative: T up to P/T, then P over speed.
+fn simple(torque: f64, power: f64, max_speed: f64, speed: f64) -> (f64, f64) {
+    let (t, slope) =
+        if speed * torque <= power { (torque, 0.0) } else { (power / speed, -power / (speed * speed)) };
+    let over = (speed - max_speed) / (CUT_OFF * max_speed);
+    if over <= 0.0 {
+        (t, slope)
+    } else if over < 1.0 {
+        (t * (1.0 - over), slope * (1.0 - over) - t / (CUT_OFF * max_speed))
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_simple_engine_gives_its_torque_then_its_power_then_nothing() {
+        // Gator (vehicles/gator.yaml): 200 N m, 14 kW, 3500 rpm; corner speed 70 rad/s.
+        let e = Engine::Simple { torque: 200.0, power: 14_000.0, max_speed: 366.519, inertia: 0.0 };
+        assert_eq!(e.torque(0.0, 1.0), 200.0);
+        assert_eq!(e.torque(69.9, 0.5), 100.0);
+        assert!((e.torque(140.0, 1.0) - 100.0).abs() < 1e-12);
+        assert!((e.torque(350.0, 1.0) * 350.0 - 14_000.0).abs() < 1e-9);
+        assert_eq!(e.torque(371.0, 1.0), 0.0);
+        assert_eq!(e.torque(100.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn a_motor_with_full_regeneration_is_a_direct_current_motor() {
+        // T = T_stall (u − ω/ω₀); ARTcar: 1.6 N m, 503.7 rad/s (vehicles/artcar.yaml).
+        let motor = |regeneration| Engine::Electric {
+            torque: vec![[0.0, 1.6], [503.702, 0.0]],
+            regeneration,
+            inertia: 0.0,
+        };
+        for (u, w) in [(1.0, 0.0), (1.0, 251.851), (0.3, 300.0), (0.0, 100.0)] {
+            let expected = 1.6 * (u - w / 503.702);
+            assert!((motor(1.0).torque(w, u) - expected).abs() < 1e-12, "{u} {w}");
+        }
+        assert_eq!(motor(0.0).torque(100.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn the_slopes_are_those_of_the_torque() {
+        let map = Engine::Map {
+            full_throttle: vec![[0.0, 400.0], [100.0, 900.0], [200.0, -300.0]],
+            closed_throttle: vec![[0.0, 0.0], [150.0, -40.0]],
+            inertia: 0.0,
+        };
+        let simple = Engine::Simple { torque: 200.0, power: 14_000.0, max_speed: 300.0, inertia: 0.0 };
+        for e in [map, simple] {
+            for (speed, throttle) in [(30.0, 0.2), (120.0, 0.8), (180.0, 1.0), (301.5, 0.6)] {
+                let l = e.law(speed, throttle);
+                let h = 1e-5;
+                let by_speed = (e.torque(speed + h, throttle) - e.torque(speed - h, throttle)) / (2.0 * h);
+                let by_throttle = e.torque(speed, 1.0) - e.torque(speed, 0.0);
+                assert!((l.by_speed - by_speed).abs() < 1e-5 && (l.by_throttle - by_throttle).abs() < 1e-9);
+            }
+        }
+    }
+}

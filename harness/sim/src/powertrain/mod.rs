@@ -1,0 +1,141 @@
+//! From throttle and brakes to the wheels' spins: engine, converter, gearbox, driveline.
+
+mod converter;
+mod driveline;
+mod engine;
+mod gearbox;
+mod table;
+
+use crate::spec::{Engine, VehicleSpec};
+use converter::FreeEngine;
+pub(crate) use driveline::Wheels;
+use driveline::{Driveline, Input};
+use gearbox::Shifter;
+pub(crate) use table::interpolate;
+
+/// What an engine does at the input shaft of the gearbox in one step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Coupling {
+    /// N m.
+    torque: f64,
+    /// Fall of the torque with the shaft's speed, N m s.
+    drag: f64,
+    /// Inertia that turns with the shaft, kg m².
+    inertia: f64,
+}
+
+/// What the engine and its shafts do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveState {
+    /// Gear, from 1.
+    pub gear: usize,
+    /// Speed of the engine, rad/s.
+    pub engine_speed: f64,
+    /// Torque of the engine, N m; negative when it drags.
+    pub engine_torque: f64,
+    /// Speed of the gearbox' output shaft, rad/s.
+    pub shaft_speed: f64,
+    /// Torque on the gearbox' output shaft, N m.
+    pub shaft_torque: f64,
+}
+
+/// The whole powertrain with its state.
+#[derive(Clone, Debug)]
+pub(crate) struct Drive {
+    engine: Engine,
+    free: Option<FreeEngine>,
+    shifter: Shifter,
+    driveline: Driveline,
+    /// The vehicle's inertia as the output shaft feels it, kg m².
+    vehicle_inertia: f64,
+    state: DriveState,
+}
+
+impl Drive {
+    pub(crate) fn new(v: &VehicleSpec) -> Self {
+        let p = &v.powertrain;
+        let driveline = Driveline::new(v);
+        let mass = v.chassis.mass + v.axles.iter().map(|a| 2.0 * a.unsprung_mass).sum::<f64>();
+        let lever = v.tyre.radius() / driveline.reduction();
+        Self {
+            engine: p.engine.clone(),
+            free: p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine)),
+            shifter: Shifter::new(&p.gearbox),
+            driveline,
+            vehicle_inertia: mass * lever * lever,
+            state: DriveState { gear: 1, ..DriveState::default() },
+        }
+    }
+
+    pub(crate) fn state(&self) -> DriveState {
+        self.state
+    }
+
+    /// All numbers that the next step depends on, beside the wheels' spins.
+    pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
+        let s = &self.shifter;
+        let free = self.free.iter().flat_map(|f| [f.speed, f64::from(u8::from(f.bridged))]);
+        [s.gear as f64, s.interrupted, s.wait, s.load].into_iter().chain(free)
+    }
+
+    /// Advances the spins of all wheels, the engine and the gear by `dt`.
+    pub(crate) fn advance(&mut self, throttle: f64, wheels: &mut Wheels<'_>, dt: f64) {
+        let shaft = self.driveline.shaft_speed(wheels.spins);
+        let ratio = self.shifter.ratio();
+        let input = shaft / ratio;
+        let interrupts = self.shifter.interrupts();
+        // While a shift interrupts the torque the throttle is closed.
+        let demand = if interrupts { 0.0 } else { throttle };
+        let (coupling, friction, engine_torque) = match &mut self.free {
+            Some(free) => {
+                let (coupling, torque) = free.prepare(&self.engine, demand, input, dt);
+                (coupling, 0.0, torque)
+            }
+            None => rigid(&self.engine, demand, input),
+        };
+        let given = if interrupts {
+            Input::default()
+        } else {
+            Input {
+                torque: coupling.torque / ratio,
+                friction: friction / ratio,
+                drag: coupling.drag / (ratio * ratio),
+                inertia: coupling.inertia / (ratio * ratio),
+            }
+        };
+        let held = self.driveline.advance(given, wheels, dt);
+        let after = self.driveline.shaft_speed(wheels.spins);
+        if let Some(free) = &mut self.free {
+            free.finish((after - shaft) / ratio);
+        }
+        let torque = given.torque - given.drag * (after - shaft) - held;
+        self.shifter.sense(torque - self.vehicle_inertia * (after - shaft) / dt, dt);
+        self.state = DriveState {
+            gear: self.shifter.gear + 1,
+            engine_speed: self.free.as_ref().map_or(input.abs(), |f| f.speed),
+            engine_torque,
+            shaft_speed: after,
+            shaft_torque: torque,
+        };
+        let engine = &self.engine;
+        self.shifter.shift(input.abs(), |speed, r| engine.torque(speed, throttle) / r);
+    }
+}
+
+/// An engine that turns with the input shaft: coupling, greatest drag and torque, N m.
+///
+/// It drives forward only; what is drag opposes the motion either way, and holds at rest. A shift brings it to the new
+/// gear's speed at once, at the expense of its clutch and fuel: the vehicle feels no jerk.
+fn rigid(engine: &Engine, throttle: f64, input: f64) -> (Coupling, f64, f64) {
+    let law = engine.law(input.abs(), throttle);
+    let opposes = law.torque < 0.0 || input >= 0.0;
+    let coupling = Coupling {
+        torque: law.torque.max(0.0),
+        drag: if opposes { (-law.by_speed).max(0.0) } else { 0.0 },
+        inertia: engine.inertia(),
+    };
+    (coupling, (-law.torque).max(0.0), law.torque)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,15 @@
+//! Tables of points, linear between them.
+
+/// Value and derivative at `x`; constant beyond the ends, where the derivative is 0.
+pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
+    let k = points.partition_point(|p| p[0] <= x);
+    if k == 0 {
+        return (points[0][1], 0.0);
+    }
+    if k == points.len() {
+        return (points[k - 1][1], 0.0);
+    }
+    let ([x0, y0], [x1, y1]) = (points[k - 1], points[k]);
+    let slope = (y1 - y0) / (x1 - x0);
+    (y0 + slope * (x - x0), slope)
+}

@@ -1,0 +1,76 @@
+//! A tyre's steady characteristics, for plots and checks.
+
+use super::patch::Slide;
+use super::{Model, Tyre};
+use vb_math::tan;
+
+/// Force and moment of a tyre that rolls steadily, ISO axes of the contact: x forward, y left, z up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SteadyForce {
+    /// F_x, N.
+    pub longitudinal: f64,
+    /// F_y, N.
+    pub lateral: f64,
+    /// M_z, N m; zero for models without one.
+    pub aligning: f64,
+}
+
+impl Tyre {
+    /// The deflection at which the radial force is `load` (N, ≥ 0), m; at most the radius.
+    #[must_use]
+    pub fn deflection(&self, load: f64) -> f64 {
+        let (mut low, mut high) = (0.0, self.envelope.radius());
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.vertical_force(middle) < load { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// What the tyre does at a steady slip.
+    ///
+    /// `load`: normal force, N. `slip`: longitudinal slip κ = (ω R_e − v_x)/v_x, −1 locked. `slip_angle`:
+    /// α = atan(v_y/v_x), rad, below a right angle. `friction`: of the ground. Driven at 10 m/s, where no model's
+    /// measures for standstill act. Zero where load or friction is not positive.
+    #[must_use]
+    pub fn steady_force(&self, load: f64, slip: f64, slip_angle: f64, friction: f64) -> SteadyForce {
+        if load <= 0.0 || friction <= 0.0 {
+            return SteadyForce::default();
+        }
+        let forward = 10.0;
+        let sliding = [-slip * forward, tan(slip_angle) * forward];
+        let s = Slide {
+            sliding,
+            rolling: ((1.0 + slip) * forward).abs(),
+            forward,
+            load,
+            depth: self.deflection(load),
+            friction,
+        };
+        // A carcass that has settled yields to all of the curve, up to its limit.
+        let settled = [f64::INFINITY; 2];
+        let (force, aligning) = match &self.model {
+            Model::Rigid(m) => (m.creep(&s, settled).steady(sliding), 0.0),
+            Model::Brush(m) => (m.steady(&s), 0.0),
+            Model::Fiala(m) => {
+                let creep = m.creep(&s, settled);
+                let force = creep.steady(sliding);
+                (force, m.aligning(&s, force[1], creep.limit[0]))
+            }
+            Model::Tmeasy(m) => {
+                let force = m.creep(&s, settled).steady(sliding);
+                (force, m.aligning(&s, force[1]))
+            }
+        };
+        SteadyForce { longitudinal: force[0], lateral: force[1], aligning }
+    }
+
+    /// Samples for a plot: for each load (N), in their order, the steady forces over `points`, pairs of longitudinal
+    /// slip and slip angle (rad); see [`Tyre::steady_force`].
+    #[must_use]
+    pub fn sample(&self, loads: &[f64], points: &[(f64, f64)], friction: f64) -> Vec<Vec<SteadyForce>> {
+        let curve =
+            |load: f64| points.iter().map(|&(k, a)| self.steady_force(load, k, a, friction)).collect();
+        loads.iter().map(|&load| curve(load)).collect()
+    }
+}

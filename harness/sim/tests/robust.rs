@@ -1,0 +1,112 @@
+//! Whatever the world and the commands, the simulation goes on: no NaN, no tunnelling, no explosion, no energy from
+//! nowhere.
+
+mod common;
+use common::{hmmwv, soils};
+use std::sync::Arc;
+use vb_math::rng::Stream;
+use vb_sim::{Controls, SimOptions, Simulation};
+use vb_world::{
+    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Semantics, SoilLevel, SoilLevels,
+    Terrain, TerrainClass, World,
+};
+
+/// Rough ground with all classes in patches of 4 m, and boulders and trunks anywhere.
+fn wild_world(rng: &mut Stream) -> Arc<World> {
+    let n = 49;
+    let rough = rng.uniform(0.02, 0.5);
+    let heights = (0..n * n).map(|_| rng.normal(0.0, rough)).collect();
+    let patches = 12;
+    let classes: Vec<_> = (0..patches * patches).map(|_| TerrainClass::ALL[rng.below(10) as usize]).collect();
+    let friction =
+        classes.iter().map(|c| if c.is_deformable() { 0.0 } else { rng.uniform(0.1, 1.0) }).collect();
+    let mut level = || SoilLevel::ALL[rng.below(3) as usize];
+    let soil = SoilLevels { mud: level(), sand: level(), snow: level() };
+    let obstacles = (0..12)
+        .map(|k| Obstacle {
+            x: rng.uniform(-20.0, 20.0),
+            y: rng.uniform(-20.0, 20.0),
+            yaw: rng.uniform(-3.0, 3.0),
+            buried: 0.5,
+            kind: if k % 3 == 0 {
+                ObstacleKind::Trunk { radius: 0.4, height: 4.0 }
+            } else {
+                ObstacleKind::Boulder { size: [2.0, 2.5, 1.8], seed: k }
+            },
+        })
+        .collect();
+    Arc::new(World {
+        id: "wild".to_owned(),
+        elevation: Elevation::High,
+        terrain: Terrain::Mixed,
+        density: Density::Dense,
+        scale: 1.0,
+        heightfield: Heightfield::new(n, n, 1.0, heights),
+        semantics: Semantics { rows: patches, cols: patches, patch: 4.0, classes, friction, soil },
+        obstacles,
+        tasks: vec![],
+    })
+}
+
+/// Drives with commands that no planner would give; returns the way of the centre.
+fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> f64 {
+    let world = wild_world(rng);
+    let start =
+        Pose2 { x: rng.uniform(-22.0, 22.0), y: rng.uniform(-22.0, 22.0), yaw: rng.uniform(-3.1, 3.1) };
+    let options = SimOptions { step, ..SimOptions::default() };
+    let mut sim = Simulation::new(world.clone(), &hmmwv(), &soils(), start, options).expect("it starts");
+    let from = sim.state().position;
+    let mode = rng.below(4);
+    let every = if mode == 0 { 1 } else { 20 };
+    while sim.time() < seconds {
+        let controls = match mode {
+            // Full lock the other way at every step, throttle and brake together.
+            0 => Controls {
+                steering: if sim.steps().is_multiple_of(2) { 1.0 } else { -1.0 },
+                throttle: 1.0,
+                brake: 1.0,
+            },
+            1 => Controls { steering: rng.uniform(-1.0, 1.0), throttle: 1.0, brake: 0.0 },
+            2 => Controls {
+                steering: rng.uniform(-1.0, 1.0),
+                throttle: rng.uniform(0.0, 1.0),
+                brake: rng.uniform(0.0, 1.0),
+            },
+            _ => Controls { steering: 1.0, throttle: rng.uniform(0.0, 1.0), brake: 0.0 },
+        };
+        // A state that no vehicle can have, below the ground or beyond all speed, is an error.
+        sim.advance(controls, every).expect("it goes on");
+    }
+    let s = sim.state();
+    assert!(s.velocity.norm() < 60.0 && s.rates.norm() < 60.0, "{:?} {:?}", s.velocity, s.rates);
+    let ground = world.heightfield.height(s.position.x, s.position.y);
+    assert!(s.position.z > ground - 1.5, "its middle is {} m below the ground", ground - s.position.z);
+    (s.position - from).norm()
+}
+
+#[test]
+fn wild_commands_in_wild_worlds_never_make_it_diverge() {
+    let mut rng = Stream::new(11, &["wild"]);
+    let moved = (0..24).filter(|_| drive_wildly(&mut rng, 4.0, 1e-3) > 1.0).count();
+    assert!(moved >= 8, "only {moved} of 24 went anywhere: the test tests nothing");
+}
+
+#[test]
+fn steps_of_a_quarter_and_of_three_milliseconds_do_not_diverge_either() {
+    let mut rng = Stream::new(12, &["wild"]);
+    for step in [2.5e-4, 3e-3] {
+        for _ in 0..4 {
+            drive_wildly(&mut rng, 2.0, step);
+        }
+    }
+}
+
+/// Ten hours, a new world every ten minutes. About five minutes: `cargo test --release -p vb-sim -- --ignored soak`.
+#[test]
+#[ignore = "ten hours of simulated time"]
+fn soak() {
+    let mut rng = Stream::new(13, &["soak"]);
+    for _ in 0..60 {
+        drive_wildly(&mut rng, 600.0, 1e-3);
+    }
+}
