@@ -13,6 +13,7 @@ Exit codes:
     3  a suite, plugin, rule file, vehicle file or recorded run can't be used
     4  results can't be written (disk full, no permission, directory not empty or in use)
     5  completed, but the simulation of some tasks failed
+    6  completed, but the vehicle failed some checks of its test
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -46,6 +47,9 @@ pub(crate) enum Command {
     /// List tasks
     #[command(subcommand)]
     Tasks(TasksCommand),
+    /// List, show, check and test vehicles
+    #[command(subcommand)]
+    Vehicle(VehicleCommand),
 }
 
 #[derive(Debug, Subcommand)]
@@ -66,6 +70,18 @@ pub(crate) enum SuiteCommand {
 pub(crate) enum TasksCommand {
     /// List the tasks of a suite, or those that a selector chooses
     List(TasksArgs),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum VehicleCommand {
+    /// List the vehicles that come with the harness
+    List,
+    /// Show what a vehicle is made of
+    Show(VehicleArgs),
+    /// Read a vehicle file and check every value
+    Validate(VehicleArgs),
+    /// Drive a vehicle through standard events and hold it against theory, published figures and Project Chrono
+    Test(VehicleTestArgs),
 }
 
 /// How results are told.
@@ -219,6 +235,44 @@ pub(crate) struct TasksArgs {
     /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleArgs {
+    /// Vehicle: a name, or a file
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) vehicle: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleTestArgs {
+    /// Vehicle: a name, or a file
+    #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
+    pub(crate) vehicle: Option<String>,
+    /// Directory for report.html, results.json and the time series; default: runs/test-VEHICLE-N
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Tyre to put on: the name of one of the vehicle's, e.g. rigid
+    #[arg(long, value_name = "NAME")]
+    pub(crate) tyre: Option<String>,
+    /// Event to run; may be repeated; default: all
+    #[arg(long = "event", value_name = "NAME")]
+    pub(crate) events: Vec<String>,
+    /// List the events and do nothing else
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Figures to hold the vehicle against beside theory; default: tasks/validation/VEHICLE.yaml, if it is there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) references: Option<PathBuf>,
+    /// Step of the simulation in milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 1.0)]
+    pub(crate) step: f64,
+    /// Events run at a time; default: number of cores
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) message_format: MessageFormat,

@@ -14,6 +14,8 @@ pub(crate) const BAD_INPUT: u8 = 3;
 pub(crate) const OUTPUT: u8 = 4;
 /// The run was completed, but the simulation of some tasks failed.
 pub(crate) const SIM_ERRORS: u8 = 5;
+/// The test of a vehicle was completed, but some checks failed.
+pub(crate) const CHECKS_FAILED: u8 = 6;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -49,6 +51,10 @@ impl CliError {
 
     pub(crate) fn sim_errors(message: impl fmt::Display) -> Self {
         Self::new(SIM_ERRORS, message)
+    }
+
+    pub(crate) fn checks_failed(message: impl fmt::Display) -> Self {
+        Self::new(CHECKS_FAILED, message)
     }
 
     pub(crate) fn interrupted(message: impl fmt::Display) -> Self {

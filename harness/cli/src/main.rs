@@ -9,6 +9,7 @@ mod progress;
 mod run;
 mod score;
 mod suite;
+mod vehicle;
 
 use std::process::ExitCode;
 
@@ -39,6 +40,10 @@ fn main() -> ExitCode {
         Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
         Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
         Some(args::Command::Tasks(args::TasksCommand::List(args))) => suite::tasks(&args),
+        Some(args::Command::Vehicle(args::VehicleCommand::List)) => vehicle::list(),
+        Some(args::Command::Vehicle(args::VehicleCommand::Show(args))) => vehicle::show(&args),
+        Some(args::Command::Vehicle(args::VehicleCommand::Validate(args))) => vehicle::validate(&args),
+        Some(args::Command::Vehicle(args::VehicleCommand::Test(args))) => vehicle::test(&args),
     };
     match result {
         Ok(()) => ExitCode::from(error::DONE),

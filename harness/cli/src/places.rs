@@ -101,6 +101,16 @@ pub(crate) fn data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
     if file.is_file() {
         return Ok(file);
     }
+    Err(CliError::input(format!(
+        "there is no {} {wanted} (give a file, or one of: {})",
+        kind.noun(),
+        names(kind)?.join(", ")
+    )))
+}
+
+/// The names of the data files of a kind that come with the harness.
+pub(crate) fn names(kind: Data) -> Result<Vec<String>, CliError> {
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join(kind.folder());
     let mut names: Vec<String> = std::fs::read_dir(&dir)
         .into_iter()
         .flatten()
@@ -108,11 +118,13 @@ pub(crate) fn data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
         .filter_map(|e| e.file_name().to_string_lossy().strip_suffix(".yaml").map(str::to_owned))
         .collect();
     names.sort();
-    Err(CliError::input(format!(
-        "there is no {} {wanted} (give a file, or one of: {})",
-        kind.noun(),
-        names.join(", ")
-    )))
+    Ok(names)
+}
+
+/// The file of reference figures that comes with the harness for a vehicle of this name, if there is one.
+pub(crate) fn references(vehicle: &str) -> Option<PathBuf> {
+    let file = tasks_dir()?.join("validation").join(format!("{vehicle}.yaml"));
+    file.is_file().then_some(file)
 }
 
 /// Whether this is a bare name rather than a path.

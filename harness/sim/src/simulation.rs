@@ -323,6 +323,25 @@ impl Simulation {
         self.hull_near = true;
     }
 
+    /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, wheels at
+    /// design height. For drops and free fall.
+    pub fn lift(&mut self, height: f64) {
+        let v = &mut self.vehicle;
+        let forward = v.q * V3::x();
+        v.q = Quat::from_axis_angle(&V3::z_axis(), vb_math::atan2(forward.y, forward.x));
+        v.x.z = self.world.heightfield.height(v.x.x, v.x.y) + height - (v.q * self.reference).z;
+        v.v = V3::zeros();
+        v.w = V3::zeros();
+        v.reset_wheels();
+        self.hull_near = true;
+    }
+
+    /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`crate::GRAVITY`]) at first. Not part
+    /// of [`Self::visit_state`]: whoever changes it does so again in a repeated run.
+    pub fn set_gravity(&mut self, gravity: [f64; 3]) {
+        self.vehicle.gravity = V3::from(gravity);
+    }
+
     /// Feeds every number that determines the future into `sink`, in a fixed order.
     pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
         let v = &self.vehicle;

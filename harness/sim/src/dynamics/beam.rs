@@ -9,7 +9,7 @@
 use super::{Corner, Forces, solve::skew};
 use crate::spec::Linkage;
 use crate::suspension::BeamAxle;
-use crate::{GRAVITY, M3, V3};
+use crate::{M3, V3};
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
 use std::sync::Arc;
 
@@ -105,16 +105,16 @@ impl Beam {
         self.at_middle
     }
 
-    /// Eliminates the travels of the two wheels; `w` is the chassis' angular velocity.
+    /// Eliminates the travels of the two wheels; `w` is the chassis' angular velocity, `gravity` in world axes.
     pub(super) fn eliminate(
         &self,
         pair: &[Corner],
         forces: &[Forces],
         w: &V3,
+        gravity: &V3,
         dt: f64,
     ) -> (Passed, Remembered) {
         let rates = Vector2::new(pair[0].travel_rate, pair[1].travel_rate);
-        let gravity = V3::new(0.0, 0.0, -GRAVITY);
         let mut d = Matrix2::zeros();
         let mut rhs = Vector2::zeros();
         let (mut h_angular, mut h_linear) = (Matrix3x2::zeros(), Matrix3x2::zeros());
@@ -210,7 +210,7 @@ mod tests {
         (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
         v.place_wheels(&M3::identity(), 0.0);
         let rhs = |v: &crate::dynamics::Vehicle| {
-            v.beams[0].eliminate(&v.corners[..2], &v.forces[..2], &V3::zeros(), 1e-3).1.rhs
+            v.beams[0].eliminate(&v.corners[..2], &v.forces[..2], &V3::zeros(), &v.gravity, 1e-3).1.rhs
         };
         let before = rhs(&v);
         let (force, arm) = (V3::new(40.0, 300.0, 500.0), V3::new(0.05, 0.02, -0.4));

@@ -20,7 +20,7 @@ use crate::spec::{AntiRoll, Stops, VehicleSpec};
 use crate::state::{Controls, WheelState};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
 use crate::tyre::{Envelope, Patch, Tyre};
-use crate::{M3, Quat, V3};
+use crate::{GRAVITY, M3, Quat, V3};
 use beam::Beam;
 use std::sync::Arc;
 use vb_world::{Heightfield, Semantics};
@@ -119,6 +119,8 @@ pub(crate) struct Vehicle {
     bars: Vec<Bar>,
     drive: Drive,
     forces: Vec<Forces>,
+    /// World axes, m/s².
+    pub(crate) gravity: V3,
     pub(crate) x: V3,
     pub(crate) q: Quat,
     pub(crate) v: V3,
@@ -182,6 +184,7 @@ impl Vehicle {
             beams,
             bars,
             drive,
+            gravity: V3::new(0.0, 0.0, -GRAVITY),
             x: V3::zeros(),
             q: Quat::identity(),
             v: V3::zeros(),
@@ -239,6 +242,14 @@ impl Vehicle {
 
     pub(crate) fn envelope(&self) -> &Envelope {
         self.tyre.envelope()
+    }
+
+    /// Brings all wheels to design height, at rest and without tyre forces.
+    pub(crate) fn reset_wheels(&mut self) {
+        for c in &mut self.corners {
+            (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
+            (c.ground_patch, c.obstacle_patch) = (Patch::default(), Patch::default());
+        }
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

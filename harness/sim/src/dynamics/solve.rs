@@ -2,7 +2,7 @@
 
 use super::{Guide, MAX_WHEELS, Vehicle};
 use crate::powertrain::interpolate;
-use crate::{GRAVITY, M3, V3};
+use crate::{M3, V3};
 use nalgebra::{Matrix6, Vector6};
 
 pub(super) fn skew(r: &V3) -> M3 {
@@ -23,7 +23,7 @@ impl Vehicle {
 
     pub(super) fn solve(&mut self, turn: &M3, axle_torques: &[f64; MAX_WHEELS], dt: f64) {
         let inertia = turn * M3::from_diagonal(&self.inertia) * turn.transpose();
-        let gravity = V3::new(0.0, 0.0, -GRAVITY);
+        let gravity = self.gravity;
         let mut angular = inertia;
         let mut coupling = M3::zeros();
         let mut linear = M3::from_diagonal_element(self.mass);
@@ -93,7 +93,8 @@ impl Vehicle {
         let mut beams = [None; MAX_WHEELS / 2];
         for (b, kept) in self.beams.iter().zip(&mut beams) {
             let pair = b.left..b.left + 2;
-            let (p, remembered) = b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, dt);
+            let (p, remembered) =
+                b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, &self.gravity, dt);
             angular += p.angular;
             coupling += p.coupling;
             linear += p.linear;

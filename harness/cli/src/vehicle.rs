@@ -1,0 +1,203 @@
+//! `vb-harness vehicle`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vb_sim::{SoilSet, VehicleSpec};
+use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
+
+use crate::args::{MessageFormat, VehicleArgs, VehicleTestArgs};
+use crate::error::CliError;
+use crate::{output, places};
+
+fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
+    let path = places::data(places::Data::Vehicle, wanted)?;
+    let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
+    Ok((path, spec))
+}
+
+pub(crate) fn list() -> Result<(), CliError> {
+    let mut rows = Vec::new();
+    for name in places::names(places::Data::Vehicle)? {
+        let (_, spec) = load(&name)?;
+        rows.push(vec![name, spec.description]);
+    }
+    output::text(&output::columns(&rows));
+    Ok(())
+}
+
+pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
+    let (path, spec) = load(&args.vehicle)?;
+    vb_validate::Bench::new(&spec, &[], vb_sim::SimOptions::default().step).map_err(CliError::input)?;
+    output::text(&format!(
+        "{}: {}, {} axles, {:.0} kg, all valid\n",
+        path.display(),
+        spec.name,
+        spec.axles.len(),
+        spec.total_mass()
+    ));
+    Ok(())
+}
+
+pub(crate) fn show(args: &VehicleArgs) -> Result<(), CliError> {
+    let (path, v) = load(&args.vehicle)?;
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut row = |name: &str, value: String| rows.push(vec![name.to_owned(), value]);
+    row("name", v.name.clone());
+    row("description", v.description.clone());
+    row("file", path.display().to_string());
+    row("length x width x height", format!("{} x {} x {} m", v.length, v.width, v.height));
+    row("top speed", format!("{} m/s", v.max_speed));
+    row("mass", format!("{:.1} kg, {:.1} kg of it sprung", v.total_mass(), v.chassis.mass));
+    let [x, y, z] = v.chassis.com;
+    row("centre of sprung mass", format!("{x} m ahead, {y} m left, {z} m above the chassis frame"));
+    let [x, y, z] = v.chassis.inertia;
+    row("sprung inertia", format!("{x}, {y}, {z} kg m² about x, y, z"));
+    for a in &v.axles {
+        let mut words = vec![format!("at x = {} m", a.position[0])];
+        words.extend(a.steering.is_some().then(|| "steered".to_owned()));
+        words.extend(a.driven.then(|| "driven".to_owned()));
+        words.push(format!("{:.1} kg unsprung", 2.0 * a.unsprung_mass));
+        words.push(format!("brakes {} N m", 2.0 * a.brake_torque));
+        row(&format!("axle {}", a.name), words.join(", "));
+    }
+    let t = &v.tyre;
+    row("tyre", format!("{}, radius {} m, width {} m", t.model(), t.radius(), t.width()));
+    row("gears", v.powertrain.gearbox.ratios.len().to_string());
+    output::text(&output::columns(&rows));
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct EventMessage<'a> {
+    event: &'static str,
+    name: &'a str,
+    passed: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<&'a str>,
+    checks: &'a [Check],
+}
+
+#[derive(Serialize)]
+struct SummaryMessage<'a> {
+    event: &'static str,
+    vehicle: &'a str,
+    passed: bool,
+    checks: Counts,
+    report: &'a Path,
+}
+
+pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
+    if args.list {
+        let rows: Vec<_> =
+            vb_validate::events().iter().map(|e| vec![e.name.to_owned(), e.title.to_owned()]).collect();
+        output::text(&output::columns(&rows));
+        return Ok(());
+    }
+    let Some(wanted) = &args.vehicle else {
+        return Err(CliError::usage("no vehicle given (see vb-harness vehicle test --help)"));
+    };
+    let (_, mut spec) = load(wanted)?;
+    if let Some(tyre) = &args.tyre {
+        spec = spec.with_tyre(tyre).map_err(CliError::usage)?;
+    }
+    let references = match args.references.clone().or_else(|| places::references(&spec.name)) {
+        Some(path) => References::load(&path, &spec.name).map_err(CliError::input)?,
+        None => References::default(),
+    };
+    let mut soils = Vec::new();
+    for name in places::names(places::Data::Soils)? {
+        let path = places::data(places::Data::Soils, &name)?;
+        soils.push(SoilSet::load(&path).map_err(CliError::input)?);
+    }
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let options = RunOptions {
+        events: args.events.clone(),
+        step: args.step * 1e-3,
+        jobs: args.jobs.map_or(cores, usize::from),
+    };
+    let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&format!("test-{}", spec.name)));
+    // What can't be written is said before a minute of driving, not after.
+    std::fs::create_dir_all(&out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
+    let told = |r: &EventResult| {
+        if args.message_format == MessageFormat::Human {
+            output::note(&format!("{} {}", if r.passed() { "pass" } else { "FAIL" }, r.event.name));
+        }
+    };
+    let report = vb_validate::run(&spec, &soils, &references, &options, told).map_err(|e| match e {
+        ValidateError::UnknownEvent { .. } | ValidateError::Step { .. } => CliError::usage(e),
+        ValidateError::Write { .. } => CliError::output(e),
+        other => CliError::input(other),
+    })?;
+    report.write(&out).map_err(CliError::output)?;
+    let page = out.join("report.html");
+    let counts = report.counts(None);
+    match args.message_format {
+        MessageFormat::Json => {
+            for r in &report.results {
+                output::json(&EventMessage {
+                    event: "vehicle_event",
+                    name: r.event.name,
+                    passed: r.passed(),
+                    failure: r.failure.as_deref(),
+                    checks: &r.checks,
+                });
+            }
+            output::json(&SummaryMessage {
+                event: "summary",
+                vehicle: &spec.name,
+                passed: report.passed(),
+                checks: counts,
+                report: &page,
+            });
+        }
+        MessageFormat::Human => output::text(&table(&report.results)),
+    }
+    if args.message_format == MessageFormat::Human {
+        output::note(&format!("{} checks pass, {} fail; {}", counts.passed, counts.failed, page.display()));
+    }
+    if report.passed() {
+        return Ok(());
+    }
+    let broken = report.results.iter().filter(|r| r.failure.is_some()).count();
+    let also = if broken > 0 {
+        format!(", and {broken} events could not be driven to their end")
+    } else {
+        String::new()
+    };
+    Err(CliError::checks_failed(format!(
+        "{}: {} of {} checks failed{also}; see {}",
+        spec.name,
+        counts.failed,
+        counts.passed + counts.failed,
+        page.display()
+    )))
+}
+
+/// Every check on a line, and why an event broke off.
+fn table(results: &[EventResult]) -> String {
+    let head = ["", "event", "figure", "measured", "expected", "unit", "against"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for r in results {
+        if let Some(failure) = &r.failure {
+            rows.push(vec!["FAIL".to_owned(), r.event.name.to_owned(), failure.clone()]);
+        }
+        for c in &r.checks {
+            let verdict = match c.verdict {
+                Verdict::Pass => "pass",
+                Verdict::Fail => "FAIL",
+                Verdict::Shown => "-",
+            };
+            rows.push(vec![
+                verdict.to_owned(),
+                r.event.name.to_owned(),
+                c.expectation.figure.clone(),
+                c.measured.map_or_else(|| "not reached".to_owned(), vb_validate::number),
+                vb_validate::expected(c.expectation.expected),
+                c.unit.clone(),
+                c.expectation.kind.name().to_owned(),
+            ]);
+        }
+    }
+    output::columns(&rows)
+}

@@ -1,0 +1,66 @@
+//! The standard events.
+
+mod convergence;
+mod cornering;
+mod energy;
+mod grades;
+mod kinematics;
+mod longitudinal;
+mod rest;
+mod slopes;
+mod soil;
+mod soil_wheel;
+mod turning;
+mod vertical;
+
+use crate::error::ValidateError;
+use crate::event::Event;
+
+const EVENTS: &[Event] = &[
+    kinematics::SUSPENSION,
+    rest::STATIC,
+    rest::PARKED,
+    longitudinal::ACCELERATION,
+    longitudinal::BRAKING,
+    longitudinal::COAST_DOWN,
+    longitudinal::ROLLING,
+    cornering::CORNERING,
+    cornering::STEP_STEER,
+    cornering::BODY_ROLL,
+    turning::TURNING_CIRCLE,
+    grades::GRADE_HELD,
+    grades::GRADE_FULL,
+    grades::GRADE_PUBLISHED,
+    slopes::SIDE_SLOPE,
+    slopes::TILT_TABLE,
+    vertical::BUMP,
+    vertical::DROP,
+    vertical::STEP_CLIMB,
+    energy::FREE_FALL,
+    energy::ENERGY,
+    soil_wheel::PLATE,
+    soil_wheel::WHEEL,
+    soil_wheel::SECOND_PASS,
+    soil::REST,
+    soil::ACCELERATION,
+    soil::GRADE,
+    soil::GRID,
+    convergence::CONVERGENCE,
+];
+
+/// All events, in the order of the report.
+#[must_use]
+pub fn events() -> &'static [Event] {
+    EVENTS
+}
+
+/// The event of this name.
+///
+/// # Errors
+/// [`ValidateError::UnknownEvent`], which names all that exist.
+pub fn event(name: &str) -> Result<&'static Event, ValidateError> {
+    EVENTS.iter().find(|e| e.name == name).ok_or_else(|| ValidateError::UnknownEvent {
+        name: name.to_owned(),
+        known: EVENTS.iter().map(|e| e.name).collect::<Vec<_>>().join(", "),
+    })
+}

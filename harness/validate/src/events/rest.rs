@@ -1,0 +1,102 @@
+//! Standing still.
+
+use crate::check::Expected;
+use crate::event::{Bench, Event, Outcome, Plot};
+use crate::rig::{COASTING, Drive, PARKED as BRAKES, flat, plane};
+use vb_math::angle::{degrees, radians};
+use vb_sim::SimError;
+
+pub(super) const STATIC: Event = Event {
+    name: "static",
+    title: "Wheel loads and ride height",
+    about: "The vehicle stands on level ground, brakes on, for 5 s after it has settled.",
+    run: standing,
+};
+
+fn standing(bench: &Bench<'_>) -> Result<Outcome, SimError> {
+    let mut o = Outcome::default();
+    let g = &bench.geometry;
+    let mut d = Drive::new(bench, "level", &flat(0.9), 0.0, 0.0)?;
+    d.hold(5.0, |_| BRAKES)?;
+    let s = d.state();
+    let sum: f64 = s.wheels.iter().map(|w| w.load).sum();
+    o.expect("sum of wheel loads", sum, "N", Expected::share(g.weight(), 1e-3), "weight m g");
+    for (c, w) in g.corners.iter().zip(&s.wheels) {
+        o.figure(format!("load {}", c.name), w.load, "N");
+    }
+    let com = g.com_of(&s);
+    let weighted = |f: fn(&nalgebra::Vector3<f64>) -> f64| {
+        let at = |i: usize| f(&g.hub_of(&s, i)) * s.wheels[i].load;
+        (0..s.wheels.len()).map(at).sum::<f64>() / sum
+    };
+    let source = "moments about the centre of mass: Σ Fz x = 0";
+    let ahead = 1e3 * (weighted(|h| h.x) - com.x);
+    o.expect(
+        "resultant of the loads ahead of the centre of mass",
+        ahead,
+        "mm",
+        Expected::Within { value: 0.0, tolerance: 5.0 },
+        source,
+    );
+    let beside = 1e3 * (weighted(|h| h.y) - com.y);
+    o.expect(
+        "resultant of the loads left of the centre of mass",
+        beside,
+        "mm",
+        Expected::Within { value: 0.0, tolerance: 5.0 },
+        source,
+    );
+    let (roll, pitch, _) = s.roll_pitch_yaw();
+    o.figure("height of the reference point", s.position.z, "m");
+    o.figure("pitch", degrees(pitch), "°");
+    o.expect("roll", degrees(roll), "°", Expected::Within { value: 0.0, tolerance: 0.05 }, "symmetry");
+    for (c, w) in g.corners.iter().zip(&s.wheels) {
+        o.figure(format!("travel {}", c.name), 1e3 * w.deflection, "mm");
+    }
+    o.series.push(d.finish());
+    Ok(o)
+}
+
+pub(super) const PARKED: Event = Event {
+    name: "parked",
+    title: "Rest for 60 s",
+    about: "With brakes on, up, across and down a slope of 20° at μ 0.9 and of 10° at μ 0.5, and with nothing pressed on level \
+            ground. What has settled for 5 s must stay where it is for 60 s.",
+    run: parked,
+};
+
+fn parked(bench: &Bench<'_>) -> Result<Outcome, SimError> {
+    let mut o = Outcome::default();
+    let mut plot = Plot::new("Creep at rest", "t, s", "distance from where it stood, mm");
+    let cases = [
+        ("20° up, μ 0.9, braked", "up-20", 20.0, 0.9, 0.0, BRAKES),
+        ("20° across, μ 0.9, braked", "across-20", 20.0, 0.9, 90.0, BRAKES),
+        ("20° down, μ 0.9, braked", "down-20", 20.0, 0.9, 180.0, BRAKES),
+        ("10° up, μ 0.5, braked", "up-10", 10.0, 0.5, 0.0, BRAKES),
+        ("10° across, μ 0.5, braked", "across-10", 10.0, 0.5, 90.0, BRAKES),
+        ("level, nothing pressed", "level", 0.0, 0.9, 0.0, COASTING),
+    ];
+    for (label, case, slope, friction, yaw, controls) in cases {
+        let mut d = Drive::new(bench, case, &plane(radians(slope), friction), 0.0, radians(yaw))?;
+        d.hold(5.0, |_| controls)?;
+        let from = d.state();
+        d.hold(60.0, |_| controls)?;
+        let moved = 1e3 * (d.state().position - from.position).norm();
+        o.expect(
+            &format!("moved in 60 s, {label}"),
+            moved,
+            "mm",
+            Expected::AtMost(1.0),
+            "statics: tan of the slope is below μ, so friction holds",
+        );
+        let series = d.finish();
+        let at = |r: &Vec<f64>| {
+            let d = [r[1] - from.position.x, r[2] - from.position.y, r[3] - from.position.z];
+            [r[0], 1e3 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()]
+        };
+        plot.ours(label, series.rows.iter().skip(500).map(at).collect());
+        o.series.push(series);
+    }
+    o.plots.push(plot);
+    Ok(o)
+}

@@ -1,0 +1,157 @@
+//! Where the vehicle's parts are: what theory needs of a specification and a state.
+
+use nalgebra::Vector3;
+use vb_sim::{AxleKinematics, GRAVITY, Side, SimError, VehicleSpec, VehicleState, WheelPose};
+
+type V3 = Vector3<f64>;
+
+/// One wheel.
+#[derive(Clone, Debug)]
+pub(crate) struct Corner {
+    /// For columns and legends, e.g. `front left`.
+    pub(crate) name: String,
+    /// +1 left, −1 right.
+    pub(crate) side: f64,
+    axle: usize,
+    mount: V3,
+    mass: f64,
+    pub(crate) spin_inertia: f64,
+    steered: bool,
+}
+
+/// Masses and linkages of a vehicle.
+#[derive(Clone, Debug)]
+pub(crate) struct Geometry {
+    axles: Vec<AxleKinematics>,
+    pub(crate) corners: Vec<Corner>,
+    chassis_mass: f64,
+    chassis_com: V3,
+    chassis_inertia: V3,
+    hull: Vec<V3>,
+    pub(crate) radius: f64,
+    pub(crate) width: f64,
+    /// Whole mass, kg.
+    pub(crate) mass: f64,
+    /// Of the whole vehicle in the chassis frame, wheels at design height, m.
+    pub(crate) com: V3,
+}
+
+impl Geometry {
+    pub(crate) fn new(spec: &VehicleSpec) -> Result<Self, SimError> {
+        let (mut axles, mut corners) = (Vec::new(), Vec::new());
+        for (i, axle) in spec.axles.iter().enumerate() {
+            let solved = AxleKinematics::solve(axle).map_err(|e| {
+                let field = format!("axles[{i}].suspension");
+                SimError::VehicleInvalid { file: spec.name.clone(), field, reason: e.to_string() }
+            })?;
+            axles.push(solved);
+            for (side, word) in [(1.0, "left"), (-1.0, "right")] {
+                corners.push(Corner {
+                    name: format!("{} {word}", axle.name),
+                    side,
+                    axle: i,
+                    mount: V3::from(axle.position),
+                    // A beam's own mass counts half to each wheel: it lies between them.
+                    mass: axle.unsprung_mass + axle.suspension.linkage.beam().map_or(0.0, |b| 0.5 * b.mass),
+                    spin_inertia: axle.spin_inertia,
+                    steered: axle.steering.is_some(),
+                });
+            }
+        }
+        let chassis_com = V3::from(spec.chassis.com);
+        let mut geometry = Self {
+            axles,
+            corners,
+            chassis_mass: spec.chassis.mass,
+            chassis_com,
+            chassis_inertia: V3::from(spec.chassis.inertia),
+            hull: spec.chassis.hull.iter().flatten().map(|p| V3::from(*p)).collect(),
+            radius: spec.tyre.radius(),
+            width: spec.tyre.width(),
+            mass: 0.0,
+            com: V3::zeros(),
+        };
+        geometry.mass = geometry.chassis_mass + geometry.corners.iter().map(|c| c.mass).sum::<f64>();
+        let design = vec![0.0; geometry.corners.len()];
+        geometry.com = geometry.com_at(&design);
+        Ok(geometry)
+    }
+
+    /// The weight, N.
+    pub(crate) fn weight(&self) -> f64 {
+        self.mass * GRAVITY
+    }
+
+    /// Pose of a wheel's upright relative to its axle's reference point.
+    pub(crate) fn upright(&self, corner: usize, travel: f64, steering: f64) -> WheelPose {
+        let c = &self.corners[corner];
+        let side = if c.side > 0.0 { Side::Left } else { Side::Right };
+        self.axles[c.axle].wheel(side, [travel; 2], if c.steered { steering } else { 0.0 })
+    }
+
+    /// Whether the steering moves this wheel.
+    pub(crate) fn is_steered(&self, corner: usize) -> bool {
+        self.corners[corner].steered
+    }
+
+    /// Wheel centre in the chassis frame, m.
+    pub(crate) fn hub(&self, corner: usize, travel: f64, steering: f64) -> V3 {
+        self.corners[corner].mount + self.upright(corner, travel, steering).hub
+    }
+
+    /// Angle of a wheel seen from above, positive to the left, rad.
+    pub(crate) fn wheel_angle(&self, corner: usize, travel: f64, steering: f64) -> f64 {
+        let axis = self.upright(corner, travel, steering).axis;
+        vb_math::atan2(-axis.x, axis.y)
+    }
+
+    fn com_at(&self, travels: &[f64]) -> V3 {
+        let wheels = (0..self.corners.len()).map(|i| self.hub(i, travels[i], 0.0) * self.corners[i].mass);
+        (self.chassis_com * self.chassis_mass + wheels.sum::<V3>()) / self.mass
+    }
+
+    /// Centre of mass of the whole vehicle in the world, m.
+    pub(crate) fn com_of(&self, s: &VehicleState) -> V3 {
+        let travels: Vec<f64> = s.wheels.iter().map(|w| w.deflection).collect();
+        s.position + s.attitude * self.com_at(&travels)
+    }
+
+    /// Wheel centre in the world, m.
+    pub(crate) fn hub_of(&self, s: &VehicleState, corner: usize) -> V3 {
+        s.position + s.attitude * self.hub(corner, s.wheels[corner].deflection, s.steering)
+    }
+
+    /// Outer edge of the tyre's tread where it is farthest from the vehicle, in the world, at hub height, m.
+    pub(crate) fn tyre_edge_of(&self, s: &VehicleState, corner: usize) -> V3 {
+        let pose = self.upright(corner, s.wheels[corner].deflection, s.steering);
+        self.hub_of(s, corner) + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.width))
+    }
+
+    /// Points of the hull in the world, m.
+    pub(crate) fn hull_of(&self, s: &VehicleState) -> Vec<V3> {
+        self.hull.iter().map(|p| s.position + s.attitude * p).collect()
+    }
+
+    /// Kinetic energy (the chassis' and the wheels' motion as one, and the spins) and energy of height, J. The energy in
+    /// springs and tyres isn't in it.
+    pub(crate) fn mechanical_energy(&self, s: &VehicleState) -> f64 {
+        let com = self.com_of(s);
+        let arm = com - s.position;
+        let v = s.attitude * s.velocity + (s.attitude * s.rates).cross(&arm);
+        let turning = 0.5 * s.rates.dot(&self.chassis_inertia.component_mul(&s.rates));
+        let spins: f64 =
+            self.corners.iter().zip(&s.wheels).map(|(c, w)| 0.5 * c.spin_inertia * w.speed * w.speed).sum();
+        self.weight() * com.z + 0.5 * self.mass * v.norm_squared() + turning + spins
+    }
+
+    /// Distance between the first and the last axle, wheels at design height, m.
+    pub(crate) fn wheelbase(&self) -> f64 {
+        self.hub(0, 0.0, 0.0).x - self.hub(self.corners.len() - 1, 0.0, 0.0).x
+    }
+
+    /// Smallest distance between the wheels of an axle, wheels at design height, m.
+    pub(crate) fn track(&self) -> f64 {
+        let at = |i: usize| self.hub(i, 0.0, 0.0).y;
+        (0..self.corners.len()).step_by(2).map(|i| at(i) - at(i + 1)).fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,198 @@
+//! Reference figures and curves of one vehicle, as data.
+
+use crate::check::{Expectation, Expected, Kind};
+use crate::error::ValidateError;
+use crate::events::event;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What is known of one vehicle beside theory. The file format is `tasks/validation/*.yaml`; see there for an example.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct References {
+    /// By event.
+    pub expectations: BTreeMap<String, Vec<Expectation>>,
+    /// Reference curves to draw beside ours.
+    pub curves: Vec<Curve>,
+}
+
+/// A reference curve.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Name of the event.
+    pub event: String,
+    /// Titles of the plots that show it.
+    pub plots: Vec<String>,
+    /// For the legend.
+    pub label: String,
+    /// The label of our line that it belongs to: both have one colour.
+    pub beside: String,
+    /// Where it is from.
+    pub source: String,
+    /// Pairs of x and y in the plot's units.
+    pub points: Vec<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    schema: u32,
+    vehicle: String,
+    events: BTreeMap<String, Vec<Entry>>,
+    #[serde(default)]
+    curves: Vec<Curve>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    figure: String,
+    kind: Kind,
+    source: String,
+    value: Option<f64>,
+    share: Option<f64>,
+    tolerance: Option<f64>,
+    at_least: Option<f64>,
+    at_most: Option<f64>,
+    unsound: Option<String>,
+}
+
+impl Entry {
+    /// What is expected, or the field that is at fault and why.
+    fn expected(&self) -> Result<Expected, (&'static str, String)> {
+        let fields = [
+            ("value", self.value),
+            ("share", self.share),
+            ("tolerance", self.tolerance),
+            ("at_least", self.at_least),
+            ("at_most", self.at_most),
+        ];
+        for (name, value) in fields {
+            if let Some(v) = value.filter(|v| !v.is_finite()) {
+                return Err((name, format!("{v} is not a number to compare with")));
+            }
+        }
+        for (name, value) in [("share", self.share), ("tolerance", self.tolerance)] {
+            if let Some(v) = value.filter(|v| *v <= 0.0) {
+                return Err((name, format!("{v} must be positive")));
+            }
+        }
+        match (self.value, self.share, self.tolerance, self.at_least, self.at_most) {
+            (Some(value), Some(share), None, None, None) => Ok(Expected::share(value, share)),
+            (Some(value), None, Some(tolerance), None, None) => Ok(Expected::Within { value, tolerance }),
+            (None, None, None, Some(low), None) => Ok(Expected::AtLeast(low)),
+            (None, None, None, None, Some(high)) => Ok(Expected::AtMost(high)),
+            (None, None, None, Some(low), Some(high)) if low <= high => Ok(Expected::Between(low, high)),
+            (None, None, None, Some(low), Some(high)) => {
+                Err(("at_least", format!("{low} is greater than at_most, {high}")))
+            }
+            _ => Err((
+                "value",
+                "give value with share or tolerance, or at_least, or at_most, or at_least and at_most"
+                    .to_owned(),
+            )),
+        }
+    }
+}
+
+impl References {
+    /// Reads a file and checks that it is for this vehicle.
+    ///
+    /// # Errors
+    /// [`ValidateError::ReferencesUnreadable`] or [`ValidateError::ReferencesInvalid`], which name file and field.
+    pub fn load(path: &Path, vehicle: &str) -> Result<Self, ValidateError> {
+        let text = std::fs::read_to_string(path).map_err(|e| ValidateError::ReferencesUnreadable {
+            path: path.to_owned(),
+            reason: e.to_string(),
+        })?;
+        Self::parse(&text, &path.display().to_string(), vehicle)
+    }
+
+    /// Parses the text of a file; `file` names it in messages.
+    ///
+    /// # Errors
+    /// [`ValidateError::ReferencesInvalid`].
+    pub fn parse(text: &str, file: &str, vehicle: &str) -> Result<Self, ValidateError> {
+        let invalid = |field: String, reason: String| ValidateError::ReferencesInvalid {
+            file: file.to_owned(),
+            field,
+            reason,
+        };
+        let read: File = vb_world::yaml::parse(text).map_err(|e| invalid(e.field, e.problem))?;
+        if read.schema != 1 {
+            return Err(invalid(
+                "schema".to_owned(),
+                format!("{} is unknown; this version reads 1", read.schema),
+            ));
+        }
+        if read.vehicle != vehicle {
+            let reason = format!("{:?} is not the vehicle under test, {vehicle:?}", read.vehicle);
+            return Err(invalid("vehicle".to_owned(), reason));
+        }
+        let mut expectations = BTreeMap::new();
+        for (name, entries) in read.events {
+            event(&name).map_err(|e| invalid(format!("events.{name}"), e.to_string()))?;
+            let mut list = Vec::new();
+            for (i, e) in entries.into_iter().enumerate() {
+                let expected = e
+                    .expected()
+                    .map_err(|(field, reason)| invalid(format!("events.{name}[{i}].{field}"), reason))?;
+                let Entry { figure, kind, source, unsound, .. } = e;
+                list.push(Expectation { figure, expected, kind, source, unsound });
+            }
+            expectations.insert(name, list);
+        }
+        for (i, curve) in read.curves.iter().enumerate() {
+            event(&curve.event).map_err(|e| invalid(format!("curves[{i}].event"), e.to_string()))?;
+            if let Some(p) = curve.points.iter().flatten().find(|v| !v.is_finite()) {
+                return Err(invalid(format!("curves[{i}].points"), format!("{p} is not a number to draw")));
+            }
+        }
+        Ok(Self { expectations, curves: read.curves })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(entry: &str) -> Result<Expected, String> {
+        let text = format!(
+            "schema: 1\nvehicle: car\nevents:\n  braking:\n    - {{figure: a, kind: chrono, source: s, {entry}}}\n"
+        );
+        References::parse(&text, "car.yaml", "car")
+            .map(|r| r.expectations["braking"][0].expected)
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn every_form_of_an_expectation_is_read() {
+        assert_eq!(parsed("value: 2, share: 0.05"), Ok(Expected::Within { value: 2.0, tolerance: 0.1 }));
+        assert_eq!(parsed("value: 2, tolerance: 0.3"), Ok(Expected::Within { value: 2.0, tolerance: 0.3 }));
+        assert_eq!(parsed("at_least: 2"), Ok(Expected::AtLeast(2.0)));
+        assert_eq!(parsed("at_most: 2"), Ok(Expected::AtMost(2.0)));
+        assert_eq!(parsed("at_least: 2, at_most: 3"), Ok(Expected::Between(2.0, 3.0)));
+    }
+
+    #[test]
+    fn messages_name_file_field_and_what_to_give() {
+        let e = parsed("value: 2").unwrap_err();
+        assert!(
+            e.starts_with("car.yaml: events.braking[0].value: give value with share or tolerance"),
+            "{e}"
+        );
+        let e = parsed("value: 2, tolerance: 0").unwrap_err();
+        assert!(e.starts_with("car.yaml: events.braking[0].tolerance: 0 must be positive"), "{e}");
+        let e = parsed("at_least: .nan").unwrap_err();
+        assert!(e.contains("events.braking[0].at_least: NaN"), "{e}");
+        let e = parsed("at_least: 3, at_most: 2").unwrap_err();
+        assert!(e.contains("3 is greater than at_most, 2"), "{e}");
+        let other =
+            References::parse("schema: 1\nvehicle: car\nevents: {}\n", "car.yaml", "bus").unwrap_err();
+        assert!(other.to_string().contains("\"bus\""), "{other}");
+        let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", "car")
+            .unwrap_err();
+        assert!(e.to_string().contains("events.flying: there is no event flying (one of: suspension"), "{e}");
+    }
+}

@@ -1,0 +1,205 @@
+//! The page.
+
+use super::Report;
+use super::svg::{escape, plot};
+use super::text::{expected, number};
+use crate::check::{Check, Expected, Kind, Verdict};
+use crate::run::EventResult;
+use std::fmt::Write as _;
+
+const STYLE: &str = include_str!("page.css");
+
+/// How far the figure is from the reference, %, where there is a value to compare with.
+fn deviation(c: &Check) -> String {
+    match (c.expectation.expected, c.measured) {
+        (Expected::Within { value, .. }, Some(m)) if value.abs() > 1e-9 => {
+            let percent = format!("{:+.1} %", 100.0 * (m / value - 1.0));
+            percent.replace('-', "−")
+        }
+        _ => String::new(),
+    }
+}
+
+fn chip(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Pass => "<span class=\"chip pass\">pass</span>",
+        Verdict::Fail => "<span class=\"chip fail\">fail</span>",
+        Verdict::Shown => "<span class=\"chip shown\">not judged</span>",
+    }
+}
+
+pub(super) fn page(report: &Report) -> String {
+    let v = &report.vehicle;
+    let name = escape(&v.name);
+    let mut s = String::new();
+    let _ = write!(
+        s,
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
+         <title>Vehicle test: {name}</title><style>{STYLE}</style></head><body><header><h1>Vehicle test: {name}</h1><p>{}</p>",
+        escape(&v.description)
+    );
+    let _ = write!(
+        s,
+        "<p class=\"meta\">Verti-Bench in Rust {}, step {} ms, {} events</p></header><main>",
+        env!("CARGO_PKG_VERSION"),
+        1e3 * report.step,
+        report.results.len()
+    );
+    summary(&mut s, report);
+    for r in &report.results {
+        section(&mut s, r);
+    }
+    s.push_str("</main></body></html>\n");
+    s
+}
+
+fn summary(s: &mut String, report: &Report) {
+    let all = report.counts(None);
+    let class = if report.passed() { "pass" } else { "fail" };
+    let _ = write!(
+        s,
+        "<section class=\"summary\"><p class=\"verdict {class}\"><b>{}</b> of {} checks pass</p><table><thead><tr><th>against</th>\
+         <th class=\"n\">pass</th><th class=\"n\">fail</th><th class=\"n\">not judged</th></tr></thead><tbody>",
+        all.passed,
+        all.passed + all.failed
+    );
+    let kinds = [
+        (Kind::Theory, "theory, from the vehicle's own data"),
+        (Kind::Published, "published figures of the vehicle"),
+        (Kind::Chrono, "Project Chrono"),
+        (Kind::Convergence, "itself at half the step"),
+    ];
+    for (kind, label) in kinds {
+        let c = report.counts(Some(kind));
+        if c != crate::Counts::default() {
+            let _ = write!(
+                s,
+                "<tr><td>{label}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
+                c.passed, c.failed, c.shown
+            );
+        }
+    }
+    s.push_str("</tbody></table>");
+    s.push_str(
+        "<p>A reference that is known to be unsound decides nothing: it is shown beside the figure with the reason, and theory \
+         decides in its place.</p>",
+    );
+    s.push_str("<nav><ol>");
+    for r in &report.results {
+        let failed = r.checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
+        let class = if r.passed() { "pass" } else { "fail" };
+        let text = match (r.failure.is_some(), failed) {
+            (true, _) => "simulation failed".to_owned(),
+            (false, 0) if r.checks.is_empty() => String::new(),
+            (false, 0) => format!("{} pass", r.checks.iter().filter(|c| c.verdict == Verdict::Pass).count()),
+            (false, n) => format!("{n} fail"),
+        };
+        let _ = write!(
+            s,
+            "<li><a href=\"#{}\">{}</a> <span class=\"{class}\">{text}</span></li>",
+            r.event.name,
+            escape(r.event.title)
+        );
+    }
+    s.push_str("</ol></nav>");
+    failures(s, report);
+    s.push_str("</section>");
+}
+
+/// What a reader wants to know first.
+fn failures(s: &mut String, report: &Report) {
+    if report.passed() {
+        return;
+    }
+    s.push_str("<h3>What fails</h3><table class=\"checks\"><tbody>");
+    for r in &report.results {
+        let link = format!("<a href=\"#{}\">{}</a>", r.event.name, escape(r.event.title));
+        if let Some(failure) = &r.failure {
+            let _ = write!(s, "<tr><td>{link}</td><td colspan=\"6\">{}</td></tr>", escape(failure));
+        }
+        for c in r.checks.iter().filter(|c| c.verdict == Verdict::Fail) {
+            let _ = write!(
+                s,
+                "<tr><td>{link}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
+                 <td class=\"n\">{}</td><td class=\"source\"><b>{}</b></td></tr>",
+                escape(&c.expectation.figure),
+                c.measured.map_or_else(|| "not reached".to_owned(), number),
+                expected(c.expectation.expected),
+                c.unit,
+                deviation(c),
+                c.expectation.kind.name(),
+            );
+        }
+    }
+    s.push_str("</tbody></table>");
+}
+
+fn section(s: &mut String, r: &EventResult) {
+    let _ = write!(
+        s,
+        "<section id=\"{}\"><h2>{}</h2><p class=\"about\">{}</p>",
+        r.event.name,
+        escape(r.event.title),
+        escape(r.event.about)
+    );
+    if let Some(failure) = &r.failure {
+        let _ = write!(s, "<p class=\"failure\">The simulation failed: {}</p>", escape(failure));
+    }
+    for note in &r.outcome.notes {
+        let _ = write!(s, "<p class=\"note\">{}</p>", escape(note));
+    }
+    if !r.outcome.plots.is_empty() {
+        s.push_str("<div class=\"plots\">");
+        for p in &r.outcome.plots {
+            s.push_str(&plot(p));
+        }
+        s.push_str("</div>");
+    }
+    checks(s, r);
+    let judged = |name: &str| r.checks.iter().any(|c| c.expectation.figure == name);
+    let rest: Vec<_> = r.outcome.figures.iter().filter(|f| !judged(&f.name)).collect();
+    if !rest.is_empty() {
+        s.push_str("<details><summary>Figures without a reference</summary><table class=\"figures\"><tbody>");
+        for f in rest {
+            let value = if f.value.is_finite() { number(f.value) } else { "not reached".to_owned() };
+            let _ = write!(
+                s,
+                "<tr><td>{}</td><td class=\"n\">{value}</td><td class=\"u\">{}</td></tr>",
+                escape(&f.name),
+                f.unit
+            );
+        }
+        s.push_str("</tbody></table></details>");
+    }
+    s.push_str("</section>");
+}
+
+fn checks(s: &mut String, r: &EventResult) {
+    if r.checks.is_empty() {
+        return;
+    }
+    s.push_str(
+        "<table class=\"checks\"><thead><tr><th>figure</th><th class=\"n\">measured</th><th class=\"n\">expected</th><th>unit</th>\
+         <th class=\"n\">off by</th><th></th><th>reference</th></tr></thead><tbody>",
+    );
+    for c in &r.checks {
+        let measured = c.measured.map_or_else(|| "not reached".to_owned(), number);
+        let why = c.expectation.unsound.as_ref().map_or_else(String::new, |u| {
+            format!("<br><span class=\"unsound\">not judged: {}</span>", escape(u))
+        });
+        let _ = write!(
+            s,
+            "<tr class=\"{}\"><td>{}</td><td class=\"n\">{measured}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
+             <td class=\"n\">{}</td><td>{}</td><td class=\"source\"><b>{}</b> {}{why}</td></tr>",
+            if c.verdict == Verdict::Fail { "failed" } else { "" },
+            escape(&c.expectation.figure),
+            expected(c.expectation.expected),
+            c.unit,
+            deviation(c),
+            chip(c.verdict),
+            c.expectation.kind.name(),
+            escape(&c.expectation.source),
+        );
+    }
+    s.push_str("</tbody></table>");
+}

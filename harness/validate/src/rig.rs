@@ -1,0 +1,314 @@
+//! Ground made for events, and driving on it.
+
+use crate::event::{Bench, Series};
+use std::sync::Arc;
+use vb_math::angle::{degrees, wrap};
+use vb_math::{atan2, hypot, sin, tan};
+use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleSpec, VehicleState};
+use vb_world::{Density, Elevation, Heightfield, Pose2, Semantics, SoilLevels, Terrain, TerrainClass, World};
+
+/// A world of one friction value over the given heights.
+fn world(heightfield: Heightfield, friction: f64) -> Arc<World> {
+    let side = 2.0 * heightfield.half_x().max(heightfield.half_y());
+    Arc::new(World {
+        id: "rig".to_owned(),
+        elevation: Elevation::Low,
+        terrain: Terrain::Rigid,
+        density: Density::Sparse,
+        scale: 1.0,
+        heightfield,
+        semantics: Semantics {
+            rows: 1,
+            cols: 1,
+            patch: side,
+            classes: vec![TerrainClass::Concrete],
+            friction: vec![friction],
+            soil: SoilLevels::default(),
+        },
+        obstacles: vec![],
+        tasks: vec![],
+    })
+}
+
+/// Level ground. The plane goes on beyond its edges, so its size doesn't matter.
+pub(crate) fn flat(friction: f64) -> Arc<World> {
+    plane(0.0, friction)
+}
+
+/// A plane that rises along x by an angle, rad.
+pub(crate) fn plane(angle: f64, friction: f64) -> Arc<World> {
+    let slope = tan(angle);
+    let (rows, cols, pitch) = (5, 5, 10.0);
+    let heights = (0..rows * cols).map(|i| slope * pitch * (i % cols) as f64).collect();
+    world(Heightfield::new(rows, cols, pitch, heights), friction)
+}
+
+/// A strip of soil along x that rises by an angle, rad. Soil has an end, unlike rigid planes: `length` × `width` m.
+pub(crate) fn soil(class: TerrainClass, length: f64, width: f64, angle: f64) -> Arc<World> {
+    let slope = tan(angle);
+    let mut w = Arc::unwrap_or_clone(profile(length, width, 1.0, 0.0, |x| slope * x));
+    w.terrain = Terrain::Deformable;
+    w.semantics.classes = vec![class];
+    Arc::new(w)
+}
+
+/// Heights that depend on x alone, over `length` × `width` m, nodes `pitch` apart.
+pub(crate) fn profile(
+    length: f64,
+    width: f64,
+    pitch: f64,
+    friction: f64,
+    height: impl Fn(f64) -> f64,
+) -> Arc<World> {
+    let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
+    let line: Vec<f64> = (0..cols).map(|c| height((c as f64 - 0.5 * (cols - 1) as f64) * pitch)).collect();
+    let heights = (0..rows * cols).map(|i| line[i % cols]).collect();
+    world(Heightfield::new(rows, cols, pitch, heights), friction)
+}
+
+/// A half-sine bump over the whole width from x = 0 to `length`, `height` high, 0.05 m pitch (the reference's mesh).
+pub(crate) fn bump(length: f64, height: f64, friction: f64) -> Arc<World> {
+    profile(24.0, 6.0, 0.05, friction, |x| {
+        if x > 0.0 && x < length { height * sin(std::f64::consts::PI * x / length) } else { 0.0 }
+    })
+}
+
+/// A step up at x = 0. Its face leans by one node distance, 4 cm.
+pub(crate) fn step(height: f64, friction: f64) -> Arc<World> {
+    profile(4.0, 6.0, 0.04, friction, |x| if x > 0.02 { height } else { 0.0 })
+}
+
+/// What the driver wants.
+pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
+    Controls {
+        steering: steering.clamp(-1.0, 1.0),
+        throttle: throttle.clamp(0.0, 1.0),
+        brake: brake.clamp(0.0, 1.0),
+    }
+}
+
+/// Brakes on, no throttle, wheels straight.
+pub(crate) const PARKED: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 1.0 };
+/// Nothing pressed, wheels straight.
+pub(crate) const COASTING: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 0.0 };
+
+/// The original's speed controller: the error of the speed (gain 1) is the throttle, or negative the brake (facts
+/// §6.1).
+pub(crate) fn hold_speed(s: &VehicleState, target: f64, steering: f64) -> Controls {
+    let e = target - s.velocity.x;
+    controls(steering, e, -e)
+}
+
+/// The original's pursuit law along the line y = 0: the steering command is the angle (rad) to a point 10 m ahead.
+pub(crate) fn hold_line(s: &VehicleState) -> f64 {
+    let (_, _, yaw) = s.roll_pitch_yaw();
+    wrap(atan2(-s.position.y, 10.0) - yaw).clamp(-1.0, 1.0)
+}
+
+/// The same along the line x = 0, heading to larger y.
+pub(crate) fn hold_line_across(s: &VehicleState) -> f64 {
+    let (_, _, yaw) = s.roll_pitch_yaw();
+    wrap(atan2(10.0, -s.position.x) - yaw).clamp(-1.0, 1.0)
+}
+
+/// Speed over ground, m/s.
+pub(crate) fn speed(s: &VehicleState) -> f64 {
+    hypot(s.velocity.x, s.velocity.y)
+}
+
+/// Samples of a series per second.
+const SAMPLE_RATE: f64 = 100.0;
+
+/// A simulation being driven and recorded.
+pub(crate) struct Drive {
+    sim: Simulation,
+    series: Series,
+    /// Steps between two samples.
+    every: u64,
+}
+
+impl Drive {
+    /// The vehicle, settled with its brakes on at (x, 0) and a heading, rad.
+    pub(crate) fn new(
+        bench: &Bench<'_>,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+        yaw: f64,
+    ) -> Result<Self, SimError> {
+        Self::with(bench, bench.spec, &SoilSet::default(), case, world, x, yaw)
+    }
+
+    /// The same with another specification.
+    pub(crate) fn with_spec(
+        bench: &Bench<'_>,
+        spec: &VehicleSpec,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+        yaw: f64,
+    ) -> Result<Self, SimError> {
+        Self::with(bench, spec, &SoilSet::default(), case, world, x, yaw)
+    }
+
+    /// The same on soil, heading along x.
+    pub(crate) fn on_soil(
+        bench: &Bench<'_>,
+        soils: &SoilSet,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+    ) -> Result<Self, SimError> {
+        Self::with(bench, bench.spec, soils, case, world, x, 0.0)
+    }
+
+    fn with(
+        bench: &Bench<'_>,
+        spec: &VehicleSpec,
+        soils: &SoilSet,
+        case: &str,
+        world: &Arc<World>,
+        x: f64,
+        yaw: f64,
+    ) -> Result<Self, SimError> {
+        let sim = Simulation::new(world.clone(), spec, soils, Pose2 { x, y: 0.0, yaw }, bench.options)?;
+        let mut columns: Vec<(String, &'static str)> = [
+            ("t", "s"),
+            ("x", "m"),
+            ("y", "m"),
+            ("z", "m"),
+            ("roll", "°"),
+            ("pitch", "°"),
+            ("yaw", "°"),
+            ("vx", "m/s"),
+            ("vy", "m/s"),
+            ("vz", "m/s"),
+            ("yaw rate", "rad/s"),
+            ("steering", ""),
+            ("throttle", ""),
+            ("brake", ""),
+        ]
+        .map(|(n, u)| (n.to_owned(), u))
+        .to_vec();
+        for c in &bench.geometry.corners {
+            columns.push((format!("spin {}", c.name), "rad/s"));
+            columns.push((format!("travel {}", c.name), "m"));
+            columns.push((format!("load {}", c.name), "N"));
+            columns.push((format!("sinkage {}", c.name), "m"));
+        }
+        let every = ((1.0 / SAMPLE_RATE / bench.options.step).round() as u64).max(1);
+        let series = Series { name: case.to_owned(), columns, rows: Vec::new() };
+        Ok(Self { sim, series, every })
+    }
+
+    /// The state now.
+    pub(crate) fn state(&self) -> VehicleState {
+        self.sim.state()
+    }
+
+    /// The simulation, for what only it can do.
+    pub(crate) fn sim(&mut self) -> &mut Simulation {
+        &mut self.sim
+    }
+
+    /// Tilts gravity about the x axis: as if the ground had turned by `angle` (rad), its y axis downhill.
+    pub(crate) fn tilt(&mut self, angle: f64) {
+        let (s, c) = vb_math::sin_cos(angle);
+        self.sim.set_gravity([0.0, vb_sim::GRAVITY * s, -vb_sim::GRAVITY * c]);
+    }
+
+    fn record(&mut self, s: &VehicleState, c: Controls) {
+        let (roll, pitch, yaw) = s.roll_pitch_yaw();
+        let v = s.attitude * s.velocity;
+        let mut row = vec![s.time, s.position.x, s.position.y, s.position.z];
+        row.extend([roll, pitch, yaw].map(degrees));
+        row.extend([s.velocity.x, s.velocity.y, v.z, s.rates.z, s.steering, c.throttle, c.brake]);
+        row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
+        self.series.rows.push(row);
+    }
+
+    /// Drives until `until` says so or `seconds` have passed; true if `until` did. Both see the state before each step.
+    pub(crate) fn run(
+        &mut self,
+        seconds: f64,
+        mut control: impl FnMut(&VehicleState) -> Controls,
+        mut until: impl FnMut(&VehicleState) -> bool,
+    ) -> Result<bool, SimError> {
+        let end = self.sim.time() + seconds;
+        loop {
+            let s = self.sim.state();
+            let c = control(&s);
+            let done = until(&s);
+            if done || self.sim.steps().is_multiple_of(self.every) {
+                self.record(&s, c);
+            }
+            if done {
+                return Ok(true);
+            }
+            if s.time >= end - 1e-9 {
+                return Ok(false);
+            }
+            self.sim.advance(c, 1)?;
+        }
+    }
+
+    /// Drives for `seconds`.
+    pub(crate) fn hold(
+        &mut self,
+        seconds: f64,
+        control: impl FnMut(&VehicleState) -> Controls,
+    ) -> Result<(), SimError> {
+        self.run(seconds, control, |_| false).map(|_| ())
+    }
+
+    /// The recorded series.
+    pub(crate) fn finish(self) -> Series {
+        self.series
+    }
+}
+
+/// The largest value between `low` and `high` for which `holds`, to `resolution`, if it holds up to some value and no
+/// further. `low` if it holds nowhere, `high` if everywhere.
+pub(crate) fn largest(
+    mut low: f64,
+    mut high: f64,
+    resolution: f64,
+    mut holds: impl FnMut(f64) -> Result<bool, SimError>,
+) -> Result<f64, SimError> {
+    if !holds(low)? {
+        return Ok(low);
+    }
+    if holds(high)? {
+        return Ok(high);
+    }
+    while high - low > resolution {
+        let middle = 0.5 * (low + high);
+        if holds(middle)? { low = middle } else { high = middle }
+    }
+    Ok(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_search_ends_within_its_resolution_below_the_limit() {
+        let limit = |l: f64| largest(0.0, 10.0, 0.01, |x| Ok(x <= l)).unwrap();
+        assert!((3.99..=4.0).contains(&limit(4.0)));
+        assert_eq!((limit(-1.0), limit(11.0)), (0.0, 10.0));
+    }
+
+    #[test]
+    fn the_ground_has_the_shape_asked_for() {
+        let w = plane(0.3, 0.5);
+        let rise = w.heightfield.height(100.0, 3.0) - w.heightfield.height(0.0, -50.0);
+        assert!((rise / 100.0 - tan(0.3)).abs() < 1e-12, "{rise}");
+        let b = bump(2.0, 0.2, 0.9);
+        assert!((b.heightfield.height(1.0, 0.3) - 0.2).abs() < 1e-12);
+        assert_eq!([b.heightfield.height(-5.0, 0.0), b.heightfield.height(2.5, 0.0)], [0.0, 0.0]);
+        let s = step(0.3, 0.9);
+        assert_eq!([s.heightfield.height(0.0, 0.0), s.heightfield.height(0.04, 0.0)], [0.0, 0.3]);
+        assert_eq!([s.heightfield.height(-99.0, 9.0), s.heightfield.height(99.0, 9.0)], [0.0, 0.3]);
+    }
+}

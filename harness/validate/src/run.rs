@@ -1,0 +1,174 @@
+//! Running events, side by side.
+
+use crate::check::{Check, Verdict};
+use crate::error::ValidateError;
+use crate::event::{Bench, Event, LineKind, Outcome};
+use crate::events::{event, events};
+use crate::reference::References;
+use crate::report::Report;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use vb_sim::{SimOptions, SoilSet, VehicleSpec};
+
+/// What to run, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunOptions {
+    /// Names of events; empty for all.
+    pub events: Vec<String>,
+    /// The step, s.
+    pub step: f64,
+    /// Events run at a time.
+    pub jobs: usize,
+}
+
+impl Default for RunOptions {
+    /// All events at the step that the harness ships with, one after the other.
+    fn default() -> Self {
+        Self { events: Vec::new(), step: SimOptions::default().step, jobs: 1 }
+    }
+}
+
+/// One event, driven and judged.
+#[derive(Clone, Debug)]
+pub struct EventResult {
+    /// The event.
+    pub event: &'static Event,
+    /// What it measured; empty if its simulation failed.
+    pub outcome: Outcome,
+    /// Why its simulation failed, if it did.
+    pub failure: Option<String>,
+    /// Its figures held against theory, then against the references.
+    pub checks: Vec<Check>,
+}
+
+impl EventResult {
+    /// Whether it was driven to its end and no check failed.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.failure.is_none() && self.checks.iter().all(|c| c.verdict != Verdict::Fail)
+    }
+}
+
+/// Puts a vehicle through events, those on soil on the soils of `soils`. `finished` is told of each as it ends, in whatever order they do; the report has them
+/// in the order of [`events`], and the same numbers for any number of jobs.
+///
+/// # Errors
+/// [`ValidateError::UnknownEvent`], [`ValidateError::Step`], or [`ValidateError::Vehicle`] for a vehicle that can't be
+/// simulated at all. A simulation that fails within an event is a failure of that event.
+pub fn run(
+    spec: &VehicleSpec,
+    soils: &[SoilSet],
+    references: &References,
+    options: &RunOptions,
+    finished: impl Fn(&EventResult) + Sync,
+) -> Result<Report, ValidateError> {
+    if !(options.step >= 1e-5 && options.step <= 1e-2) {
+        return Err(ValidateError::Step { step: options.step });
+    }
+    for name in &options.events {
+        event(name)?;
+    }
+    let bench = Bench::new(spec, soils, options.step)?;
+    let wanted: Vec<&'static Event> = events()
+        .iter()
+        .filter(|e| options.events.is_empty() || options.events.iter().any(|n| n == e.name))
+        .collect();
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<(usize, EventResult)>> = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            // The events at the end of the list take longest: they go first.
+            let Some(index) = wanted.len().checked_sub(k + 1) else { return };
+            let result = drive(wanted[index], &bench, references);
+            finished(&result);
+            results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((index, result));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..options.jobs.clamp(1, wanted.len().max(1)) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    results.sort_by_key(|r| r.0);
+    let results = results.into_iter().map(|r| r.1).collect();
+    Ok(Report { vehicle: spec.clone(), step: options.step, results })
+}
+
+fn drive(event: &'static Event, bench: &Bench<'_>, references: &References) -> EventResult {
+    let (mut outcome, failure) = match event.run(bench) {
+        Ok(outcome) => (outcome, None),
+        Err(e) => (Outcome::default(), Some(e.to_string())),
+    };
+    let known = references.expectations.get(event.name).into_iter().flatten();
+    let checks =
+        outcome.theory.iter().chain(known).map(|e| Check::new(e.clone(), &outcome.figures)).collect();
+    for curve in references.curves.iter().filter(|c| c.event == event.name) {
+        for plot in outcome.plots.iter_mut().filter(|p| curve.plots.contains(&p.title)) {
+            let case = plot.lines.iter().find(|l| l.label == curve.beside).map_or(0, |l| l.case);
+            let [from, to] = plot.span();
+            let points = curve.points.iter().copied().filter(|p| p[0] >= from && p[0] <= to).collect();
+            plot.line(LineKind::Reference, case, curve.label.clone(), points);
+        }
+    }
+    EventResult { event, outcome, failure, checks }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Kind;
+
+    fn hmmwv() -> VehicleSpec {
+        VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
+    }
+
+    fn references() -> References {
+        let text = include_str!("../../../tasks/validation/hmmwv.yaml");
+        References::parse(text, "hmmwv.yaml", "hmmwv").unwrap()
+    }
+
+    fn only(events: &[&str]) -> RunOptions {
+        RunOptions { events: events.iter().map(|e| (*e).to_owned()).collect(), ..RunOptions::default() }
+    }
+
+    #[test]
+    fn checks_of_theory_come_before_those_of_the_references_and_curves_are_drawn_where_we_have_been() {
+        let report = run(&hmmwv(), &[], &references(), &only(&["drop"]), |_| {}).unwrap();
+        let result = &report.results[0];
+        let kinds: Vec<Kind> = result.checks.iter().map(|c| c.expectation.kind).collect();
+        assert!(
+            kinds.is_sorted() && kinds.contains(&Kind::Theory) && kinds.contains(&Kind::Chrono),
+            "{kinds:?}"
+        );
+        let plot = &result.outcome.plots[0];
+        let [from, to] = plot.span();
+        let curve = plot.lines.iter().find(|l| l.kind == LineKind::Reference).unwrap();
+        assert!(curve.points.len() > 5 && curve.points.iter().all(|p| p[0] >= from && p[0] <= to));
+        assert_eq!(curve.case, plot.lines[0].case, "one colour for one case");
+    }
+
+    #[test]
+    fn unknown_events_and_impossible_steps_are_refused() {
+        let refused =
+            |o: &RunOptions| run(&hmmwv(), &[], &References::default(), o, |_| {}).unwrap_err().to_string();
+        assert!(refused(&only(&["flying"])).contains("no event flying"));
+        for step in [0.0, f64::NAN, 0.02, 1e-6] {
+            assert!(
+                refused(&RunOptions { step, ..only(&["static"]) }).contains("between 0.01 and 10 ms"),
+                "{step}"
+            );
+        }
+    }
+
+    #[test]
+    fn without_its_soils_an_event_says_so_and_measures_nothing() {
+        let report = run(&hmmwv(), &[], &References::default(), &only(&["soil-rest"]), |_| {}).unwrap();
+        let outcome = &report.results[0].outcome;
+        assert!(outcome.figures.is_empty() && outcome.notes[0].contains("no soil set original"));
+        let report = run(&hmmwv(), &[], &references(), &only(&["soil-rest"]), |_| {}).unwrap();
+        assert!(!report.passed(), "a reference that nothing is measured for fails");
+    }
+}

@@ -1,0 +1,161 @@
+//! The vehicle as a point mass on wheels that don't slip: what its maps, masses and friction alone make of a drive along
+//! a line. Independent of the simulator's equations of motion.
+
+use crate::event::Bench;
+use vb_sim::{Tyre, TyreSpec};
+
+/// A drive along a line.
+pub(crate) struct PointMass<'a> {
+    bench: &'a Bench<'a>,
+    friction: f64,
+    /// Rolling resistance over load.
+    rolling: f64,
+    final_drive: f64,
+    /// Mass with all that turns, kg.
+    inertia: f64,
+    /// m.
+    radius: f64,
+    gear: usize,
+    /// m/s.
+    pub(crate) speed: f64,
+    /// s.
+    pub(crate) time: f64,
+    /// m.
+    pub(crate) distance: f64,
+}
+
+/// Step of the integration, s.
+const STEP: f64 = 1e-3;
+
+impl<'a> PointMass<'a> {
+    /// Rolling at a speed, in the gear that an upward shift from the lowest would have reached.
+    pub(crate) fn new(bench: &'a Bench<'a>, friction: f64, speed: f64) -> Self {
+        let (spec, g) = (bench.spec, &bench.geometry);
+        // The tread rolls on a radius a third of the deflection below the free one (Rill 2011, ch. 3).
+        let deflection = Tyre::new(&spec.tyre).deflection(g.weight() / g.corners.len() as f64);
+        let radius = g.radius - deflection / 3.0;
+        let wheels: f64 = g.corners.iter().map(|c| c.spin_inertia).sum();
+        let line = &spec.powertrain.driveline;
+        let final_drive =
+            line.axles.iter().map(|a| a.final_drive).sum::<f64>() / line.axles.len().max(1) as f64;
+        let axles: f64 = line
+            .axles
+            .iter()
+            .map(|a| a.box_inertia + a.shaft_inertia / (a.final_drive * a.final_drive))
+            .sum();
+        let turning = wheels + axles + line.shaft_inertia / (final_drive * final_drive);
+        let inertia = g.mass + turning / (radius * radius);
+        let (grip, rolling) = match &spec.tyre {
+            TyreSpec::Rigid(t) => (t.friction, 0.0),
+            TyreSpec::Brush(t) => (t.friction, t.rolling_resistance),
+            TyreSpec::Fiala(t) => (f64::INFINITY, t.rolling_resistance),
+            TyreSpec::Tmeasy(t) => (f64::INFINITY, t.rolling_resistance),
+        };
+        let mut p = Self {
+            bench,
+            friction: friction.min(grip),
+            rolling,
+            final_drive,
+            inertia,
+            radius,
+            gear: 0,
+            speed,
+            time: 0.0,
+            distance: 0.0,
+        };
+        for _ in 0..spec.powertrain.gearbox.ratios.len() {
+            p.shift();
+        }
+        p
+    }
+
+    fn engine_speed(&self) -> f64 {
+        let p = &self.bench.spec.powertrain;
+        self.speed.abs() / self.radius / self.final_drive / p.gearbox.ratios[self.gear]
+    }
+
+    fn shift(&mut self) {
+        let g = &self.bench.spec.powertrain.gearbox;
+        let engine = self.engine_speed();
+        if engine > g.shift_up[self.gear] && self.gear + 1 < g.ratios.len() {
+            self.gear += 1;
+        } else if engine < g.shift_down[self.gear] && self.gear > 0 {
+            self.gear -= 1;
+        }
+    }
+
+    /// Resistance that grows with speed, N.
+    fn air(&self) -> f64 {
+        let points = &self.bench.spec.chassis.resistance;
+        let k = points.partition_point(|p| p[0] <= self.speed);
+        match (k.checked_sub(1).and_then(|j| points.get(j)), points.get(k)) {
+            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (self.speed - a[0]) / (b[0] - a[0]),
+            (Some(a), None) => a[1],
+            (None, Some(b)) => b[1],
+            (None, None) => 0.0,
+        }
+    }
+
+    /// One step with throttle and brake in [0, 1].
+    fn step(&mut self, throttle: f64, brake: f64) {
+        let (spec, g) = (self.bench.spec, &self.bench.geometry);
+        let p = &spec.powertrain;
+        let torque =
+            p.engine.torque(self.engine_speed(), throttle) / p.gearbox.ratios[self.gear] / self.final_drive;
+        let brakes: f64 = spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum::<f64>() * brake;
+        let limit = self.friction * g.weight();
+        let force =
+            ((torque - brakes) / self.radius - self.rolling * g.weight() - self.air()).clamp(-limit, limit);
+        // At the limit the wheels' inertia doesn't travel with the mass: they spin or stand.
+        let inertia = if force.abs() >= limit { g.mass } else { self.inertia };
+        self.speed += STEP * force / inertia;
+        self.distance += STEP * self.speed;
+        self.time += STEP;
+        self.shift();
+    }
+
+    /// Drives until `seconds` have passed since the start, or to a standstill.
+    pub(crate) fn drive_for(&mut self, seconds: f64, throttle: f64, brake: f64) {
+        while self.time < seconds && (self.speed > 0.0 || throttle > 0.0) {
+            self.step(throttle, brake);
+        }
+        self.speed = self.speed.max(0.0);
+    }
+
+    /// Time (s) at which a speed is reached from below, if it is within `seconds`.
+    pub(crate) fn time_to(&mut self, speed: f64, seconds: f64, throttle: f64) -> Option<f64> {
+        while self.speed < speed {
+            if self.time >= seconds {
+                return None;
+            }
+            self.step(throttle, 0.0);
+        }
+        Some(self.time)
+    }
+
+    /// Distance (m) to a standstill.
+    pub(crate) fn stop(&mut self, brake: f64) -> f64 {
+        while self.speed > 0.0 && self.time < 100.0 {
+            self.step(0.0, brake);
+        }
+        self.distance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sim::{GRAVITY, VehicleSpec};
+
+    #[test]
+    fn at_the_friction_limit_it_stops_in_v_squared_over_two_mu_g_and_starts_with_mu_g() {
+        let spec =
+            VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
+        let bench = Bench::new(&spec, &[], 1e-3).unwrap();
+        let stop = PointMass::new(&bench, 0.5, 15.0).stop(1.0);
+        assert!((stop / (225.0 / (2.0 * 0.5 * GRAVITY)) - 1.0).abs() < 2e-3, "{stop} m");
+        // 38 kN m of torque at the wheels in first gear are far beyond the grip at μ 0.3.
+        let t = PointMass::new(&bench, 0.3, 0.0).time_to(2.0, 10.0, 1.0).unwrap();
+        assert!((t / (2.0 / (0.3 * GRAVITY)) - 1.0).abs() < 2e-3, "{t} s");
+    }
+}
