@@ -316,7 +316,7 @@ impl Footprint {
         let turned = self.aside * distance < 0.0;
         self.aside += distance;
         // At the start it is infinite.
-        if turned || !(self.aside.abs() < SLIDE * grid.pitch()) {
+        if turned || self.aside.abs() >= SLIDE * grid.pitch() {
             self.aside = 0.0;
             let side = m.axis * (distance.signum() * 0.5 * (self.width + grid.pitch()));
             for k in 0..STATIONS {

@@ -108,7 +108,7 @@ mod tests {
     fn cells_keep_what_they_are_given_and_cost_memory_only_where_touched() {
         let mut g = Grid::new([64.0, 64.0], 0.1);
         assert_eq!(g.tiles.len(), 0);
-        g.at_mut(3.14, -7.77).unwrap().plastic = 0.2;
+        g.at_mut(3.16, -7.77).unwrap().plastic = 0.2;
         assert_eq!(g.at(3.11, -7.71).plastic, 0.2, "the same cell");
         assert_eq!(g.at(3.21, -7.77).plastic, 0.0, "its neighbour");
         assert_eq!(g.at(63.9, 63.9), Cell::default());
