@@ -1,6 +1,7 @@
 //! Development tasks: `cargo xtask help`.
 
 mod compare;
+mod convergence;
 mod plugins;
 mod run;
 mod wasm_target;
@@ -18,6 +19,7 @@ Tasks:
   test                  Build everything the tests need and run them all
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
+  convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
 
 Environment:
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         ["demo"] => demo(),
         ["test"] => test(),
         ["lint"] => lint(),
+        ["convergence"] => convergence::convergence(),
         ["compare-chrono"] => compare::compare_chrono(),
         ["plugins"] => plugins::build(&default_plugin_dir()),
         ["plugins", "--out", dir] => plugins::build(Path::new(dir)),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use vb_record::TraceMode;
+use vb_runner::SAMPLE_PERIOD;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -135,6 +136,9 @@ pub(crate) struct RunArgs {
     /// Side of the cells in which soil remembers ruts, in metres; scaled with the world
     #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = soil_pitch)]
     pub(crate) soil_pitch: f64,
+    /// Step of the simulation in milliseconds, for studies of convergence; scores are comparable at 1 only
+    #[arg(long, value_name = "MS", default_value = "1", value_parser = time_step)]
+    pub(crate) time_step: f64,
     /// Factor on every length of the world: 1, 1/6, 1/10
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = scale)]
     pub(crate) scale: f64,
@@ -302,6 +306,15 @@ fn scale(text: &str) -> Result<f64, String> {
     value
         .filter(|v| v.is_finite() && *v >= 0.01 && *v <= 10.0)
         .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
+}
+
+/// A step in milliseconds, of which a whole number makes the time between two samples; returns seconds.
+fn time_step(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|v| (0.1..=5.0).contains(v));
+    value
+        .map(|ms| 1e-3 * ms)
+        .filter(|s| ((SAMPLE_PERIOD / s).round() * s - SAMPLE_PERIOD).abs() < 1e-9)
+        .ok_or_else(|| "want milliseconds from 0.1 to 5 that divide 10, e.g. 0.5".into())
 }
 
 /// A length in metres that a soil's memory can have.

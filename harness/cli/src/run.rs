@@ -96,6 +96,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         vehicle,
         soils,
         rules,
+        time_step: args.time_step,
         scale: args.scale,
         seed: args.seed,
         jobs,

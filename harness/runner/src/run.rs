@@ -59,6 +59,8 @@ pub struct RunConfig {
     pub soils: Soils,
     /// The rules.
     pub rules: Rules,
+    /// Step of the simulation, s; [`SAMPLE_PERIOD`] is a whole number of them.
+    pub time_step: f64,
     /// Factor on every length of the worlds.
     pub scale: f64,
     /// The run's seed.
@@ -115,7 +117,8 @@ pub fn run(
     on_event: &mut dyn FnMut(Event),
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
-    let options = SimOptions { soil_pitch: config.soils.pitch, ..SimOptions::default() };
+    let options =
+        SimOptions { step: config.time_step, soil_pitch: config.soils.pitch, ..SimOptions::default() };
     let prepared = prepare(config, options)?;
     let header = header(config, options);
     let (store, mut records) = if config.resume {

@@ -1,0 +1,127 @@
+//! Whether the step and the soil's grid decide verdicts.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use crate::run::{Failure, run, step};
+use crate::{build_all, built, default_plugin_dir, target_dir};
+
+/// Seed and number of worlds of the suite, of which two thirds are low or medium: 100 tasks of each kind of ground.
+const SUITES: [(&str, &str); 2] = [("rigid", "mix: {rigid: 1, deformable: 0, mixed: 0}"), SOFT];
+const SOFT: (&str, &str) = ("deformable", "mix: {rigid: 0, deformable: 1, mixed: 0}");
+const SEED: &str = "7";
+const WORLDS: &str = "15";
+const MIX: &str = "mix: {rigid: 6, deformable: 3, mixed: 1}";
+
+/// Drives 100 low and medium tasks on rigid and on deformable ground with the shipped step and grid, with others, and
+/// with another start, and prints how many verdicts stay.
+pub(crate) fn convergence() -> Result<(), Failure> {
+    build_all()?;
+    let dir = target_dir().join("convergence");
+    if dir.exists() {
+        std::fs::remove_dir_all(&dir)
+            .map_err(|e| Failure::new(format!("can't remove {}: {e}", dir.display())))?;
+    }
+    println!("| ground | change | same outcome of 100 | successes, before and after | mean change of time |");
+    println!("|---|---|---|---|---|");
+    for (ground, mix) in SUITES {
+        let suite = dir.join(ground);
+        generate(&suite, mix)?;
+        let drive = |name: &str, options: &[&str]| {
+            step(&format!("driving on {ground} ground: {name}"));
+            drive(&suite, &dir.join(format!("{ground}-{}", name.replace(' ', "-"))), options)
+        };
+        let base = drive("as shipped", &[])?;
+        let mut changes = vec![
+            ("half the step", vec!["--time-step", "0.5"]),
+            ("twice the step", vec!["--time-step", "2"]),
+            // What chance alone does: another speed by a thousandth.
+            ("3.003 m/s", vec!["--param", "speed=3.003"]),
+        ];
+        if ground == SOFT.0 {
+            changes.push(("half the grid", vec!["--soil-pitch", "0.05"]));
+        }
+        for (name, options) in changes {
+            println!("{}", compare(ground, name, &base, &drive(name, &options)?));
+        }
+    }
+    Ok(())
+}
+
+fn generate(suite: &Path, mix: &str) -> Result<(), Failure> {
+    let params = crate::root().join("tasks/generator/default.yaml");
+    let text = std::fs::read_to_string(&params)
+        .map_err(|e| Failure::new(format!("can't read {}: {e}", params.display())))?;
+    if !text.contains(MIX) {
+        return Err(Failure::new(format!("{} does not hold `{MIX}`", params.display())));
+    }
+    let own = suite.with_extension("yaml");
+    let written = std::fs::create_dir_all(suite.parent().unwrap_or(suite))
+        .and_then(|()| std::fs::write(&own, text.replacen(MIX, mix, 1)));
+    written.map_err(|e| Failure::new(format!("can't write {}: {e}", own.display())))?;
+    let mut command = Command::new(built("vb-harness"));
+    command.args(["suite", "generate", "--seed", SEED, "--worlds", WORLDS, "--params"]).arg(&own);
+    run(command.arg("--out").arg(suite).stdout(std::process::Stdio::null()))
+}
+
+/// Outcome and time of each task.
+type Verdicts = BTreeMap<String, (String, f64)>;
+
+fn drive(suite: &Path, out: &Path, options: &[&str]) -> Result<Verdicts, Failure> {
+    let mut command = Command::new(built("vb-harness"));
+    command.arg("--plugin").arg(default_plugin_dir().join("pid.wasm")).arg("--suite").arg(suite);
+    command.args(["--tasks", "elevation=low,elevation=medium", "--trace", "none", "--out"]).arg(out);
+    run(command.args(options).stdout(std::process::Stdio::null()))?;
+    let file = out.join("tasks.jsonl");
+    let text = std::fs::read_to_string(&file)
+        .map_err(|e| Failure::new(format!("can't read {}: {e}", file.display())))?;
+    text.lines()
+        .map(verdict)
+        .collect::<Option<_>>()
+        .ok_or_else(|| Failure::new(format!("{}: a record without task, outcome or time", file.display())))
+}
+
+/// (task, (outcome, time)) of a line of `tasks.jsonl`.
+fn verdict(line: &str) -> Option<(String, (String, f64))> {
+    let field = |name: &str| line.split_once(&format!("\"{name}\":")).map(|(_, rest)| rest);
+    let text = |name: &str| Some(field(name)?.strip_prefix('"')?.split_once('"')?.0.to_owned());
+    let time = field("time_s")?.split([',', '}']).next()?.parse().ok()?;
+    Some((text("task")?, (text("outcome")?, time)))
+}
+
+fn compare(ground: &str, name: &str, base: &Verdicts, other: &Verdicts) -> String {
+    let pairs: Vec<_> = base.iter().filter_map(|(task, a)| Some((a, other.get(task)?))).collect();
+    let same = pairs.iter().filter(|(a, b)| a.0 == b.0).count();
+    let successes = |v: &Verdicts| v.values().filter(|(outcome, _)| outcome == "success").count();
+    let both: Vec<f64> = pairs
+        .iter()
+        .filter(|(a, b)| a.0 == "success" && b.0 == "success")
+        .map(|(a, b)| (b.1 / a.1 - 1.0).abs())
+        .collect();
+    let mean = 100.0 * both.iter().sum::<f64>() / both.len().max(1) as f64;
+    let (before, after) = (successes(base), successes(other));
+    format!("| {ground} | {name} | {same} of {} | {before}, {after} | {mean:.2} % |", pairs.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_is_read_from_a_record() {
+        let line = r#"{"task":"w001/t00","outcome":"success","three_way":"success","time_s":37.47,"x":1}"#;
+        assert_eq!(verdict(line), Some(("w001/t00".to_owned(), ("success".to_owned(), 37.47))));
+        assert_eq!(verdict("{}"), None);
+    }
+
+    #[test]
+    fn verdicts_are_compared_task_by_task() {
+        let v = |items: &[(&str, &str, f64)]| -> Verdicts {
+            items.iter().map(|(t, o, s)| ((*t).to_owned(), ((*o).to_owned(), *s))).collect()
+        };
+        let a = v(&[("a", "success", 40.0), ("b", "stuck", 20.0), ("c", "success", 30.0)]);
+        let b = v(&[("a", "success", 42.0), ("b", "stuck", 25.0), ("c", "rollover", 9.0)]);
+        assert_eq!(compare("rigid", "x", &a, &b), "| rigid | x | 2 of 3 | 2, 1 | 5.00 % |");
+    }
+}
