@@ -374,7 +374,8 @@ impl Footprint {
             for k in 0..STATIONS {
                 let (x, half) = (self.xs[k], self.half[k]);
                 let point = origin + f.along * x - f.up * half;
-                if point.z >= top + raised[k] {
+                // Above what is left of the highest ground nearby.
+                if point.z >= top + raised[k] - plastic[k] {
                     shear_along[k] = 0.0;
                     shear_across[k] = 0.0;
                     continue;
