@@ -2,15 +2,15 @@
 
 use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
-use crate::soil::{BLEND, Under, WheelMotion};
-use crate::tyre::{Contact, Motion, Patch, Tyre};
+use crate::soil::{BLEND, Under};
+use crate::tyre::{Contact, Patch, Tyre, WheelMotion};
 
 impl Vehicle {
     pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheel: &WheelShape, dt: f64) {
         let look = ground.obstacles.any_near();
         for (c, f) in self.corners.iter_mut().zip(&mut self.forces) {
             let (hub, axis) = (self.x + f.arm, f.axis);
-            let motion = Motion { hub, velocity: f.velocity, rotation: f.rotation, axis, spin: c.spin };
+            let motion = WheelMotion { hub, velocity: f.velocity, rotation: f.rotation, axis, spin: c.spin };
             c.load = 0.0;
             c.sinkage = 0.0;
             let envelope = self.tyre.envelope();
@@ -36,7 +36,6 @@ impl Vehicle {
                 c.ground_patch = Patch::default();
             }
             if !ground.soil.is_empty() {
-                let motion = WheelMotion { hub, velocity: f.velocity, rotation: f.rotation, axis };
                 if let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt) {
                     c.load += s.load;
                     c.sinkage = s.sinkage;
@@ -57,7 +56,7 @@ impl Vehicle {
     }
 }
 
-impl Motion {
+impl WheelMotion {
     /// Adds the force of one contact to `f`; returns the normal force.
     fn tyre_force(
         &self,

@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
+use crate::tyre::WheelMotion;
 use crate::{M3, V3};
 use vb_world::Heightfield;
 
@@ -18,19 +19,6 @@ const CLEARANCE: f64 = 0.5;
 const BREADTH_LAG: f64 = 0.02;
 /// Part of the grid's pitch by which a wheel slides before it looks at the ground beside it again.
 const SLIDE: f64 = 0.02;
-
-/// How a wheel moves.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WheelMotion {
-    /// Its centre, world, m.
-    pub(crate) hub: V3,
-    /// Velocity of the centre, m/s.
-    pub(crate) velocity: V3,
-    /// Angular velocity with its spin, rad/s.
-    pub(crate) rotation: V3,
-    /// Direction of the axle, to the left.
-    pub(crate) axis: V3,
-}
 
 /// What the soil does to a wheel.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,9 @@
 //! A single wheel and a plate on soil, as in a soil bin: the measurements by which soils and wheels are compared.
 
-use super::footprint::{Footprint, WheelMotion};
+use super::footprint::Footprint;
 use super::ground::{SoilGround, Under};
 use super::law::SoilLaw;
+use crate::tyre::WheelMotion;
 use crate::{GRAVITY, V3};
 use vb_world::Heightfield;
 
@@ -64,6 +65,7 @@ impl WheelRig {
                 velocity: V3::new(self.speed, 0.0, vz),
                 rotation: axis * spin,
                 axis,
+                spin,
             };
             let under = ground.under(x, 0.0, self.radius);
             let (mut force, mut moment, mut load, mut added, mut pushed) = (V3::zeros(), 0.0, 0.0, 0.0, 0.0);
@@ -90,6 +92,7 @@ impl WheelRig {
             velocity: V3::zeros(),
             rotation: V3::zeros(),
             axis,
+            spin: 0.0,
         };
         wheel.step(ground, surface, Under::Rigid, &lifted, self.step);
         let [sinkage, drawbar, torque, compaction] = sums.map(|s| s / count);

@@ -37,8 +37,10 @@ pub struct Contact {
 
 /// How a wheel moves; world axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct WheelMotion {
+    /// Its centre, m.
     pub(crate) hub: V3,
+    /// Of the centre, m/s.
     pub(crate) velocity: V3,
     /// Angular velocity of the wheel, its spin included.
     pub(crate) rotation: V3,
@@ -123,7 +125,7 @@ impl Tyre {
     #[inline]
     pub(crate) fn react(
         &self,
-        motion: &Motion,
+        motion: &WheelMotion,
         contact: &Contact,
         friction: f64,
         patch: &mut Patch,

@@ -1,6 +1,6 @@
 //! Tests of the tyres on a wheel of its own: hub mass, spin inertia, an axle that keeps its direction.
 
-use super::{Motion, Patch, Tyre};
+use super::{Patch, Tyre, WheelMotion};
 use crate::spec::{TyreSpec, VehicleSpec};
 use crate::{GRAVITY, V3};
 use vb_world::Heightfield;
@@ -58,7 +58,7 @@ impl Rig {
     /// One step under `push` (N) beside gravity and `torque` (N m) about the axle: the equations of the vehicle's own
     /// step, the damping along the normal implicit.
     fn step(&mut self, ground: &Heightfield, friction: f64, push: V3, torque: f64) {
-        let motion = Motion {
+        let motion = WheelMotion {
             hub: self.hub,
             velocity: self.velocity,
             rotation: self.axis * self.spin,
@@ -313,7 +313,7 @@ fn after_one_relaxation_length_the_lateral_force_has_63_percent() {
         let depth = tyre.deflection(load);
         let contact = super::Contact { point: V3::zeros(), normal: V3::z(), depth };
         let rolling = (spec.radius() - tyre.rolling_share * depth).recip() * speed;
-        let motion = Motion {
+        let motion = WheelMotion {
             hub: V3::new(0.0, 0.0, spec.radius() - depth),
             velocity: V3::new(speed, speed * vb_math::tan(angle), 0.0),
             rotation: V3::y() * rolling,
