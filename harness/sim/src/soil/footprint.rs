@@ -182,7 +182,7 @@ impl Footprint {
             force: frame.world(&sum.force),
             pressure: frame.world(&sum.pressure),
             moment: frame.world(&sum.moment),
-            load: sum.force.z,
+            load: sum.force.dot(&frame.local(&normal)),
             sinkage: sum.sinkage,
             inertia: axes * M3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * axes.transpose(),
         })
