@@ -33,16 +33,19 @@ fn the_released_worlds_are_imported_checked_and_driven() {
     let low = |w: &&String| rows.iter().any(|r| name(r[world]) == **w && r[column("difficulty")] == "low");
     let first = |kind: &[String]| kind.iter().find(low).expect("a world of low elevation").clone();
     let worlds = [first(&rigid), first(&deformable), first(&mixed)];
-    let tasks = worlds.map(|w| format!("{w}/t00")).join(",");
+    let tasks = worlds.map(|w| format!("{w}/t00-t04")).join(",");
     bench.ok(&[&run[..], &["--tasks", &tasks, "--param", "speed=5", "--out", "run"]].concat());
     let records = bench.records("run");
-    assert_eq!(records.len(), 3);
+    assert_eq!(records.len(), 15);
+    let mut driven = 0;
     for (task, record) in records {
         let outcome = record["outcome"].as_str().expect("an outcome");
         let by_rule = ["success", "rollover", "stuck", "timeout", "out_of_bounds"];
         assert!(by_rule.contains(&outcome), "{task}: {record}");
-        assert!(record["metrics"]["distance_m"].as_f64() > Some(10.0), "it drives: {task}: {record}");
+        driven += usize::from(record["metrics"]["distance_m"].as_f64() > Some(10.0));
     }
+    // A start that lies across a hump holds the vehicle on a diagonal, for ever on soft ground.
+    assert!(driven >= 12, "{driven} of 15 get anywhere");
 }
 
 /// The name that the import gives the world of this number.
