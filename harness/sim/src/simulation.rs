@@ -215,19 +215,21 @@ impl Simulation {
     fn check(&self) -> Result<(), SimError> {
         let v = &self.vehicle;
         let finite = |a: &V3| a.iter().all(|x| x.is_finite());
+        // Beyond the edge the ground is made up, and a vehicle may fall for as long as the rules let it.
+        let ground = &self.world.heightfield;
+        let inside = ground.contains(v.x.x, v.x.y);
         let what = if !finite(&v.x) || !v.q.coords.iter().all(|x| x.is_finite()) {
             "a pose that is not finite"
         } else if !finite(&v.v) || !finite(&v.w) {
             "a velocity that is not finite"
         } else if !v.inner_state().all(f64::is_finite) {
             "a wheel's state that is not finite"
-        } else if v.v.norm() > FASTEST || v.w.norm() > FASTEST {
+        } else if inside && (v.v.norm() > FASTEST || v.w.norm() > FASTEST) {
             "a speed beyond 200 m/s or rad/s"
-        } else if v.hubs().any(|(hub, _)| {
-            // Beyond the edge the ground is made up.
-            let ground = &self.world.heightfield;
-            ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST
-        }) {
+        } else if v
+            .hubs()
+            .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST)
+        {
             "a wheel deep below the ground"
         } else {
             return Ok(());
