@@ -15,7 +15,7 @@ const WORLDS: &str = "15";
 const MIX: &str = "mix: {rigid: 6, deformable: 3, mixed: 1}";
 
 /// Drives 100 low and medium tasks on rigid and on deformable ground with the shipped step and grid, with others, and
-/// with another start, and prints how many verdicts stay.
+/// at another speed, and tells how many verdicts stay.
 pub(crate) fn convergence() -> Result<(), Failure> {
     build_all()?;
     let dir = target_dir().join("convergence");
@@ -23,8 +23,11 @@ pub(crate) fn convergence() -> Result<(), Failure> {
         std::fs::remove_dir_all(&dir)
             .map_err(|e| Failure::new(format!("can't remove {}: {e}", dir.display())))?;
     }
-    println!("| ground | change | same outcome of 100 | successes, before and after | mean change of time |");
-    println!("|---|---|---|---|---|");
+    let mut table = vec![
+        "| ground | change | same outcome of 100 | successes, before and after | mean change of time |"
+            .to_owned(),
+        "|---|---|---|---|---|".to_owned(),
+    ];
     for (ground, mix) in SUITES {
         let suite = dir.join(ground);
         generate(&suite, mix)?;
@@ -43,9 +46,13 @@ pub(crate) fn convergence() -> Result<(), Failure> {
             changes.push(("half the grid", vec!["--soil-pitch", "0.05"]));
         }
         for (name, options) in changes {
-            println!("{}", compare(ground, name, &base, &drive(name, &options)?));
+            table.push(compare(ground, name, &base, &drive(name, &options)?));
         }
     }
+    let file = dir.join("convergence.md");
+    let text = table.join("\n") + "\n";
+    std::fs::write(&file, &text).map_err(|e| Failure::new(format!("can't write {}: {e}", file.display())))?;
+    step(&format!("{text}table: {}", file.display()));
     Ok(())
 }
 

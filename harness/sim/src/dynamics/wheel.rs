@@ -35,16 +35,16 @@ impl Vehicle {
             } else {
                 c.ground_patch = Patch::default();
             }
-            if !ground.soil.is_empty() {
-                if let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt) {
-                    c.load += s.load;
-                    c.sinkage = s.sinkage;
-                    let about_axle = axis.dot(&s.moment);
-                    f.force += s.force;
-                    f.moment += s.moment - axis * about_axle;
-                    f.spin_moment += about_axle;
-                    f.inertia += s.inertia;
-                }
+            if !ground.soil.is_empty()
+                && let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt)
+            {
+                c.load += s.load;
+                c.sinkage = s.sinkage;
+                let about_axle = axis.dot(&s.moment);
+                f.force += s.force;
+                f.moment += s.moment - axis * about_axle;
+                f.spin_moment += about_axle;
+                f.inertia += s.inertia;
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(wheel, &hub, &axis) {
                 c.load +=
