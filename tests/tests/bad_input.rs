@@ -283,7 +283,7 @@ fn what_the_command_line_names_must_exist() {
     let bench = Bench::new();
     let pid = pid();
     let pid = text(&pid);
-    let cases: [(&[&str], i32, &[&str]); 20] = [
+    let cases: [(&[&str], i32, &[&str]); 23] = [
         (&["--tasks", "w999"], USAGE, &["w999", "w001"]),
         (&["--tasks", "w001/t77"], USAGE, &["w001/t77", "t00"]),
         (&["--tasks", "w001-w999"], USAGE, &["w999"]),
@@ -304,6 +304,9 @@ fn what_the_command_line_names_must_exist() {
         (&["--suite", "nowhere"], BAD_INPUT, &["nowhere", "vb-mini"]),
         (&["--rules", "papper"], BAD_INPUT, &["papper", "paper, release, dev"]),
         (&["--vehicle", "bicycle"], BAD_INPUT, &["bicycle", "hmmwv"]),
+        (&["--soils", "slush"], BAD_INPUT, &["slush", "default, original, wong"]),
+        (&["--soil-pitch", "5"], USAGE, &["--soil-pitch", "0.01 to 0.5"]),
+        (&["--time-step", "3"], USAGE, &["--time-step", "divide 10"]),
     ];
     for (args, code, says) in cases {
         not_started(&bench, &[&["--plugin", pid][..], args].concat(), code, says);
@@ -324,11 +327,11 @@ fn what_the_command_line_names_must_exist() {
 }
 
 #[test]
-fn rules_and_vehicles_are_refused_with_file_field_and_value() {
+fn rules_vehicles_and_soils_are_refused_with_file_field_and_value() {
     let bench = Bench::new();
     let pid = pid();
     let tasks = vb_tests::root().join("tasks");
-    let cases: [(&str, &str, &str, &[&str]); 10] = [
+    let cases: [(&str, &str, &str, &[&str]); 13] = [
         ("--rules", "time_limit_s: 60.0", "time_limit_s: soon", &["time_limit_s", "soon"]),
         ("--rules", "time_limit_s: 60.0", "time_limit_s: -1", &["time_limit_s", "-1"]),
         ("--rules", "time_limit_s: 60.0", "", &["time_limit_s"]),
@@ -339,9 +342,16 @@ fn rules_and_vehicles_are_refused_with_file_field_and_value() {
         ("--vehicle", "mass: 2095.592 ", "mass: -1", &["mass", "-1"]),
         ("--vehicle", "schema: 1", "schema: 8", &["schema", "8"]),
         ("--vehicle", "chassis:", "chassis: [", &["line"]),
+        ("--soils", "n: 1.1", "n: 9.9", &["soils.", "n: 9.9 must lie between"]),
+        ("--soils", "snow: {soft: soft-snow", "snow: {soft: slush", &["classes.snow.soft", "slush"]),
+        ("--soils", "cohesion: ", "stickiness: ", &["stickiness"]),
     ];
     for (i, (option, old, new, says)) in cases.iter().enumerate() {
-        let source = if *option == "--rules" { "rules/paper.yaml" } else { "vehicles/hmmwv.yaml" };
+        let source = match *option {
+            "--rules" => "rules/paper.yaml",
+            "--soils" => "soils/default.yaml",
+            _ => "vehicles/hmmwv.yaml",
+        };
         let good = fs::read_to_string(tasks.join(source)).expect("a file of the project");
         assert!(good.contains(old), "{old} is not in {source}");
         let name = format!("bad{i}.yaml");
@@ -349,7 +359,7 @@ fn rules_and_vehicles_are_refused_with_file_field_and_value() {
         let says = &[says, &[name.as_str()][..]].concat();
         not_started(&bench, &["--plugin", text(&pid), option, &name], BAD_INPUT, says);
     }
-    for option in ["--rules", "--vehicle"] {
+    for option in ["--rules", "--vehicle", "--soils"] {
         bench.write("empty.yaml", "");
         bench.write("binary.yaml", b"\xff\xfe\0");
         for name in ["empty.yaml", "binary.yaml", "gone.yaml", "./"] {
@@ -450,7 +460,7 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
     };
     bench.ok(&run(&pid, &[]));
     let before = bench.files("r");
-    let cases: [(&Path, &[&'static str], &[&str]); 10] = [
+    let cases: [(&Path, &[&'static str], &[&str]); 13] = [
         (&pid, &["--seed", "9"], &["seed", "the run has 0", "this command has 9"]),
         (&pid, &["--scale", "1/6"], &["scale", "1.0", "0.1666"]),
         (&pid, &["--rules", "release"], &["rules.name", "paper", "release"]),
@@ -460,6 +470,9 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
         (&pid, &["--memory", "128M"], &["limits.memory_bytes", "134217728"]),
         (&pid, &["--suite", "./suite"], &["suite.hash"]),
         (&pid, &["--vehicle", "heavy.yaml"], &["vehicle.hash"]),
+        (&pid, &["--soils", "original"], &["soils.hash"]),
+        (&pid, &["--soil-pitch", "0.05"], &["soil_pitch", "0.1", "0.05"]),
+        (&pid, &["--time-step", "0.5"], &["time_step", "0.001", "0.0005"]),
         (&other, &[], &["plugin.carrier", "wasm", "native"]),
     ];
     for (plugin, more, says) in cases {
