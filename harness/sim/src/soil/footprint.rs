@@ -57,6 +57,7 @@ pub(crate) struct Footprint {
     raised: Vec<Row>,
     /// Displacement of the rim against the soil since it came into contact, along the heading and to the left, m.
     shear: [Vec<Row>; 2],
+    /// Whether the states are the ground's: else they are in the grid.
     live: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
     aside: f64,
