@@ -110,7 +110,7 @@ fn straight(sim: &Simulation) -> f64 {
 fn at_full_and_part_throttle_it_goes_as_fast_as_the_reference_runs_on_the_originals_soils() {
     // Chrono (5.2), speed after 10 s from rest. Left out are two of nine: snow at throttle 0.3, where the reference
     // crawls at 0.4 m/s and ours stays where it is, and snow at throttle 1, where the reference reaches 19.0 and ours
-    // 22.0 m/s.
+    // 23 m/s.
     for (class, throttle, chrono) in [
         (TerrainClass::Snow, 0.6, 13.389),
         (TerrainClass::Mud, 0.3, 10.304),

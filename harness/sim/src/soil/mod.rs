@@ -6,8 +6,7 @@
 //! ground, the states move through the footprint; they enter at its edge from the memory of the ground ([`Grid`]) and
 //! leave to it at the opposite edge. So the forces are smooth whatever the grid's pitch, which only says how finely
 //! ruts are remembered for other wheels and later passes. Chrono's soil contact model instead keeps states and takes
-//! forces at the nodes of the grid, whose coming and going shakes the vehicle (reference measurements: 15 % ripple of
-//! the wheel load at a pitch of 0.1 m).
+//! forces at the nodes of the grid, whose coming and going shakes the vehicle.
 
 mod footprint;
 mod grid;
