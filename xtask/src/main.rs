@@ -2,6 +2,7 @@
 
 mod compare;
 mod convergence;
+mod fuzz;
 mod plugins;
 mod run;
 mod wasm_target;
@@ -20,6 +21,8 @@ Tasks:
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
+  fuzz [TARGET] [--minutes N]
+                        Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
   compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
 
 Environment:
@@ -36,6 +39,10 @@ fn main() -> ExitCode {
         ["lint"] => lint(),
         ["convergence"] => convergence::convergence(),
         ["compare-chrono"] => compare::compare_chrono(),
+        ["fuzz"] => fuzz::fuzz(None, FUZZ_MINUTES),
+        ["fuzz", target] if !target.starts_with('-') => fuzz::fuzz(Some(target), FUZZ_MINUTES),
+        ["fuzz", "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(None, n)),
+        ["fuzz", target, "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(Some(target), n)),
         ["plugins"] => plugins::build(&default_plugin_dir()),
         ["plugins", "--out", dir] => plugins::build(Path::new(dir)),
         ["help" | "--help" | "-h"] => {
@@ -51,6 +58,14 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Minutes for which each target is fuzzed if nothing is said.
+const FUZZ_MINUTES: u32 = 20;
+
+fn minutes(text: &str) -> Result<u32, Failure> {
+    let wrong = || Failure::new(format!("--minutes {text}: must be a whole number from 1"));
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(wrong)
 }
 
 /// The folder of the workspace.

@@ -1,0 +1,65 @@
+//! Fuzz targets: every reader of files and messages that somebody else may have made. A target hands its input to a
+//! reader and ignores the answer; what counts is that there is one, without a panic and within memory and time.
+//!
+//! `cargo xtask fuzz` runs them under libFuzzer (`tests/fuzz/libfuzzer`); the tests of this crate run seeds and their
+//! mutations with every test run, so that targets and readers stay in step.
+
+mod import;
+mod plugin;
+mod results;
+mod site;
+mod suite;
+
+use vb_score::Rules;
+use vb_sim::{SoilSet, VehicleSpec};
+
+/// A reader under test.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name, which is that of the file in `libfuzzer/fuzz_targets`.
+    pub name: &'static str,
+    /// Hands an input to the reader.
+    pub run: fn(&[u8]),
+    /// Inputs to start from.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+}
+
+/// All targets.
+pub const TARGETS: &[Target] = &[
+    Target { name: "plugin", run: plugin::run, seeds: plugin::seeds },
+    Target { name: "suite", run: suite::run, seeds: suite::seeds },
+    Target { name: "import", run: import::run, seeds: import::seeds },
+    Target { name: "results", run: results::run, seeds: results::seeds },
+    Target { name: "settings", run: settings, seeds: settings_seeds },
+];
+
+/// The target of this name.
+///
+/// # Panics
+/// If there is none.
+#[must_use]
+pub fn target(name: &str) -> Target {
+    *TARGETS.iter().find(|t| t.name == name).expect("a target of this name")
+}
+
+/// Files that users write by hand: rules, vehicles, soils. The first byte chooses.
+fn settings(data: &[u8]) {
+    let Some((&kind, text)) = data.split_first() else { return };
+    let Ok(text) = std::str::from_utf8(text) else { return };
+    match kind % 3 {
+        0 => drop(Rules::from_yaml("rules.yaml", text)),
+        1 => drop(VehicleSpec::parse(text, "vehicle.yaml")),
+        _ => drop(SoilSet::parse(text, "soils.yaml")),
+    }
+}
+
+fn settings_seeds() -> Vec<Vec<u8>> {
+    let files = [
+        (0, include_str!("../../../tasks/rules/paper.yaml")),
+        (0, include_str!("../../../tasks/rules/release.yaml")),
+        (1, include_str!("../../../tasks/vehicles/hmmwv.yaml")),
+        (2, include_str!("../../../tasks/soils/default.yaml")),
+        (2, include_str!("../../../tasks/soils/original.yaml")),
+    ];
+    files.iter().map(|(kind, text)| site::select(*kind, text.as_bytes())).collect()
+}
