@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::FaultCause;
+use crate::code::FaultCode;
+
 /// Why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -84,6 +87,26 @@ pub enum LoadError {
         /// The engine's or system's reason.
         reason: String,
     },
+    /// The file, or something in it, is larger than it may be.
+    #[error("{}: the plugin has {found} {what}, it may have {limit}", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What there is too much of, e.g. `bytes`.
+        what: &'static str,
+        /// How much there is.
+        found: u64,
+        /// How much there may be.
+        limit: u64,
+    },
+    /// The process that should have opened the plugin failed.
+    #[error("{}: the plugin can't be loaded: {cause}; {}", .path.display(), .cause.hint())]
+    Faulty {
+        /// The file, or the command.
+        path: PathBuf,
+        /// In which way.
+        cause: FaultCause,
+    },
     /// A native plugin lays its data out in another way than the harness.
     #[error("{}: the plugin's data layout differs from the harness's: {reason}. Rebuild it with the harness's vb-sdk", .path.display())]
     LayoutMismatch {
@@ -92,6 +115,25 @@ pub enum LoadError {
         /// The first difference.
         reason: String,
     },
+}
+
+impl LoadError {
+    /// The stable name of what is wrong.
+    #[must_use]
+    pub fn code(&self) -> FaultCode {
+        match self {
+            Self::NotFound { .. } => FaultCode::NotFound,
+            Self::Io { .. } => FaultCode::Unreadable,
+            Self::Empty { .. } | Self::NotAPlugin { .. } => FaultCode::NotAPlugin,
+            Self::Damaged { .. } => FaultCode::Damaged,
+            Self::Metadata { .. } => FaultCode::Metadata,
+            Self::AbiVersion { .. } | Self::LayoutMismatch { .. } => FaultCode::AbiMismatch,
+            Self::ForbiddenImports { .. } => FaultCode::ImportDenied,
+            Self::TooLarge { .. } => FaultCode::TooLarge,
+            Self::Unloadable { .. } => FaultCode::Unloadable,
+            Self::Faulty { cause, .. } => cause.code(),
+        }
+    }
 }
 
 /// Why parameters don't fit a planner.

@@ -1,6 +1,10 @@
 //! What can go wrong with a planner at work.
 
+use std::fmt;
+
 use serde::Serialize;
+
+use crate::code::{Blame, FaultCode};
 
 /// Why a planner ended its task.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
@@ -8,34 +12,33 @@ use serde::Serialize;
 pub struct PlannerFault {
     /// Number of the step, from 0; `None` during `init`.
     pub step: Option<u64>,
+    /// Simulated time of that step, s; `None` during `init`.
+    pub time: Option<f64>,
     /// What happened.
     pub cause: FaultCause,
 }
 
 impl PlannerFault {
-    /// A stable name of the cause, for result files: `out-of-fuel`, `out-of-memory`, `trap`, `panic`, `error`,
-    /// `invalid-output` or `machine`.
+    /// The stable name of the cause, for results.
     #[must_use]
-    pub fn kind(&self) -> &'static str {
-        match self.cause {
-            FaultCause::OutOfFuel { .. } => "out-of-fuel",
-            FaultCause::OutOfMemory { .. } => "out-of-memory",
-            FaultCause::Trap { .. } => "trap",
-            FaultCause::Panic { .. } => "panic",
-            FaultCause::Error { .. } => "error",
-            FaultCause::InvalidOutput { .. } => "invalid-output",
-            FaultCause::Machine { .. } => "machine",
-        }
+    pub fn code(&self) -> FaultCode {
+        self.cause.code()
     }
 
-    /// Whether the planner is to blame: all causes but a failure of the machine.
+    /// Whether the planner is to blame, and not the harness or the machine.
     #[must_use]
     pub fn is_planners(&self) -> bool {
-        !matches!(self.cause, FaultCause::Machine { .. })
+        self.code().blame() == Blame::Planner
     }
 
-    fn place(&self) -> String {
-        self.step.map_or_else(|| "planner init".to_owned(), |n| format!("planner step {n}"))
+    /// Where: `init`, or `step 12 (t = 1.20 s)`.
+    #[must_use]
+    pub fn place(&self) -> String {
+        match (self.step, self.time) {
+            (Some(step), Some(time)) => format!("step {step} (t = {time:.2} s)"),
+            (Some(step), None) => format!("step {step}"),
+            (None, _) => "init".to_owned(),
+        }
     }
 }
 
@@ -45,19 +48,31 @@ impl PlannerFault {
 #[non_exhaustive]
 pub enum FaultCause {
     /// It computed longer than it may.
-    #[error("it used up its {budget} units of fuel; make it cheaper or raise the limit")]
+    #[error("used up its {budget} units of fuel")]
     OutOfFuel {
         /// Fuel that it had for the call.
         budget: u64,
     },
-    /// It wanted more memory than it may have.
-    #[error("it wanted more than its {limit} bytes of memory")]
+    /// It wanted more memory than it may have, was refused, and gave up.
+    #[error("wanted {}, it may have {limit}", wanted(*.what, *.wanted))]
     OutOfMemory {
-        /// Bytes that it may have.
-        limit: usize,
+        /// What it wanted more of.
+        what: Resource,
+        /// How much it would have had then; `None` where that isn't known.
+        wanted: Option<u64>,
+        /// How much it may have.
+        limit: u64,
+    },
+    /// Its calls were nested more deeply than its stack allows.
+    #[error("overflowed its stack of {limit} bytes{}", in_functions(.backtrace))]
+    StackOverflow {
+        /// Bytes of stack that it may have.
+        limit: u64,
+        /// Innermost functions, the failing one first.
+        backtrace: Vec<String>,
     },
     /// The WebAssembly code trapped.
-    #[error("{message}{}", in_functions(.backtrace))]
+    #[error("trapped: {message}{}", in_functions(.backtrace))]
     Trap {
         /// The engine's text.
         message: String,
@@ -65,14 +80,20 @@ pub enum FaultCause {
         backtrace: Vec<String>,
     },
     /// It panicked.
-    #[error("it {message}")]
+    #[error("{message}")]
     Panic {
         /// `panicked at FILE:LINE:COLUMN: TEXT`.
         message: String,
     },
-    /// It returned an error.
-    #[error("{message}")]
+    /// Its `step` returned an error.
+    #[error("returned an error: {message}")]
     Error {
+        /// The planner's text.
+        message: String,
+    },
+    /// Its `init` returned an error.
+    #[error("returned an error: {message}")]
+    InitFailed {
         /// The planner's text.
         message: String,
     },
@@ -84,6 +105,42 @@ pub enum FaultCause {
         /// `NaN`, `inf` or `-inf`.
         value: String,
     },
+    /// The result of a call is larger than it may be.
+    #[error("its result takes more than the {limit} bytes that a call may hand over")]
+    OutputTooLarge {
+        /// Bytes that it may take.
+        limit: u64,
+    },
+    /// It used something that planners don't get.
+    #[error("used {import}, which planners don't get")]
+    ImportDenied {
+        /// Name of the function or service.
+        import: String,
+    },
+    /// The worker's plugin speaks another version of the interface than the one it was loaded with.
+    #[error("speaks another version of the planner interface: {message}")]
+    AbiMismatch {
+        /// What differs.
+        message: String,
+    },
+    /// Its process ended.
+    #[error("{how}")]
+    Crashed {
+        /// In which way.
+        how: ProcessEnd,
+    },
+    /// Its process didn't answer.
+    #[error("gave no answer within {limit_ms} ms of wall-clock time")]
+    Hung {
+        /// Wall-clock time that it had, ms.
+        limit_ms: u64,
+    },
+    /// Its process sent something that the protocol doesn't know.
+    #[error("broke the protocol: {message}")]
+    Protocol {
+        /// What was wrong.
+        message: String,
+    },
     /// The operating system refused what the host needs to run the planner, address space for instance. No fault of
     /// the planner.
     #[error("the machine refused what the host needs: {message}")]
@@ -91,22 +148,166 @@ pub enum FaultCause {
         /// The system's text.
         message: String,
     },
+    /// A WASM call took more wall-clock time than any fuel can explain. Fuel is what judges a planner, so this is the
+    /// machine's fault, or a bug of the harness.
+    #[error("the call took more than {limit_ms} ms of wall-clock time although it had fuel left")]
+    Watchdog {
+        /// Wall-clock time that it had, ms.
+        limit_ms: u64,
+    },
+    /// The process that runs native planners can't be started or confined.
+    #[error("the planner's process can't be run: {message}")]
+    Worker {
+        /// What failed.
+        message: String,
+    },
+}
+
+impl FaultCause {
+    /// The cause as that of a failed `init`, where a returned error has a name of its own.
+    pub(crate) fn in_init(self) -> Self {
+        match self {
+            Self::Error { message } => Self::InitFailed { message },
+            other => other,
+        }
+    }
+
+    /// The stable name of the cause.
+    #[must_use]
+    pub fn code(&self) -> FaultCode {
+        match self {
+            Self::OutOfFuel { .. } => FaultCode::OutOfFuel,
+            Self::OutOfMemory { .. } => FaultCode::OutOfMemory,
+            Self::StackOverflow { .. } => FaultCode::StackOverflow,
+            Self::Trap { .. } => FaultCode::Trap,
+            Self::Panic { .. } => FaultCode::Panic,
+            Self::Error { .. } => FaultCode::Error,
+            Self::InitFailed { .. } => FaultCode::InitFailed,
+            Self::InvalidOutput { .. } | Self::OutputTooLarge { .. } => FaultCode::InvalidOutput,
+            Self::ImportDenied { .. } => FaultCode::ImportDenied,
+            Self::AbiMismatch { .. } => FaultCode::AbiMismatch,
+            Self::Crashed { .. } => FaultCode::Crashed,
+            Self::Hung { .. } => FaultCode::Hung,
+            Self::Protocol { .. } => FaultCode::Protocol,
+            Self::Machine { .. } => FaultCode::Machine,
+            Self::Watchdog { .. } => FaultCode::Watchdog,
+            Self::Worker { .. } => FaultCode::Worker,
+        }
+    }
+
+    /// What its author or user can do about it.
+    #[must_use]
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::OutOfFuel { .. } => {
+                "compute less a call, or raise fuel_init or fuel_per_step (--limits); one unit is about one instruction"
+            }
+            Self::OutOfMemory { .. } => "allocate less, or raise memory_bytes or table_elements (--limits)",
+            Self::StackOverflow { .. } => {
+                "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (--limits)"
+            }
+            Self::Trap { .. } => "look at the functions named; --debug shows more of them",
+            Self::Panic { .. } => "fix the place named",
+            Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",
+            Self::InvalidOutput { .. } => "look for a division by zero",
+            Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (--limits)",
+            Self::ImportDenied { .. } => "planners get no files, network or processes; do without",
+            Self::AbiMismatch { .. } => "build the plugin again with the harness's vb-sdk",
+            Self::Crashed { .. } => "run the planner under a debugger, or build it for WASM for a backtrace",
+            Self::Hung { .. } => "compute less a call, or raise watchdog_ms (--limits)",
+            Self::Protocol { .. } => "send nothing but the protocol's messages to standard output",
+            Self::Machine { .. } => "free memory or lower --jobs; --resume runs the task again",
+            Self::Watchdog { .. } => {
+                "the machine is overloaded: lower --jobs or raise watchdog_ms (--limits); --resume runs the task again"
+            }
+            Self::Worker { .. } => "see what the system refused; --resume runs the task again",
+        }
+    }
+
+    /// Innermost functions at the fault, the failing one first; empty where they aren't known.
+    #[must_use]
+    pub fn backtrace(&self) -> &[String] {
+        match self {
+            Self::Trap { backtrace, .. } | Self::StackOverflow { backtrace, .. } => backtrace,
+            _ => &[],
+        }
+    }
+}
+
+/// What a planner may run out of, beside fuel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Resource {
+    /// Memory, in bytes.
+    Memory,
+    /// Elements of tables.
+    Table,
+}
+
+impl fmt::Display for Resource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Memory => "bytes of memory",
+            Self::Table => "table elements",
+        })
+    }
+}
+
+/// How a process ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProcessEnd {
+    /// By a signal of this number.
+    Signal(i32),
+    /// By itself, with this code.
+    Exit(i32),
+}
+
+impl fmt::Display for ProcessEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        /// Signals that planners die of, with the numbers that Linux and macOS share, and what they mean.
+        const SIGNALS: [(i32, &str); 8] = [
+            (4, "SIGILL: illegal instruction"),
+            (6, "SIGABRT: it aborted"),
+            (8, "SIGFPE: integer division by zero"),
+            (9, "SIGKILL: killed from outside, or for its memory"),
+            (11, "SIGSEGV: it used memory that isn't its own"),
+            (13, "SIGPIPE: it wrote to a closed pipe"),
+            (15, "SIGTERM: ended from outside"),
+            (24, "SIGXCPU: it used up its processor time"),
+        ];
+        match *self {
+            Self::Exit(code) => write!(f, "its process ended by itself with exit code {code}"),
+            // SIGBUS and SIGSYS have other numbers elsewhere.
+            #[cfg(target_os = "linux")]
+            Self::Signal(7) => {
+                f.write_str("its process died of signal 7 (SIGBUS: it used memory that isn't there)")
+            }
+            #[cfg(target_os = "linux")]
+            Self::Signal(31) => f.write_str(
+                "its process died of signal 31 (SIGSYS: it made a system call that planners don't get)",
+            ),
+            Self::Signal(signal) => {
+                write!(f, "its process died of signal {signal}")?;
+                SIGNALS.iter().find(|(n, _)| *n == signal).map_or(Ok(()), |(_, text)| write!(f, " ({text})"))
+            }
+        }
+    }
+}
+
+fn wanted(what: Resource, wanted: Option<u64>) -> String {
+    wanted.map_or_else(|| format!("more {what}"), |n| format!("{n} {what}"))
 }
 
 fn in_functions(backtrace: &[String]) -> String {
-    if backtrace.is_empty() { String::new() } else { format!(" in {}", backtrace.join(" < ")) }
-}
-
-/// Text from a planner as one printable line: terminals act on control characters.
-pub(crate) fn one_line(text: &str) -> String {
-    /// Long enough for any message meant to be read.
-    const MAX: usize = 2000;
-    let mut line = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ");
-    if let Some((end, _)) = line.char_indices().nth(MAX) {
-        line.truncate(end);
-        line.push('…');
+    /// More than these are for --debug.
+    const SHOWN: usize = 5;
+    if backtrace.is_empty() {
+        return String::new();
     }
-    line.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+    let shown = &backtrace[..backtrace.len().min(SHOWN)];
+    format!(" in {}", shown.join(" < "))
 }
 
 #[cfg(test)]
@@ -116,16 +317,29 @@ mod tests {
     #[test]
     fn a_fault_reads_as_one_line_that_says_where() {
         let cause = FaultCause::InvalidOutput { field: "steering", value: "NaN".into() };
-        let fault = PlannerFault { step: Some(12), cause };
-        assert_eq!(fault.to_string(), "planner step 12: steering is NaN; a command must be finite");
-        assert_eq!(fault.kind(), "invalid-output");
-        let fault = PlannerFault { step: None, cause: FaultCause::Error { message: "no path".into() } };
-        assert_eq!(fault.to_string(), "planner init: no path");
+        let fault = PlannerFault { step: Some(12), time: Some(1.2), cause };
+        assert_eq!(fault.to_string(), "step 12 (t = 1.20 s): steering is NaN; a command must be finite");
+        assert_eq!(fault.code().name(), "planner/invalid-output");
+        let cause = FaultCause::InitFailed { message: "no path".into() };
+        let fault = PlannerFault { step: None, time: None, cause };
+        assert_eq!(fault.to_string(), "init: returned an error: no path");
     }
 
     #[test]
-    fn planner_text_cannot_command_the_terminal() {
-        assert_eq!(one_line("a:\n  b\r\n\n\u{1b}[2Jc"), "a: b \u{fffd}[2Jc");
-        assert_eq!(one_line(&"x".repeat(5000)).chars().count(), 2001);
+    fn a_refusal_of_memory_tells_what_was_wanted_and_the_limit() {
+        let cause = |what, wanted| FaultCause::OutOfMemory { what, wanted, limit: 64 };
+        assert_eq!(
+            cause(Resource::Memory, Some(128)).to_string(),
+            "wanted 128 bytes of memory, it may have 64"
+        );
+        assert_eq!(cause(Resource::Table, None).to_string(), "wanted more table elements, it may have 64");
+    }
+
+    #[test]
+    fn the_end_of_a_process_is_told_in_words() {
+        let text = |how| FaultCause::Crashed { how }.to_string();
+        assert_eq!(text(ProcessEnd::Exit(3)), "its process ended by itself with exit code 3");
+        assert!(text(ProcessEnd::Signal(11)).contains("signal 11 (SIGSEGV"));
+        assert_eq!(text(ProcessEnd::Signal(60)), "its process died of signal 60");
     }
 }

@@ -4,6 +4,7 @@
 //! of workers; [`Plugin::start`] puts a fresh planner on a task, and [`Session::step`] drives it. What the planner
 //! does wrong ends as a [`PlannerFault`], never as a panic. The interface itself is described in `docs/abi.md`.
 
+mod code;
 mod error;
 mod fault;
 mod inspect;
@@ -11,12 +12,15 @@ mod limits;
 mod log;
 mod native;
 mod plugin;
+mod text;
 mod wasm;
 
+pub use code::{Blame, FaultCode};
 pub use error::{LoadError, ParamError};
-pub use fault::{FaultCause, PlannerFault};
+pub use fault::{FaultCause, PlannerFault, ProcessEnd, Resource};
 pub use inspect::inspect;
 pub use limits::Limits;
 pub use log::LogSink;
 pub use plugin::{Carrier, FuelUse, Plugin, Session, clamp, resolve_params};
+pub use text::{one_line, printable};
 pub use vb_sdk::metadata::{Metadata, ParamSpec};

@@ -4,6 +4,8 @@ use std::fmt;
 
 use vb_sdk::LogLevel;
 
+use crate::text::printable;
+
 /// What is done with a line.
 type Take = dyn FnMut(LogLevel, &str) + Send;
 
@@ -52,8 +54,7 @@ impl Log {
             return;
         }
         self.left -= message.len();
-        let clean = |c: char| if c.is_control() && c != '\n' && c != '\t' { '\u{fffd}' } else { c };
-        (self.sink.0)(level, &message.chars().map(clean).collect::<String>());
+        (self.sink.0)(level, &printable(message));
     }
 }
 

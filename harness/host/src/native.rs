@@ -8,8 +8,9 @@ use abi_stable::std_types::{RErr, ROk, RStr};
 use vb_sdk::native::{Fault, LogCallback, NativeObservation, NativeTask, PlannerModuleRef};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
-use crate::fault::{FaultCause, one_line};
+use crate::fault::FaultCause;
 use crate::log::Log;
+use crate::text::one_line;
 use crate::{LoadError, LogSink};
 
 /// Opens a library and checks its layout. The library stays open as long as the process.

@@ -112,7 +112,7 @@ impl Plugin {
                 NativeSession::start(*module, task, log, self.0.limits.log_bytes).map(SessionKind::Native)
             }
         };
-        let inner = inner.map_err(|cause| PlannerFault { step: None, cause })?;
+        let inner = inner.map_err(|cause| PlannerFault { step: None, time: None, cause: cause.in_init() })?;
         Ok(Session { inner, steps: 0, failed: None })
     }
 }
@@ -184,7 +184,7 @@ impl Session {
         let step = self.steps;
         self.steps += 1;
         result.and_then(finite).map_err(|cause| {
-            let fault = PlannerFault { step: Some(step), cause };
+            let fault = PlannerFault { step: Some(step), time: Some(observation.time), cause };
             self.failed = Some(fault.clone());
             fault
         })

@@ -109,15 +109,15 @@ fn a_planners_metadata_are_those_of_its_crate() {
 #[test]
 fn faults_are_the_same_with_both_carriers_where_a_native_planner_survives_them() {
     let (Some(wasm), Some(native)) = (load("faulty.wasm"), load("libfaulty.so")) else { return };
-    for (fault, kind, text) in [
-        ("error", "error", "planner step 3: told to give up"),
-        ("panic", "panic", "examples/faulty/src/lib.rs"),
-        ("nan", "invalid-output", "planner step 3: steering is NaN; a command must be finite"),
-        ("init-error", "error", "planner init: told to give up"),
-        ("init-panic", "panic", "told to panic"),
+    for (fault, code, text) in [
+        ("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up"),
+        ("panic", "planner/panic", "examples/faulty/src/lib.rs"),
+        ("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN; a command must be finite"),
+        ("init-error", "planner/init-failed", "init: returned an error: told to give up"),
+        ("init-panic", "planner/panic", "told to panic"),
     ] {
         let [w, n] = [&wasm, &native].map(|p| run_to_fault(p, fault));
-        assert_eq!((w.kind(), n.kind()), (kind, kind));
+        assert_eq!((w.code().name(), n.code().name()), (code, code));
         assert!(w.to_string().contains(text) && n.to_string().contains(text), "{w} | {n}");
         assert_eq!(w.to_string(), n.to_string());
     }
@@ -126,10 +126,14 @@ fn faults_are_the_same_with_both_carriers_where_a_native_planner_survives_them()
 #[test]
 fn a_wasm_planner_cannot_take_the_harness_down() {
     let Some(wasm) = load("faulty.wasm") else { return };
-    for (fault, kind) in [("endless", "out-of-fuel"), ("memory", "out-of-memory"), ("stack", "trap")] {
+    for (fault, code) in [
+        ("endless", "planner/out-of-fuel"),
+        ("memory", "planner/out-of-memory"),
+        ("stack", "planner/stack-overflow"),
+    ] {
         for fault in [fault.to_owned(), format!("init-{fault}")] {
             let found = run_to_fault(&wasm, &fault);
-            assert_eq!(found.kind(), kind, "{fault}: {found}");
+            assert_eq!(found.code().name(), code, "{fault}: {found}");
             assert_eq!(run_to_fault(&wasm, &fault), found, "not the same twice");
         }
     }

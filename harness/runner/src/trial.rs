@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use vb_host::{LogSink, Plugin, Session, clamp};
+use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp};
 use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
@@ -54,18 +54,22 @@ pub struct TrialResult {
 /// Who ended a trial before a verdict, and why.
 struct Failure {
     fault: Fault,
-    kind: String,
+    code: FaultCode,
     reason: String,
 }
 
 impl Failure {
     fn session(fault: &vb_host::PlannerFault) -> Self {
-        let blame = if fault.is_planners() { Fault::Planner } else { Fault::Simulation };
-        Self { fault: blame, kind: fault.kind().to_owned(), reason: fault.to_string() }
+        Self::new(fault.code(), fault.to_string())
     }
 
-    fn simulation(kind: &str, reason: String) -> Self {
-        Self { fault: Fault::Simulation, kind: kind.to_owned(), reason }
+    fn new(code: FaultCode, reason: String) -> Self {
+        let fault = match code.blame() {
+            Blame::Planner => Fault::Planner,
+            Blame::Host => Fault::Host,
+            Blame::Simulation => Fault::Simulation,
+        };
+        Self { fault, code, reason }
     }
 }
 
@@ -117,7 +121,10 @@ impl Trial<'_> {
                 let text = panic.downcast_ref::<String>().cloned();
                 let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
                 let text = text.unwrap_or_else(|| "no message".to_owned());
-                Some(Failure::simulation("panic", format!("the harness panicked: {text}; please report it")))
+                Some(Failure::new(
+                    FaultCode::HostPanic,
+                    format!("the harness panicked: {text}; please report it"),
+                ))
             }
         };
         Some(self.result(ledger, geometry, failure, &log))
@@ -130,7 +137,7 @@ impl Trial<'_> {
         failure: Option<Failure>,
         log: &Mutex<Vec<String>>,
     ) -> TrialResult {
-        let fault = failure.as_ref().map(|f| f.kind.clone());
+        let fault = failure.as_ref().map(|f| f.code.name().to_owned());
         let score: TaskScore = match failure {
             Some(f) => ledger.scorer.fail(f.fault, f.reason),
             None => match ledger.scorer.clone().finish() {
@@ -193,7 +200,7 @@ impl Trial<'_> {
         });
         let mut sim =
             Simulation::new(self.world.clone(), self.vehicle, self.soils, self.task.start, self.options)
-                .map_err(|e| Failure::simulation("simulation", e.to_string()))?;
+                .map_err(|e| Failure::new(FaultCode::Simulation, e.to_string()))?;
         let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(&f))?;
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
@@ -216,7 +223,7 @@ impl Trial<'_> {
             let until = next(sample_every).min(next(control_every));
             let advanced = sim.advance(controls, until - now);
             ledger.sim_steps = sim.steps();
-            advanced.map_err(|e| Failure::simulation("diverged", e.to_string()))?;
+            advanced.map_err(|e| Failure::new(FaultCode::Diverged, e.to_string()))?;
             if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, ledger) {
                 return Ok(true);
             }

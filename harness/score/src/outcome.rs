@@ -22,11 +22,13 @@ pub enum Outcome {
     PlannerError,
     /// The simulation failed.
     SimError,
+    /// The harness or the machine failed: the trial says nothing and is in no rate.
+    HostError,
 }
 
 impl Outcome {
     /// All outcomes in the order of tables.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Success,
         Self::Rollover,
         Self::Stuck,
@@ -34,13 +36,22 @@ impl Outcome {
         Self::OutOfBounds,
         Self::PlannerError,
         Self::SimError,
+        Self::HostError,
     ];
 
     /// The name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
-        ["success", "rollover", "stuck", "timeout", "out_of_bounds", "planner_error", "sim_error"]
-            [self as usize]
+        match self {
+            Self::Success => "success",
+            Self::Rollover => "rollover",
+            Self::Stuck => "stuck",
+            Self::Timeout => "timeout",
+            Self::OutOfBounds => "out_of_bounds",
+            Self::PlannerError => "planner_error",
+            Self::SimError => "sim_error",
+            Self::HostError => "host_error",
+        }
     }
 
     /// The paper's class of a trial with this outcome. Its table knows success, rollover and stuck only, which sum
@@ -52,8 +63,10 @@ impl Outcome {
             Self::Success => ThreeWay::Success,
             Self::Rollover => ThreeWay::Rollover,
             Self::Stuck | Self::OutOfBounds => ThreeWay::Stuck,
-            Self::Timeout | Self::PlannerError | Self::SimError if rolled_over => ThreeWay::Rollover,
-            Self::Timeout | Self::PlannerError | Self::SimError => ThreeWay::Stuck,
+            Self::Timeout | Self::PlannerError | Self::SimError | Self::HostError if rolled_over => {
+                ThreeWay::Rollover
+            }
+            Self::Timeout | Self::PlannerError | Self::SimError | Self::HostError => ThreeWay::Stuck,
         }
     }
 }
@@ -88,6 +101,8 @@ pub enum Fault {
     Planner,
     /// The simulation.
     Simulation,
+    /// The harness or the machine.
+    Host,
 }
 
 impl Fault {
@@ -97,6 +112,7 @@ impl Fault {
         match self {
             Self::Planner => Outcome::PlannerError,
             Self::Simulation => Outcome::SimError,
+            Self::Host => Outcome::HostError,
         }
     }
 }

@@ -3,7 +3,7 @@
 use wasmtime::{Config, Engine, OptLevel};
 
 /// Stack of the WASM code, bytes. A worker thread of Rust has 2 MiB by default, of which this leaves half.
-const STACK_BYTES: usize = 1 << 20;
+pub(super) const STACK_BYTES: usize = 1 << 20;
 /// Innermost functions told with a trap.
 pub(super) const BACKTRACE_FRAMES: usize = 5;
 

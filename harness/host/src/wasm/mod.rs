@@ -12,8 +12,9 @@ use wasmtime::Engine;
 use wasmtime::component::types::ComponentItem;
 use wasmtime::component::{Component, Linker};
 
-use crate::fault::{FaultCause, one_line};
+use crate::fault::FaultCause;
 use crate::inspect::{Format, PluginFile};
+use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 
 use session::State;

@@ -7,8 +7,9 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
 use super::{HOST_INTERFACE, convert, engine};
-use crate::fault::{FaultCause, one_line};
+use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
+use crate::text::one_line;
 use crate::{FuelUse, Limits, LogSink};
 
 /// Fuel for a log line beside one unit a byte: about what it costs the harness.
@@ -24,6 +25,8 @@ const PANIC_PREFIX: &str = "panicked at ";
 pub(super) struct State {
     log: Log,
     memory: MemoryLimiter,
+    /// Bytes that one call may hand over.
+    output_bytes: u64,
     /// Text of the panic that the planner has just reported.
     panic: Option<String>,
 }
@@ -34,14 +37,15 @@ struct MemoryLimiter {
     limit: usize,
     used: usize,
     table_elements: usize,
-    refused: bool,
+    /// What was refused last: what, and how much there would have been.
+    refused: Option<(Resource, u64)>,
 }
 
 impl ResourceLimiter for MemoryLimiter {
     fn memory_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
         let used = self.used.saturating_add(desired.saturating_sub(current));
         if used > self.limit {
-            self.refused = true;
+            self.refused = Some((Resource::Memory, used as u64));
             return Ok(false);
         }
         self.used = used;
@@ -51,7 +55,7 @@ impl ResourceLimiter for MemoryLimiter {
     fn table_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
         let elements = self.table_elements.saturating_add(desired.saturating_sub(current));
         if elements > TABLE_ELEMENTS {
-            self.refused = true;
+            self.refused = Some((Resource::Table, elements as u64));
             return Ok(false);
         }
         self.table_elements = elements;
@@ -121,9 +125,10 @@ impl WasmSession {
         sink: LogSink,
         limits: &Limits,
     ) -> Result<Self, FaultCause> {
-        let memory = MemoryLimiter { limit: limits.memory_bytes, used: 0, table_elements: 0, refused: false };
+        let memory = MemoryLimiter { limit: limits.memory_bytes, used: 0, table_elements: 0, refused: None };
         let log = Log::new(sink, limits.log_bytes);
-        let mut store = Store::new(engine, State { log, memory, panic: None });
+        let mut store =
+            Store::new(engine, State { log, memory, output_bytes: limits.output_bytes as u64, panic: None });
         store.limiter(|state| &mut state.memory);
         store.set_hostcall_fuel(limits.output_bytes);
         let task = convert::task(task);
@@ -142,7 +147,7 @@ impl WasmSession {
 
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
         let (store, budget) = (&mut self.store, self.fuel_per_step);
-        store.data_mut().memory.refused = false;
+        store.data_mut().memory.refused = None;
         store.data_mut().panic = None;
         let observation = convert::observation(observation);
         let interface = self.plugin.vertibench_planner_guest();
@@ -174,17 +179,29 @@ fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
     if let Some(message) = &state.panic {
         return FaultCause::Panic { message: message.clone() };
     }
-    if state.memory.refused {
-        return FaultCause::OutOfMemory { limit: state.memory.limit };
+    if let Some((what, wanted)) = state.memory.refused {
+        let limit = match what {
+            Resource::Memory => state.memory.limit,
+            Resource::Table => TABLE_ELEMENTS,
+        };
+        return FaultCause::OutOfMemory { what, wanted: Some(wanted), limit: limit as u64 };
     }
     if is_of_the_system(error) {
         return FaultCause::Machine { message: one_line(&error.root_cause().to_string()) };
+    }
+    // The engine's type for this is private; a test holds its text.
+    if trap.is_none() && error.root_cause().to_string().starts_with("too much data is being copied") {
+        return FaultCause::OutputTooLarge { limit: state.output_bytes };
     }
     // Of an error that is no trap the outermost texts are the engine's own frames of reference.
     let message = trap.map_or_else(|| one_line(&error.root_cause().to_string()), ToString::to_string);
     let frames = error.downcast_ref::<WasmBacktrace>().map_or(&[][..], WasmBacktrace::frames);
     let name = |f: &wasmtime::FrameInfo| one_line(f.func_name().unwrap_or("an unnamed function"));
-    FaultCause::Trap { message, backtrace: frames.iter().take(engine::BACKTRACE_FRAMES).map(name).collect() }
+    let backtrace = frames.iter().take(engine::BACKTRACE_FRAMES).map(name).collect();
+    if trap == Some(&Trap::StackOverflow) {
+        return FaultCause::StackOverflow { limit: engine::STACK_BYTES as u64, backtrace };
+    }
+    FaultCause::Trap { message, backtrace }
 }
 
 /// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
@@ -204,9 +221,13 @@ mod tests {
 
     #[test]
     fn a_refusal_of_the_system_is_not_blamed_on_the_planner() {
-        let memory = MemoryLimiter { limit: 1, used: 0, table_elements: 0, refused: false };
-        let state =
-            State { log: Log::new(LogSink::discard(), Limits::default().log_bytes), memory, panic: None };
+        let memory = MemoryLimiter { limit: 1, used: 0, table_elements: 0, refused: None };
+        let state = State {
+            log: Log::new(LogSink::discard(), Limits::default().log_bytes),
+            memory,
+            output_bytes: 1,
+            panic: None,
+        };
         let refusal = std::io::Error::from(std::io::ErrorKind::OutOfMemory);
         let found = cause(&Error::from(refusal).context("while making room"), &state, 1);
         assert!(matches!(&found, FaultCause::Machine { message } if message.contains("memory")), "{found}");
