@@ -27,20 +27,20 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
     let wasm = |fault, kind, says, steps| Failure { carrier: Carrier::Wasm, fault, kind, says, steps };
     let native = |fault, kind, says, steps| Failure { carrier: Carrier::Native, fault, kind, says, steps };
     let failures = [
-        wasm("error", "error", "planner step 3: told to give up", 4),
-        wasm("panic", "panic", "planner step 3: it panicked at examples/faulty/src/lib.rs", 4),
-        wasm("nan", "invalid-output", "planner step 3: steering is NaN", 4),
-        wasm("endless", "out-of-fuel", "planner step 3: it used up its 50000000 units of fuel", 4),
-        wasm("memory", "out-of-memory", "planner step 3: it wanted more than its 33554432 bytes", 4),
-        wasm("stack", "trap", "planner step 3: wasm trap", 4),
-        wasm("init-error", "error", "planner init: told to give up", 0),
-        wasm("init-panic", "panic", "planner init: it panicked at examples/faulty/src/lib.rs", 0),
-        wasm("init-memory", "out-of-memory", "planner init: it wanted more than its 33554432 bytes", 0),
-        native("error", "error", "planner step 3: told to give up", 4),
-        native("panic", "panic", "planner step 3: it panicked at examples/faulty/src/lib.rs", 4),
-        native("nan", "invalid-output", "planner step 3: steering is NaN", 4),
-        native("init-error", "error", "planner init: told to give up", 0),
-        native("init-panic", "panic", "planner init: it panicked at examples/faulty/src/lib.rs", 0),
+        wasm("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
+        wasm("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
+        wasm("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
+        wasm("endless", "planner/out-of-fuel", "step 3 (t = 0.30 s): used up its 50000000 units of fuel", 4),
+        wasm("memory", "planner/out-of-memory", "bytes of memory, it may have 33554432", 4),
+        wasm("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
+        wasm("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
+        wasm("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
+        wasm("init-memory", "planner/out-of-memory", "init: wanted", 0),
+        native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
+        native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
+        native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
+        native("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
+        native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
     ];
     let bench = Bench::new();
     let run = |carrier, fault: &str, out: &str| {
@@ -62,6 +62,8 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
             assert_eq!(failed["three_way"], "stuck", "{what}");
             assert_eq!(failed["fault"], f.kind, "{what}");
             let reason = failed["reason"].as_str().expect("a reason");
+            // Who, where, what.
+            assert!(reason.starts_with("planner faulty 0.1.0 on w001/t01, "), "{what}: {reason}");
             assert!(reason.contains(f.says) && reason.lines().count() == 1, "{what}: {reason}");
             assert_eq!(failed["planner_steps"], f.steps, "{what}");
             assert_eq!(failed["metrics"].is_null(), f.steps == 0, "{what}");
@@ -72,6 +74,69 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
             }
         }
     }
+}
+
+/// The watchdog by the wall clock only fires for what fuel doesn't explain, so it is the host's fault.
+#[test]
+fn what_the_host_failed_counts_for_nobody_and_is_run_again() {
+    let bench = Bench::new();
+    bench.write("limits.yaml", "fuel_per_step: 9000000000000000000\nwatchdog_ms: 300\nwasm_watchdog: true\n");
+    let plugin = plugin("faulty", Carrier::Wasm);
+    let args = ["--plugin", text(&plugin), "--tasks", "w001/t00-t01", "--param", "fault=endless"];
+    let more = ["--param", "only=w001/t01", "--limits", "limits.yaml", "--out", "r"];
+    let args = [&args[..], &more].concat();
+    let message = bench.run(&args).error(7);
+    assert!(message.contains("--resume runs them again"), "{message}");
+    let record = &bench.records("r")["w001/t01"];
+    assert_eq!((&record["outcome"], &record["fault"]), (&"host_error".into(), &"host/watchdog".into()));
+    let summary = bench.json("r/summary.json");
+    assert_eq!(summary["host_errors"], Value::from(vec!["w001/t01"]));
+    assert_eq!((&summary["all"]["tasks"], &summary["all"]["outcomes"]["stuck"]), (&1.into(), &1.into()));
+    // Resumed, the task is run again, and its line replaced.
+    let again = bench.run(&[&args[..], &["--resume"]].concat()).error(7);
+    assert!(again.contains("failed 1 tasks"), "{again}");
+    assert_eq!(bench.records("r").len(), 2);
+}
+
+#[test]
+fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
+    let bench = Bench::new();
+    bench.write("limits.yaml", "# All others keep their defaults.\nfuel_per_step: 1000000\nstack_bytes: 262144\n");
+    let pid = pid();
+    let args = ["--plugin", text(&pid), "--tasks", "w001/t00", "--limits", "limits.yaml", "--out", "r"];
+    bench.ok(&[&args[..], &["--memory", "32M"]].concat());
+    let limits = &bench.json("r/run.json")["limits"];
+    assert_eq!((&limits["fuel_per_step"], &limits["stack_bytes"]), (&1_000_000.into(), &262_144.into()));
+    assert_eq!((&limits["memory_bytes"], &limits["table_elements"]), (&(32 << 20).into(), &(1 << 20).into()));
+    assert_eq!(limits.as_object().expect("limits").len(), 10);
+    let fuel = &bench.records("r")["w001/t00"]["fuel"];
+    let n = |name: &str| fuel[name].as_f64().expect(name);
+    assert!(0.0 < n("p50_step") && n("p50_step") <= n("p99_step") && n("p99_step") <= n("max_step"), "{fuel}");
+    assert_eq!(n("max_share"), n("max_step") / 1e6);
+    assert!(n("memory_bytes") > 0.0 && n("init") > 0.0, "{fuel}");
+    assert_eq!(bench.json("r/summary.json")["all"]["fuel"], *fuel);
+    for (content, words) in [
+        ("fuel: 3\n", &["limits.yaml", "fuel"][..]),
+        ("fuel_per_step: many\n", &["limits.yaml", "fuel_per_step", "many"]),
+        ("stack_bytes: 1\n", &["limits.yaml", "stack_bytes", "65536"]),
+    ] {
+        bench.write("limits.yaml", content);
+        let message = bench.run(&args).error(3);
+        assert!(words.iter().all(|w| message.contains(w)), "{message}");
+    }
+}
+
+#[test]
+fn a_failing_planner_is_told_with_its_log_and_to_debug_with_its_functions() {
+    let bench = Bench::new();
+    let plugin = plugin("faulty", Carrier::Wasm);
+    let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=stack"];
+    let (plain, debug) = (
+        bench.run(&[&args[..], &["--out", "a"]].concat()).stderr,
+        bench.run(&[&args[..], &["--out", "b", "--debug"]].concat()).stderr,
+    );
+    assert!(plain.contains("    log | info: failing at 0.3 s: stack"), "{plain}");
+    assert!(!plain.contains("      0 | ") && debug.contains("      0 | faulty::recurse\n"), "{debug}");
 }
 
 #[test]
@@ -167,8 +232,9 @@ fn a_value_that_the_planner_refuses_is_told_in_the_planners_words() {
     let pid = pid();
     bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--param", "speed=-1", "--out", "r"]);
     let record = &bench.records("r")["w001/t00"];
-    assert_eq!((&record["outcome"], &record["fault"]), (&"planner_error".into(), &"error".into()));
-    assert_eq!(record["reason"], "planner init: parameter `speed`: -1 is not above 0");
+    assert_eq!((&record["outcome"], &record["fault"]), (&"planner_error".into(), &"planner/init-failed".into()));
+    let reason = record["reason"].as_str().expect("a reason");
+    assert!(reason.contains("init: returned an error: parameter `speed`: -1 is not above 0"), "{reason}");
 }
 
 #[test]

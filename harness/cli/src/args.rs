@@ -15,6 +15,7 @@ Exit codes:
     4  results can't be written (disk full, no permission, directory not empty or in use)
     5  completed, but the simulation of some tasks failed
     6  completed, but the vehicle failed some checks of its test
+    7  completed, but the harness or the machine failed some tasks; --resume runs them again
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -142,12 +143,18 @@ pub(crate) struct RunArgs {
     /// Factor on every length of the world: 1, 1/6, 1/10
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = scale)]
     pub(crate) scale: f64,
-    /// Fuel of a WASM planner for one step (about one unit an instruction)
+    /// Limits of the planner, by name as in docs/abi.md; default: those documented there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) limits: Option<PathBuf>,
+    /// Fuel of a WASM planner for one step (about one unit an instruction), whatever --limits says
     #[arg(long, value_name = "N")]
     pub(crate) fuel_per_step: Option<u64>,
-    /// Memory of a WASM planner in bytes, or with a suffix K, M or G
+    /// Memory of a WASM planner in bytes, or with a suffix K, M or G, whatever --limits says
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) memory: Option<u64>,
+    /// Show the functions in which a planner trapped
+    #[arg(long)]
+    pub(crate) debug: bool,
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) message_format: MessageFormat,

@@ -16,6 +16,8 @@ pub(crate) const OUTPUT: u8 = 4;
 pub(crate) const SIM_ERRORS: u8 = 5;
 /// The test of a vehicle was completed, but some checks failed.
 pub(crate) const CHECKS_FAILED: u8 = 6;
+/// The run was completed, but the harness or the machine failed some tasks.
+pub(crate) const HOST_ERRORS: u8 = 7;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -51,6 +53,10 @@ impl CliError {
 
     pub(crate) fn sim_errors(message: impl fmt::Display) -> Self {
         Self::new(SIM_ERRORS, message)
+    }
+
+    pub(crate) fn host_errors(message: impl fmt::Display) -> Self {
+        Self::new(HOST_ERRORS, message)
     }
 
     pub(crate) fn checks_failed(message: impl fmt::Display) -> Self {

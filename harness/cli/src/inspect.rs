@@ -1,6 +1,7 @@
 //! `vb-harness inspect`.
 
 use serde::Serialize;
+use vb_host::one_line;
 
 use crate::args::{InspectArgs, MessageFormat};
 use crate::error::CliError;
@@ -26,7 +27,7 @@ struct Param<'a> {
 }
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
-    let meta = vb_host::inspect(&args.plugin).map_err(CliError::input)?;
+    let meta = vb_host::inspect(&args.plugin).map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     match args.message_format {
         MessageFormat::Json => output::json(&Message {
             event: "plugin",
@@ -45,23 +46,18 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
         MessageFormat::Human => {
             let row = |name: &str, value: String| vec![name.to_owned(), value];
             let mut rows = vec![
-                row("planner", format!("{} {}", printable(&meta.name), printable(&meta.version))),
-                row("about", printable(&meta.about)),
-                row("authors", printable(&meta.authors.join(", "))),
-                row("planner ABI", printable(&meta.abi)),
+                row("planner", format!("{} {}", one_line(&meta.name), one_line(&meta.version))),
+                row("about", one_line(&meta.about)),
+                row("authors", one_line(&meta.authors.join(", "))),
+                row("planner ABI", one_line(&meta.abi)),
                 row("control period", format!("{} s", meta.control_period)),
             ];
             rows.extend(meta.params.iter().map(|p| {
-                let text = format!("--param {}={}", printable(&p.key), printable(&p.default));
-                row(&text, printable(&p.help))
+                let text = format!("--param {}={}", one_line(&p.key), one_line(&p.default));
+                row(&text, one_line(&p.help))
             }));
             output::text(&output::columns(&rows));
         }
     }
     Ok(())
-}
-
-/// A plugin's text without what could drive the terminal.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

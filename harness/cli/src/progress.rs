@@ -27,6 +27,8 @@ enum Kind {
 /// The course of a run, for people or programs that watch it.
 pub(crate) struct Progress {
     kind: Kind,
+    /// Whether backtraces are shown.
+    debug: bool,
     total: u64,
     done: u64,
     outcomes: BTreeMap<Outcome, u64>,
@@ -36,13 +38,13 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    pub(crate) fn new(format: MessageFormat) -> Self {
+    pub(crate) fn new(format: MessageFormat, debug: bool) -> Self {
         let kind = match format {
             MessageFormat::Json => Kind::Json,
             MessageFormat::Human if std::io::stderr().is_terminal() => Kind::Bar(ProgressBar::no_length()),
             MessageFormat::Human => Kind::Lines,
         };
-        Self { kind, total: 0, done: 0, outcomes: BTreeMap::new(), simulated: 0.0, since: now() }
+        Self { kind, debug, total: 0, done: 0, outcomes: BTreeMap::new(), simulated: 0.0, since: now() }
     }
 
     /// The run begins: `total` tasks, of which those of `resumed` are done already.
@@ -78,20 +80,29 @@ impl Progress {
         *self.outcomes.entry(record.outcome).or_default() += 1;
         match &self.kind {
             Kind::Json => output::json(&Message::Task { done: self.done, total: self.total, record }),
-            Kind::Lines => output::note(&format!(
-                "[{:>width$}/{}] {} {} {:.2} s: {}",
-                self.done,
-                self.total,
-                record.task,
-                record.outcome,
-                record.time_s,
-                record.reason,
-                width = self.total.to_string().len()
-            )),
+            Kind::Lines => {
+                output::note(&format!(
+                    "[{:>width$}/{}] {} {} {:.2} s: {}",
+                    self.done,
+                    self.total,
+                    record.task,
+                    record.outcome,
+                    record.time_s,
+                    record.reason,
+                    width = self.total.to_string().len()
+                ));
+                details(record, self.debug).iter().for_each(|line| output::note(line));
+            }
             Kind::Bar(bar) => {
                 let counts: Vec<String> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
                 bar.set_message(format!("{}  {}", counts.join(", "), self.speed()));
                 bar.set_position(self.done);
+                if record.fault.is_some() {
+                    bar.suspend(|| {
+                        output::note(&format!("{} {}: {}", record.task, record.outcome, record.reason));
+                        details(record, self.debug).iter().for_each(|line| output::note(line));
+                    });
+                }
             }
         }
     }
@@ -112,6 +123,22 @@ impl Progress {
         let wall = self.since.elapsed().as_secs_f64();
         if wall > 0.0 { format!("{:.0}x real time", self.simulated / wall) } else { String::new() }
     }
+}
+
+/// What helps to find out why a task failed: the last lines that the planner logged and, to debug, where it trapped.
+fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
+    /// More of them are in tasks.jsonl.
+    const LOG_LINES: usize = 5;
+    let mut lines = Vec::new();
+    for line in &record.log[record.log.len().saturating_sub(LOG_LINES)..] {
+        // A record on disk is data from outside too.
+        lines.push(format!("    log | {}", vb_host::one_line(line)));
+    }
+    if debug {
+        let frames = record.backtrace.iter().enumerate();
+        lines.extend(frames.map(|(n, name)| format!("    {n:>3} | {}", vb_host::one_line(name))));
+    }
+    lines
 }
 
 #[allow(clippy::disallowed_methods, reason = "for people who watch: nothing of it reaches a score")]

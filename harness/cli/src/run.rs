@@ -27,7 +27,7 @@ enum Message<'a> {
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
-    let mut progress = Progress::new(args.message_format);
+    let mut progress = Progress::new(args.message_format, args.debug);
     let mut tell = |event: Event| match event {
         Event::Started { total, resumed } => progress.started(total as u64, &resumed),
         Event::TaskEnded(record) => progress.ended(&record),
@@ -54,6 +54,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
             config.out.display()
         )));
     }
+    match report.summary.host_errors.len() {
+        0 => {}
+        n => {
+            return Err(CliError::host_errors(format!(
+                "the harness or the machine failed {n} tasks (see outcome host_error in {}; the same command with --out {} \
+                 --resume runs them again)",
+                config.out.join("tasks.jsonl").display(),
+                config.out.display()
+            )));
+        }
+    }
     match report.summary.sim_errors() {
         0 => Ok(()),
         n => Err(CliError::sim_errors(format!(
@@ -70,7 +81,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = vehicle(&args.vehicle)?;
     let soils = soils(&args.soils, args.soil_pitch)?;
-    let mut limits = Limits::default();
+    let mut limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
     }
@@ -79,8 +90,9 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
             CliError::usage(format!("--memory {memory}: more than this machine can address (give less)"))
         })?;
     }
-    let plugin =
-        Plugin::load(&args.plugin, &limits, places::cache_dir().as_deref()).map_err(CliError::input)?;
+    limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
+    let plugin = Plugin::load(&args.plugin, &limits, places::cache_dir().as_deref())
+        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     let jobs = args.jobs.map_or_else(
         || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
         |jobs| usize::from(jobs).max(1),
@@ -106,6 +118,23 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
     })
+}
+
+/// The limits in a file: every field may be left out.
+fn limits(path: &Path) -> Result<Limits, CliError> {
+    let file = path.display();
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| CliError::input(format!("cannot read limits {file}: {e} (give a YAML file)")))?;
+    // A file with nothing but comments is one with every field left out.
+    let empty = text.lines().all(|l| l.trim().is_empty() || l.trim_start().starts_with('#'));
+    let limits: Limits = if empty {
+        Limits::default()
+    } else {
+        vb_world::yaml::parse(&text)
+            .map_err(|e| CliError::input(format!("{file}: {e} (the limits are listed in docs/abi.md)")))?
+    };
+    limits.validate().map_err(|e| CliError::input(format!("{file}: {e}")))?;
+    Ok(limits)
 }
 
 fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {

@@ -54,7 +54,7 @@ pub enum FaultCause {
         budget: u64,
     },
     /// It wanted more memory than it may have, was refused, and gave up.
-    #[error("wanted {}, it may have {limit}", wanted(*.what, *.wanted))]
+    #[error("wanted {}, it may have {limit}", amount(*.what, *.wanted))]
     OutOfMemory {
         /// What it wanted more of.
         what: Resource,
@@ -64,10 +64,10 @@ pub enum FaultCause {
         limit: u64,
     },
     /// Its calls were nested more deeply than its stack allows.
-    #[error("overflowed its stack of {limit} bytes{}", in_functions(.backtrace))]
+    #[error("overflowed its stack{}{}", of_bytes(*.limit), in_functions(.backtrace))]
     StackOverflow {
-        /// Bytes of stack that it may have.
-        limit: u64,
+        /// Bytes of stack that it may have; `None` if it was the stack that its compiler keeps in its own memory.
+        limit: Option<u64>,
         /// Innermost functions, the failing one first.
         backtrace: Vec<String>,
     },
@@ -278,7 +278,7 @@ impl fmt::Display for ProcessEnd {
             (24, "SIGXCPU: it used up its processor time"),
         ];
         match *self {
-            Self::Exit(code) => write!(f, "its process ended by itself with exit code {code}"),
+            Self::Exit(code) => write!(f, "it ended by itself with exit code {code}"),
             // SIGBUS and SIGSYS have other numbers elsewhere.
             #[cfg(target_os = "linux")]
             Self::Signal(7) => {
@@ -296,8 +296,12 @@ impl fmt::Display for ProcessEnd {
     }
 }
 
-fn wanted(what: Resource, wanted: Option<u64>) -> String {
+fn amount(what: Resource, wanted: Option<u64>) -> String {
     wanted.map_or_else(|| format!("more {what}"), |n| format!("{n} {what}"))
+}
+
+fn of_bytes(limit: Option<u64>) -> String {
+    limit.map_or_else(String::new, |n| format!(" of {n} bytes"))
 }
 
 fn in_functions(backtrace: &[String]) -> String {
@@ -338,7 +342,7 @@ mod tests {
     #[test]
     fn the_end_of_a_process_is_told_in_words() {
         let text = |how| FaultCause::Crashed { how }.to_string();
-        assert_eq!(text(ProcessEnd::Exit(3)), "its process ended by itself with exit code 3");
+        assert_eq!(text(ProcessEnd::Exit(3)), "it ended by itself with exit code 3");
         assert!(text(ProcessEnd::Signal(11)).contains("signal 11 (SIGSEGV"));
         assert_eq!(text(ProcessEnd::Signal(60)), "its process died of signal 60");
     }

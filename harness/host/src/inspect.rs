@@ -1,5 +1,6 @@
 //! What a plugin file says of itself, read without running it.
 
+use std::io::Read as _;
 use std::path::Path;
 
 use object::{Architecture, Object as _, ObjectSection as _};
@@ -7,7 +8,7 @@ use vb_sdk::ABI_VERSION;
 use vb_sdk::metadata::{ELF_SECTION, MACHO_SECTION, Metadata, WASM_SECTION};
 use wasmparser::{Encoding, Parser, Payload};
 
-use crate::LoadError;
+use crate::{Limits, LoadError};
 
 /// What a plugin is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +32,24 @@ pub(crate) struct PluginFile {
 /// # Errors
 /// If the file can't be read, is no plugin, or speaks another version of the planner interface.
 pub fn inspect(path: &Path) -> Result<Metadata, LoadError> {
-    read(path).map(|file| file.metadata)
+    read(path, Limits::default().module_bytes).map(|file| file.metadata)
 }
 
-pub(crate) fn read(path: &Path) -> Result<PluginFile, LoadError> {
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
+/// Reads and recognises a plugin file of at most so many bytes.
+pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
+    let io = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => LoadError::NotFound { path: path.into() },
         _ => LoadError::Io { path: path.into(), source },
-    })?;
+    };
+    let file = std::fs::File::open(path).map_err(io)?;
+    let found = file.metadata().map_err(io)?.len();
+    let mut bytes = Vec::new();
+    // The file may grow while it is read, and devices have no size.
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > limit {
+        let found = found.max(bytes.len() as u64);
+        return Err(LoadError::TooLarge { path: path.into(), what: "bytes", found, limit });
+    }
     let (format, text) = match bytes.get(..4) {
         _ if bytes.is_empty() => return Err(LoadError::Empty { path: path.into() }),
         Some(b"\0asm") => wasm_section(path, &bytes)?,
@@ -60,14 +71,31 @@ pub(crate) fn read(path: &Path) -> Result<PluginFile, LoadError> {
     Ok(PluginFile { bytes, format, metadata })
 }
 
+/// Levels of components in components: toolchains make two or three, and the engine walks them recursively.
+const MAX_DEPTH: u64 = 16;
+/// Modules and components in a plugin: those of interpreted languages have dozens.
+const MAX_NESTED: u64 = 1000;
+
 type Found = (Format, Option<Vec<u8>>);
 
 fn wasm_section(path: &Path, bytes: &[u8]) -> Result<Found, LoadError> {
     let (mut text, mut outermost, mut has_type) = (None, None, false);
+    let (mut depth, mut nested) = (0u64, 0u64);
+    let too_large = |what, found, limit| LoadError::TooLarge { path: path.into(), what, found, limit };
     // The walk goes into the modules nested in a component.
     for payload in Parser::new(0).parse_all(bytes) {
         match payload.map_err(|e| LoadError::Damaged { path: path.into(), reason: e.to_string() })? {
-            Payload::Version { encoding, .. } => outermost = outermost.or(Some(encoding)),
+            Payload::Version { encoding, .. } => {
+                outermost = outermost.or(Some(encoding));
+                (depth, nested) = (depth + 1, nested + 1);
+                if depth > MAX_DEPTH {
+                    return Err(too_large("levels of nested components", depth, MAX_DEPTH));
+                }
+                if nested > MAX_NESTED {
+                    return Err(too_large("modules and components inside", nested, MAX_NESTED));
+                }
+            }
+            Payload::End(_) => depth = depth.saturating_sub(1),
             Payload::CustomSection(s) if s.name() == WASM_SECTION => text = Some(s.data().to_vec()),
             Payload::CustomSection(s) => has_type |= s.name().starts_with("component-type"),
             _ => {}

@@ -53,12 +53,12 @@ impl Plugin {
     /// # Errors
     /// If the file is no plugin that this harness can run; see [`LoadError`]. An unusable cache is no error.
     pub fn load(path: &Path, limits: &Limits, cache_dir: Option<&Path>) -> Result<Self, LoadError> {
-        let file = inspect::read(path)?;
+        let file = inspect::read(path, limits.module_bytes)?;
         let sha256 = hex(&Sha256::digest(&file.bytes));
         let code = match file.format {
             Format::Native => Code::Native(native::load(path)?),
             Format::Component | Format::CoreModule => {
-                Code::Wasm(WasmPlugin::load(path, &file, &sha256, cache_dir)?)
+                Code::Wasm(WasmPlugin::load(path, &file, &sha256, limits, cache_dir)?)
             }
         };
         Ok(Self(Arc::new(Inner { metadata: file.metadata, sha256, limits: limits.clone(), code })))
@@ -188,6 +188,15 @@ impl Session {
             self.failed = Some(fault.clone());
             fault
         })
+    }
+
+    /// The most linear memory that the planner had until now, bytes; `None` for native plugins, which are not metered.
+    #[must_use]
+    pub fn memory_bytes(&self) -> Option<u64> {
+        match &self.inner {
+            SessionKind::Wasm(session) => Some(session.memory_bytes()),
+            SessionKind::Native(_) => None,
+        }
     }
 
     /// Fuel used until now, `init` included; `None` for native plugins, which are not metered.

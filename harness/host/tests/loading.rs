@@ -56,10 +56,11 @@ fn a_compiled_plugin_is_kept_and_used_again() {
     };
     let fresh = step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap());
     let files: Vec<_> = std::fs::read_dir(&cache).unwrap().map(|f| f.unwrap().path()).collect();
+    let files: Vec<_> = files.into_iter().filter(|f| f.extension().is_some_and(|e| e == "cwasm")).collect();
     assert_eq!(files.len(), 1);
-    let before = std::fs::metadata(&files[0]).unwrap().modified().unwrap();
+    let before = std::fs::read(&files[0]).unwrap();
     assert_eq!(step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap()), fresh);
-    assert_eq!(std::fs::metadata(&files[0]).unwrap().modified().unwrap(), before, "written again");
+    assert!(std::fs::read(&files[0]).unwrap() == before, "written again");
     // A damaged file is replaced.
     std::fs::write(&files[0], b"rubbish").unwrap();
     assert_eq!(step(&Plugin::load(&path, &Limits::default(), Some(&cache)).unwrap()), fresh);
@@ -161,13 +162,14 @@ fn metadata_that_are_damaged_or_of_another_version() {
 
 #[test]
 fn imports_from_outside_are_refused_by_name() {
-    let wasi = r#"(component
-        (import "wasi:clocks/wall-clock@0.2.0" (instance (export "now" (func (result u64)))))
-        (import "wasi:random/random@0.2.0" (instance (export "get-random-u64" (func (result u64)))))
+    let outside = r#"(component
+        (import "wasi:http/outgoing-handler@0.2.0" (instance (export "handle" (func (result u64)))))
+        (import "acme:files/disk@1.0.0" (instance (export "read" (func (result u64)))))
         (import "vertibench:planner/types@0.1.0" (instance (type (enum "a" "b")) (export "t" (type (eq 0))))))"#;
-    let (error, message) = refusal(&with_metadata(wat::parse_str(wasi).unwrap(), METADATA));
+    let (error, message) = refusal(&with_metadata(wat::parse_str(outside).unwrap(), METADATA));
+    assert_eq!(error.code().name(), "planner/import-denied");
     let LoadError::ForbiddenImports { imports, .. } = error else { panic!("{message}") };
-    assert_eq!(imports, ["wasi:clocks/wall-clock@0.2.0", "wasi:random/random@0.2.0"]);
+    assert_eq!(imports, ["wasi:http/outgoing-handler@0.2.0", "acme:files/disk@1.0.0"]);
     // A core module that asks for more than the interface has.
     let greedy = planner_wat(OK, GO).replacen("(module", "(module (import \"env\" \"time\" (func))", 1);
     let (_, message) = refusal(&core_module(&greedy, METADATA));
@@ -188,4 +190,40 @@ fn instructions_that_may_differ_between_processors_are_refused() {
     let (error, message) = refusal(&core_module(&planner_wat(OK, &format!("{relaxed} {GO}")), METADATA));
     assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
     assert!(message.contains("relaxed SIMD"), "{message}");
+}
+
+#[test]
+fn a_plugin_that_is_too_large_is_refused_before_it_is_read() {
+    let (_dir, path) = file(&good());
+    let limits = Limits { module_bytes: 1000, ..Limits::default() };
+    let error = Plugin::load(&path, &limits, None).unwrap_err();
+    let LoadError::TooLarge { what, found, limit, .. } = &error else { panic!("{error}") };
+    assert_eq!((*what, *found, *limit), ("bytes", good().len() as u64, 1000));
+    assert_eq!(error.code().name(), "planner/too-large");
+}
+
+#[test]
+fn a_plugin_nested_too_deeply_is_refused_before_the_engine_walks_it() {
+    let nested = |levels: usize| format!("{}{}", "(component ".repeat(levels), ")".repeat(levels));
+    let deep = with_metadata(wat::parse_str(nested(20)).unwrap(), METADATA);
+    let (error, message) = refusal(&deep);
+    assert!(matches!(error, LoadError::TooLarge { limit: 16, .. }), "{message}");
+    let many = format!("(component {})", "(core module)".repeat(1001));
+    let (error, message) = refusal(&with_metadata(wat::parse_str(many).unwrap(), METADATA));
+    assert!(matches!(error, LoadError::TooLarge { found: 1001, .. }), "{message}");
+}
+
+#[test]
+fn every_refusal_has_its_code() {
+    let code = |bytes: &[u8]| refusal(bytes).0.code().name();
+    assert_eq!(inspect(Path::new("/nowhere/pid.wasm")).unwrap_err().code().name(), "planner/not-found");
+    assert_eq!(inspect(tempfile::tempdir().unwrap().path()).unwrap_err().code().name(), "planner/unreadable");
+    assert_eq!(code(b""), "planner/not-a-plugin");
+    assert_eq!(code(b"PK"), "planner/not-a-plugin");
+    assert_eq!(code(&good()[..100]), "planner/damaged");
+    let with = |metadata: &str| core_module(&planner_wat(OK, GO), metadata);
+    assert_eq!(code(&with("abi: 0.1\nname")), "planner/metadata");
+    assert_eq!(code(&with(&METADATA.replace("abi: 0.1", "abi: 0.9"))), "planner/abi-mismatch");
+    let invalid = wat::parse_str("(component (core module (func (result i32) i32.add)))").unwrap();
+    assert_eq!(code(&with_metadata(invalid, METADATA)), "planner/unloadable");
 }

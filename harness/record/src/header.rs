@@ -7,8 +7,12 @@ use serde_json::Value;
 
 use crate::TraceMode;
 
-/// Version of the layout of a run directory, raised with every change that older readers can't read.
-pub const RUN_SCHEMA: u32 = 1;
+/// Version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has the
+/// outcome `host_error`, codes with the one to blame in front, and more of what planners used. Runs of version 1 can
+/// be read.
+pub const RUN_SCHEMA: u32 = 2;
+/// The oldest version that can be read.
+pub(crate) const OLDEST_SCHEMA: u32 = 1;
 
 /// The suite of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::files::{is_temporary, sync_dir, write_atomic};
+use crate::header::OLDEST_SCHEMA;
 use crate::{DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
 
 const HEADER: &str = "run.json";
@@ -63,13 +64,17 @@ impl RunStore {
     }
 
     /// Goes on with the run in `dir`, which must have been made with the same settings: see
-    /// [`RunHeader::difference`]. Gives the records of the tasks that are done. A line torn by a killed process is
-    /// cut away; its task is not done.
+    /// [`RunHeader::difference`]. Gives the records of the tasks that are done: those that `counts` says so of. The
+    /// others' lines are deleted, and a line torn by a killed process is cut away.
     ///
     /// # Errors
     /// [`StoreError::NoRun`], [`StoreError::Differs`], [`StoreError::Locked`], [`StoreError::Damaged`], or an error
     /// of the file system.
-    pub fn resume<T: DeserializeOwned>(dir: &Path, header: &RunHeader) -> Result<(Self, Vec<T>), StoreError> {
+    pub fn resume<T: DeserializeOwned>(
+        dir: &Path,
+        header: &RunHeader,
+        counts: impl Fn(&T) -> bool,
+    ) -> Result<(Self, Vec<T>), StoreError> {
         if !dir.join(HEADER).exists() {
             return Err(StoreError::NoRun(dir.to_owned()));
         }
@@ -79,7 +84,21 @@ impl RunStore {
             return Err(StoreError::Differs { dir: dir.to_owned(), field, recorded, wanted });
         }
         let path = dir.join(TASKS);
-        let (records, len) = read_tasks(&path)?;
+        let (mut records, mut len) = read_tasks::<T>(&path)?;
+        if !records.iter().all(&counts) {
+            let bytes = fs::read(&path).map_err(StoreError::io("read", &path))?;
+            // Every whole line is a record, in the same order.
+            let lines = bytes[..len as usize].split_inclusive(|&b| b == b'\n');
+            let kept: Vec<u8> = lines
+                .zip(&records)
+                .filter(|(_, record)| counts(record))
+                .flat_map(|(line, _)| line)
+                .copied()
+                .collect();
+            write_atomic(&path, &kept)?;
+            len = kept.len() as u64;
+            records.retain(&counts);
+        }
         // Not `append`: after a failed write the file is cut back, and the next line goes where that one began.
         let mut file = OpenOptions::new()
             .write(true)
@@ -297,7 +316,7 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
     };
     let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(damaged)?;
     match value.get("schema").and_then(serde_json::Value::as_u64) {
-        Some(found) if found != u64::from(RUN_SCHEMA) => {
+        Some(found) if !(u64::from(OLDEST_SCHEMA)..=u64::from(RUN_SCHEMA)).contains(&found) => {
             Err(StoreError::Schema { path, found, supported: RUN_SCHEMA })
         }
         _ => serde_json::from_value(value).map_err(damaged),

@@ -76,7 +76,7 @@ fn trace(task: &str) -> Trace {
 }
 
 fn resume(dir: &Path) -> Result<(RunStore, Vec<Record>), StoreError> {
-    RunStore::resume(dir, &header())
+    RunStore::resume(dir, &header(), |_| true)
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn a_run_is_resumed_only_with_its_own_settings_and_the_difference_is_named() {
     same.started_at = "2027-01-01T00:00:00Z".into();
     same.plugin.path = "elsewhere/pid.wasm".into();
     same.suite.path = "elsewhere".into();
-    RunStore::resume::<Record>(tmp.path(), &same).unwrap();
+    RunStore::resume::<Record>(tmp.path(), &same, |_| true).unwrap();
 
     type Change = fn(&mut RunHeader);
     let changes: [(&str, Change); 10] = [
@@ -199,7 +199,7 @@ fn a_run_is_resumed_only_with_its_own_settings_and_the_difference_is_named() {
     for (want, change) in changes {
         let mut other = header();
         change(&mut other);
-        match RunStore::resume::<Record>(tmp.path(), &other).unwrap_err() {
+        match RunStore::resume::<Record>(tmp.path(), &other, |_| true).unwrap_err() {
             StoreError::Differs { field, .. } => assert_eq!(field, want),
             e => panic!("{want}: {e}"),
         }
@@ -215,12 +215,40 @@ fn resuming_where_there_is_no_run_says_so() {
 }
 
 #[test]
+fn records_that_do_not_count_are_run_again_and_leave_no_line() {
+    let tmp = tempfile::tempdir().unwrap();
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    let records = [record("w001/t00", 1.0), record("w001/t01", -1.0), record("w001/t02", 2.0)];
+    records.iter().for_each(|r| store.append(r).unwrap());
+    drop(store);
+    let counts = |r: &Record| r.value > 0.0;
+    let (store, found) = RunStore::resume(tmp.path(), &header(), counts).unwrap();
+    assert_eq!(found, [records[0].clone(), records[2].clone()]);
+    // Its place is free again, behind the others.
+    store.append(&record("w001/t01", 3.0)).unwrap();
+    drop(store);
+    let order: Vec<f64> =
+        RunReader::open(tmp.path()).unwrap().records::<Record>().unwrap().iter().map(|r| r.value).collect();
+    assert_eq!(order, [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn a_run_of_the_first_schema_can_be_read() {
+    let tmp = tempfile::tempdir().unwrap();
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    let path = tmp.path().join("run.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 1")).unwrap();
+    assert_eq!(RunReader::open(tmp.path()).unwrap().header().schema, 1);
+}
+
+#[test]
 fn a_run_of_another_schema_or_a_broken_header_is_refused() {
     let tmp = tempfile::tempdir().unwrap();
     drop(RunStore::create(tmp.path(), &header()).unwrap());
     let path = tmp.path().join("run.json");
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text.replace("\"schema\": 1", "\"schema\": 9")).unwrap();
+    fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 9")).unwrap();
     assert!(matches!(RunReader::open(tmp.path()).unwrap_err(), StoreError::Schema { found: 9, .. }));
     fs::write(&path, &text[..text.len() / 2]).unwrap();
     let e = RunReader::open(tmp.path()).unwrap_err();

@@ -33,6 +33,9 @@ pub enum RunError {
         /// s.
         step: f64,
     },
+    /// The system gives no thread.
+    #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
+    Thread(std::io::Error),
     /// Nothing to do.
     #[error("no task is chosen")]
     NoTasks,

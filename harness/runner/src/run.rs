@@ -1,16 +1,16 @@
 //! A run: many trials on worker threads, each recorded as it ends.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 
-use vb_host::Plugin;
+use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
 use vb_record::{
     DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode,
 };
-use vb_score::{Rules, Summary, TaskRecord};
+use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sdk::Param;
 use vb_sim::{SimOptions, SoilSet, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
@@ -122,7 +122,7 @@ pub fn run(
     let prepared = prepare(config, options)?;
     let header = header(config, options);
     let (store, mut records) = if config.resume {
-        RunStore::resume::<TaskRecord>(&config.out, &header)?
+        RunStore::resume(&config.out, &header, |r: &TaskRecord| r.outcome != Outcome::HostError)?
     } else {
         (RunStore::create(&config.out, &header)?, Vec::new())
     };
@@ -147,7 +147,13 @@ pub fn run(
         for _ in 0..config.jobs.clamp(1, work.open.len().max(1)) {
             let sender = sender.clone();
             let work = &work;
-            scope.spawn(move || work.work(&sender));
+            // The WASM code runs on the thread's own stack.
+            let stack = config.plugin.limits().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
+            let thread = std::thread::Builder::new().stack_size(stack);
+            if let Err(source) = thread.spawn_scoped(scope, move || work.work(&sender)) {
+                work.stop.store(true, Ordering::Relaxed);
+                failure.get_or_insert(RunError::Thread(source));
+            }
         }
         drop(sender);
         for message in receiver {
@@ -252,12 +258,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             hash: config.rules.hash(),
             profile: serde_json::to_value(&config.rules).unwrap_or_default(),
         },
-        limits: BTreeMap::from([
-            ("fuel_init".to_owned(), limits.fuel_init),
-            ("fuel_per_step".to_owned(), limits.fuel_per_step),
-            ("memory_bytes".to_owned(), limits.memory_bytes as u64),
-            ("output_bytes".to_owned(), limits.output_bytes as u64),
-        ]),
+        limits: limits.named().map(|(name, value)| (name.to_owned(), value)).into(),
         trace: config.trace,
     }
 }

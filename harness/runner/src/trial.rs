@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp};
+use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp, one_line};
 use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
@@ -56,11 +56,21 @@ struct Failure {
     fault: Fault,
     code: FaultCode,
     reason: String,
+    backtrace: Vec<String>,
 }
 
 impl Failure {
-    fn session(fault: &vb_host::PlannerFault) -> Self {
-        Self::new(fault.code(), fault.to_string())
+    /// What the planner did: who, where, what, and what to do about it.
+    fn session(trial: &Trial<'_>, fault: &vb_host::PlannerFault) -> Self {
+        let planner = trial.plugin.metadata();
+        let reason = format!(
+            "planner {} {} on {}, {fault}; {}",
+            one_line(&planner.name),
+            one_line(&planner.version),
+            trial.brief.id,
+            fault.cause.hint()
+        );
+        Self { backtrace: fault.cause.backtrace().to_vec(), ..Self::new(fault.code(), reason) }
     }
 
     fn new(code: FaultCode, reason: String) -> Self {
@@ -69,7 +79,7 @@ impl Failure {
             Blame::Host => Fault::Host,
             Blame::Simulation => Fault::Simulation,
         };
-        Self { fault, code, reason }
+        Self { fault, code, reason, backtrace: Vec::new() }
     }
 }
 
@@ -82,7 +92,11 @@ struct Ledger {
     sim_steps: u64,
     planner_steps: u64,
     clamped: u64,
-    fuel: Option<FuelUse>,
+    /// Fuel for start-up; none for planners that aren't metered.
+    fuel_init: Option<u64>,
+    /// Fuel for each step.
+    fuel_steps: Vec<u64>,
+    memory_bytes: u64,
     wheels: Vec<WheelSample>,
 }
 
@@ -107,7 +121,9 @@ impl Trial<'_> {
             sim_steps: 0,
             planner_steps: 0,
             clamped: 0,
-            fuel: None,
+            fuel_init: None,
+            fuel_steps: Vec::new(),
+            memory_bytes: 0,
             wheels: Vec::with_capacity(wheels),
         };
         let log = Arc::new(Mutex::new(Vec::<String>::new()));
@@ -138,6 +154,7 @@ impl Trial<'_> {
         log: &Mutex<Vec<String>>,
     ) -> TrialResult {
         let fault = failure.as_ref().map(|f| f.code.name().to_owned());
+        let backtrace = failure.as_ref().map(|f| f.backtrace.clone()).unwrap_or_default();
         let score: TaskScore = match failure {
             Some(f) => ledger.scorer.fail(f.fault, f.reason),
             None => match ledger.scorer.clone().finish() {
@@ -147,6 +164,11 @@ impl Trial<'_> {
         };
         let log = log.lock().map(|l| l.clone()).unwrap_or_default();
         let failed = fault.is_some();
+        let limits = self.plugin.limits();
+        let fuel = ledger.fuel_init.map(|init| {
+            let steps = ledger.fuel_steps;
+            FuelUse::new(init, steps, limits.fuel_init, limits.fuel_per_step, ledger.memory_bytes)
+        });
         let record = TaskRecord {
             task: self.brief.id.clone(),
             world: self.world.id.clone(),
@@ -162,9 +184,10 @@ impl Trial<'_> {
             sim_steps: ledger.sim_steps,
             planner_steps: ledger.planner_steps,
             clamped: ledger.clamped,
-            fuel: ledger.fuel,
+            fuel,
             metrics: score.metrics,
             log: if failed { log } else { Vec::new() },
+            backtrace,
         };
         let start = self.task.start;
         let trace = ledger.recorder.finish(TraceMeta {
@@ -201,7 +224,9 @@ impl Trial<'_> {
         let mut sim =
             Simulation::new(self.world.clone(), self.vehicle, self.soils, self.task.start, self.options)
                 .map_err(|e| Failure::new(FaultCode::Simulation, e.to_string()))?;
-        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(&f))?;
+        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(self, &f))?;
+        ledger.fuel_init = session.fuel().map(|f| f.init);
+        ledger.memory_bytes = session.memory_bytes().unwrap_or(0);
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
         let mut controls = Controls::default();
@@ -214,8 +239,10 @@ impl Trial<'_> {
                     return Ok(false);
                 }
                 let result = self.ask(&mut session, &sim, controls, ledger);
-                ledger.fuel =
-                    session.fuel().map(|f| FuelUse { total: f.init + f.steps, max_step: f.max_step });
+                if let Some(fuel) = session.fuel() {
+                    ledger.fuel_steps.push(fuel.last_step);
+                }
+                ledger.memory_bytes = session.memory_bytes().unwrap_or(0);
                 controls = result?;
             }
             let now = sim.steps();
@@ -242,7 +269,7 @@ impl Trial<'_> {
         let command = session.step(&observation(&state, last));
         ledger.planner_steps += 1;
         let (Command { steering, throttle, brake, debug }, clamped) =
-            clamp(command.map_err(|f| Failure::session(&f))?);
+            clamp(command.map_err(|f| Failure::session(self, &f))?);
         ledger.clamped += u64::from(clamped);
         if self.trace != TraceMode::None {
             for series in &debug {

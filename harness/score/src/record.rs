@@ -5,13 +5,61 @@ use vb_world::{Density, Elevation, Terrain};
 
 use crate::{Metrics, Outcome, TaskScore, ThreeWay};
 
-/// Fuel that a planner used in one task, in the host's units (WebAssembly instructions, roughly).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
+/// harnesses before 0.2 have `total` and `max_step` only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FuelUse {
-    /// In the whole task.
+    /// Fuel in the whole task.
     pub total: u64,
-    /// In the most costly step.
+    /// Fuel for start-up and `init`.
+    #[serde(default)]
+    pub init: u64,
+    /// Fuel for the median step.
+    #[serde(default)]
+    pub p50_step: u64,
+    /// Fuel that 99 % of the steps stay within.
+    #[serde(default)]
+    pub p99_step: u64,
+    /// Fuel for the most costly step.
     pub max_step: u64,
+    /// `init` as a share of its limit.
+    #[serde(default)]
+    pub init_share: f64,
+    /// `p99_step` as a share of the limit of a step.
+    #[serde(default)]
+    pub p99_share: f64,
+    /// `max_step` as a share of the limit of a step.
+    #[serde(default)]
+    pub max_share: f64,
+    /// The most linear memory, bytes.
+    #[serde(default)]
+    pub memory_bytes: u64,
+}
+
+impl FuelUse {
+    /// The use of a task whose start-up took `init` and whose steps took `steps`, within limits of `init_limit` and
+    /// `step_limit`.
+    #[must_use]
+    pub fn new(init: u64, mut steps: Vec<u64>, init_limit: u64, step_limit: u64, memory_bytes: u64) -> Self {
+        steps.sort_unstable();
+        // Nearest rank: the least value that so many percent are not above.
+        let percentile = |percent: usize| {
+            steps.get((steps.len() * percent).div_ceil(100).saturating_sub(1)).copied().unwrap_or(0)
+        };
+        let share = |used: u64, limit: u64| if limit == 0 { 0.0 } else { used as f64 / limit as f64 };
+        let (p99_step, max_step) = (percentile(99), percentile(100));
+        Self {
+            total: steps.iter().fold(init, |sum, &n| sum.saturating_add(n)),
+            init,
+            p50_step: percentile(50),
+            p99_step,
+            max_step,
+            init_share: share(init, init_limit),
+            p99_share: share(p99_step, step_limit),
+            max_share: share(max_step, step_limit),
+            memory_bytes,
+        }
+    }
 }
 
 /// What is known of a finished task.
@@ -33,7 +81,8 @@ pub struct TaskRecord {
     pub three_way: ThreeWay,
     /// Why, in words.
     pub reason: String,
-    /// For errors: the kind of fault, e.g. `out-of-fuel`.
+    /// For errors: the stable code of what happened, e.g. `planner/out-of-fuel`; before 0.2 without the part before the
+    /// slash.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
     /// Simulated time at its end, s.
@@ -46,13 +95,16 @@ pub struct TaskRecord {
     pub planner_steps: u64,
     /// Number of those whose command was out of range and clamped.
     pub clamped: u64,
-    /// Fuel that the planner used; none for native planners.
+    /// What the planner used; none for native planners.
     pub fuel: Option<FuelUse>,
     /// Measures; none if the task ended before the first sample.
     pub metrics: Option<Metrics>,
     /// The last lines that the planner logged, if it failed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<String>,
+    /// The innermost functions at a trap of the planner, the failing one first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub backtrace: Vec<String>,
 }
 
 impl TaskRecord {
@@ -60,10 +112,37 @@ impl TaskRecord {
     /// simulation (state hash, steps, clamped commands, fuel, log) stays.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
-        if !matches!(outcome, Outcome::PlannerError | Outcome::SimError) {
+        if !matches!(outcome, Outcome::PlannerError | Outcome::SimError | Outcome::HostError) {
             self.fault = None;
         }
         (self.outcome, self.three_way, self.reason) = (outcome, three_way, reason);
         (self.time_s, self.metrics) = (time_s, metrics);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_by_nearest_rank() {
+        // 1 to 200 in disorder: half are not above 100, 99 % not above 198.
+        let steps = (0..200u64).map(|i| (i * 77) % 200 + 1).collect();
+        let used = FuelUse::new(1000, steps, 4000, 400, 65536);
+        assert_eq!((used.p50_step, used.p99_step, used.max_step), (100, 198, 200));
+        assert_eq!(
+            (used.total, used.init_share, used.p99_share, used.max_share),
+            (1000 + 20_100, 0.25, 0.495, 0.5)
+        );
+        let none = FuelUse::new(7, Vec::new(), 4000, 400, 0);
+        assert_eq!((none.total, none.p50_step, none.max_step), (7, 0, 0));
+        assert_eq!(FuelUse::new(0, vec![5], 1, 1, 0).p50_step, 5);
+    }
+
+    #[test]
+    fn a_record_of_the_first_version_is_read() {
+        // As version 0.1.0 wrote it, cut down to its needs.
+        let used: FuelUse = serde_json::from_str(r#"{"total":100,"max_step":20}"#).unwrap();
+        assert_eq!((used.total, used.max_step, used.p99_step), (100, 20, 0));
     }
 }

@@ -50,6 +50,11 @@ pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
     let mut decided = Vec::with_capacity(records.len());
     let mut undecided = Vec::new();
     for mut record in records {
+        // Whatever the trace holds, the trial didn't take place as it should have.
+        if record.outcome == Outcome::HostError {
+            decided.push(record);
+            continue;
+        }
         let fault = match record.outcome {
             Outcome::PlannerError => Some(Fault::Planner),
             Outcome::SimError => Some(Fault::Simulation),

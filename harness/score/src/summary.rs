@@ -10,7 +10,7 @@ use crate::stats::{Running, wilson};
 use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
 
 /// Version of the layout of a summary.
-pub const SUMMARY_SCHEMA: u32 = 1;
+pub const SUMMARY_SCHEMA: u32 = 2;
 
 /// The result of a run. It does not depend on the order in which tasks ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,10 @@ pub struct Summary {
     pub planned: u64,
     /// Tasks whose trace ends before the rules can decide. They are in none of the figures below.
     pub undecided: Vec<String>,
+    /// Tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
+    /// below; `--resume` runs them again.
+    #[serde(default)]
+    pub host_errors: Vec<String>,
     /// Over all tasks; none if there are none.
     pub all: Option<Group>,
     /// By elevation level.
@@ -59,7 +63,7 @@ pub struct Summary {
 pub struct Group {
     /// Number of tasks, at least 1.
     pub tasks: u64,
-    /// Number of tasks by outcome; every outcome is there.
+    /// Number of tasks by outcome; every outcome is there but `host_error`, which isn't counted.
     pub outcomes: BTreeMap<Outcome, u64>,
     /// Number of tasks by the paper's class; every class is there.
     pub three_way: BTreeMap<ThreeWay, u64>,
@@ -101,7 +105,8 @@ pub struct Group {
     pub steering_rate_mean_per_s: Option<f64>,
     /// Number of commands that were clamped.
     pub clamped: u64,
-    /// Fuel: that of all tasks together and that of the most costly step; none for native planners.
+    /// What the planner used: `total` fuel of all tasks together, else the most of any task (so `p99_step` is the 99th
+    /// percentile of the task where that is greatest); none for native planners.
     pub fuel: Option<FuelUse>,
 }
 
@@ -117,6 +122,8 @@ impl Summary {
         // Sums of floats depend on their order, so there is one: that of the tasks' names.
         let mut sorted: Vec<&TaskRecord> = records.iter().collect();
         sorted.sort_by(|a, b| a.task.cmp(&b.task));
+        let (failed, sorted): (Vec<_>, Vec<_>) =
+            sorted.into_iter().partition(|r| r.outcome == Outcome::HostError);
         undecided.sort();
         Self {
             schema: SUMMARY_SCHEMA,
@@ -132,6 +139,7 @@ impl Summary {
             rules_hash: rules.hash(),
             planned: header.tasks,
             undecided,
+            host_errors: failed.iter().map(|r| r.task.clone()).collect(),
             all: Group::new(&sorted),
             elevation: by(&sorted, |r| r.elevation),
             terrain: by(&sorted, |r| r.terrain),
@@ -146,10 +154,11 @@ impl Summary {
         self.all.as_ref().map_or(0, |all| all.outcomes.get(&Outcome::SimError).copied().unwrap_or(0))
     }
 
-    /// Number of tasks that are neither done nor undecided.
+    /// Number of tasks that are neither done, nor undecided, nor failed by the host.
     #[must_use]
     pub fn missing(&self) -> u64 {
-        let done = self.all.as_ref().map_or(0, |all| all.tasks) + self.undecided.len() as u64;
+        let done = self.all.as_ref().map_or(0, |all| all.tasks)
+            + (self.undecided.len() + self.host_errors.len()) as u64;
         self.planned.saturating_sub(done)
     }
 }
@@ -167,7 +176,8 @@ impl Group {
     /// Figures over these tasks in the order given; none without tasks.
     fn new(records: &[&TaskRecord]) -> Option<Self> {
         let tasks = records.len() as u64;
-        let mut outcomes: BTreeMap<Outcome, u64> = Outcome::ALL.map(|o| (o, 0)).into();
+        let mut outcomes: BTreeMap<Outcome, u64> =
+            Outcome::ALL.into_iter().filter(|o| *o != Outcome::HostError).map(|o| (o, 0)).collect();
         let mut three_way: BTreeMap<ThreeWay, u64> = ThreeWay::ALL.map(|o| (o, 0)).into();
         let [mut time, mut roll, mut pitch, mut roll_task, mut pitch_task] = [Running::default(); 5];
         let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
@@ -191,9 +201,18 @@ impl Group {
                 rate.push(m.steering_rate_per_s);
             }
             if let Some(used) = r.fuel {
-                let sum = fuel.get_or_insert(FuelUse { total: 0, max_step: 0 });
-                sum.total = sum.total.saturating_add(used.total);
-                sum.max_step = sum.max_step.max(used.max_step);
+                let sum = fuel.get_or_insert_default();
+                *sum = FuelUse {
+                    total: sum.total.saturating_add(used.total),
+                    init: sum.init.max(used.init),
+                    p50_step: sum.p50_step.max(used.p50_step),
+                    p99_step: sum.p99_step.max(used.p99_step),
+                    max_step: sum.max_step.max(used.max_step),
+                    init_share: sum.init_share.max(used.init_share),
+                    p99_share: sum.p99_share.max(used.p99_share),
+                    max_share: sum.max_share.max(used.max_share),
+                    memory_bytes: sum.memory_bytes.max(used.memory_bytes),
+                };
             }
             clamped += r.clamped;
         }

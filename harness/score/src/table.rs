@@ -62,6 +62,26 @@ impl Summary {
                 percent(successes + n)
             );
         }
+        if let Some(used) = self.all.as_ref().and_then(|all| all.fuel) {
+            let percent = |share: f64| 100.0 * share;
+            let _ = writeln!(
+                out,
+                "planner's fuel: init at most {:.1} %, steps {:.1} % (99 % of them) and {:.1} % (all) of the limits; memory \
+                 {:.1} MiB",
+                percent(used.init_share),
+                percent(used.p99_share),
+                percent(used.max_share),
+                used.memory_bytes as f64 / f64::from(1 << 20)
+            );
+        }
+        if !self.host_errors.is_empty() {
+            let _ = writeln!(
+                out,
+                "{} failed by the harness or the machine, not counted above (--resume runs them again): {}",
+                self.host_errors.len(),
+                self.host_errors.join(", ")
+            );
+        }
         if self.missing() > 0 {
             let _ = writeln!(out, "{} of {} tasks not run yet", self.missing(), self.planned);
         }

@@ -61,15 +61,16 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         outcome: score.outcome,
         three_way: score.three_way,
         reason: score.reason,
-        fault: (score.outcome == Outcome::PlannerError).then(|| "out-of-fuel".into()),
+        fault: (score.outcome == Outcome::PlannerError).then(|| "planner/out-of-fuel".into()),
         time_s: score.time_s,
         state_hash: "0123456789abcdef".into(),
         sim_steps: 1000,
         planner_steps: 10,
         clamped: 1,
-        fuel: Some(FuelUse { total: 100, max_step: 20 }),
+        fuel: Some(FuelUse { total: 100, max_step: 20, ..FuelUse::default() }),
         metrics: score.metrics,
         log: Vec::new(),
+        backtrace: Vec::new(),
     }
 }
 
@@ -167,7 +168,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(again.summary.undecided, ["w/a"]);
     let outcomes: Vec<_> = again.records.iter().map(|r| (r.task.as_str(), r.outcome)).collect();
     assert_eq!(outcomes, [("w/b", Outcome::Stuck), ("w/c", Outcome::Stuck), ("w/d", Outcome::PlannerError)]);
-    assert_eq!(again.records[2].fault.as_deref(), Some("out-of-fuel"));
+    assert_eq!(again.records[2].fault.as_deref(), Some("planner/out-of-fuel"));
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
     assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
     // None of the three decided tasks succeeded; the fourth may have.
@@ -241,6 +242,24 @@ fn some_records() -> Vec<TaskRecord> {
 }
 
 #[test]
+fn what_the_host_failed_counts_for_nobody() {
+    let rules = Rules::paper();
+    let header = header(&rules, TraceMode::None, 5);
+    let mut records = some_records();
+    let without = Summary::new(&header, &rules, &records, Vec::new());
+    let mut failed = records[0].clone();
+    failed.task = "w9/t9".into();
+    failed.outcome = Outcome::HostError;
+    failed.fault = Some("host/machine".into());
+    records.push(failed);
+    let with = Summary::new(&header, &rules, &records, Vec::new());
+    assert_eq!(with.host_errors, ["w9/t9"]);
+    assert_eq!((&with.all, &with.world, &with.terrain), (&without.all, &without.world, &without.terrain));
+    assert_eq!((without.missing(), with.missing()), (1, 0));
+    assert!(with.table().contains("1 failed by the harness or the machine, not counted above"));
+}
+
+#[test]
 fn a_summary_counts_and_averages_as_documented() {
     let rules = Rules::paper();
     let summary = Summary::new(&header(&rules, TraceMode::None, 5), &rules, &some_records(), Vec::new());
@@ -261,7 +280,10 @@ fn a_summary_counts_and_averages_as_documented() {
     assert_eq!(all.outcomes[&Outcome::PlannerError], 2);
     assert_eq!(all.three_way[&ThreeWay::Stuck], 2);
     assert_eq!(all.outcomes.values().sum::<u64>(), 4);
-    assert_eq!((all.clamped, all.fuel), (4, Some(FuelUse { total: 400, max_step: 20 })));
+    assert_eq!(
+        (all.clamped, all.fuel),
+        (4, Some(FuelUse { total: 400, max_step: 20, ..FuelUse::default() }))
+    );
     assert_eq!(summary.elevation.keys().copied().collect::<Vec<_>>(), [Elevation::Low, Elevation::High]);
     let high = &summary.elevation[&Elevation::High];
     assert_eq!((high.tasks, high.success_rate), (2, 1.0));

@@ -4,10 +4,14 @@ mod cache;
 mod convert;
 mod engine;
 mod session;
+mod wasi;
 
 use std::path::Path;
 
 use vb_sdk::Task;
+use wasi_preview1_component_adapter_provider::{
+    WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME, WASI_SNAPSHOT_PREVIEW1_REACTOR_ADAPTER,
+};
 use wasmtime::Engine;
 use wasmtime::component::types::ComponentItem;
 use wasmtime::component::{Component, Linker};
@@ -47,6 +51,7 @@ impl WasmPlugin {
         path: &Path,
         file: &PluginFile,
         sha256: &str,
+        limits: &Limits,
         cache_dir: Option<&Path>,
     ) -> Result<Self, LoadError> {
         let unloadable = |e: wasmtime::Error| LoadError::Unloadable {
@@ -57,7 +62,7 @@ impl WasmPlugin {
             path: path.into(),
             reason: one_line(&format!("{e:#}")),
         };
-        let engine = engine::new().map_err(unloadable)?;
+        let engine = engine::new(limits).map_err(|e| not_the_planners(path, &e))?;
         let cache = cache_dir.map(|dir| cache::entry(dir, &engine, sha256));
         let component = match cache.as_ref().and_then(|entry| entry.load(&engine)) {
             Some(component) => component,
@@ -79,6 +84,7 @@ impl WasmPlugin {
         }
         let mut linker = Linker::new(&engine);
         session::add_host_functions(&mut linker).map_err(unloadable)?;
+        wasi::add_to_linker(&mut linker, &component, &engine).map_err(unloadable)?;
         let pre = linker.instantiate_pre(&component).map_err(unloadable)?;
         let pre = bindings::PlannerPluginPre::new(pre).map_err(not_a_plugin)?;
         Ok(Self { engine, pre })
@@ -107,16 +113,28 @@ fn forbidden_imports(component: &Component, engine: &Engine) -> Vec<String> {
     component
         .component_type()
         .imports(engine)
-        .filter(|(name, import)| *name != HOST_INTERFACE && !only_types(&import.ty))
+        .filter(|(name, import)| {
+            *name != HOST_INTERFACE && wasi::interface(name).is_none() && !only_types(&import.ty)
+        })
         .map(|(name, _)| one_line(name))
         .collect()
 }
 
-/// A component from a core module that carries its component type in a custom section.
+/// The engine can't be set up: the machine refuses it something.
+fn not_the_planners(path: &Path, error: &wasmtime::Error) -> LoadError {
+    let message = one_line(&format!("{error:#}"));
+    LoadError::Faulty { path: path.into(), cause: FaultCause::Machine { message } }
+}
+
+/// A component from a core module that carries its component type in a custom section. A module for `wasm32-wasip1`
+/// gets the adapter from that interface to WASI 0.2.
 fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
     wit_component::ComponentEncoder::default()
         .validate(true)
         .module(module)
+        .and_then(|encoder| {
+            encoder.adapter(WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME, WASI_SNAPSHOT_PREVIEW1_REACTOR_ADAPTER)
+        })
         .and_then(|mut encoder| encoder.encode())
         .map_err(|e| {
             let reason = one_line(&format!("it can't be made a component: {e:#}"));

@@ -6,37 +6,73 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
+use super::wasi::Wasi;
 use super::{HOST_INTERFACE, convert, engine};
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
 use crate::text::one_line;
 use crate::{FuelUse, Limits, LogSink};
 
-/// Fuel for a log line beside one unit a byte: about what it costs the harness.
-const LOG_FUEL: u64 = 1000;
-/// Elements of all tables of a plugin together.
-const TABLE_ELEMENTS: usize = 1 << 20;
+/// Fuel for a call of the host beside one unit a byte: about what a log line costs the harness.
+const CALL_FUEL: u64 = 1000;
 /// Core instances, tables and memories of one plugin each: planners in interpreted languages take dozens.
 const INSTANCES: usize = 256;
+/// Resource handles alive at a time: planners have one, and WASI's a handful more.
+const HANDLES: usize = 10_000;
 /// A panic's text begins so, as Rust prints it.
 const PANIC_PREFIX: &str = "panicked at ";
 
 /// What the host functions of a session work on.
 pub(super) struct State {
-    log: Log,
+    pub(super) log: Log,
+    pub(super) wasi: Wasi,
     memory: MemoryLimiter,
     /// Bytes that one call may hand over.
-    output_bytes: u64,
+    pub(super) output_bytes: u64,
+    /// Bytes of stack.
+    stack_bytes: u64,
+    /// Wall-clock time of a call, ms.
+    watchdog_ms: u64,
     /// Text of the panic that the planner has just reported.
     panic: Option<String>,
 }
 
-/// Counts the memory of a plugin and remembers that it refused some: the guest itself only sees an allocation fail,
-/// and traps with no word about it.
+impl State {
+    fn new(task: &Task, sink: LogSink, limits: &Limits) -> Self {
+        Self {
+            log: Log::new(sink, limits.log_bytes),
+            wasi: Wasi::new(task.seed),
+            memory: MemoryLimiter {
+                limit: limits.memory_bytes,
+                used: 0,
+                table_limit: limits.table_elements,
+                table_used: 0,
+                refused: None,
+            },
+            output_bytes: limits.output_bytes as u64,
+            stack_bytes: limits.stack_bytes as u64,
+            watchdog_ms: limits.watchdog_ms,
+            panic: None,
+        }
+    }
+
+    /// Keeps the text of a panic, if this is one, as the reason of the trap that follows it.
+    pub(super) fn note_panic(&mut self, text: &str) {
+        if let Some(at) = text.find(PANIC_PREFIX) {
+            // What follows the text in the standard library's own report.
+            let text = text[at..].split("\nnote: run with").next().unwrap_or_default();
+            self.panic = Some(one_line(text));
+        }
+    }
+}
+
+/// Counts the memory of a plugin and remembers what it refused: the guest itself only sees an allocation fail, and
+/// traps with no word about it.
 struct MemoryLimiter {
     limit: usize,
     used: usize,
-    table_elements: usize,
+    table_limit: usize,
+    table_used: usize,
     /// What was refused last: what, and how much there would have been.
     refused: Option<(Resource, u64)>,
 }
@@ -53,12 +89,12 @@ impl ResourceLimiter for MemoryLimiter {
     }
 
     fn table_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
-        let elements = self.table_elements.saturating_add(desired.saturating_sub(current));
-        if elements > TABLE_ELEMENTS {
+        let elements = self.table_used.saturating_add(desired.saturating_sub(current));
+        if elements > self.table_limit {
             self.refused = Some((Resource::Table, elements as u64));
             return Ok(false);
         }
-        self.table_elements = elements;
+        self.table_used = elements;
         Ok(true)
     }
 
@@ -75,17 +111,22 @@ impl ResourceLimiter for MemoryLimiter {
     }
 }
 
-/// Gives the linker all that planners may import.
+/// Charges for a call of the host that handles so many bytes, before it does: that costs the harness work which the
+/// guest's own instructions don't reflect.
+pub(super) fn pay(store: &mut StoreContextMut<'_, State>, bytes: u64) -> wasmtime::Result<()> {
+    let price = CALL_FUEL.saturating_add(bytes);
+    let left = store.get_fuel()?.checked_sub(price).ok_or(Trap::OutOfFuel)?;
+    store.set_fuel(left)
+}
+
+/// Gives the linker the planner interface's own functions.
 pub(super) fn add_host_functions(linker: &mut Linker<State>) -> wasmtime::Result<()> {
     let log = |mut store: StoreContextMut<'_, State>, (level, message): (types::LogLevel, WasmStr)| {
-        // Paid for beforehand: a line costs the harness work that the guest's own instructions don't reflect.
         let text = {
             let text = message.to_str(&store)?;
             text.into_owned()
         };
-        let price = LOG_FUEL.saturating_add(text.len() as u64);
-        let left = store.get_fuel()?.checked_sub(price).ok_or(Trap::OutOfFuel)?;
-        store.set_fuel(left)?;
+        pay(&mut store, text.len() as u64)?;
         let level = match level {
             types::LogLevel::Error => LogLevel::Error,
             types::LogLevel::Warn => LogLevel::Warn,
@@ -94,7 +135,7 @@ pub(super) fn add_host_functions(linker: &mut Linker<State>) -> wasmtime::Result
         };
         let state = store.data_mut();
         if level == LogLevel::Error && text.starts_with(PANIC_PREFIX) {
-            state.panic = Some(one_line(&text));
+            state.note_panic(&text);
         }
         state.log.write(level, &text);
         Ok(())
@@ -108,6 +149,8 @@ pub(crate) struct WasmSession {
     plugin: PlannerPlugin,
     planner: ResourceAny,
     fuel_per_step: u64,
+    /// Ticks that a call has; `None` without a watchdog.
+    deadline: Option<u64>,
     fuel: FuelUse,
 }
 
@@ -125,12 +168,15 @@ impl WasmSession {
         sink: LogSink,
         limits: &Limits,
     ) -> Result<Self, FaultCause> {
-        let memory = MemoryLimiter { limit: limits.memory_bytes, used: 0, table_elements: 0, refused: None };
-        let log = Log::new(sink, limits.log_bytes);
-        let mut store =
-            Store::new(engine, State { log, memory, output_bytes: limits.output_bytes as u64, panic: None });
+        let mut store = Store::new(engine, State::new(task, sink, limits));
         store.limiter(|state| &mut state.memory);
         store.set_hostcall_fuel(limits.output_bytes);
+        store.set_max_component_handles(HANDLES);
+        let deadline = limits.wasm_watchdog.then(|| engine::deadline(limits));
+        if let Some(ticks) = deadline {
+            store.set_epoch_deadline(ticks);
+            store.epoch_deadline_trap();
+        }
         let task = convert::task(task);
         let budget = limits.fuel_init;
         let mut init = || {
@@ -139,21 +185,29 @@ impl WasmSession {
             let planner = plugin.vertibench_planner_guest().planner().call_init(&mut store, &task)?;
             Ok((plugin, planner, budget - store.get_fuel()?))
         };
-        let (plugin, planner, used) = init().map_err(|e| cause(&e, store.data(), budget))?;
+        let result = init();
+        store.data_mut().flush_output();
+        let (plugin, planner, used) = result.map_err(|e| cause(&e, store.data(), budget))?;
         let planner = planner.map_err(|message| FaultCause::Error { message: one_line(&message) })?;
         let fuel = FuelUse { init: used, ..FuelUse::default() };
-        Ok(Self { store, plugin, planner, fuel_per_step: limits.fuel_per_step, fuel })
+        Ok(Self { store, plugin, planner, fuel_per_step: limits.fuel_per_step, deadline, fuel })
     }
 
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
         let (store, budget) = (&mut self.store, self.fuel_per_step);
-        store.data_mut().memory.refused = None;
-        store.data_mut().panic = None;
+        let state = store.data_mut();
+        state.memory.refused = None;
+        state.panic = None;
+        state.wasi.set_time(observation.time);
+        if let Some(ticks) = self.deadline {
+            store.set_epoch_deadline(ticks);
+        }
         let observation = convert::observation(observation);
         let interface = self.plugin.vertibench_planner_guest();
         let result = store
             .set_fuel(budget)
             .and_then(|()| interface.planner().call_step(&mut *store, self.planner, &observation));
+        store.data_mut().flush_output();
         let used = budget - store.get_fuel().unwrap_or(0);
         self.fuel.last_step = used;
         self.fuel.steps += used;
@@ -168,21 +222,39 @@ impl WasmSession {
     pub(crate) fn fuel(&self) -> FuelUse {
         self.fuel
     }
+
+    /// Bytes of linear memory. Memories never shrink, so this is the most there was.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        self.store.data().memory.used as u64
+    }
 }
 
 /// What an error of the engine means for the planner.
 fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
     let trap = error.downcast_ref::<Trap>();
-    if trap == Some(&Trap::OutOfFuel) {
-        return FaultCause::OutOfFuel { budget };
+    match trap {
+        Some(Trap::OutOfFuel) => return FaultCause::OutOfFuel { budget },
+        Some(Trap::Interrupt) => return FaultCause::Watchdog { limit_ms: state.watchdog_ms },
+        _ => {}
+    }
+    if let Some(cause) = error.downcast_ref::<FaultCause>() {
+        return cause.clone();
     }
     if let Some(message) = &state.panic {
         return FaultCause::Panic { message: message.clone() };
     }
+    let frames = error.downcast_ref::<WasmBacktrace>().map_or(&[][..], WasmBacktrace::frames);
+    let backtrace: Vec<String> = frames.iter().map(function).collect();
+    if trap == Some(&Trap::StackOverflow) {
+        return FaultCause::StackOverflow { limit: Some(state.stack_bytes), backtrace };
+    }
+    if trap == Some(&Trap::MemoryOutOfBounds) && is_deep_recursion(&backtrace) {
+        return FaultCause::StackOverflow { limit: None, backtrace };
+    }
     if let Some((what, wanted)) = state.memory.refused {
         let limit = match what {
             Resource::Memory => state.memory.limit,
-            Resource::Table => TABLE_ELEMENTS,
+            Resource::Table => state.memory.table_limit,
         };
         return FaultCause::OutOfMemory { what, wanted: Some(wanted), limit: limit as u64 };
     }
@@ -194,14 +266,23 @@ fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
         return FaultCause::OutputTooLarge { limit: state.output_bytes };
     }
     // Of an error that is no trap the outermost texts are the engine's own frames of reference.
-    let message = trap.map_or_else(|| one_line(&error.root_cause().to_string()), ToString::to_string);
-    let frames = error.downcast_ref::<WasmBacktrace>().map_or(&[][..], WasmBacktrace::frames);
-    let name = |f: &wasmtime::FrameInfo| one_line(f.func_name().unwrap_or("an unnamed function"));
-    let backtrace = frames.iter().take(engine::BACKTRACE_FRAMES).map(name).collect();
-    if trap == Some(&Trap::StackOverflow) {
-        return FaultCause::StackOverflow { limit: engine::STACK_BYTES as u64, backtrace };
-    }
+    let message = trap.map_or_else(|| error.root_cause().to_string(), ToString::to_string);
+    let message = one_line(message.strip_prefix("wasm trap: ").unwrap_or(&message));
     FaultCause::Trap { message, backtrace }
+}
+
+/// Whether the innermost calls are those of a recursion. Compilers keep what has an address on a stack of their own at the
+/// bottom of memory, so a recursion may fall out of memory before it meets the end of the engine's stack.
+fn is_deep_recursion(backtrace: &[String]) -> bool {
+    let calls = |name: &String| backtrace.iter().filter(|other| *other == name).count();
+    backtrace.len() == engine::BACKTRACE_FRAMES
+        && backtrace.iter().any(|name| calls(name) >= engine::BACKTRACE_FRAMES / 4)
+}
+
+/// A function's name as its author wrote it.
+fn function(frame: &wasmtime::FrameInfo) -> String {
+    let name = frame.func_name().unwrap_or("an unnamed function");
+    one_line(&format!("{:#}", rustc_demangle::demangle(name)))
 }
 
 /// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
@@ -217,17 +298,10 @@ fn is_of_the_system(error: &Error) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Limits, LogSink};
 
     #[test]
     fn a_refusal_of_the_system_is_not_blamed_on_the_planner() {
-        let memory = MemoryLimiter { limit: 1, used: 0, table_elements: 0, refused: None };
-        let state = State {
-            log: Log::new(LogSink::discard(), Limits::default().log_bytes),
-            memory,
-            output_bytes: 1,
-            panic: None,
-        };
+        let state = State::new(&Task::default(), LogSink::discard(), &Limits::default());
         let refusal = std::io::Error::from(std::io::ErrorKind::OutOfMemory);
         let found = cause(&Error::from(refusal).context("while making room"), &state, 1);
         assert!(matches!(&found, FaultCause::Machine { message } if message.contains("memory")), "{found}");
@@ -238,5 +312,16 @@ mod tests {
         }
         let found = cause(&Error::msg("no such table"), &state, 1);
         assert!(matches!(found, FaultCause::Trap { .. }), "{found}");
+    }
+
+    #[test]
+    fn a_panic_on_standard_error_is_cut_down_to_its_text() {
+        let mut state = State::new(&Task::default(), LogSink::discard(), &Limits::default());
+        // As the standard library of Rust 1.95 reports it.
+        state.note_panic(
+            "\nthread '<unnamed>' (1) panicked at src/lib.rs:3:5:\nno way\nout\nnote: run with `RUST_BACKTRACE=1` environment \
+             variable to display a backtrace\n",
+        );
+        assert_eq!(state.panic.as_deref(), Some("panicked at src/lib.rs:3:5: no way out"));
     }
 }

@@ -22,6 +22,7 @@ pub fn planner_wat(init: &str, step: &str) -> String {
   (import "vertibench:planner/host@0.1.0" "log" (func $log (param i32 i32 i32)))
   (import "[export]vertibench:planner/guest@0.1.0" "[resource-new]planner" (func $new (param i32) (result i32)))
   (memory (export "memory") 4)
+  (table $table 1 funcref)
   (data (i32.const 16) "hello log")
   (data (i32.const 32) "panicked at src/lib.rs:3:5:\nindex out of bounds")
   (data (i32.const 96) "no way out")
@@ -45,6 +46,8 @@ pub fn planner_wat(init: &str, step: &str) -> String {
     (i32.const 2048))
   (func $spin (loop $l (br $l)))
   (func $hog (loop $l (br_if $l (i32.ne (memory.grow (i32.const 16)) (i32.const -1)))) unreachable)
+  (func $tables
+    (loop $l (br_if $l (i32.ne (table.grow $table (ref.null func) (i32.const 1000)) (i32.const -1)))) unreachable)
   (func $fail unreachable)
   (func $recurse (call $recurse) (call $fail))
   (func (export "vertibench:planner/guest@0.1.0#[static]planner.init") (param $args i32) (result i32) {init})
