@@ -101,7 +101,10 @@ fn what_the_host_failed_counts_for_nobody_and_is_run_again() {
 #[test]
 fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
     let bench = Bench::new();
-    bench.write("limits.yaml", "# All others keep their defaults.\nfuel_per_step: 1000000\nstack_bytes: 262144\n");
+    bench.write(
+        "limits.yaml",
+        "# All others keep their defaults.\nfuel_per_step: 1000000\nstack_bytes: 262144\n",
+    );
     let pid = pid();
     let args = ["--plugin", text(&pid), "--tasks", "w001/t00", "--limits", "limits.yaml", "--out", "r"];
     bench.ok(&[&args[..], &["--memory", "32M"]].concat());
@@ -111,7 +114,10 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
     assert_eq!(limits.as_object().expect("limits").len(), 10);
     let fuel = &bench.records("r")["w001/t00"]["fuel"];
     let n = |name: &str| fuel[name].as_f64().expect(name);
-    assert!(0.0 < n("p50_step") && n("p50_step") <= n("p99_step") && n("p99_step") <= n("max_step"), "{fuel}");
+    assert!(
+        0.0 < n("p50_step") && n("p50_step") <= n("p99_step") && n("p99_step") <= n("max_step"),
+        "{fuel}"
+    );
     assert_eq!(n("max_share"), n("max_step") / 1e6);
     assert!(n("memory_bytes") > 0.0 && n("init") > 0.0, "{fuel}");
     assert_eq!(bench.json("r/summary.json")["all"]["fuel"], *fuel);
@@ -232,7 +238,10 @@ fn a_value_that_the_planner_refuses_is_told_in_the_planners_words() {
     let pid = pid();
     bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--param", "speed=-1", "--out", "r"]);
     let record = &bench.records("r")["w001/t00"];
-    assert_eq!((&record["outcome"], &record["fault"]), (&"planner_error".into(), &"planner/init-failed".into()));
+    assert_eq!(
+        (&record["outcome"], &record["fault"]),
+        (&"planner_error".into(), &"planner/init-failed".into())
+    );
     let reason = record["reason"].as_str().expect("a reason");
     assert!(reason.contains("init: returned an error: parameter `speed`: -1 is not above 0"), "{reason}");
 }

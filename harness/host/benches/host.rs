@@ -40,7 +40,8 @@ fn compute(c: &mut Criterion) {
          (i64.store (i32.const 3000) (local.get $x))
          {GO}"
     );
-    for (name, wasm_watchdog) in [("100 000 rounds of a loop", false), ("the same with the watchdog ", true)] {
+    for (name, wasm_watchdog) in [("100 000 rounds of a loop", false), ("the same with the watchdog ", true)]
+    {
         let (_dir, path) = file(&core_module(&with_locals(&work), METADATA));
         let plugin = Plugin::load(&path, &Limits { wasm_watchdog, ..Limits::default() }, None).unwrap();
         let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
@@ -51,8 +52,11 @@ fn compute(c: &mut Criterion) {
 
 /// The work in a function of its own, since locals come first in a function.
 fn with_locals(work: &str) -> String {
-    common::planner_wat(OK, "(call $work)")
-        .replacen("(func $spin", &format!("(func $work (result i32) {work})\n  (func $spin"), 1)
+    common::planner_wat(OK, "(call $work)").replacen(
+        "(func $spin",
+        &format!("(func $work (result i32) {work})\n  (func $spin"),
+        1,
+    )
 }
 
 /// A plugin of a megabyte: loaded from the cache and put on a task. The aim is below 10 ms.
@@ -61,7 +65,11 @@ fn cached_start(c: &mut Criterion) {
     for i in 0..2600 {
         let _ = write!(body, "(func $f{i} (param i64) (result i64) (local.get 0)");
         for k in 0..24 {
-            let _ = write!(body, "(i64.const {}) i64.mul (i64.const {k}) i64.xor", i * 7919 + k * 104_729 + 1_000_003);
+            let _ = write!(
+                body,
+                "(i64.const {}) i64.mul (i64.const {k}) i64.xor",
+                i * 7919 + k * 104_729 + 1_000_003
+            );
         }
         body += ")\n";
     }

@@ -203,6 +203,9 @@ impl FaultCause {
                 "compute less a call, or raise fuel_init or fuel_per_step (--limits); one unit is about one instruction"
             }
             Self::OutOfMemory { .. } => "allocate less, or raise memory_bytes or table_elements (--limits)",
+            Self::StackOverflow { limit: None, .. } => {
+                "recurse less deeply and keep big arrays on the heap, or link it with a larger stack (-z stack-size)"
+            }
             Self::StackOverflow { .. } => {
                 "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (--limits)"
             }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{METADATA, core_module, file, keeper, observation, planner_wat, task};
+use common::{METADATA, core_module, core_module_of, file, keeper, observation, planner_wat, task};
 use vb_host::{FaultCause, Limits, LogSink, Plugin, ProcessEnd};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
@@ -102,4 +102,53 @@ fn a_planner_that_exits_ends_its_task() {
     let found = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap_err();
     assert_eq!(found.cause, FaultCause::Crashed { how: ProcessEnd::Exit(1) });
     assert_eq!(found.code().name(), "planner/crashed");
+}
+
+/// A planner that imports a part of WASI's sockets.
+fn with_sockets(step: &str) -> Plugin {
+    let sockets = "package wasi:sockets@0.2.3;
+        interface network {
+          enum error-code { unknown, access-denied }
+          enum ip-address-family { ipv4, ipv6 }
+          resource network;
+        }
+        interface instance-network { use network.{network}; instance-network: func() -> network; }
+        interface tcp { resource tcp-socket; }
+        interface tcp-create-socket {
+          use network.{error-code, ip-address-family};
+          use tcp.{tcp-socket};
+          create-tcp-socket: func(family: ip-address-family) -> result<tcp-socket, error-code>;
+        }";
+    let world = "package test:probe;
+        world probe {
+          include vertibench:planner/planner-plugin@0.1.0;
+          import wasi:sockets/instance-network@0.2.3;
+          import wasi:sockets/tcp-create-socket@0.2.3;
+        }";
+    let imports = r#"(module
+  (import "wasi:sockets/instance-network@0.2.3" "instance-network" (func $network (result i32)))
+  (import "wasi:sockets/tcp-create-socket@0.2.3" "create-tcp-socket" (func $socket (param i32 i32)))"#;
+    let wat = planner_wat("(call $ok_planner)", step).replacen("(module", imports, 1);
+    let (_dir, path) = file(&core_module_of(&wat, METADATA, &[sockets, world]));
+    Plugin::load(&path, &Limits::default(), None).unwrap()
+}
+
+#[test]
+fn access_to_the_network_is_denied() {
+    // The result's discriminant, 1 for an error, and the error's number, 1 for access denied.
+    let plugin = with_sockets(
+        "(call $socket (i32.const 0) (i32.const 3000))
+         (call $ok_command (f64.convert_i32_u (i32.load8_u (i32.const 3000)))
+           (f64.convert_i32_u (i32.load8_u (i32.const 3004))) (f64.const 0))",
+    );
+    let command = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap();
+    assert_eq!((command.steering, command.throttle), (1.0, 1.0));
+}
+
+#[test]
+fn what_cannot_be_denied_by_its_result_ends_the_task() {
+    let plugin = with_sockets("(drop (call $network)) unreachable");
+    let found = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap_err();
+    assert_eq!(found.code().name(), "planner/import-denied");
+    assert!(found.to_string().contains("wasi:sockets/instance-network instance-network"), "{found}");
 }

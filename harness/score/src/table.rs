@@ -66,11 +66,13 @@ impl Summary {
             let percent = |share: f64| 100.0 * share;
             let _ = writeln!(
                 out,
-                "planner's fuel: init at most {:.1} %, steps {:.1} % (99 % of them) and {:.1} % (all) of the limits; memory \
-                 {:.1} MiB",
+                "at most {} units of fuel for init ({:.3} % of the limit) and {} for a step ({:.3} %; 99 % of steps: {:.3} %); {:.1} \
+                 MiB of memory",
+                used.init,
                 percent(used.init_share),
-                percent(used.p99_share),
+                used.max_step,
                 percent(used.max_share),
+                percent(used.p99_share),
                 used.memory_bytes as f64 / f64::from(1 << 20)
             );
         }

@@ -59,11 +59,20 @@ pub fn planner_wat(init: &str, step: &str) -> String {
 
 /// A core module from text, with its component type and the metadata, as the Rust compiler would leave it.
 pub fn core_module(wat: &str, metadata: &str) -> Vec<u8> {
+    core_module_of(wat, metadata, &[])
+}
+
+/// The same with more packages of WIT, of which the last has a world `probe` to be used in place of the planner's own.
+pub fn core_module_of(wat: &str, metadata: &str, packages: &[&str]) -> Vec<u8> {
     let mut module = wat::parse_str(wat).unwrap();
     let mut resolve = wit_parser::Resolve::default();
     let wit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/wit/v0_1");
-    let (package, _) = resolve.push_path(wit).unwrap();
-    let world = resolve.select_world(&[package], Some("planner-plugin")).unwrap();
+    let (mut package, _) = resolve.push_path(wit).unwrap();
+    for text in packages {
+        package = resolve.push_str("more.wit", text).unwrap();
+    }
+    let name = if packages.is_empty() { "planner-plugin" } else { "probe" };
+    let world = resolve.select_world(&[package], Some(name)).unwrap();
     wit_component::embed_component_metadata(
         &mut module,
         &resolve,
