@@ -42,6 +42,9 @@ pub(crate) enum Command {
     Score(ScoreArgs),
     /// Show what a plugin says of itself, without running it
     Inspect(InspectArgs),
+    /// Start a planner's project, and describe planners that are not written in Rust
+    #[command(subcommand)]
+    Plugin(PluginCommand),
     /// List, show, check, import and generate suites
     #[command(subcommand)]
     Suite(SuiteCommand),
@@ -51,6 +54,12 @@ pub(crate) enum Command {
     /// List, show, check and test vehicles
     #[command(subcommand)]
     Vehicle(VehicleCommand),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PluginCommand {
+    /// Write a planner's name, version and parameters into its WASM file; Rust's export_planner! does it by itself
+    Stamp(StampArgs),
 }
 
 #[derive(Debug, Subcommand)]
@@ -174,6 +183,19 @@ pub(crate) struct InspectArgs {
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StampArgs {
+    /// The planner: a WASM component, or a core module as wit-bindgen leaves it
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// What the planner says of itself, as YAML: name, version, authors, about, control_period, params
+    #[arg(long, value_name = "FILE")]
+    pub(crate) meta: PathBuf,
+    /// Where to write it; default: in place
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
