@@ -104,8 +104,8 @@ class Path {
 function number(task, key) {
   const text = task.params.find((p) => p.key === key)?.value;
   const value = text === undefined || text.trim() === '' ? NaN : Number(text);
-  // What is thrown as a string is the reason for which the planner gives the task up.
-  if (!Number.isFinite(value)) throw `parameter ${key} is ${text}; it must be a number`;
+  // What is thrown gives the task up, with the message as the reason.
+  if (!Number.isFinite(value)) throw new Error(`parameter ${key} is ${text}; it must be a number`);
   return value;
 }
 
@@ -117,7 +117,7 @@ class Planner {
     planner.maxSteerAngle = task.vehicle.maxSteerAngle;
     planner.speed = number(task, 'speed');
     planner.ahead = number(task, 'ahead') * task.vehicle.scale;
-    if (task.path.length === 0) throw 'the global path has no points';
+    if (task.path.length === 0) throw new Error('the global path has no points');
     planner.path = new Path(task.path);
     planner.arc = 0; // progress along the path, m
     return planner;

@@ -4,6 +4,7 @@ from math import atan, atan2, isfinite, sin
 
 import wit_world.exports.guest
 from componentize_py_types import Err
+from faults import reported
 from following import Follower, Path, clamp, hypot, throttle_and_brake, turn
 from wit_world.imports.types import Command, Observation, Task
 
@@ -16,7 +17,7 @@ def number(task: Task, key: str) -> float:
     except (TypeError, ValueError):
         value = float("nan")
     if not isfinite(value):
-        # `Err` is how a planner in Python gives a task up; any other exception is a fault without a text.
+        # `Err` is how a planner gives a task up; any other exception is taken for a bug.
         raise Err(f"parameter {key} is {text!r}; it must be a number")
     return value
 
@@ -25,6 +26,7 @@ class Planner(wit_world.exports.guest.Planner):
     """One planner for one task. All state lives in this object."""
 
     @classmethod
+    @reported
     def init(cls, task: Task) -> "Planner":
         planner = cls()
         planner.wheelbase = task.vehicle.wheelbase
@@ -37,6 +39,7 @@ class Planner(wit_world.exports.guest.Planner):
         planner.follower = Follower(path, 2.0 * planner.ahead)
         return planner
 
+    @reported
     def step(self, o: Observation) -> Command:
         self.follower.update(o.position.x, o.position.y)
         x, y = self.follower.look_ahead(self.ahead)

@@ -46,6 +46,7 @@ const PYTHON: &[(&str, &[u8])] = &example!(
     "planner.yaml",
     "guest.py",
     "following.py",
+    "faults.py",
     "wit/planner.wit"
 );
 const JS: &[(&str, &[u8])] = &example!(
