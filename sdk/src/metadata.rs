@@ -76,6 +76,28 @@ impl fmt::Display for MetadataError {
 impl std::error::Error for MetadataError {}
 
 impl Metadata {
+    /// The text of the section, which [`parse`](Self::parse) reads. Authors must hold no colon.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |key: &str, value: &str| {
+            let value = value.replace('\\', "\\\\").replace('\n', "\\n").replace('\r', "\\r");
+            text.extend([key, ": ", &value, "\n"]);
+        };
+        line("abi", &self.abi);
+        line("name", &self.name);
+        line("version", &self.version);
+        line("authors", &self.authors.join(":"));
+        line("about", &self.about);
+        line("control-period", &self.control_period.to_string());
+        for param in &self.params {
+            line("param", &param.key);
+            line("default", &param.default);
+            line("help", &param.help);
+        }
+        text
+    }
+
     /// Reads the text of the section.
     ///
     /// # Errors
@@ -248,6 +270,7 @@ mod tests {
         assert_eq!(m.control_period, 0.05);
         let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };
         assert_eq!(m.params, [spec("speed", "3.0", "m/s"), spec("mode", "", "")]);
+        assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod compare;
 mod convergence;
+mod examples;
 mod fuzz;
 mod plugins;
 mod run;
@@ -20,6 +21,8 @@ Tasks:
   test                  Build everything the tests need and run them all
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
+  examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
+                        npm into ~/.cache/verti-bench [default DIR: target/plugins]
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
@@ -28,6 +31,7 @@ Tasks:
 Environment:
   VB_WASM_FALLBACK=1    Build WASM by Debian's compiler packages, not by the installed Rust
   VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]
+  VB_LANGUAGES=1        Let `test` install those compilers too, and fail where one is missing
   VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
 fn main() -> ExitCode {
@@ -45,6 +49,8 @@ fn main() -> ExitCode {
         ["fuzz", target, "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(Some(target), n)),
         ["plugins"] => plugins::build(&default_plugin_dir()),
         ["plugins", "--out", dir] => plugins::build(Path::new(dir)),
+        ["examples"] => build_examples(&default_plugin_dir()),
+        ["examples", "--out", dir] => build_examples(Path::new(dir)),
         ["help" | "--help" | "-h"] => {
             step(USAGE);
             Ok(())
@@ -88,10 +94,20 @@ fn default_plugin_dir() -> PathBuf {
     target_dir().join("plugins")
 }
 
-fn build_all() -> Result<(), Failure> {
+fn build_harness() -> Result<(), Failure> {
     step("building the harness");
-    cargo(&["build", "--release", "--package", "vb-harness"])?;
+    cargo(&["build", "--release", "--package", "vb-harness"])
+}
+
+fn build_all() -> Result<(), Failure> {
+    build_harness()?;
     plugins::build(&default_plugin_dir())
+}
+
+/// The harness writes their metadata.
+fn build_examples(out: &Path) -> Result<(), Failure> {
+    build_harness()?;
+    examples::build(out)
 }
 
 fn demo() -> Result<(), Failure> {
@@ -120,6 +136,7 @@ fn built_in_suite(folder: &Path) -> Result<PathBuf, Failure> {
 
 fn test() -> Result<(), Failure> {
     build_all()?;
+    examples::build_available(&default_plugin_dir())?;
     step("running the tests");
     cargo(&["test", "--quiet", "--workspace"])
 }

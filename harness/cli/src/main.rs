@@ -5,6 +5,7 @@ mod error;
 mod inspect;
 mod output;
 mod places;
+mod plugin;
 mod progress;
 mod run;
 mod score;
@@ -34,6 +35,8 @@ fn main() -> ExitCode {
         Some(args::Command::Run(args)) => run::run(&args),
         Some(args::Command::Score(args)) => score::score(&args),
         Some(args::Command::Inspect(args)) => inspect::inspect(&args),
+        Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),
+        Some(args::Command::Plugin(args::PluginCommand::Stamp(args))) => plugin::stamp(&args),
         Some(args::Command::Suite(args::SuiteCommand::List)) => suite::list(),
         Some(args::Command::Suite(args::SuiteCommand::Show(args))) => suite::show(&args),
         Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),

@@ -22,6 +22,12 @@ fn tasks_dir() -> Option<PathBuf> {
     })
 }
 
+/// The folder of the SDK in the checkout that the built-in tasks lie in.
+pub(crate) fn sdk() -> Option<PathBuf> {
+    let tasks = std::path::absolute(tasks_dir()?).ok()?;
+    tasks.parent().map(|root| root.join("sdk")).filter(|sdk| sdk.join("Cargo.toml").is_file())
+}
+
 fn var(name: &str) -> Option<PathBuf> {
     std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from)
 }

@@ -1,0 +1,140 @@
+// Pure pursuit: drive the circle that goes through a point ahead on the path.
+//
+// The same formulas in the same order as in the Rust SDK (`path`, `speed`, `math::turn`), so that a planner in either
+// language gives the same commands.
+
+const clamp = (value, low, high) => (value < low ? low : value > high ? high : value);
+
+/** The turn from direction `start` to direction `end`, rad in [-π, π), positive to the left. */
+function turn(start, end) {
+  const tau = 2 * Math.PI;
+  let a = (end - start + Math.PI) % tau;
+  if (a < 0) a += tau;
+  // A tiny negative remainder plus 2π may round to 2π, the excluded end of the interval.
+  return a >= tau ? -Math.PI : a - Math.PI;
+}
+
+/** x² as a rounded value and what rounding left off (Dekker 1971). */
+function square(x) {
+  const c = x * 134217729; // 2^27 + 1
+  const high = x - c + c;
+  const low = x - high;
+  const value = x * x;
+  return [value, high * high - value + 2 * high * low + low * low];
+}
+
+/** Length of (x, y), of ordinary size. JavaScript leaves it open how `Math.hypot` rounds; this is the C library's way. */
+function hypot(x, y) {
+  x = Math.abs(x);
+  y = Math.abs(y);
+  if (x < y) [x, y] = [y, x];
+  if (y === 0) return x;
+  const [hx, lx] = square(x);
+  const [hy, ly] = square(y);
+  return Math.sqrt(ly + lx + hy + hx);
+}
+
+/** Throttle and brake, each in [0, 1], in proportion to what is missing of the target speed (m/s). */
+function throttleAndBrake(target, speed) {
+  const u = clamp(target - speed, -1, 1);
+  return u >= 0 ? [u, 0] : [0, -u];
+}
+
+/** Index of the first number in ascending `list` for which `past` holds. */
+function firstIndex(list, past) {
+  let [low, high] = [0, list.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (past(list[middle])) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+/** A polyline of points {x, y}, measured by arc length (m) from its start. */
+class Path {
+  constructor(points) {
+    this.points = points;
+    this.arc = [0];
+    for (let i = 1; i < points.length; i++) {
+      const [a, b] = [points[i - 1], points[i]];
+      this.arc.push(this.arc[i - 1] + hypot(b.x - a.x, b.y - a.y));
+    }
+  }
+
+  get length() {
+    return this.arc[this.arc.length - 1];
+  }
+
+  /** The point at an arc length; before the start and past the end it is the start and the end. */
+  pointAt(arc) {
+    const i = firstIndex(this.arc, (a) => a >= arc);
+    if (i === 0) return this.points[0];
+    if (i === this.points.length) return this.points[i - 1];
+    const [a, b] = [this.points[i - 1], this.points[i]];
+    const t = (arc - this.arc[i - 1]) / (this.arc[i] - this.arc[i - 1]);
+    return { x: a.x + (b.x - a.x) * t, y: a.y + (b.y - a.y) * t };
+  }
+
+  /** Arc length of the point closest to (x, y) among those from arc length `start` to `end`. */
+  closestBetween(x, y, start, end) {
+    start = clamp(start, 0, this.length);
+    end = clamp(end, start, this.length);
+    const distance = (arc) => {
+      const point = this.pointAt(arc);
+      return hypot(x - point.x, y - point.y);
+    };
+    let best = start;
+    let nearest = distance(start);
+    const first = Math.max(firstIndex(this.arc, (a) => a > start), 1);
+    for (let i = first; i < this.points.length && this.arc[i - 1] <= end; i++) {
+      const length = this.arc[i] - this.arc[i - 1];
+      if (length === 0) continue;
+      const [a, b] = [this.points[i - 1], this.points[i]];
+      const along = ((x - a.x) * (b.x - a.x) + (y - a.y) * (b.y - a.y)) / length;
+      const arc = clamp(this.arc[i - 1] + clamp(along, 0, length), start, end);
+      const away = distance(arc);
+      if (away < nearest) [best, nearest] = [arc, away];
+    }
+    return best;
+  }
+}
+
+/** A parameter as a number; the harness gives every parameter that planner.yaml declares. */
+function number(task, key) {
+  const text = task.params.find((p) => p.key === key)?.value;
+  const value = text === undefined || text.trim() === '' ? NaN : Number(text);
+  // What is thrown gives the task up, with the message as the reason.
+  if (!Number.isFinite(value)) throw new Error(`parameter ${key} is ${text}; it must be a number`);
+  return value;
+}
+
+/** One planner for one task. All state lives in this object. */
+class Planner {
+  static init(task) {
+    const planner = new Planner();
+    planner.wheelbase = task.vehicle.wheelbase;
+    planner.maxSteerAngle = task.vehicle.maxSteerAngle;
+    planner.speed = number(task, 'speed');
+    planner.ahead = number(task, 'ahead') * task.vehicle.scale;
+    if (task.path.length === 0) throw new Error('the global path has no points');
+    planner.path = new Path(task.path);
+    planner.arc = 0; // progress along the path, m
+    return planner;
+  }
+
+  step(o) {
+    const { x, y } = o.position;
+    // Progress never goes back, and advances by a window at most: it can't jump to a later stretch that passes nearby.
+    this.arc = this.path.closestBetween(x, y, this.arc, this.arc + 2 * this.ahead);
+    const goal = this.path.pointAt(this.arc + this.ahead);
+    const [dx, dy] = [goal.x - x, goal.y - y];
+    const angle = turn(o.yaw, Math.atan2(dy, dx));
+    const curvature = (2 * Math.sin(angle)) / Math.max(hypot(dx, dy), 0.1);
+    const steering = Math.atan(this.wheelbase * curvature) / this.maxSteerAngle;
+    const [throttle, brake] = throttleAndBrake(this.speed, o.linearVelocity.x);
+    return { steering: clamp(steering, -1, 1), throttle, brake, debug: [] };
+  }
+}
+
+export const guest = { Planner };

@@ -1,0 +1,118 @@
+//! The file in which an author describes a planner that isn't written in Rust.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use vb_sdk::metadata::{self, Metadata, ParamSpec};
+
+use crate::error::CliError;
+
+/// `planner.yaml`, as `docs/abi.md` describes it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    name: String,
+    version: String,
+    #[serde(default)]
+    authors: Vec<String>,
+    #[serde(default)]
+    about: String,
+    /// s.
+    control_period: f64,
+    #[serde(default)]
+    params: Vec<Param>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Param {
+    name: String,
+    default: String,
+    #[serde(default)]
+    help: String,
+}
+
+/// Reads such a file. The ABI version is that of this harness.
+pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
+    let text = std::fs::read_to_string(file).map_err(|e| {
+        CliError::input(format!("{}: can't read the planner's metadata: {e}", file.display()))
+    })?;
+    parse(&text).map_err(|problem| CliError::input(format!("{}: {problem}", file.display())))
+}
+
+fn parse(text: &str) -> Result<Metadata, String> {
+    let document: Document = vb_world::yaml::parse(text).map_err(|e| e.to_string())?;
+    let Document { name, version, authors, about, control_period, params } = document;
+    if !metadata::is_name(&name) {
+        return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
+    }
+    if version.trim().is_empty() {
+        return Err("version: it is empty; results are told apart by it, e.g. 0.1.0".into());
+    }
+    if let Some(author) = authors.iter().find(|a| a.is_empty() || a.contains(':')) {
+        return Err(format!("authors: {author:?} must be a text without a colon, which separates authors"));
+    }
+    if !metadata::is_control_period(control_period) {
+        return Err(format!("control_period: {control_period} must be a positive multiple of 0.001 s"));
+    }
+    for (i, param) in params.iter().enumerate() {
+        let fit = |c: char| !c.is_control() && !c.is_whitespace() && c != '=';
+        if param.name.is_empty() || !param.name.chars().all(fit) {
+            let name = &param.name;
+            return Err(format!("params[{i}].name: {name:?} can't be set by --param; use no space and no ="));
+        }
+        if params[..i].iter().any(|p| p.name == param.name) {
+            return Err(format!("params[{i}].name: {:?} is declared twice", param.name));
+        }
+    }
+    let spec = |p: Param| ParamSpec { key: p.name, default: p.default, help: p.help };
+    let params = params.into_iter().map(spec).collect();
+    let abi = vb_sdk::ABI_VERSION.to_owned();
+    Ok(Metadata { abi, name, version, authors, about, control_period, params })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHOLE: &str = "\
+name: drive-c
+version: 0.1.0
+authors: [A B <a@b>, C]
+about: 'Drives: well'
+control_period: 0.05
+params:
+  - { name: speed, default: \"4.0\", help: \"m/s, at most\" }
+  - { name: mode, default: \"\" }
+";
+
+    #[test]
+    fn a_description_becomes_metadata_of_this_abi() {
+        let m = parse(WHOLE).unwrap();
+        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("0.1", "drive-c", "0.1.0"));
+        assert_eq!((m.authors, m.about.as_str()), (vec!["A B <a@b>".into(), "C".into()], "Drives: well"));
+        assert_eq!(m.control_period, 0.05);
+        let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };
+        assert_eq!(m.params, [spec("speed", "4.0", "m/s, at most"), spec("mode", "", "")]);
+        let least = parse("{name: a, version: '1', control_period: 1}").unwrap();
+        assert_eq!((least.params.len(), least.control_period), (0, 1.0));
+    }
+
+    #[test]
+    fn what_the_harness_could_not_use_is_refused_with_its_place() {
+        let changed = |from: &str, to: &str| parse(&WHOLE.replace(from, to)).unwrap_err();
+        for (from, to, says) in [
+            ("drive-c", "Drive C", "name: \"Drive C\""),
+            ("version: 0.1.0", "version: ''", "version: it is empty"),
+            ("A B <a@b>", "'a:b'", "authors: \"a:b\""),
+            ("0.05", "0.0005", "control_period: 0.0005"),
+            ("0.05", "soon", "control_period"),
+            ("name: mode", "name: speed", "params[1].name: \"speed\" is declared twice"),
+            ("name: mode", "name: 'a=b'", "params[1].name: \"a=b\""),
+            ("about:", "abuot:", "abuot"),
+        ] {
+            let e = changed(from, to);
+            assert!(e.contains(says) && e.lines().count() == 1, "{to}: {e}");
+        }
+    }
+}

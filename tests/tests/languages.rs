@@ -1,0 +1,238 @@
+//! The same planner in other languages, and the projects that `vb-harness plugin new` makes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde_json::Value;
+use vb_tests::{Bench, Carrier, Done, plugin, root};
+
+/// Three tasks on easy ground, which pure pursuit solves, and three on rough ground.
+const TASKS: &str = "w001/t00-t02,w002/t03,w006/t03,w009/t00";
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("paths of tests are text")
+}
+
+/// Held by a test that drives Python: the first compiles the interpreter, and the others find it in the cache.
+static PYTHON: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    // A test that failed has left nothing half done.
+    PYTHON.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether other languages must be there: in CI.
+fn wanted() -> bool {
+    std::env::var_os("VB_LANGUAGES").is_some_and(|v| v == "1")
+}
+
+/// The built example, or a word on why the test goes without it.
+fn example(name: &str) -> Option<PathBuf> {
+    let path = plugin("pursuit", Carrier::Wasm).with_file_name(format!("{name}.wasm"));
+    if path.is_file() {
+        return Some(path);
+    }
+    assert!(!wanted(), "{} is missing: run `cargo xtask examples`", path.display());
+    eprintln!("skipped: {} is missing; run `cargo xtask examples`", path.display());
+    None
+}
+
+/// The records of a run over [`TASKS`].
+fn drive(bench: &Bench, plugin: &Path, out: &str) -> BTreeMap<String, Value> {
+    bench.ok(&["--plugin", text(plugin), "--tasks", TASKS, "--out", out]);
+    bench.records(out)
+}
+
+/// QuickJS and CPython take `sin`, `atan` and `atan2` from the C library that Rust's `libm` is a translation of; the
+/// examples compute `hypot` as it does.
+#[test]
+fn python_and_javascript_drive_as_rust_does_bit_for_bit() {
+    let _turn = turn();
+    let bench = Bench::new();
+    let rust = drive(&bench, &plugin("pursuit", Carrier::Wasm), "rust");
+    for name in ["pursuit-js", "pursuit-python"] {
+        let Some(file) = example(name) else { continue };
+        let other = drive(&bench, &file, name);
+        assert_eq!(other.len(), rust.len());
+        for (task, record) in &rust {
+            for field in ["outcome", "reason", "state_hash", "metrics", "planner_steps"] {
+                assert_eq!(other[task][field], record[field], "{name}: {task}: {field}");
+            }
+        }
+    }
+}
+
+/// The last bits of `sin` and `hypot` in zig's C library differ from those of Rust's `libm`, so the vehicle ends some
+/// nanometres elsewhere where the ground is easy. Where it is rough, every trajectory is its own.
+#[test]
+fn c_drives_as_rust_does_but_for_the_last_bits() {
+    let Some(file) = example("pursuit-c") else { return };
+    let bench = Bench::new();
+    let rust = drive(&bench, &plugin("pursuit", Carrier::Wasm), "rust");
+    let c = drive(&bench, &file, "c");
+    assert_eq!(c.len(), rust.len());
+    for task in ["w001/t00", "w001/t01", "w001/t02"] {
+        assert_eq!((&c[task]["outcome"], &rust[task]["outcome"]), (&"success".into(), &"success".into()));
+        assert_eq!(c[task]["time_s"], rust[task]["time_s"], "{task}");
+    }
+    // And again: the same bits as before.
+    assert_eq!(drive(&bench, &file, "again"), c);
+}
+
+#[test]
+fn what_a_planner_in_another_language_refuses_is_told_in_its_words() {
+    let _turn = turn();
+    for name in ["pursuit-c", "pursuit-js", "pursuit-python"] {
+        let Some(file) = example(name) else { continue };
+        let bench = Bench::new();
+        bench.ok(&["--plugin", text(&file), "--tasks", "w001/t00", "--param", "speed=fast", "--out", "r"]);
+        let record = &bench.records("r")["w001/t00"];
+        assert_eq!(record["outcome"], "planner_error", "{name}");
+        let reason = record["reason"].as_str().expect("a reason");
+        assert!(reason.starts_with("planner init: parameter speed"), "{name}: {reason}");
+        assert!(reason.contains("must be a number"), "{name}: {reason}");
+    }
+}
+
+#[test]
+fn the_metadata_of_an_example_are_those_of_its_description() {
+    for name in ["pursuit-c", "pursuit-js", "pursuit-python"] {
+        let Some(file) = example(name) else { continue };
+        let bench = Bench::new();
+        let of = |file: &Path| {
+            let told = bench.ok(&["inspect", "--plugin", text(file), "--message-format", "json"]);
+            serde_json::from_str::<Value>(&told).expect("JSON")
+        };
+        let mut told = of(&file);
+        assert_eq!(told["name"], name);
+        told["name"] = "pursuit".into();
+        assert_eq!(told, of(&plugin("pursuit", Carrier::Wasm)), "{name}");
+    }
+}
+
+/// Makes a project called `fox` and returns its folder.
+fn project(bench: &Bench, lang: &str) -> PathBuf {
+    let sdk = root().join("sdk");
+    let mut args = vec!["plugin", "new", "fox", "--lang", lang];
+    if lang == "rust" {
+        args.extend(["--sdk", text(&sdk)]);
+    }
+    bench.ok(&args);
+    bench.path("fox")
+}
+
+/// It is found by the harness, and drives as the example that it starts from.
+fn assert_drives(bench: &Bench, built: &Path, example: &Path) {
+    assert!(bench.ok(&["inspect", "--plugin", text(built)]).contains("fox 0.1.0"));
+    let run = |plugin: &Path, out: &str| {
+        bench.ok(&["--plugin", text(plugin), "--tasks", "w001/t00", "--out", out]);
+        bench.records(out)["w001/t00"]["state_hash"].clone()
+    };
+    assert_eq!(run(built, "fox-run"), run(example, "example-run"));
+}
+
+/// As WASM it is built by the same compiler as the planners of the repository, which `cargo xtask test` made sure of; here
+/// the native library shows that the project is whole.
+#[test]
+fn a_new_rust_project_builds_and_drives() {
+    let bench = Bench::new();
+    let dir = project(&bench, "rust");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    // The versions that the repository is tested with, so that nothing new is fetched.
+    std::fs::copy(root().join("Cargo.lock"), dir.join("Cargo.lock")).expect("the lock file is copied");
+    let mut command = Command::new(cargo);
+    // What the SDK depends on is built once.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-rust");
+    command.args(["build", "--quiet"]).current_dir(&dir).env("CARGO_TARGET_DIR", &target);
+    let _ = Done::of(&mut command).ok();
+    let file = format!("{}fox{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let library = target.join("debug").join(file);
+    assert_drives(&bench, &library, &plugin("pursuit", Carrier::Native));
+}
+
+#[test]
+fn new_projects_in_other_languages_build_and_drive() {
+    let _turn = turn();
+    for lang in ["c", "js", "python"] {
+        let Some(compiled) = example(&format!("pursuit-{lang}")) else { continue };
+        let Some(environment) = environment(lang) else { continue };
+        let bench = Bench::new();
+        let dir = project(&bench, lang);
+        if lang == "python" {
+            plant_a_bug(&dir.join("guest.py"));
+        }
+        let mut command = Command::new("./build.sh");
+        command.current_dir(&dir).env("VB_HARNESS", vb_tests::release_harness()).envs(environment);
+        let _ = Done::of(&mut command).ok();
+        let built = dir.join("build/fox.wasm");
+        assert_drives(&bench, &built, &compiled);
+        if lang == "python" {
+            bench.ok(&[
+                "--plugin",
+                text(&built),
+                "--tasks",
+                "w001/t00",
+                "--param",
+                "speed=13",
+                "--out",
+                "bug",
+            ]);
+            let record = &bench.records("bug")["w001/t00"];
+            assert_eq!(record["fault"], "panic");
+            let reason = record["reason"].as_str().expect("a reason");
+            assert!(reason.contains("panicked at guest.py:") && reason.contains("IndexError"), "{reason}");
+        }
+    }
+}
+
+/// At one speed the planner takes what isn't there.
+fn plant_a_bug(file: &Path) {
+    let source = std::fs::read_to_string(file).expect("the planner can be read");
+    let at = "        self.follower.update";
+    assert!(source.contains(at));
+    let bug = format!("        if self.speed == 13.0:\n            [][0]\n{at}");
+    std::fs::write(file, source.replacen(at, &bug, 1)).expect("the planner can be written");
+}
+
+/// What lets `build.sh` find its compiler where `cargo xtask examples` has put it.
+fn environment(lang: &str) -> Option<BTreeMap<&'static str, std::ffi::OsString>> {
+    let cache = std::env::var_os("XDG_CACHE_HOME").filter(|v| !v.is_empty()).map(PathBuf::from);
+    let cache = cache.or_else(|| std::env::home_dir().map(|home| home.join(".cache")))?;
+    let prefix = match lang {
+        "c" => "ziglang-",
+        "js" => "componentize-qjs-",
+        _ => "componentize-py-",
+    };
+    let folders = std::fs::read_dir(cache.join("verti-bench/languages")).into_iter().flatten().flatten();
+    let found = folders
+        .map(|e| e.path())
+        .filter(|p| p.file_name().is_some_and(|n| text(Path::new(n)).starts_with(prefix)));
+    let Some(folder) = found.max() else {
+        assert!(!wanted(), "there is no {prefix}* in {}: run `cargo xtask examples`", cache.display());
+        eprintln!("skipped: there is no {prefix}* in the cache; run `cargo xtask examples`");
+        return None;
+    };
+    let programs = folder.join(if lang == "js" { "node_modules/.bin" } else { "bin" });
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let all = [programs].into_iter().chain(std::env::split_paths(&path));
+    let path = std::env::join_paths(all).expect("a path that can be joined");
+    Some(BTreeMap::from([("PATH", path), ("PYTHONPATH", folder.into_os_string())]))
+}
+
+#[test]
+fn a_new_project_overwrites_nothing_and_wants_a_sound_name() {
+    let bench = Bench::new();
+    bench.write("fox/notes.txt", "mine");
+    let e = bench.run(&["plugin", "new", "fox", "--lang", "c"]).error(4);
+    assert!(e.contains("nothing is overwritten"), "{e}");
+    assert_eq!(bench.files("fox").len(), 1);
+    let e = bench.run(&["plugin", "new", "../fox", "--lang", "c"]).error(2);
+    assert!(e.contains("\"../fox\" can't be a planner's name"), "{e}");
+    let e = bench.run(&["plugin", "new", "hare", "--lang", "c", "--sdk", "/"]).error(2);
+    assert!(e.contains("--lang rust"), "{e}");
+    let e = bench.run(&["plugin", "new", "hare", "--lang", "rust", "--sdk", "/"]).error(3);
+    assert!(e.contains("no Cargo.toml of the SDK"), "{e}");
+    assert!(!bench.path("hare").exists());
+}
