@@ -8,6 +8,7 @@
 //! that move with two travels (`beam`).
 
 mod beam;
+mod energy;
 mod pose;
 mod solve;
 mod spin;

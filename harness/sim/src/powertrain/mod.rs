@@ -6,7 +6,7 @@ mod engine;
 mod gearbox;
 mod table;
 
-use crate::spec::{Engine, VehicleSpec};
+use crate::spec::{Engine, Governor, VehicleSpec};
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
@@ -48,7 +48,12 @@ pub(crate) struct Drive {
     driveline: Driveline,
     /// The vehicle's inertia as the output shaft feels it, kg m².
     vehicle_inertia: f64,
+    governor: Option<Governor>,
+    /// Road speed over the output shaft's, m.
+    road: f64,
     state: DriveState,
+    /// That the output shaft has got from the gearbox since the start, J.
+    work: f64,
 }
 
 impl Drive {
@@ -63,12 +68,25 @@ impl Drive {
             shifter: Shifter::new(&p.gearbox),
             driveline,
             vehicle_inertia: mass * lever * lever,
+            governor: p.governor,
+            road: lever,
+            work: 0.0,
             state: DriveState { gear: 1, ..DriveState::default() },
         }
     }
 
     pub(crate) fn state(&self) -> DriveState {
         self.state
+    }
+
+    /// Work that the output shaft has got from engine and gearbox since the start, J; drag takes from it.
+    pub(crate) fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// Energy of all that turns from the output shaft to the wheels, J; `spin` gives those of the wheels, rad/s.
+    pub(crate) fn energy(&self, spin: impl Fn(usize) -> f64) -> f64 {
+        self.driveline.energy(spin)
     }
 
     /// All numbers that the next step depends on, beside the wheels' spins.
@@ -83,6 +101,7 @@ impl Drive {
         let shaft = self.driveline.shaft_speed(wheels.spins);
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
+        let throttle = self.governor.map_or(throttle, |g| throttle.min(g.ceiling(shaft * self.road)));
         let interrupts = self.shifter.interrupts();
         // While a shift interrupts the torque the throttle is closed.
         let demand = if interrupts { 0.0 } else { throttle };
@@ -109,6 +128,8 @@ impl Drive {
             free.finish((after - shaft) / ratio);
         }
         let torque = given.torque - given.drag * (after - shaft) - held;
+        // What spins up the engine does not reach the shaft.
+        self.work += dt * 0.5 * (shaft + after) * (torque - given.inertia * (after - shaft) / dt);
         self.shifter.sense(torque - self.vehicle_inertia * (after - shaft) / dt, dt);
         self.state = DriveState {
             gear: self.shifter.gear + 1,
