@@ -342,8 +342,8 @@ fn coasting_loses_what_rolling_resistance_and_engine_drag_take() {
 
 #[test]
 fn the_governor_holds_the_published_top_speed() {
-    // 70 mph, 31.3 m/s, governed (AM General M998A1 data sheet). The shaft's speed stands for the road's, so a tyre that
-    // rolls on a radius 1 % below the free one is 1 % slower.
+    // 70 mph, 31.3 m/s, governed (AM General M998A1 data sheet). Some throttle is needed to keep the
+    // speed, so it stays below the end of the governor's band, which is 1 m/s wide.
     let top = |governed: bool| {
         let mut vehicle = hmmwv();
         if !governed {

@@ -6,7 +6,7 @@ mod engine;
 mod gearbox;
 mod table;
 
-use crate::spec::{Engine, Governor, VehicleSpec};
+use crate::spec::{Engine, VehicleSpec};
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
@@ -48,9 +48,6 @@ pub(crate) struct Drive {
     driveline: Driveline,
     /// The vehicle's inertia as the output shaft feels it, kg m².
     vehicle_inertia: f64,
-    governor: Option<Governor>,
-    /// Road speed over the output shaft's, m.
-    road: f64,
     state: DriveState,
     /// That the output shaft has got from the gearbox since the start, J.
     work: f64,
@@ -68,8 +65,6 @@ impl Drive {
             shifter: Shifter::new(&p.gearbox),
             driveline,
             vehicle_inertia: mass * lever * lever,
-            governor: p.governor,
-            road: lever,
             work: 0.0,
             state: DriveState { gear: 1, ..DriveState::default() },
         }
@@ -101,7 +96,6 @@ impl Drive {
         let shaft = self.driveline.shaft_speed(wheels.spins);
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
-        let throttle = self.governor.map_or(throttle, |g| throttle.min(g.ceiling(shaft * self.road)));
         let interrupts = self.shifter.interrupts();
         // While a shift interrupts the torque the throttle is closed.
         let demand = if interrupts { 0.0 } else { throttle };

@@ -20,8 +20,8 @@ pub struct Powertrain {
     pub governor: Option<Governor>,
 }
 
-/// Closes the throttle towards a greatest road speed, which it reads off the gearbox' output shaft as a speedometer
-/// does: as that of wheels that roll on the tyre's free radius.
+/// Closes the throttle towards a greatest speed of the vehicle over ground. Wheels that spin do not concern it: the
+/// engine alone limits them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Governor {

@@ -77,9 +77,9 @@ fn tyres(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 off(rolled.pairs("slip", "Fx"), &fx).max(off(cornered.pairs("slip angle", "Fy"), &fy));
             o.expect(
                 &format!("{name}: greatest deviation from the closed form over load"),
-                worst,
-                "",
-                Expected::AtMost(1e-9),
+                1e6 * worst,
+                "ppm",
+                Expected::AtMost(0.01),
                 "Fiala's formulas (Adams/Tire), friction scaled by the ground",
             );
             let over = |v: Vec<[f64; 2]>| v.into_iter().map(|[x, y]| [x, y / load]).collect();
