@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::{AxleKinematics, Side, SimError, SimOptions, Simulation, SoilSet, VehicleSpec};
-use vb_world::{Density, Elevation, Heightfield, Semantics, Task, Terrain, TerrainClass, World};
+use vb_sim::{Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_world::{Heightfield, Task, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
 const OCCUPANCY_RESOLUTION: f64 = 0.5;
@@ -28,45 +28,27 @@ pub struct StaticShape {
 ///
 /// # Errors
 /// If the vehicle can't be simulated.
-pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticShape, SimError> {
+pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticShape, SimError> {
+    let spec = model.spec();
     let side = 4.0 * spec.length.max(1.0);
-    let world = World {
-        id: "level".to_owned(),
-        elevation: Elevation::Low,
-        terrain: Terrain::Rigid,
-        density: Density::Sparse,
-        scale: 1.0,
-        heightfield: Heightfield::flat(3, 3, side / 2.0, 0.0),
-        semantics: Semantics {
-            rows: 1,
-            cols: 1,
-            patch: side,
-            classes: vec![TerrainClass::Concrete],
-            friction: vec![0.8],
-            soil: vb_world::SoilLevels::default(),
-        },
-        obstacles: vec![],
-        tasks: vec![],
-    };
+    let level = Heightfield::flat(3, 3, side / 2.0, 0.0);
+    let world = World::uniform("level", level, TerrainClass::Concrete, 0.8);
     let start = vb_world::Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
-    let state = Simulation::new(Arc::new(world), spec, &SoilSet::default(), start, options)?.state();
+    let state = Simulation::new(Arc::new(world), model, &SoilSet::default(), start, options)?.state();
     let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
     let mut hubs = Vec::new();
-    for axle in &spec.axles {
-        // Settling has shown that the linkages close.
-        if let Ok(solved) = AxleKinematics::solve(axle) {
-            let at = |command: f64, side: Side| solved.wheel(side, [0.0; 2], command);
-            let angle = |side: Side| {
-                let axis = at(1.0, side).axis;
-                atan2(-axis.x, axis.y)
-            };
-            let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
-            hubs.push((
-                axle.position[0] + left.x,
-                left.y - right.y,
-                0.5 * (angle(Side::Left) + angle(Side::Right)),
-            ));
-        }
+    for (axle, solved) in spec.axles.iter().zip(model.axles()) {
+        let at = |command: f64, side: Side| solved.wheel(side, [0.0; 2], command);
+        let angle = |side: Side| {
+            let axis = at(1.0, side).axis;
+            atan2(-axis.x, axis.y)
+        };
+        let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
+        hubs.push((
+            axle.position[0] + left.x,
+            left.y - right.y,
+            0.5 * (angle(Side::Left) + angle(Side::Right)),
+        ));
     }
     let (first, last) = (hubs[0], hubs[hubs.len() - 1]);
     Ok(StaticShape {
@@ -154,7 +136,8 @@ mod tests {
     fn the_hmmwv_is_told_by_its_published_figures() {
         let text = include_str!("../../../tasks/vehicles/hmmwv.yaml");
         let spec = VehicleSpec::parse(text, "hmmwv.yaml").unwrap();
-        let shape = static_shape(&spec, SimOptions::default()).unwrap();
+        let model = VehicleModel::new(spec.clone()).unwrap();
+        let shape = static_shape(&model, SimOptions::default()).unwrap();
         let v = planner_vehicle(&spec, &shape, 1.0);
         // Reference sheet: 2493.56 kg, wheelbase 3.302 m, track 1.819 m, wheel angles 21.18 and 22.23 deg at full
         // lock; AM General's data sheet: ground clearance 0.41 m.

@@ -12,7 +12,7 @@ use vb_record::{
 };
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sdk::Param;
-use vb_sim::{SimOptions, SoilSet, VehicleSpec};
+use vb_sim::{SimOptions, SoilSet, VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
 use crate::brief::{planner_task, planner_vehicle, static_shape};
@@ -195,6 +195,7 @@ fn keep(store: &RunStore, result: &TrialResult) -> Result<(), RunError> {
 struct Prepared {
     params: Vec<Param>,
     vehicle: vb_sdk::Vehicle,
+    model: VehicleModel,
 }
 
 fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError> {
@@ -216,8 +217,10 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     for world in worlds {
         config.suite.verify_world(world)?;
     }
-    let shape = static_shape(&config.vehicle.spec, options)?;
-    Ok(Prepared { params, vehicle: planner_vehicle(&config.vehicle.spec, &shape, config.scale) })
+    let model = VehicleModel::new(config.vehicle.spec.clone())?;
+    let shape = static_shape(&model, options)?;
+    let vehicle = planner_vehicle(model.spec(), &shape, config.scale);
+    Ok(Prepared { params, vehicle, model })
 }
 
 fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
@@ -320,7 +323,7 @@ impl Work<'_> {
             task: definition,
             brief: &brief,
             plugin: &c.plugin,
-            vehicle: &c.vehicle.spec,
+            vehicle: &self.prepared.model,
             soils: &c.soils.set,
             options: self.options,
             rules: &c.rules,

@@ -8,7 +8,7 @@ use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp, one_line};
 use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleSpec, VehicleState};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleState};
 use vb_world::{Task, World};
 
 use crate::StateHash;
@@ -30,7 +30,7 @@ pub struct Trial<'a> {
     /// The planner.
     pub plugin: &'a Plugin,
     /// The vehicle.
-    pub vehicle: &'a VehicleSpec,
+    pub vehicle: &'a VehicleModel,
     /// The soils of deformable ground.
     pub soils: &'a SoilSet,
     /// How the simulation is stepped.
@@ -112,7 +112,7 @@ impl Trial<'_> {
             half_extent: [h.half_x(), h.half_y()],
             scale: self.world.scale,
         };
-        let wheels = 2 * self.vehicle.axles.len();
+        let wheels = 2 * self.vehicle.axles().len();
         let mut ledger = Ledger {
             scorer: Scorer::new(self.rules, &geometry),
             recorder: TraceRecorder::new(self.trace, wheels),

@@ -11,6 +11,8 @@
 mod collision;
 mod dynamics;
 mod error;
+mod model;
+mod monitor;
 mod powertrain;
 mod simulation;
 mod soil;
@@ -20,15 +22,16 @@ mod suspension;
 mod tyre;
 
 pub use error::SimError;
+pub use model::VehicleModel;
 pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation};
 pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
     AntiRoll, Axle, Beam, BrushTyre, Chassis, Converter, Damper, Differential, DoubleWishbone, Driveline,
-    DrivenAxle, Engine, FialaTyre, Gearbox, KnuckleDrive, Knuckles, LeafAxle, Linkage, LockUp, Multilink,
-    Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy,
-    Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, TmeasyTyre, Torsion, TorsionArm, TyreSpec,
-    VehicleSpec,
+    DrivenAxle, Engine, FialaTyre, Gearbox, Governor, KnuckleDrive, Knuckles, LeafAxle, Linkage, LockUp,
+    Multilink, Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod, SingleWishbone, SolidAxle, Spring,
+    SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, TmeasyTyre, Torsion, TorsionArm,
+    TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};

@@ -1,12 +1,13 @@
 //! One vehicle in one world, from the start pose on.
 
 use crate::collision::{ChassisContacts, Obstacles, WheelShape};
-use crate::dynamics::{Ground, MAX_WHEELS, Vehicle};
+use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
+use crate::model::VehicleModel;
+use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
-use crate::spec::VehicleSpec;
 use crate::state::{Controls, VehicleState};
-use crate::{AxleKinematics, Quat, V3};
+use crate::{Quat, V3};
 use std::sync::Arc;
 use vb_math::atan;
 use vb_world::{Pose2, World};
@@ -52,38 +53,27 @@ pub struct Simulation {
     steps: u64,
     /// Steps in which the contact solver ran.
     contact_steps: u64,
+    energy: EnergyMonitor,
+    /// Steps between two looks at the energy.
+    look_at_energy: u64,
 }
 
 impl Simulation {
     /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest; the clock then starts at 0.
     ///
     /// # Errors
-    /// [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::VehicleInvalid`] for a
-    /// vehicle that doesn't close, [`SimError::Diverged`].
+    /// [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::Diverged`].
     pub fn new(
         world: Arc<World>,
-        spec: &VehicleSpec,
+        model: &VehicleModel,
         soils: &SoilSet,
         start: Pose2,
         options: SimOptions,
     ) -> Result<Self, SimError> {
-        let invalid = |field: String, reason: String| SimError::VehicleInvalid {
-            file: spec.name.clone(),
-            field,
-            reason,
-        };
-        if 2 * spec.axles.len() > MAX_WHEELS {
-            return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
-        }
-        let mut axles = Vec::new();
-        for (i, axle) in spec.axles.iter().enumerate() {
-            let solved = AxleKinematics::solve(axle)
-                .map_err(|e| invalid(format!("axles[{i}].suspension.linkage"), e.to_string()))?;
-            axles.push(solved);
-        }
+        let spec = model.spec();
         let soil_pitch = options.soil_pitch * world.scale;
         let soil = SoilGround::new(&world, soils, soil_pitch)?;
-        let vehicle = Vehicle::new(spec, &axles, soil_pitch);
+        let vehicle = Vehicle::new(spec, model.axles(), soil_pitch);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {
@@ -91,6 +81,8 @@ impl Simulation {
             soil,
             wheel: WheelShape::new(&spec.tyre),
             reference: -V3::from(spec.chassis.com),
+            look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
+            energy: EnergyMonitor::new(vehicle.lift_energy()),
             world,
             options,
             vehicle,
@@ -158,6 +150,8 @@ impl Simulation {
                 break;
             }
         }
+        // A wheel that was put into a rock has been thrown out of it: energy that a start in a bad place gave.
+        self.energy = EnergyMonitor::new(self.vehicle.lift_energy());
         self.check()?;
         self.steps = 0;
         self.contact_steps = 0;
@@ -199,6 +193,15 @@ impl Simulation {
             self.vehicle.move_on(dt);
         }
         self.steps += 1;
+        if self.steps.is_multiple_of(self.look_at_energy) {
+            // Beyond the edge the ground is made up.
+            let at = self.vehicle.x;
+            if self.world.heightfield.contains(at.x, at.y) {
+                self.energy.push(self.vehicle.energy_balance());
+            } else {
+                self.energy.forget();
+            }
+        }
     }
 
     /// Advances by `steps` steps with constant controls.
@@ -208,6 +211,10 @@ impl Simulation {
     pub fn advance(&mut self, controls: Controls, steps: u64) -> Result<(), SimError> {
         for _ in 0..steps {
             self.step(controls);
+            // The state to look at is the first that is wrong.
+            if self.energy.exceeded() {
+                break;
+            }
         }
         self.check()
     }
@@ -231,6 +238,8 @@ impl Simulation {
             .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST)
         {
             "a wheel deep below the ground"
+        } else if self.energy.exceeded() {
+            "mechanical energy that nothing supplied"
         } else {
             return Ok(());
         };
@@ -273,6 +282,14 @@ impl Simulation {
     #[must_use]
     pub fn contact_steps(&self) -> u64 {
         self.contact_steps
+    }
+
+    /// Greatest rise of the mechanical energy so far that the engine didn't supply, J: of kinetic energy and energy of
+    /// height, against half a second to a second before. Springs and tyres that relax show in it, so it isn't zero; from
+    /// the energy that lifts the vehicle by the radius of a wheel on, the simulation counts as diverged.
+    #[must_use]
+    pub fn energy_surplus(&self) -> f64 {
+        self.energy.surplus()
     }
 
     /// The world.
@@ -323,6 +340,7 @@ impl Simulation {
         v.v = V3::zeros();
         v.w = V3::zeros();
         self.hull_near = true;
+        self.energy.forget();
     }
 
     /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, wheels at
@@ -336,12 +354,14 @@ impl Simulation {
         v.w = V3::zeros();
         v.reset_wheels();
         self.hull_near = true;
+        self.energy.forget();
     }
 
     /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`crate::GRAVITY`]) at first. Not part
     /// of [`Self::visit_state`]: whoever changes it does so again in a repeated run.
     pub fn set_gravity(&mut self, gravity: [f64; 3]) {
         self.vehicle.gravity = V3::from(gravity);
+        self.energy.forget();
     }
 
     /// Feeds every number that determines the future into `sink`, in a fixed order.

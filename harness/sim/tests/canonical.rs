@@ -72,7 +72,7 @@ fn brakes_at_the_rear_alone_hold_all_wheels_through_a_locked_driveline() {
         let facing_down = Pose2 { x: 20.0, y: 0.0, yaw: std::f64::consts::PI };
         let mut sim = Simulation::new(
             grade(28.0, 0.9),
-            &vehicle,
+            &common::model(vehicle.clone()),
             &SoilSet::default(),
             facing_down,
             SimOptions::default(),
@@ -103,8 +103,14 @@ fn behind_a_converter_it_creeps_until_the_brakes_hold_it() {
         lock_up: None,
     });
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
-    let mut sim = Simulation::new(flat(0.9), &vehicle, &SoilSet::default(), start, SimOptions::default())
-        .expect("it settles");
+    let mut sim = Simulation::new(
+        flat(0.9),
+        &common::model(vehicle),
+        &SoilSet::default(),
+        start,
+        SimOptions::default(),
+    )
+    .expect("it settles");
     sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();
     let a = sim.state().position;
     sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
@@ -157,8 +163,14 @@ fn full_brakes_stop_it_within_the_distance_that_friction_allows() {
 /// Times (s) at which the speeds (m/s) are reached on level ground, heading held.
 fn times_to(vehicle: &VehicleSpec, throttle: f64, mu: f64, speeds: &[f64]) -> Vec<f64> {
     let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
-    let mut sim = Simulation::new(flat(mu), vehicle, &SoilSet::default(), start, SimOptions::default())
-        .expect("it settles");
+    let mut sim = Simulation::new(
+        flat(mu),
+        &common::model(vehicle.clone()),
+        &SoilSet::default(),
+        start,
+        SimOptions::default(),
+    )
+    .expect("it settles");
     let reach = |&speed: &f64| {
         while sim.state().velocity.x < speed {
             let s = sim.state();
@@ -227,8 +239,14 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
     for (from, expected) in [(15.0, &[13.071, 11.120, 8.661][..]), (5.0, &[4.046, 2.818])] {
         let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
         let vehicle = with_reference_resistance();
-        let mut sim = Simulation::new(flat(0.9), &vehicle, &SoilSet::default(), start, SimOptions::default())
-            .expect("it settles");
+        let mut sim = Simulation::new(
+            flat(0.9),
+            &common::model(vehicle),
+            &SoilSet::default(),
+            start,
+            SimOptions::default(),
+        )
+        .expect("it settles");
         while sim.state().velocity.x < from {
             sim.advance(controls(0.0, 0.3, 0.0), 1).unwrap();
         }
@@ -320,4 +338,35 @@ fn coasting_loses_what_rolling_resistance_and_engine_drag_take() {
         "it comes to rest and stays there: {}",
         sim.state().velocity.x
     );
+}
+
+#[test]
+fn the_governor_holds_the_published_top_speed() {
+    // 70 mph, 31.3 m/s, governed (AM General M998A1 data sheet). Some throttle is needed to keep the
+    // speed, so it stays below the end of the governor's band, which is 1 m/s wide.
+    let top = |governed: bool| {
+        let mut vehicle = hmmwv();
+        if !governed {
+            vehicle.powertrain.governor = None;
+        }
+        let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
+        let mut sim = Simulation::new(
+            flat(0.9),
+            &common::model(vehicle),
+            &SoilSet::default(),
+            start,
+            SimOptions::default(),
+        )
+        .expect("it settles");
+        for _ in 0..4000 {
+            let s = sim.state();
+            let (_, _, yaw) = s.roll_pitch_yaw();
+            let steer = (-0.1 * s.position.y - yaw).clamp(-1.0, 1.0);
+            sim.advance(controls(steer, 1.0, 0.0), 10).unwrap();
+        }
+        sim.state().velocity.x
+    };
+    let (governed, free) = (top(true), top(false));
+    assert!((30.5..=31.3).contains(&governed), "{governed} m/s");
+    assert!(free > 34.0, "the maps alone give {free} m/s");
 }

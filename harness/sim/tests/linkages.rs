@@ -60,8 +60,9 @@ fn a_vehicle_on_solid_axles_drives_over_rough_ground_and_around_a_bend() {
     let heights = (0..n * n).map(|_| stream.normal(0.0, 0.12)).collect();
     let world = common::world(Heightfield::new(n, n, 1.0, heights), 0.8, vec![]);
     let start = Pose2 { x: -40.0, y: 0.0, yaw: 0.0 };
-    let mut sim = Simulation::new(world, &on_beams(), &SoilSet::default(), start, SimOptions::default())
-        .expect("it settles");
+    let mut sim =
+        Simulation::new(world, &common::model(on_beams()), &SoilSet::default(), start, SimOptions::default())
+            .expect("it settles");
     for _ in 0..600 {
         let controls = common::hold_speed(&sim, 5.0, 0.3);
         sim.advance(controls, 10).expect("finite");

@@ -2,10 +2,10 @@
 //! nowhere.
 
 mod common;
-use common::{hmmwv, soils};
+use common::{hmmwv, model, soils};
 use std::sync::Arc;
 use vb_math::rng::Stream;
-use vb_sim::{Controls, SimOptions, Simulation};
+use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet};
 use vb_world::{
     Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Semantics, SoilLevel, SoilLevels,
     Terrain, TerrainClass, World,
@@ -55,7 +55,8 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
     let start =
         Pose2 { x: rng.uniform(-22.0, 22.0), y: rng.uniform(-22.0, 22.0), yaw: rng.uniform(-3.1, 3.1) };
     let options = SimOptions { step, ..SimOptions::default() };
-    let mut sim = Simulation::new(world.clone(), &hmmwv(), &soils(), start, options).expect("it starts");
+    let mut sim =
+        Simulation::new(world.clone(), &model(hmmwv()), &soils(), start, options).expect("it starts");
     let from = sim.state().position;
     let mode = rng.below(4);
     let every = if mode == 0 { 1 } else { 20 };
@@ -80,6 +81,8 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
         sim.advance(controls, every).expect("it goes on");
     }
     let s = sim.state();
+    // Half of what counts as diverged: 24.5 kN times the radius of a wheel.
+    assert!(sim.energy_surplus() < 0.5 * 24_462.0 * 0.467, "{} J from nowhere", sim.energy_surplus());
     if !inside(&s) {
         return ((s.position - from).norm(), sim.time());
     }
@@ -104,6 +107,45 @@ fn steps_of_a_quarter_and_of_three_milliseconds_do_not_diverge_either() {
             drive_wildly(&mut rng, 2.0, step);
         }
     }
+}
+
+#[test]
+fn energy_that_nothing_supplied_is_an_error_with_the_state_to_look_at() {
+    // Air that pushes with 20 kN, from 5 m/s on.
+    let mut vehicle = hmmwv();
+    vehicle.chassis.resistance = vec![[4.0, 0.0], [5.0, -20_000.0]];
+    let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let drive = |vehicle| -> Result<(), SimError> {
+        let mut sim = Simulation::new(
+            common::flat(0.8),
+            &model(vehicle),
+            &SoilSet::default(),
+            start,
+            SimOptions::default(),
+        )?;
+        sim.advance(common::controls(0.0, 0.3, 0.0), 5000)
+    };
+    drive(hmmwv()).expect("as it is, it drives");
+    let message = drive(vehicle).expect_err("it is pushed").to_string();
+    assert!(message.contains("mechanical energy that nothing supplied"), "{message}");
+    assert!(
+        message.contains("diverged at t = ") && message.contains("wheels (spin, travel, load"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_world_with_a_class_that_the_set_has_no_soil_for_is_refused_by_name() {
+    let world = common::soil_world(Heightfield::flat(9, 9, 1.0, 0.0), TerrainClass::Snow);
+    let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let new = |soils: &SoilSet| {
+        Simulation::new(world.clone(), &model(hmmwv()), soils, start, SimOptions::default()).map(|_| ())
+    };
+    let refused = new(&SoilSet::default()).expect_err("an empty set");
+    assert!(matches!(&refused, SimError::NoSoil { class: "snow", .. }), "{refused}");
+    let message = refused.to_string();
+    assert!(message.contains("world test has snow") && !message.contains('\n'), "{message}");
+    new(&soils()).expect("with its soil it starts");
 }
 
 /// Ten hours, in a new world whenever the vehicle has left the old one or ten minutes are over. Some minutes:

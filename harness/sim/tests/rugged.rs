@@ -24,9 +24,14 @@ fn rugged(amplitude: f64, seed: u64, obstacles: Vec<Obstacle>) -> Arc<World> {
 
 fn drive(world: &Arc<World>, step: f64, seconds: f64) -> Simulation {
     let options = SimOptions { step, ..SimOptions::default() };
-    let mut sim =
-        Simulation::new(world.clone(), &hmmwv(), &soils(), Pose2 { x: -50.0, y: 0.0, yaw: 0.0 }, options)
-            .expect("it settles");
+    let mut sim = Simulation::new(
+        world.clone(),
+        &common::model(hmmwv()),
+        &soils(),
+        Pose2 { x: -50.0, y: 0.0, yaw: 0.0 },
+        options,
+    )
+    .expect("it settles");
     let ticks = (seconds / 0.01) as u64;
     for k in 0..ticks {
         let steer = 0.3 * vb_math::sin(0.01 * k as f64);

@@ -19,8 +19,14 @@ fn tyre(name: &str) -> Tyre {
 
 fn start(name: &str, world: &Arc<World>, x: f64, yaw: f64, step: f64) -> Simulation {
     let options = SimOptions { step, ..SimOptions::default() };
-    Simulation::new(world.clone(), &on(name), &SoilSet::default(), Pose2 { x, y: 0.0, yaw }, options)
-        .expect("it settles")
+    Simulation::new(
+        world.clone(),
+        &common::model(on(name)),
+        &SoilSet::default(),
+        Pose2 { x, y: 0.0, yaw },
+        options,
+    )
+    .expect("it settles")
 }
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {

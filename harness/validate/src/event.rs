@@ -3,12 +3,13 @@
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
 use serde::Serialize;
-use vb_sim::{SimError, SimOptions, SoilSet, VehicleSpec};
+use vb_sim::{SimError, SimOptions, SoilSet, VehicleModel, VehicleSpec};
 
 /// A vehicle ready to be put through events.
 #[derive(Clone, Debug)]
 pub struct Bench<'a> {
     pub(crate) spec: &'a VehicleSpec,
+    pub(crate) model: VehicleModel,
     pub(crate) soils: &'a [SoilSet],
     pub(crate) options: SimOptions,
     pub(crate) geometry: Geometry,
@@ -21,7 +22,8 @@ impl<'a> Bench<'a> {
     /// [`SimError::VehicleInvalid`] for a vehicle whose suspension doesn't close.
     pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
-        Ok(Self { spec, soils, options, geometry: Geometry::new(spec)? })
+        let model = VehicleModel::new(spec.clone())?;
+        Ok(Self { spec, soils, options, geometry: Geometry::new(&model), model })
     }
 
     pub(crate) fn at_pitch(&self, soil_pitch: f64) -> Self {

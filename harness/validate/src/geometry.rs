@@ -1,7 +1,7 @@
 //! Where the vehicle's parts are: what theory needs of a specification and a state.
 
 use nalgebra::Vector3;
-use vb_sim::{AxleKinematics, GRAVITY, Side, SimError, VehicleSpec, VehicleState, WheelPose};
+use vb_sim::{AxleKinematics, GRAVITY, Side, VehicleModel, VehicleState, WheelPose};
 
 type V3 = Vector3<f64>;
 
@@ -37,14 +37,10 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    pub(crate) fn new(spec: &VehicleSpec) -> Result<Self, SimError> {
-        let (mut axles, mut corners) = (Vec::new(), Vec::new());
+    pub(crate) fn new(model: &VehicleModel) -> Self {
+        let spec = model.spec();
+        let mut corners = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
-            let solved = AxleKinematics::solve(axle).map_err(|e| {
-                let field = format!("axles[{i}].suspension");
-                SimError::VehicleInvalid { file: spec.name.clone(), field, reason: e.to_string() }
-            })?;
-            axles.push(solved);
             for (side, word) in [(1.0, "left"), (-1.0, "right")] {
                 corners.push(Corner {
                     name: format!("{} {word}", axle.name),
@@ -60,7 +56,7 @@ impl Geometry {
         }
         let chassis_com = V3::from(spec.chassis.com);
         let mut geometry = Self {
-            axles,
+            axles: model.axles().to_vec(),
             corners,
             chassis_mass: spec.chassis.mass,
             chassis_com,
@@ -74,7 +70,7 @@ impl Geometry {
         geometry.mass = geometry.chassis_mass + geometry.corners.iter().map(|c| c.mass).sum::<f64>();
         let design = vec![0.0; geometry.corners.len()];
         geometry.com = geometry.com_at(&design);
-        Ok(geometry)
+        geometry
     }
 
     /// The weight, N.

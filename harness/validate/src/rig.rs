@@ -4,30 +4,12 @@ use crate::event::{Bench, Series};
 use std::sync::Arc;
 use vb_math::angle::{degrees, wrap};
 use vb_math::{atan2, hypot, sin, tan};
-use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleSpec, VehicleState};
-use vb_world::{Density, Elevation, Heightfield, Pose2, Semantics, SoilLevels, Terrain, TerrainClass, World};
+use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState};
+use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// A world of one friction value over the given heights.
 fn world(heightfield: Heightfield, friction: f64) -> Arc<World> {
-    let side = 2.0 * heightfield.half_x().max(heightfield.half_y());
-    Arc::new(World {
-        id: "rig".to_owned(),
-        elevation: Elevation::Low,
-        terrain: Terrain::Rigid,
-        density: Density::Sparse,
-        scale: 1.0,
-        heightfield,
-        semantics: Semantics {
-            rows: 1,
-            cols: 1,
-            patch: side,
-            classes: vec![TerrainClass::Concrete],
-            friction: vec![friction],
-            soil: SoilLevels::default(),
-        },
-        obstacles: vec![],
-        tasks: vec![],
-    })
+    Arc::new(World::uniform("rig", heightfield, TerrainClass::Concrete, friction))
 }
 
 /// Level ground. The plane goes on beyond its edges, so its size doesn't matter.
@@ -46,10 +28,7 @@ pub(crate) fn plane(angle: f64, friction: f64) -> Arc<World> {
 /// A strip of soil along x that rises by an angle, rad. Soil has an end, unlike rigid planes: `length` × `width` m.
 pub(crate) fn soil(class: TerrainClass, length: f64, width: f64, angle: f64) -> Arc<World> {
     let slope = tan(angle);
-    let mut w = Arc::unwrap_or_clone(profile(length, width, 1.0, 0.0, |x| slope * x));
-    w.terrain = Terrain::Deformable;
-    w.semantics.classes = vec![class];
-    Arc::new(w)
+    Arc::new(World::uniform("rig", heights(length, width, 1.0, |x| slope * x), class, 0.0))
 }
 
 /// Heights that depend on x alone, over `length` × `width` m, nodes `pitch` apart.
@@ -60,10 +39,14 @@ pub(crate) fn profile(
     friction: f64,
     height: impl Fn(f64) -> f64,
 ) -> Arc<World> {
+    world(heights(length, width, pitch, height), friction)
+}
+
+fn heights(length: f64, width: f64, pitch: f64, height: impl Fn(f64) -> f64) -> Heightfield {
     let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
     let line: Vec<f64> = (0..cols).map(|c| height((c as f64 - 0.5 * (cols - 1) as f64) * pitch)).collect();
     let heights = (0..rows * cols).map(|i| line[i % cols]).collect();
-    world(Heightfield::new(rows, cols, pitch, heights), friction)
+    Heightfield::new(rows, cols, pitch, heights)
 }
 
 /// A half-sine bump over the whole width from x = 0 to `length`, `height` high, 0.05 m pitch (the reference's mesh).
@@ -136,7 +119,7 @@ impl Drive {
         x: f64,
         yaw: f64,
     ) -> Result<Self, SimError> {
-        Self::with(bench, bench.spec, &SoilSet::default(), case, world, x, yaw)
+        Self::with(bench, &bench.model, &SoilSet::default(), case, world, x, yaw)
     }
 
     /// The same with another specification.
@@ -148,7 +131,7 @@ impl Drive {
         x: f64,
         yaw: f64,
     ) -> Result<Self, SimError> {
-        Self::with(bench, spec, &SoilSet::default(), case, world, x, yaw)
+        Self::with(bench, &VehicleModel::new(spec.clone())?, &SoilSet::default(), case, world, x, yaw)
     }
 
     /// The same on soil, heading along x.
@@ -159,19 +142,19 @@ impl Drive {
         world: &Arc<World>,
         x: f64,
     ) -> Result<Self, SimError> {
-        Self::with(bench, bench.spec, soils, case, world, x, 0.0)
+        Self::with(bench, &bench.model, soils, case, world, x, 0.0)
     }
 
     fn with(
         bench: &Bench<'_>,
-        spec: &VehicleSpec,
+        model: &VehicleModel,
         soils: &SoilSet,
         case: &str,
         world: &Arc<World>,
         x: f64,
         yaw: f64,
     ) -> Result<Self, SimError> {
-        let sim = Simulation::new(world.clone(), spec, soils, Pose2 { x, y: 0.0, yaw }, bench.options)?;
+        let sim = Simulation::new(world.clone(), model, soils, Pose2 { x, y: 0.0, yaw }, bench.options)?;
         let mut columns: Vec<(String, &'static str)> = [
             ("t", "s"),
             ("x", "m"),

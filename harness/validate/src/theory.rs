@@ -100,6 +100,7 @@ impl<'a> PointMass<'a> {
     fn step(&mut self, throttle: f64, brake: f64) {
         let (spec, g) = (self.bench.spec, &self.bench.geometry);
         let p = &spec.powertrain;
+        let throttle = p.governor.map_or(throttle, |v| throttle.min(v.ceiling(self.speed)));
         let torque =
             p.engine.torque(self.engine_speed(), throttle) / p.gearbox.ratios[self.gear] / self.final_drive;
         let brakes: f64 = spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum::<f64>() * brake;

@@ -41,6 +41,20 @@ pub struct Facet {
     gradient: [f64; 2],
 }
 
+/// Where a point lies in the grid.
+struct Cell {
+    col: usize,
+    row: usize,
+    /// From the south-western corner, in pitches; beyond [0, 1] outside the grid.
+    within: [f64; 2],
+    /// Whether it is on the north-western triangle.
+    upper: bool,
+    /// Height of the south-western corner.
+    z: f64,
+    /// Rise of the triangle over a pitch along x and y.
+    rise: [f64; 2],
+}
+
 impl Facet {
     /// Height at a point, if it lies on this triangle.
     #[inline]
@@ -163,6 +177,18 @@ impl Heightfield {
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
         let inv = self.inverse_pitch;
+        let c = self.cell(x, y);
+        SurfacePoint {
+            z: c.z + c.rise[0] * c.within[0] + c.rise[1] * c.within[1],
+            dzdx: c.rise[0] * inv,
+            dzdy: c.rise[1] * inv,
+        }
+    }
+
+    /// The cell at (x, y), the nearest one beyond the edge, and its triangle there.
+    #[inline]
+    fn cell(&self, x: f64, y: f64) -> Cell {
+        let inv = self.inverse_pitch;
         let fx = (x + self.half[0]) * inv;
         let fy = (y + self.half[1]) * inv;
         // By way of u32, which a conversion reaches with fewer instructions.
@@ -170,29 +196,23 @@ impl Heightfield {
         let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
         let (u, v) = (fx - col as f64, fy - row as f64);
         let i = row * self.cols + col;
-        let (z00, z10) = (self.heights[i], self.heights[i + 1]);
-        let (z01, z11) = (self.heights[i + self.cols], self.heights[i + self.cols + 1]);
-        let (gu, gv) = if v >= u { (z11 - z01, z01 - z00) } else { (z10 - z00, z11 - z10) };
-        SurfacePoint { z: z00 + gu * u + gv * v, dzdx: gu * inv, dzdy: gv * inv }
+        let (south, north) = (&self.heights[i..i + 2], &self.heights[i + self.cols..i + self.cols + 2]);
+        let ([z00, z10], [z01, z11]) = ([south[0], south[1]], [north[0], north[1]]);
+        let upper = v >= u;
+        let rise = if upper { [z11 - z01, z01 - z00] } else { [z10 - z00, z11 - z10] };
+        Cell { col, row, within: [u, v], upper, z: z00, rise }
     }
 
     /// The triangle at (x, y); beyond the edge the edge cell's.
     #[must_use]
     pub fn facet(&self, x: f64, y: f64) -> Facet {
-        let inv = self.inverse_pitch;
-        let fx = (x + self.half[0]) * inv;
-        let fy = (y + self.half[1]) * inv;
-        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
-        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
-        let corner = [col as f64 * self.pitch - self.half[0], row as f64 * self.pitch - self.half[1]];
-        let g = self.at(x, y);
-        let upper = fy - row as f64 >= fx - col as f64;
+        let c = self.cell(x, y);
         Facet {
-            corner,
+            corner: [c.col as f64 * self.pitch - self.half[0], c.row as f64 * self.pitch - self.half[1]],
             pitch: self.pitch,
-            upper,
-            z: self.heights[row * self.cols + col],
-            gradient: [g.dzdx, g.dzdy],
+            upper: c.upper,
+            z: c.z,
+            gradient: c.rise.map(|r| r * self.inverse_pitch),
         }
     }
 

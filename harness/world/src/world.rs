@@ -1,6 +1,6 @@
 //! A world: all that a task happens in.
 
-use crate::{Heightfield, Obstacle, Pose2, Raster, Semantics, Task, TerrainClass, geometry};
+use crate::{Heightfield, Obstacle, Pose2, Raster, Semantics, SoilLevels, Task, TerrainClass, geometry};
 
 /// Elevation level of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -107,6 +107,30 @@ pub struct World {
 }
 
 impl World {
+    /// Ground of one class and, where that is rigid, one friction value over the given heights; no obstacles, no tasks.
+    #[must_use]
+    pub fn uniform(id: &str, heightfield: Heightfield, class: TerrainClass, friction: f64) -> Self {
+        let soft = class.is_deformable();
+        Self {
+            id: id.to_owned(),
+            elevation: Elevation::Low,
+            terrain: if soft { Terrain::Deformable } else { Terrain::Rigid },
+            density: Density::Sparse,
+            scale: 1.0,
+            semantics: Semantics {
+                rows: 1,
+                cols: 1,
+                patch: 2.0 * heightfield.half_x().max(heightfield.half_y()),
+                classes: vec![class],
+                friction: vec![if soft { 0.0 } else { friction }],
+                soil: SoilLevels::default(),
+            },
+            heightfield,
+            obstacles: Vec::new(),
+            tasks: Vec::new(),
+        }
+    }
+
     /// The same world with every length multiplied by `s` (> 0): heights, grid and patch sizes, obstacles with their
     /// burial, starts, goals and paths. Angles and friction stay; [`World::scale`] is multiplied.
     ///

@@ -94,13 +94,11 @@ impl Beam {
     }
 
     /// What of the beam's mass is at each hub, kg.
-    #[cfg(test)]
     pub(super) fn hub_mass(&self) -> f64 {
         self.at_hub
     }
 
     /// What of the beam's mass is in its middle, kg.
-    #[cfg(test)]
     pub(super) fn middle_mass(&self) -> f64 {
         self.at_middle
     }

@@ -8,6 +8,7 @@
 //! that move with two travels (`beam`).
 
 mod beam;
+mod energy;
 mod pose;
 mod solve;
 mod spin;
@@ -16,7 +17,7 @@ mod wheel;
 use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
 use crate::soil::{Footprint, SoilGround};
-use crate::spec::{AntiRoll, Stops, VehicleSpec};
+use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
 use crate::state::{Controls, WheelState};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
 use crate::tyre::{Envelope, Patch, Tyre};
@@ -118,6 +119,7 @@ pub(crate) struct Vehicle {
     beams: Vec<Beam>,
     bars: Vec<Bar>,
     drive: Drive,
+    governor: Option<Governor>,
     forces: Vec<Forces>,
     /// World axes, m/s².
     pub(crate) gravity: V3,
@@ -184,6 +186,7 @@ impl Vehicle {
             beams,
             bars,
             drive,
+            governor: spec.powertrain.governor,
             gravity: V3::new(0.0, 0.0, -GRAVITY),
             x: V3::zeros(),
             q: Quat::identity(),

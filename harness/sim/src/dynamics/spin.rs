@@ -1,6 +1,7 @@
 //! Wheel spins under driveline and brakes.
 
 use super::{MAX_WHEELS, Vehicle};
+use crate::V3;
 use crate::powertrain::Wheels;
 use crate::state::Controls;
 
@@ -21,7 +22,9 @@ impl Vehicle {
             brakes: &brakes[..n],
             torques: &mut torques[..n],
         };
-        self.drive.advance(controls.throttle, &mut wheels, dt);
+        let speed = self.v.dot(&(self.q * V3::x()));
+        let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(speed)));
+        self.drive.advance(throttle, &mut wheels, dt);
         for (c, spin) in self.corners.iter_mut().zip(spins) {
             c.spin = spin;
         }

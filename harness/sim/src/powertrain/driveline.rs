@@ -173,6 +173,21 @@ impl Driveline {
         self.axles.iter().map(|x| x.pull * 0.5 * (spins[x.left] + spins[x.left + 1])).sum()
     }
 
+    /// Energy of all that turns with the wheels, up to the gearbox' output shaft, J.
+    pub(super) fn energy(&self, spin: impl Fn(usize) -> f64) -> f64 {
+        let (mut energy, mut shaft) = (0.0, 0.0);
+        for x in &self.axles {
+            let (left, right) = (spin(x.left), spin(x.left + 1));
+            let (sum, half) = (0.5 * (left + right), 0.5 * (left - right));
+            energy += 0.5 * x.inertia * sum * sum + x.wheel_inertia * half * half;
+            shaft += x.pull * sum;
+        }
+        for (i, inertia) in self.wheel_inertias.iter().enumerate().filter(|(i, _)| !self.driven[*i]) {
+            energy += 0.5 * inertia * spin(i) * spin(i);
+        }
+        energy + 0.5 * self.shaft_inertia * shaft * shaft
+    }
+
     /// Speed of the output shaft over the spin of wheels that all turn alike.
     pub(super) fn reduction(&self) -> f64 {
         self.axles.iter().map(|x| x.pull).sum()

@@ -49,6 +49,8 @@ pub(crate) struct Drive {
     /// The vehicle's inertia as the output shaft feels it, kg m².
     vehicle_inertia: f64,
     state: DriveState,
+    /// That the output shaft has got from the gearbox since the start, J.
+    work: f64,
 }
 
 impl Drive {
@@ -63,12 +65,23 @@ impl Drive {
             shifter: Shifter::new(&p.gearbox),
             driveline,
             vehicle_inertia: mass * lever * lever,
+            work: 0.0,
             state: DriveState { gear: 1, ..DriveState::default() },
         }
     }
 
     pub(crate) fn state(&self) -> DriveState {
         self.state
+    }
+
+    /// Work that the output shaft has got from engine and gearbox since the start, J; drag takes from it.
+    pub(crate) fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// Energy of all that turns from the output shaft to the wheels, J; `spin` gives those of the wheels, rad/s.
+    pub(crate) fn energy(&self, spin: impl Fn(usize) -> f64) -> f64 {
+        self.driveline.energy(spin)
     }
 
     /// All numbers that the next step depends on, beside the wheels' spins.
@@ -109,6 +122,8 @@ impl Drive {
             free.finish((after - shaft) / ratio);
         }
         let torque = given.torque - given.drag * (after - shaft) - held;
+        // What spins up the engine does not reach the shaft.
+        self.work += dt * 0.5 * (shaft + after) * (torque - given.inertia * (after - shaft) / dt);
         self.shifter.sense(torque - self.vehicle_inertia * (after - shaft) / dt, dt);
         self.state = DriveState {
             gear: self.shifter.gear + 1,

@@ -6,7 +6,9 @@ mod suspension;
 mod tyre;
 
 use crate::error::SimError;
-pub use powertrain::{Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, LockUp, Powertrain};
+pub use powertrain::{
+    Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, Governor, LockUp, Powertrain,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 pub use suspension::{

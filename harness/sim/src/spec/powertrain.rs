@@ -15,6 +15,28 @@ pub struct Powertrain {
     pub gearbox: Gearbox,
     /// From the gearbox to the wheels.
     pub driveline: Driveline,
+    /// What limits the speed, if anything does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub governor: Option<Governor>,
+}
+
+/// Closes the throttle towards a greatest speed of the vehicle over ground. Wheels that spin do not concern it: the
+/// engine alone limits them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Governor {
+    /// Speed from which the throttle is closed, m/s.
+    pub speed: f64,
+    /// Range of speeds below it over which the greatest throttle falls from 1 to 0, m/s.
+    pub band: f64,
+}
+
+impl Governor {
+    /// Greatest throttle at a road speed (m/s), in [0, 1].
+    #[must_use]
+    pub fn ceiling(&self, speed: f64) -> f64 {
+        ((self.speed - speed) / self.band).clamp(0.0, 1.0)
+    }
 }
 
 /// What makes the torque. Points of tables are \[speed rad/s, torque N m\], linear between and constant beyond them.

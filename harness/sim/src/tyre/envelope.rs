@@ -99,16 +99,23 @@ impl Envelope {
         if up.z < 0.1 {
             return None;
         }
-        // How far the ground is above the rim.
+        // How far the ground is above the rim; left at nothing where both strips clear all ground around the wheel, but
+        // for the rounding of an interpolated height.
         let mut above = [[0.0; STATIONS]; 2];
         let mut shares = [[0.0; STATIONS]; 2];
-        for ((offset, row), share) in [-self.strip, self.strip].into_iter().zip(&mut above).zip(&mut shares) {
-            let origin = hub + axis * offset;
-            for (((&x, &half), dz), carried) in self.xs.iter().zip(&self.half).zip(row).zip(share) {
+        let top = ground.ceiling(hub.x, hub.y, self.radius + self.strip).map_or(f64::INFINITY, |z| z + 1e-6);
+        let origins = [-self.strip, self.strip].map(|offset| hub + axis * offset);
+        for (k, (&x, &half)) in self.xs.iter().zip(&self.half).enumerate() {
+            let rims = origins.map(|origin| origin.z + along.z * x - up.z * half);
+            if rims[0] > top && rims[1] > top {
+                continue;
+            }
+            for (s, origin) in origins.iter().enumerate() {
                 let px = origin.x + along.x * x - up.x * half;
                 let py = origin.y + along.y * x - up.y * half;
-                *dz = ground.height(px, py) - (origin.z + along.z * x - up.z * half);
-                *carried = if *dz > 0.0 { carries(px, py) } else { 0.0 };
+                let dz = ground.height(px, py) - rims[s];
+                above[s][k] = dz;
+                shares[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
             }
         }
         let (mut area, mut ahead, mut below, mut across) = (0.0, 0.0, 0.0, 0.0);

@@ -2,12 +2,16 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use std::sync::Arc;
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleSpec};
-use vb_world::{Density, Elevation, Heightfield, Obstacle, Pose2, Semantics, Terrain, TerrainClass, World};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_world::{Heightfield, Obstacle, Pose2, TerrainClass, World};
 
 pub fn hmmwv() -> VehicleSpec {
     VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml")
         .expect("the shipped vehicle is valid")
+}
+
+pub fn model(vehicle: VehicleSpec) -> VehicleModel {
+    VehicleModel::new(vehicle).expect("its linkages close")
 }
 
 /// The soils that come with the harness.
@@ -18,33 +22,13 @@ pub fn soils() -> SoilSet {
 
 /// A world of one friction value over the given heights.
 pub fn world(heightfield: Heightfield, friction: f64, obstacles: Vec<Obstacle>) -> Arc<World> {
-    let side = 2.0 * heightfield.half_x().max(heightfield.half_y());
-    Arc::new(World {
-        id: "test".to_owned(),
-        elevation: Elevation::Low,
-        terrain: Terrain::Rigid,
-        density: Density::Sparse,
-        scale: 1.0,
-        heightfield,
-        semantics: Semantics {
-            rows: 1,
-            cols: 1,
-            patch: side,
-            classes: vec![TerrainClass::Concrete],
-            friction: vec![friction],
-            soil: vb_world::SoilLevels::default(),
-        },
-        obstacles,
-        tasks: vec![],
-    })
+    let ground = World::uniform("test", heightfield, TerrainClass::Concrete, friction);
+    Arc::new(World { obstacles, ..ground })
 }
 
 /// A world of one soil over the given heights.
 pub fn soil_world(heightfield: Heightfield, class: TerrainClass) -> Arc<World> {
-    let mut w = Arc::unwrap_or_clone(world(heightfield, 0.0, vec![]));
-    w.terrain = Terrain::Deformable;
-    w.semantics.classes = vec![class];
-    Arc::new(w)
+    Arc::new(World::uniform("test", heightfield, class, 0.0))
 }
 
 /// The original's three soils.
@@ -66,7 +50,7 @@ pub fn soil_start(
     yaw: f64,
     options: SimOptions,
 ) -> Simulation {
-    Simulation::new(world.clone(), &hmmwv(), soils, Pose2 { x, y, yaw }, options).expect("it settles")
+    Simulation::new(world.clone(), &model(hmmwv()), soils, Pose2 { x, y, yaw }, options).expect("it settles")
 }
 
 pub fn flat(friction: f64) -> Arc<World> {
@@ -82,7 +66,7 @@ pub fn grade(degrees: f64, friction: f64) -> Arc<World> {
 }
 
 pub fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
-    Simulation::new(world.clone(), &hmmwv(), &soils(), Pose2 { x, y, yaw }, SimOptions::default())
+    Simulation::new(world.clone(), &model(hmmwv()), &soils(), Pose2 { x, y, yaw }, SimOptions::default())
         .expect("it settles")
 }
 

@@ -11,6 +11,7 @@ mod slopes;
 mod soil;
 mod soil_wheel;
 mod turning;
+mod tyres;
 mod vertical;
 
 use crate::error::ValidateError;
@@ -18,6 +19,7 @@ use crate::event::Event;
 
 const EVENTS: &[Event] = &[
     kinematics::SUSPENSION,
+    tyres::TYRES,
     rest::STATIC,
     rest::PARKED,
     longitudinal::ACCELERATION,

@@ -17,6 +17,10 @@ impl Check<'_> {
                 return self.fail("powertrain.engine.inertia", reason);
             }
         }
+        if let Some(g) = p.governor {
+            self.positive("powertrain.governor.speed", g.speed)?;
+            self.positive("powertrain.governor.band", g.band)?;
+        }
         self.gearbox(&p.gearbox)?;
         self.driveline(&p.driveline, v.axles.iter().filter(|a| a.driven).count())
     }

@@ -1,0 +1,50 @@
+//! A vehicle made ready for simulations.
+
+use crate::AxleKinematics;
+use crate::dynamics::MAX_WHEELS;
+use crate::error::SimError;
+use crate::spec::VehicleSpec;
+
+/// A vehicle with its linkages solved, which takes a millisecond. Made once, it serves any number of simulations; their
+/// vehicles and its clones share its tables.
+#[derive(Clone, Debug)]
+pub struct VehicleModel {
+    spec: VehicleSpec,
+    axles: Vec<AxleKinematics>,
+}
+
+impl VehicleModel {
+    /// Solves the linkages of a vehicle.
+    ///
+    /// # Errors
+    /// [`SimError::VehicleInvalid`] for too many axles, or a linkage that doesn't close.
+    pub fn new(spec: VehicleSpec) -> Result<Self, SimError> {
+        let invalid = |field: String, reason: String| SimError::VehicleInvalid {
+            file: spec.name.clone(),
+            field,
+            reason,
+        };
+        if 2 * spec.axles.len() > MAX_WHEELS {
+            return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
+        }
+        let mut axles = Vec::with_capacity(spec.axles.len());
+        for (i, axle) in spec.axles.iter().enumerate() {
+            let solved = AxleKinematics::solve(axle)
+                .map_err(|e| invalid(format!("axles[{i}].suspension.linkage"), e.to_string()))?;
+            axles.push(solved);
+        }
+        Ok(Self { spec, axles })
+    }
+
+    /// Its data.
+    #[must_use]
+    pub fn spec(&self) -> &VehicleSpec {
+        &self.spec
+    }
+
+    /// The solved linkages, front to back.
+    #[must_use]
+    pub fn axles(&self) -> &[AxleKinematics] {
+        &self.axles
+    }
+}
