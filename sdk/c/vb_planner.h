@@ -225,7 +225,7 @@ typedef struct vb_planner_functions {
 extern VB_EXPORT const vb_planner_functions vb_planner_entry;
 
 #define VB_PLANNER_EXPORT(init_function, step_function, free_function)                                           \
-    VB_EXPORT const vb_planner_functions vb_planner_entry = {                                                    \
+    const vb_planner_functions vb_planner_entry = {                                                              \
         sizeof(vb_planner_functions), VB_ABI_MAJOR, VB_ABI_MINOR, init_function, step_function, free_function}
 
 #ifdef __cplusplus

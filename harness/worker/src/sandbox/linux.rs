@@ -12,7 +12,7 @@ use rustix::process::{DumpableBehavior, Resource, Rlimit, Signal};
 
 use super::SandboxReport;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-use super::seccomp;
+use super::{seccomp, signals};
 
 /// The newest rules that are asked for; older kernels enforce what they know.
 const NEWEST: ABI = ABI::V6;
@@ -45,7 +45,7 @@ pub(crate) fn isolate(protocol: i32) -> io::Result<()> {
     rustix::process::set_dumpable_behavior(DumpableBehavior::NotDumpable)?;
     close_descriptors_from(protocol + 1);
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-    seccomp::report_to(protocol)?;
+    signals::handle(protocol)?;
     Ok(())
 }
 

@@ -10,6 +10,11 @@ use serde::{Deserialize, Serialize};
 mod linux;
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod seccomp;
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod signals;
+
+/// What the worker says on standard error before it dies of a stack that is full; Rust's own runtime says the same.
+pub const STACK_OVERFLOW: &str = "has overflowed its stack";
 
 /// How a worker is confined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

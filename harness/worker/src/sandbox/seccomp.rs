@@ -1,13 +1,10 @@
 //! The system calls that remain.
 //!
 //! Three answers: what computing takes is allowed; what libraries try and can do without fails with an error, as if the
-//! user had no permission; everything else ends the process, and the harness is told which call it was.
+//! user had no permission; everything else ends the process, and the
+//! harness is told which call it was (`signals`).
 
 use std::collections::BTreeMap;
-use std::io;
-use std::mem;
-use std::ptr;
-use std::sync::atomic::{AtomicI32, Ordering};
 
 use seccompiler::{
     BpfProgram, SeccompAction, SeccompCmpArgLen, SeccompCmpOp, SeccompCondition, SeccompFilter, SeccompRule,
@@ -159,56 +156,6 @@ const NAMES: &[(i64, &str)] = &[
 /// The name of a system call.
 pub(super) fn name(number: i64) -> Option<&'static str> {
     NAMES.iter().find(|(n, _)| *n == number).map(|(_, name)| *name)
-}
-
-/// For the signal handler.
-static PROTOCOL: AtomicI32 = AtomicI32::new(-1);
-
-/// Has a forbidden system call reported as a message to this descriptor.
-pub(super) fn report_to(descriptor: i32) -> io::Result<()> {
-    PROTOCOL.store(descriptor, Ordering::Relaxed);
-    // SAFETY: zero is a valid value of the struct, and the handler does only what is safe in one.
-    unsafe {
-        let mut action: libc::sigaction = mem::zeroed();
-        action.sa_sigaction = denied as *const () as usize;
-        action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
-        if libc::sigaction(libc::SIGSYS, &raw const action, ptr::null_mut()) != 0 {
-            return Err(io::Error::last_os_error());
-        }
-    }
-    Ok(())
-}
-
-/// The part of `siginfo_t` that SIGSYS fills, on 64-bit Linux (`bits/types/siginfo_t.h`).
-#[repr(C)]
-struct SigSys {
-    signal: i32,
-    error: i32,
-    code: i32,
-    pad: i32,
-    address: *const libc::c_void,
-    call: i32,
-    arch: u32,
-}
-
-/// Sends the failure `denied` with the number of the call and ends the process.
-extern "C" fn denied(_: libc::c_int, info: *mut libc::siginfo_t, _: *mut libc::c_void) {
-    const START: &[u8] = b"\x81\xa5error\x82\xa4kind\xa6denied\xa7message\xa4";
-    const DIGITS: usize = 4;
-    let mut frame = [0u8; 4 + START.len() + DIGITS];
-    frame[0] = (START.len() + DIGITS) as u8;
-    frame[4..4 + START.len()].copy_from_slice(START);
-    // SAFETY: the kernel hands over the signal's data, which are a `SigSys` for SIGSYS.
-    let mut number = unsafe { (*info.cast::<SigSys>()).call }.clamp(0, 9999);
-    for digit in frame[4 + START.len()..].iter_mut().rev() {
-        *digit = b'0' + (number % 10) as u8;
-        number /= 10;
-    }
-    // SAFETY: both are safe in a signal handler.
-    unsafe {
-        libc::write(PROTOCOL.load(Ordering::Relaxed), frame.as_ptr().cast(), frame.len());
-        libc::_exit(1);
-    }
 }
 
 type Rules = BTreeMap<i64, Vec<SeccompRule>>;
