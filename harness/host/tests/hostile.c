@@ -58,7 +58,7 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         for (;;) fork();
     if (strcmp(what, "exec") == 0) execl("/bin/sh", "sh", "-c", "touch /tmp/vb-hostile", (char *)NULL);
     if (strcmp(what, "socket") == 0) socket(AF_INET, SOCK_STREAM, 0);
-    if (strcmp(what, "kill") == 0) kill(getppid(), SIGKILL);
+    if (strcmp(what, "kill") == 0) kill(getppid(), 0);
     if (strcmp(what, "stack") == 0) deep(NULL);
     if (strcmp(what, "memory") == 0) {
         for (;;) {
@@ -75,8 +75,8 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         for (;;) host->log(host->context, VB_LOG_INFO, "la la la");
     if (strcmp(what, "print") == 0) {
         printf("to standard output\n");
-        fprintf(stderr, "to standard error \033[2J\n");
         fflush(stdout);
+        fprintf(stderr, "to standard error \033[2J\n");
         int standard = getchar();
         snprintf(error->message, sizeof error->message, "standard input gives %d", standard);
         return 1;
