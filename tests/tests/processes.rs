@@ -19,14 +19,22 @@ fn python() -> Option<&'static str> {
     static PYTHON: OnceLock<Option<String>> = OnceLock::new();
     let found = PYTHON.get_or_init(|| {
         let program = std::env::var("VB_PYTHON").unwrap_or_else(|_| "python3".into());
-        let check = Command::new(&program).args(["-c", "import numpy, msgpack"]).output();
+        let check = with_libraries(&mut Command::new(&program)).args(["-c", "import numpy, msgpack"]).output();
         if check.is_ok_and(|o| o.status.success()) {
             return Some(program);
         }
-        eprintln!("skipped: {program} lacks numpy or msgpack (pip install numpy msgpack, or set VB_PYTHON)");
+        eprintln!("skipped: {program} lacks numpy or msgpack (pip install numpy msgpack, or set VB_PYTHON or VB_PYTHON_LIBS)");
         None
     });
     found.as_deref()
+}
+
+/// Python finds the module of this repository, and what `VB_PYTHON_LIBS` holds.
+fn with_libraries(command: &mut Command) -> &mut Command {
+    let mut folders = vec![root().join("sdk/python/src")];
+    folders.extend(std::env::var_os("VB_PYTHON_LIBS").map(PathBuf::from));
+    let path = std::env::join_paths(folders).expect("folders without colons");
+    command.env("PYTHONPATH", path)
 }
 
 /// Runs a Python planner over a few tasks.
@@ -34,8 +42,7 @@ fn drive(bench: &Bench, script: &Path, out: &str, more: &[&str]) -> vb_tests::Do
     let command = format!("{} '{}'", python().expect("there is a Python"), text(script));
     let args = ["--plugin", &command, "--tasks", TASKS, "--jobs", "2", "--out", out];
     let mut command = bench.command(&[&args[..], more].concat());
-    command.env("PYTHONPATH", root().join("sdk/python/src"));
-    vb_tests::Done::of(&mut command)
+    vb_tests::Done::of(with_libraries(&mut command))
 }
 
 fn example(name: &str) -> PathBuf {
@@ -156,11 +163,9 @@ fn an_exception_in_python_ends_its_task_with_its_text_and_the_next_goes_on() {
     for task in ["w001/t00", "w001/t02"] {
         assert_eq!(records[task]["outcome"], "stuck", "{task}");
     }
-    let inspected = vb_tests::Done::of(
-        bench
-            .command(&["inspect", "--plugin", &format!("{} {}", python().expect("a Python"), text(&script))])
-            .env("PYTHONPATH", root().join("sdk/python/src")),
-    );
+    let planner = format!("{} {}", python().expect("a Python"), text(&script));
+    let mut inspect = bench.command(&["inspect", "--plugin", &planner]);
+    let inspected = vb_tests::Done::of(with_libraries(&mut inspect));
     assert!(inspected.stdout.contains("--param only="), "{} {}", inspected.stdout, inspected.stderr);
 }
 
@@ -185,7 +190,7 @@ fn a_command_that_is_no_planner_is_told_in_a_line() {
 #[test]
 fn the_python_modules_own_tests_pass() {
     let Some(python) = python() else { return };
-    let tests = Command::new(python).args(["-c", "import pytest"]).output();
+    let tests = with_libraries(&mut Command::new(python)).args(["-c", "import pytest"]).output();
     if !tests.is_ok_and(|o| o.status.success()) {
         eprintln!("skipped: {python} lacks pytest");
         return;
@@ -193,7 +198,7 @@ fn the_python_modules_own_tests_pass() {
     let folder = root().join("sdk/python");
     let mut command = Command::new(python);
     command.args(["-B", "-m", "pytest", "-q", "-p", "no:cacheprovider"]).current_dir(&folder);
-    let done = command.env("PYTHONPATH", folder.join("src")).output().expect("Python starts");
+    let done = with_libraries(&mut command).output().expect("Python starts");
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stdout));
     assert!(fs::metadata(folder.join("examples/neural_weights.npz")).is_ok());
 }
