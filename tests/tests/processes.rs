@@ -54,7 +54,16 @@ fn pure_pursuit_in_cpp_ends_every_task_as_in_rust() {
     let bench = Bench::new();
     let library = bench.path("libpursuit_cpp.so");
     let mut compile = Command::new("c++");
-    compile.args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-fvisibility=hidden"]);
+    compile.args([
+        "-std=c++17",
+        "-O2",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-fPIC",
+        "-shared",
+        "-fvisibility=hidden",
+    ]);
     compile.arg("-I").arg(root().join("sdk/c")).arg("-o").arg(&library);
     let Ok(built) = compile.arg(root().join("examples/pursuit-cpp/pursuit.cpp")).output() else {
         eprintln!("skipped: there is no C++ compiler");
@@ -71,7 +80,9 @@ fn pure_pursuit_in_cpp_ends_every_task_as_in_rust() {
     bench.ok(&args);
     let record = &bench.records("bad")["w001/t00"];
     assert_eq!(record["fault"], "planner/init-failed");
-    assert!(record["reason"].as_str().expect("a reason").contains("parameter `speed`: `fast` is not a number"));
+    assert!(
+        record["reason"].as_str().expect("a reason").contains("parameter `speed`: `fast` is not a number")
+    );
 }
 
 /// The same outcome of every task, in about the same time.
@@ -173,7 +184,10 @@ fn an_exception_in_python_ends_its_task_with_its_text_and_the_next_goes_on() {
 fn a_command_that_is_no_planner_is_told_in_a_line() {
     let bench = Bench::new();
     let tests = [
-        ("sh -c 'echo no numpy here >&2; exit 7'", "it ended before it said what it is (exit code 7): no numpy here"),
+        (
+            "sh -c 'echo no numpy here >&2; exit 7'",
+            "it ended before it said what it is (exit code 7): no numpy here",
+        ),
         ("sh -c 'echo hello'", "broke the protocol"),
     ];
     for (command, says) in tests {

@@ -12,7 +12,8 @@ use std::sync::OnceLock;
 
 use common::{keeper, observation, task};
 use vb_host::{
-    Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, NativeOptions, PlannerFault, Plugin, ProcessEnd,
+    Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, NativeOptions, PlannerFault, Plugin,
+    ProcessEnd,
 };
 use vb_sdk::{LogLevel, Series, Task};
 
@@ -128,7 +129,8 @@ fn forbidden_system_calls_end_the_planner_by_name() {
         eprintln!("skipped: the kernel has no seccomp");
         return;
     }
-    for (what, call) in [("fork", "clone (fork)"), ("exec", "execve"), ("socket", "socket"), ("kill", "kill")] {
+    for (what, call) in [("fork", "clone (fork)"), ("exec", "execve"), ("socket", "socket"), ("kill", "kill")]
+    {
         let fault = fault(&plugin, what, "step");
         assert_eq!(fault.code(), FaultCode::ImportDenied, "{what}: {fault}");
         assert!(fault.to_string().contains(&format!("the system call {call}")), "{fault}");
@@ -149,7 +151,11 @@ fn files_threads_signal_handlers_and_the_environment_are_out_of_reach() {
         ("environment", "first variable: none"),
     ];
     for (what, message) in words {
-        assert_eq!(fault(&plugin, what, "step").cause, FaultCause::Error { message: message.into() }, "{what}");
+        assert_eq!(
+            fault(&plugin, what, "step").cause,
+            FaultCause::Error { message: message.into() },
+            "{what}"
+        );
         let cause = FaultCause::InitFailed { message: message.into() };
         assert_eq!(fault(&plugin, what, "init").cause, cause, "{what}");
     }
@@ -315,9 +321,15 @@ fn a_worker_that_cant_be_started_is_the_hosts_fault() {
 fn a_library_without_an_entry_and_one_of_another_version_are_refused() {
     let tests = [
         ("const int vb_planner_nothing = 1;", FaultCode::NotAPlugin),
-        ("const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 0, 2, 0, 0, 0};", FaultCode::AbiMismatch),
+        (
+            "const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 0, 2, 0, 0, 0};",
+            FaultCode::AbiMismatch,
+        ),
         ("const vb_planner_functions vb_planner_entry = {16, 0, 1, 0, 0, 0};", FaultCode::AbiMismatch),
-        ("const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 0, 1, 0, 0, 0};", FaultCode::AbiMismatch),
+        (
+            "const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 0, 1, 0, 0, 0};",
+            FaultCode::AbiMismatch,
+        ),
     ];
     let include = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/c");
     let dir = tempfile::tempdir().unwrap();

@@ -148,7 +148,13 @@ pub struct CFunctions {
     pub abi_minor: u32,
     pub init: Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
     pub step: Option<
-        unsafe extern "C" fn(*mut c_void, *const CObservation, *const CHost, *mut CCommand, *mut CError) -> i32,
+        unsafe extern "C" fn(
+            *mut c_void,
+            *const CObservation,
+            *const CHost,
+            *mut CCommand,
+            *mut CError,
+        ) -> i32,
     >,
     pub free: Option<unsafe extern "C" fn(*mut c_void)>,
 }
@@ -159,8 +165,13 @@ type Log<'a> = &'a mut dyn FnMut(LogLevel, &str);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CPlanner {
     init: unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32,
-    step:
-        unsafe extern "C" fn(*mut c_void, *const CObservation, *const CHost, *mut CCommand, *mut CError) -> i32,
+    step: unsafe extern "C" fn(
+        *mut c_void,
+        *const CObservation,
+        *const CHost,
+        *mut CCommand,
+        *mut CError,
+    ) -> i32,
     free: unsafe extern "C" fn(*mut c_void),
 }
 
@@ -174,11 +185,12 @@ impl CPlanner {
             return Err("the address of vb_planner_entry is not one of a struct".into());
         }
         // SAFETY: the three first fields are there in every version; later ones are read when the size covers them.
-        let (size, major, minor) =
-            unsafe { ((*entry).size, (*entry).abi_major, (*entry).abi_minor) };
+        let (size, major, minor) = unsafe { ((*entry).size, (*entry).abi_major, (*entry).abi_minor) };
         if (major, minor) != ABI {
             let (a, b) = ABI;
-            return Err(format!("vb_planner_entry is of version {major}.{minor}, the harness speaks {a}.{b}"));
+            return Err(format!(
+                "vb_planner_entry is of version {major}.{minor}, the harness speaks {a}.{b}"
+            ));
         }
         if size < size_of::<CFunctions>() {
             let wanted = size_of::<CFunctions>();
@@ -241,7 +253,8 @@ impl CPlanner {
         };
         let (mut planner, mut error) = (ptr::null_mut(), no_error());
         // SAFETY: all pointers lead to values that live until the call ends, as the header promises.
-        let status = unsafe { (self.init)(&raw const task, &host(&mut log), &raw mut planner, &raw mut error) };
+        let status =
+            unsafe { (self.init)(&raw const task, &host(&mut log), &raw mut planner, &raw mut error) };
         if status == 0 { Ok(planner) } else { Err(told(&error, "init", status)) }
     }
 

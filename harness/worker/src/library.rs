@@ -32,9 +32,7 @@ pub(crate) fn open(path: &Path) -> Result<Library, Failure> {
             let entry = unsafe { raw.get::<*const CFunctions>(ENTRY) }.map_err(|_| explain(&error))?;
             // SAFETY: it is the address of the symbol, and the library is never closed.
             let planner = unsafe { CPlanner::new(*entry) };
-            planner
-                .map(Library::C)
-                .map_err(|message| Failure { kind: FailureKind::LayoutMismatch, message })
+            planner.map(Library::C).map_err(|message| Failure { kind: FailureKind::LayoutMismatch, message })
         }
         Err(error) => Err(explain(&error)),
     }
@@ -101,9 +99,7 @@ pub(crate) struct Planner {
 impl Planner {
     pub(crate) fn init(library: Library, task: &Task, mut log: Log<'_>) -> Result<Self, Failure> {
         let state = match library {
-            Library::Rust(module) => {
-                outcome(module.init()(&NativeTask::from(task), callback(&mut log)))?
-            }
+            Library::Rust(module) => outcome(module.init()(&NativeTask::from(task), callback(&mut log)))?,
             Library::C(planner) => planner.init(task, log).map_err(error)?.cast(),
         };
         Ok(Self { library, state })

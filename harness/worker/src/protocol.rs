@@ -220,8 +220,7 @@ pub fn encode<T: Serialize>(message: &T, out: &mut Vec<u8>) -> Result<(), FrameE
     let mut serializer = rmp_serde::Serializer::new(&mut *out).with_struct_map();
     message.serialize(&mut serializer).map_err(|e| FrameError::Malformed(e.to_string()))?;
     let bytes = out.len() - HEADER;
-    let length =
-        u32::try_from(bytes).map_err(|_| FrameError::TooLong { bytes, limit: u32::MAX as usize })?;
+    let length = u32::try_from(bytes).map_err(|_| FrameError::TooLong { bytes, limit: u32::MAX as usize })?;
     out[..HEADER].copy_from_slice(&length.to_le_bytes());
     Ok(())
 }
@@ -271,7 +270,8 @@ mod tests {
     #[test]
     fn every_bit_of_a_number_crosses() {
         // Signs of zero, subnormals, infinities and the payload of a NaN.
-        let odd = [0x8000_0000_0000_0000, 1, 0x7ff0_0000_0000_0000, 0x7ff8_dead_beef_0001, 0xbff0_0000_0000_0001];
+        let odd =
+            [0x8000_0000_0000_0000, 1, 0x7ff0_0000_0000_0000, 0x7ff8_dead_beef_0001, 0xbff0_0000_0000_0001];
         for bits in odd {
             let x = f64::from_bits(bits);
             let observation = Observation {
@@ -311,7 +311,8 @@ mod tests {
     #[test]
     fn what_other_languages_write_for_a_command_is_understood() {
         // Integers for floats, no debug data, and a field that this version doesn't know.
-        let text = b"\x81\xa7command\x84\xa8steering\xff\xa8throttle\x01\xa5brake\xcb\0\0\0\0\0\0\0\0\xa4more\xc0";
+        let text =
+            b"\x81\xa7command\x84\xa8steering\xff\xa8throttle\x01\xa5brake\xcb\0\0\0\0\0\0\0\0\xa4more\xc0";
         let Reply::Command(command) = decode::<Reply>(text).unwrap() else { panic!() };
         let expected = Command { steering: -1.0, throttle: 1.0, ..Command::default() };
         assert_eq!(Command::from(command), expected);
@@ -337,7 +338,8 @@ mod tests {
         let string = b"\x81\xa5error\x81\xa7message\xdb\xff\xff\xff\xff";
         let mut deep = b"\x81\xa7command\x81\xa4more".to_vec();
         deep.extend([0x91; 1000]);
-        for bytes in [&array[..], &string[..], &deep[..], b"\x81\xa5ready\x80\x81\xa5ready\x80", b"", b"\xc1"] {
+        for bytes in [&array[..], &string[..], &deep[..], b"\x81\xa5ready\x80\x81\xa5ready\x80", b"", b"\xc1"]
+        {
             assert!(matches!(decode::<Reply>(bytes), Err(FrameError::Malformed(_))), "{bytes:?}");
         }
     }

@@ -246,11 +246,7 @@ impl From<&Observation> for WireObservation {
             yaw: o.yaw,
             linear_velocity: array(&o.linear_velocity),
             angular_velocity: array(&o.angular_velocity),
-            wheels: o
-                .wheels
-                .iter()
-                .map(|w| WireWheel { speed: w.speed, deflection: w.deflection })
-                .collect(),
+            wheels: o.wheels.iter().map(|w| WireWheel { speed: w.speed, deflection: w.deflection }).collect(),
             last_steering: o.last_steering,
             last_throttle: o.last_throttle,
             last_brake: o.last_brake,
@@ -313,7 +309,13 @@ mod tests {
         let frame = GridFrame { rows: 2, cols: 3, resolution: 0.5, origin_x: -1.0, origin_y: 2.0 };
         let task = Task {
             id: "w001/t02".into(),
-            vehicle: Vehicle { name: "v".into(), scale: 0.1, wheels: 6, max_speed: 30.0, ..Vehicle::default() },
+            vehicle: Vehicle {
+                name: "v".into(),
+                scale: 0.1,
+                wheels: 6,
+                max_speed: 30.0,
+                ..Vehicle::default()
+            },
             elevation: Map { frame, data: vec![0.1, -0.0, 1e-40, f32::MAX, 2.5, 3.0] },
             semantics: Map { frame, data: vec![0, 1, 2, 3, 4, 255] },
             occupancy: Map { frame, data: vec![0, 1, 0, 1, 0, 1] },

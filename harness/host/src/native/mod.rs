@@ -152,8 +152,7 @@ impl ProcessPlugin {
 
     /// A process that has introduced itself.
     fn spawn(&self) -> Result<(Process, Introduction), Refusal> {
-        let mut greeting =
-            Greeting { protocol: PROTOCOL, abi: ABI_VERSION.to_owned(), library: None };
+        let mut greeting = Greeting { protocol: PROTOCOL, abi: ABI_VERSION.to_owned(), library: None };
         let (mut command, leads_group) = match &self.0.kind {
             Kind::Worker { program, library } => {
                 greeting.library = Some(library.clone());
@@ -162,7 +161,8 @@ impl ProcessPlugin {
                 (command, false)
             }
             Kind::Command { words } => {
-                let (program, args) = words.split_first().map_or((OsString::new(), &[][..]), |(p, a)| (p.clone(), a));
+                let (program, args) =
+                    words.split_first().map_or((OsString::new(), &[][..]), |(p, a)| (p.clone(), a));
                 let mut command = OsCommand::new(program);
                 // A group of its own: its children are ended with it, and keys pressed in the terminal are not for it.
                 command.args(args).process_group(0);
@@ -253,7 +253,12 @@ impl ProcessPlugin {
     }
 
     /// Starts a planner on a task.
-    pub(crate) fn start(&self, task: &Task, sink: LogSink, limits: &Limits) -> Result<ProcessSession, FaultCause> {
+    pub(crate) fn start(
+        &self,
+        task: &Task,
+        sink: LogSink,
+        limits: &Limits,
+    ) -> Result<ProcessSession, FaultCause> {
         let process = self.take()?;
         let mut session = ProcessSession {
             plugin: self.clone(),
@@ -368,9 +373,7 @@ fn explain(path: &Path, failure: Failure) -> LoadError {
     match failure.kind {
         FailureKind::NotAPlugin => LoadError::NotAPlugin { path, reason },
         FailureKind::LayoutMismatch => LoadError::LayoutMismatch { path, reason },
-        FailureKind::Sandbox => {
-            LoadError::Faulty { path, cause: FaultCause::Worker { message: reason } }
-        }
+        FailureKind::Sandbox => LoadError::Faulty { path, cause: FaultCause::Worker { message: reason } },
         _ => LoadError::Unloadable { path, reason },
     }
 }
@@ -407,7 +410,8 @@ fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
             said.control_period
         )));
     }
-    let param = |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
+    let param =
+        |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
     Ok(Metadata {
         abi: said.abi,
         name: said.name,

@@ -104,7 +104,12 @@ impl Process {
     }
 
     /// Sends a request and waits for the answer. Lines of the log are taken on the way.
-    pub(super) fn ask(&mut self, request: &Request, limit: Duration, log: &mut Log) -> Result<Reply, Trouble> {
+    pub(super) fn ask(
+        &mut self,
+        request: &Request,
+        limit: Duration,
+        log: &mut Log,
+    ) -> Result<Reply, Trouble> {
         // What came after the last answer can only be lines of the log.
         if let Some(reply) = self.next_reply(log)? {
             return Err(Trouble::Unasked(reply.name()));

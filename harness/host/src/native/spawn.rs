@@ -5,8 +5,8 @@
 
 use std::io;
 use std::process::{Child, Command};
-use std::sync::{OnceLock, PoisonError, mpsc};
 use std::sync::Mutex;
+use std::sync::{OnceLock, PoisonError, mpsc};
 
 type Job = Box<dyn FnOnce() + Send>;
 

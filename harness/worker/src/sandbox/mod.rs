@@ -96,7 +96,10 @@ mod tests {
     fn what_the_system_lacks_is_named() {
         let whole = SandboxReport { landlock: Some(1), seccomp: true, no_new_privs: true, rlimits: true };
         assert!(whole.missing().is_empty());
-        assert_eq!(SandboxReport { landlock: None, seccomp: false, ..whole }.missing(), ["landlock", "seccomp"]);
+        assert_eq!(
+            SandboxReport { landlock: None, seccomp: false, ..whole }.missing(),
+            ["landlock", "seccomp"]
+        );
     }
 
     #[cfg(target_os = "linux")]

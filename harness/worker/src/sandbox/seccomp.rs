@@ -175,8 +175,7 @@ pub(super) fn filter_for_loading() -> bool {
         let Some(rule) = rule(argument, operator, value) else { return false };
         known.insert(call, vec![rule]);
     }
-    let refused: Rules =
-        REFUSED.iter().chain(&[libc::SYS_clone]).map(|call| (*call, Vec::new())).collect();
+    let refused: Rules = REFUSED.iter().chain(&[libc::SYS_clone]).map(|call| (*call, Vec::new())).collect();
     // The C library tries clone3 first and then clone.
     let unknown: Rules = [(libc::SYS_clone3, Vec::new())].into();
     [
