@@ -20,8 +20,8 @@ struct Failure {
     steps: u64,
 }
 
-/// A planner's failure costs one task, whatever it is. Native planners are trusted: what would take the process with it
-/// – memory, endless loops – is only tried in WASM.
+/// A planner's failure costs one task, whatever it is. An endless loop of a native planner takes the watchdog's time, so
+/// that it is left to the tests of the host.
 #[test]
 fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other() {
     let wasm = |fault, kind, says, steps| Failure { carrier: Carrier::Wasm, fault, kind, says, steps };
@@ -39,6 +39,8 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
         native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
+        native("memory", "planner/out-of-memory", "wanted more bytes of memory, it may have 33554432", 4),
+        native("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
         native("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
         native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
     ];

@@ -109,9 +109,12 @@ pub(crate) enum MessageFormat {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// The planner: a WASM file or a native library
-    #[arg(long, value_name = "FILE")]
+    /// The planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
+    #[arg(long, value_name = "FILE|COMMAND")]
     pub(crate) plugin: PathBuf,
+    /// Refuse a native planner where the system can't confine it in every way, and any command
+    #[arg(long)]
+    pub(crate) require_sandbox: bool,
     /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-mini
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
@@ -186,8 +189,8 @@ pub(crate) struct ScoreArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {
-    /// The planner: a WASM file or a native library
-    #[arg(long, value_name = "FILE")]
+    /// The planner: a WASM file, a native library, or a command, which is started for it
+    #[arg(long, value_name = "FILE|COMMAND")]
     pub(crate) plugin: PathBuf,
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]

@@ -1,11 +1,11 @@
 //! `vb-harness inspect`.
 
 use serde::Serialize;
-use vb_host::one_line;
+use vb_host::{Limits, Plugin, one_line};
 
 use crate::args::{InspectArgs, MessageFormat};
 use crate::error::CliError;
-use crate::output;
+use crate::{output, planner};
 
 #[derive(Serialize)]
 struct Message<'a> {
@@ -27,7 +27,12 @@ struct Param<'a> {
 }
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
-    let meta = vb_host::inspect(&args.plugin).map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let meta = match planner::command(&args.plugin) {
+        // A command has no metadata that could be read without running it.
+        Some(words) => Plugin::command(&words, &Limits::default()).map(|p| p.metadata().clone()),
+        None => vb_host::inspect(&args.plugin),
+    };
+    let meta = meta.map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     match args.message_format {
         MessageFormat::Json => output::json(&Message {
             event: "plugin",

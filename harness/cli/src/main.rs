@@ -5,6 +5,7 @@ mod error;
 mod inspect;
 mod output;
 mod places;
+mod planner;
 mod plugin;
 mod progress;
 mod run;
@@ -17,6 +18,10 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 fn main() -> ExitCode {
+    // Before anything else: the worker must be alone in its process.
+    if std::env::args_os().nth(1).is_some_and(|arg| arg == vb_host::WORKER_ARGUMENT) {
+        return vb_worker::serve();
+    }
     let cli = match args::Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) if e.use_stderr() => return failed(&usage(&e)),

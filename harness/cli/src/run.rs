@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use vb_host::{Limits, Plugin};
+use vb_host::Limits;
 use vb_runner::{Event, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
 use vb_sim::{SoilSet, VehicleSpec};
@@ -16,7 +16,7 @@ use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
 use crate::places::Data;
 use crate::progress::Progress;
-use crate::{output, places, suite};
+use crate::{output, places, planner, suite};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -91,7 +91,10 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         })?;
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
-    let plugin = Plugin::load(&args.plugin, &limits, places::cache_dir().as_deref())
+    if args.require_sandbox && planner::command(&args.plugin).is_some() {
+        return Err(CliError::usage("--require-sandbox: a command can't be confined (give a WASM file)"));
+    }
+    let plugin = planner::load(&args.plugin, &limits, args.require_sandbox)
         .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     let jobs = args.jobs.map_or_else(
         || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),

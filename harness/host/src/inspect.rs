@@ -127,5 +127,7 @@ fn native_section(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, LoadErro
         return Err(LoadError::Unloadable { path: path.into(), reason });
     }
     let section = file.section_by_name(ELF_SECTION).or_else(|| file.section_by_name(MACHO_SECTION));
-    section.map(|s| s.data().map(<[u8]>::to_vec).map_err(damaged)).transpose()
+    // Text from C ends with a 0, and linkers pad sections.
+    let text = |data: &[u8]| data[..data.iter().rposition(|b| *b != 0).map_or(0, |i| i + 1)].to_vec();
+    section.map(|s| s.data().map(text).map_err(damaged)).transpose()
 }

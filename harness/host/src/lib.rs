@@ -1,4 +1,4 @@
-//! Loads planner plugins (WASM and native libraries) and drives them within limits.
+//! Loads planner plugins (WASM, native libraries, commands) and drives them within limits.
 //!
 //! [`inspect`] tells what a plugin says of itself without running it; [`Plugin::load`] makes it ready for any number
 //! of workers; [`Plugin::start`] puts a fresh planner on a task, and [`Session::step`] drives it. What the planner
@@ -21,6 +21,8 @@ pub use fault::{FaultCause, PlannerFault, ProcessEnd, Resource};
 pub use inspect::inspect;
 pub use limits::Limits;
 pub use log::LogSink;
+pub use native::{NativeOptions, WORKER_ARGUMENT};
 pub use plugin::{Carrier, FuelUse, Plugin, Session, clamp, resolve_params};
 pub use text::{one_line, printable};
 pub use vb_sdk::metadata::{Metadata, ParamSpec};
+pub use vb_worker::sandbox::SandboxReport;

@@ -1,17 +1,18 @@
 //! A loaded plugin and its sessions.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use sha2::{Digest as _, Sha256};
 use vb_sdk::metadata::Metadata;
-use vb_sdk::native::PlannerModuleRef;
 use vb_sdk::{Command, Observation, Param, Task};
+use vb_worker::sandbox::SandboxReport;
 
 use crate::fault::{FaultCause, PlannerFault};
 use crate::inspect::{self, Format};
-use crate::native::{self, NativeSession};
+use crate::native::{NativeOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
 
@@ -21,8 +22,10 @@ use crate::{Limits, LoadError, LogSink, ParamError};
 pub enum Carrier {
     /// WebAssembly, sandboxed and metered.
     Wasm,
-    /// A native library in the harness's process: trusted.
+    /// A native library, in a sandboxed process of its own.
     Native,
+    /// A command that the user gave, with all that the user may do. Not eligible for ranking.
+    Command,
 }
 
 /// A loaded planner plugin. Clones share the compiled code; any number of threads may start sessions at once.
@@ -40,7 +43,8 @@ struct Inner {
 #[derive(Debug)]
 enum Code {
     Wasm(WasmPlugin),
-    Native(PlannerModuleRef),
+    Native(ProcessPlugin, SandboxReport),
+    Command(ProcessPlugin),
 }
 
 impl Plugin {
@@ -50,18 +54,58 @@ impl Plugin {
     /// Compiled WASM is kept in `cache_dir` (made if it doesn't exist) and taken from there the next time. It is
     /// machine code: the directory must be one that only the user can write to.
     ///
+    /// A native library is opened by a worker process, for which the running program starts itself again: it must call
+    /// [`vb_worker::serve`] when its first argument is [`WORKER_ARGUMENT`](crate::WORKER_ARGUMENT). See
+    /// [`Plugin::load_with`] for another program.
+    ///
     /// # Errors
     /// If the file is no plugin that this harness can run; see [`LoadError`]. An unusable cache is no error.
     pub fn load(path: &Path, limits: &Limits, cache_dir: Option<&Path>) -> Result<Self, LoadError> {
+        Self::load_with(path, limits, cache_dir, &NativeOptions::default())
+    }
+
+    /// As [`Plugin::load`], with a choice of how native libraries are run.
+    ///
+    /// # Errors
+    /// As [`Plugin::load`].
+    pub fn load_with(
+        path: &Path,
+        limits: &Limits,
+        cache_dir: Option<&Path>,
+        native: &NativeOptions,
+    ) -> Result<Self, LoadError> {
         let file = inspect::read(path, limits.module_bytes)?;
         let sha256 = hex(&Sha256::digest(&file.bytes));
         let code = match file.format {
-            Format::Native => Code::Native(native::load(path)?),
+            Format::Native => {
+                let (plugin, sandbox) = ProcessPlugin::load(path, limits, native)?;
+                Code::Native(plugin, sandbox)
+            }
             Format::Component | Format::CoreModule => {
                 Code::Wasm(WasmPlugin::load(path, &file, &sha256, limits, cache_dir)?)
             }
         };
         Ok(Self(Arc::new(Inner { metadata: file.metadata, sha256, limits: limits.clone(), code })))
+    }
+
+    /// Starts a command that speaks the worker protocol on its standard input and output (`docs/worker-protocol.md`)
+    /// and asks it what it is. It may do all that the user may do.
+    ///
+    /// # Errors
+    /// If it can't be started or doesn't introduce itself as a planner of this version of the interface.
+    pub fn command(words: &[OsString], limits: &Limits) -> Result<Self, LoadError> {
+        let (plugin, metadata) = ProcessPlugin::command(words, limits)?;
+        let (sha256, limits) = (command_hash(words), limits.clone());
+        Ok(Self(Arc::new(Inner { metadata, sha256, limits, code: Code::Command(plugin) })))
+    }
+
+    /// How the process of a native library is confined; `None` for other plugins.
+    #[must_use]
+    pub fn sandbox(&self) -> Option<&SandboxReport> {
+        match &self.0.code {
+            Code::Native(_, sandbox) => Some(sandbox),
+            Code::Wasm(_) | Code::Command(_) => None,
+        }
     }
 
     /// What the plugin says of itself.
@@ -70,7 +114,7 @@ impl Plugin {
         &self.0.metadata
     }
 
-    /// SHA-256 of the plugin file, hexadecimal.
+    /// SHA-256 of the plugin file, hexadecimal. Of a command: of its words, and of the content of those that are files.
     #[must_use]
     pub fn sha256(&self) -> &str {
         &self.0.sha256
@@ -81,7 +125,8 @@ impl Plugin {
     pub fn carrier(&self) -> Carrier {
         match self.0.code {
             Code::Wasm(_) => Carrier::Wasm,
-            Code::Native(_) => Carrier::Native,
+            Code::Native(..) => Carrier::Native,
+            Code::Command(_) => Carrier::Command,
         }
     }
 
@@ -108,8 +153,8 @@ impl Plugin {
             Code::Wasm(plugin) => {
                 plugin.start(task, log, &self.0.limits).map(|s| SessionKind::Wasm(Box::new(s)))
             }
-            Code::Native(module) => {
-                NativeSession::start(*module, task, log, self.0.limits.log_bytes).map(SessionKind::Native)
+            Code::Native(plugin, _) | Code::Command(plugin) => {
+                plugin.start(task, log, &self.0.limits).map(|s| SessionKind::Process(Box::new(s)))
             }
         };
         let inner = inner.map_err(|cause| PlannerFault { step: None, time: None, cause: cause.in_init() })?;
@@ -151,7 +196,7 @@ pub struct Session {
 #[derive(Debug)]
 enum SessionKind {
     Wasm(Box<WasmSession>),
-    Native(NativeSession),
+    Process(Box<ProcessSession>),
 }
 
 /// Fuel that a session has used.
@@ -179,7 +224,7 @@ impl Session {
         }
         let result = match &mut self.inner {
             SessionKind::Wasm(session) => session.step(observation),
-            SessionKind::Native(session) => session.step(observation),
+            SessionKind::Process(session) => session.step(observation),
         };
         let step = self.steps;
         self.steps += 1;
@@ -190,27 +235,27 @@ impl Session {
         })
     }
 
-    /// The most linear memory that the planner had until now, bytes; `None` for native plugins, which are not metered.
+    /// The most linear memory that the planner had until now, bytes; `None` for native plugins and commands, which are not metered.
     #[must_use]
     pub fn memory_bytes(&self) -> Option<u64> {
         match &self.inner {
             SessionKind::Wasm(session) => Some(session.memory_bytes()),
-            SessionKind::Native(_) => None,
+            SessionKind::Process(_) => None,
         }
     }
 
-    /// Fuel used until now, `init` included; `None` for native plugins, which are not metered.
+    /// Fuel used until now, `init` included; `None` for native plugins and commands, which are not metered.
     #[must_use]
     pub fn fuel_used(&self) -> Option<u64> {
         self.fuel().map(|f| f.init + f.steps)
     }
 
-    /// Fuel used until now in detail; `None` for native plugins.
+    /// Fuel used until now in detail; `None` for native plugins and commands.
     #[must_use]
     pub fn fuel(&self) -> Option<FuelUse> {
         match &self.inner {
             SessionKind::Wasm(session) => Some(session.fuel()),
-            SessionKind::Native(_) => None,
+            SessionKind::Process(_) => None,
         }
     }
 }
@@ -240,6 +285,21 @@ pub fn clamp(command: Command) -> (Command, bool) {
         || limited.throttle != command.throttle
         || limited.brake != command.brake;
     (limited, changed)
+}
+
+/// SHA-256 of a command: of each word its length and text, and its content if it is a file.
+fn command_hash(words: &[OsString]) -> String {
+    let mut hash = Sha256::new();
+    let mut part = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    for word in words {
+        part(word.as_encoded_bytes());
+        let content = Some(Path::new(word)).filter(|p| p.is_file()).and_then(|p| std::fs::read(p).ok());
+        part(&content.unwrap_or_default());
+    }
+    hex(&hash.finalize())
 }
 
 fn hex(bytes: &[u8]) -> String {

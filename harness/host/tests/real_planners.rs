@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use vb_host::{Carrier, Limits, LoadError, LogSink, Plugin, inspect};
+use vb_host::{Carrier, Limits, LoadError, LogSink, NativeOptions, Plugin, inspect};
 use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle, Wheel, math};
 
 /// A built planner, or a word on why the test is skipped.
@@ -19,6 +19,11 @@ fn built(file: &str) -> Option<PathBuf> {
     None
 }
 
+/// The worker that cargo builds with this crate.
+fn native() -> NativeOptions {
+    NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+}
+
 fn load(file: &str) -> Option<Plugin> {
     let limits = Limits {
         fuel_init: 50_000_000,
@@ -26,7 +31,7 @@ fn load(file: &str) -> Option<Plugin> {
         memory_bytes: 16 << 20,
         ..Limits::default()
     };
-    built(file).map(|path| Plugin::load(&path, &limits, None).unwrap())
+    built(file).map(|path| Plugin::load_with(&path, &limits, None, &native()).unwrap())
 }
 
 /// A winding path over a small map, with awkward numbers.
@@ -157,7 +162,7 @@ fn a_truncated_native_library_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let cut = dir.path().join("cut.so");
     std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
-    let error = Plugin::load(&cut, &Limits::default(), None).unwrap_err();
+    let error = Plugin::load_with(&cut, &Limits::default(), None, &native()).unwrap_err();
     assert!(matches!(error, LoadError::Damaged { .. } | LoadError::Unloadable { .. }), "{error}");
     assert_eq!(error.to_string().lines().count(), 1);
 }
@@ -176,6 +181,6 @@ fn a_native_library_with_metadata_but_no_root_module_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let other = dir.path().join("other.so");
     std::fs::write(&other, bytes).unwrap();
-    let error = Plugin::load(&other, &Limits::default(), None).unwrap_err();
+    let error = Plugin::load_with(&other, &Limits::default(), None, &native()).unwrap_err();
     assert!(matches!(error, LoadError::NotAPlugin { .. } | LoadError::Unloadable { .. }), "{error}");
 }

@@ -34,10 +34,33 @@ pub struct PluginHeader {
     pub version: String,
     /// SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// How it was carried: `wasm` or `native`.
+    /// How it was carried: `wasm`, `native` or `command`.
     pub carrier: String,
-    /// Where the file lay.
+    /// Where the file lay; the command, of a command.
     pub path: String,
+    /// Whether results of a planner carried like this may be ranked: not those of a command.
+    #[serde(default = "yes")]
+    pub eligible_for_ranking: bool,
+    /// How the process of a native planner was confined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sandbox: Option<SandboxHeader>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// How the process of a native planner was confined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SandboxHeader {
+    /// Version of landlock in force; none where the kernel lacks it.
+    pub landlock: Option<u32>,
+    /// Whether system calls were filtered.
+    pub seccomp: bool,
+    /// Whether new privileges were out of reach.
+    pub no_new_privs: bool,
+    /// Whether memory, files, processes and core dumps were limited.
+    pub rlimits: bool,
 }
 
 /// A data file of a run: a vehicle or a set of soils.
@@ -102,7 +125,15 @@ pub struct RunHeader {
 }
 
 /// Fields of run.json that may differ between a run and its resumption: they decide nothing.
-const INFORMATION_ONLY: [&str; 3] = ["started_at", "suite.path", "plugin.path"];
+const INFORMATION_ONLY: [&str; 7] = [
+    "started_at",
+    "suite.path",
+    "plugin.path",
+    "plugin.sandbox.landlock",
+    "plugin.sandbox.seccomp",
+    "plugin.sandbox.no_new_privs",
+    "plugin.sandbox.rlimits",
+];
 
 impl RunHeader {
     /// The first field (dotted path) in which `other` would lead to other results, with both values as text.

@@ -16,7 +16,7 @@ mod trace;
 
 pub use debug::{DebugEntry, DebugSeries};
 pub use error::StoreError;
-pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SuiteHeader};
+pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, SuiteHeader};
 pub use sample::{Sample, WheelSample};
 pub use store::{RunReader, RunStore};
 pub use trace::{TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder};

@@ -37,6 +37,8 @@ fn header() -> RunHeader {
             sha256: "bb".into(),
             carrier: "wasm".into(),
             path: "pid.wasm".into(),
+            eligible_for_ranking: true,
+            sandbox: None,
         },
         params: BTreeMap::from([("speed".into(), "3".into())]),
         vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },

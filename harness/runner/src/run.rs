@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex, mpsc};
 use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode,
+    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader, SuiteHeader,
+    TraceMode,
 };
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sdk::Param;
@@ -229,6 +230,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
     let carrier = match config.plugin.carrier() {
         vb_host::Carrier::Wasm => "wasm",
         vb_host::Carrier::Native => "native",
+        vb_host::Carrier::Command => "command",
     };
     RunHeader {
         schema: RUN_SCHEMA,
@@ -247,6 +249,13 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             sha256: config.plugin.sha256().to_owned(),
             carrier: carrier.to_owned(),
             path: config.plugin_path.display().to_string(),
+            eligible_for_ranking: config.plugin.carrier() != vb_host::Carrier::Command,
+            sandbox: config.plugin.sandbox().map(|s| SandboxHeader {
+                landlock: s.landlock,
+                seccomp: s.seccomp,
+                no_new_privs: s.no_new_privs,
+                rlimits: s.rlimits,
+            }),
         },
         params: config.params.iter().cloned().collect(),
         vehicle: DataHeader { name: config.vehicle.spec.name.clone(), hash: config.vehicle.hash.clone() },

@@ -32,6 +32,8 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             sha256: "bb".into(),
             carrier: "wasm".into(),
             path: "pid.wasm".into(),
+            eligible_for_ranking: true,
+            sandbox: None,
         },
         params: BTreeMap::new(),
         vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },

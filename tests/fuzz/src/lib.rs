@@ -6,6 +6,7 @@
 
 mod import;
 mod plugin;
+mod protocol;
 mod results;
 mod site;
 mod suite;
@@ -30,6 +31,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "suite", run: suite::run, seeds: suite::seeds },
     Target { name: "import", run: import::run, seeds: import::seeds },
     Target { name: "results", run: results::run, seeds: results::seeds },
+    Target { name: "protocol", run: protocol::run, seeds: protocol::seeds },
     Target { name: "settings", run: settings, seeds: settings_seeds },
 ];
 

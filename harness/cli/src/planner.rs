@@ -1,0 +1,88 @@
+//! What the user means by `--plugin`: a file, or a command.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use vb_host::{Limits, LoadError, NativeOptions, Plugin, SandboxReport};
+
+use crate::{output, places};
+
+/// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
+pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {
+    let native = NativeOptions { worker: None, require_sandbox };
+    let plugin = match command(wanted) {
+        Some(words) => {
+            output::note("note: a command is not sandboxed, and its results are not eligible for ranking");
+            Plugin::command(&words, limits)?
+        }
+        None => Plugin::load_with(wanted, limits, places::cache_dir().as_deref(), &native)?,
+    };
+    let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
+    if !missing.is_empty() {
+        let missing = missing.join(", ");
+        output::note(&format!(
+            "warning: this system can't confine native planners by {missing}; run only planners that you trust, or \
+             refuse them by --require-sandbox"
+        ));
+    }
+    Ok(plugin)
+}
+
+/// The words of a command: `wanted` is no file, has more than one word, as a shell splits them, and the first is a
+/// program.
+pub(crate) fn command(wanted: &Path) -> Option<Vec<OsString>> {
+    if wanted.exists() {
+        return None;
+    }
+    let words = shlex::split(wanted.to_str()?)?;
+    let program = words.first().filter(|_| words.len() > 1)?;
+    is_program(Path::new(program)).then(|| words.into_iter().map(OsString::from).collect())
+}
+
+fn is_program(name: &Path) -> bool {
+    if name.components().count() != 1 {
+        return is_executable(name);
+    }
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let mut files = std::env::split_paths(&folders).flat_map(|folder| candidates(&folder.join(name)));
+    files.any(|file| is_executable(&file))
+}
+
+fn candidates(file: &Path) -> [PathBuf; 2] {
+    [file.to_owned(), file.with_extension(std::env::consts::EXE_EXTENSION)]
+}
+
+#[cfg(unix)]
+fn is_executable(file: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt as _;
+    std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.permissions().mode() & 0o111 != 0)
+}
+
+#[cfg(not(unix))]
+fn is_executable(file: &Path) -> bool {
+    file.is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_more_than_one_word_of_which_the_first_is_a_program() {
+        let words = |text: &str| command(Path::new(text)).map(|w| w.join("|".as_ref()));
+        assert_eq!(words("sh my_planner.sh --fast").unwrap(), "sh|my_planner.sh|--fast");
+        assert_eq!(words("/bin/sh 'my planner.sh'").unwrap(), "/bin/sh|my planner.sh");
+        // A file that isn't there, no program, a word alone, a quote without its end.
+        for text in ["planners/pid.wasm", "no-such-program-here x", "sh", "sh 'x", ""] {
+            assert_eq!(words(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_a_file_whatever_its_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("sh x");
+        std::fs::write(&file, "").unwrap();
+        assert_eq!(command(&file), None);
+    }
+}

@@ -1,0 +1,445 @@
+//! Planners in processes of their own: native libraries, which the harness's worker opens in a sandbox, and commands in
+//! any language.
+//!
+//! Both speak the protocol of [`vb_worker::protocol`]. A process serves one session after another as long as it is
+//! healthy; after any fault it is ended, and the next session gets a fresh one.
+
+mod process;
+mod spawn;
+
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command as OsCommand;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use vb_sdk::metadata::{Metadata, ParamSpec, is_control_period, is_name};
+use vb_sdk::{ABI_VERSION, Command, LogLevel, Observation, Task};
+use vb_worker::protocol::{
+    Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
+};
+use vb_worker::sandbox::{STACK_OVERFLOW, SandboxReport, system_call_name};
+
+use crate::fault::{FaultCause, ProcessEnd, Resource};
+use crate::log::Log;
+use crate::text::one_line;
+use crate::{Limits, LoadError, LogSink};
+
+use process::{End, Process, Trouble};
+
+/// The argument that makes the worker of a program that is a worker among other things.
+pub const WORKER_ARGUMENT: &str = "__worker";
+
+/// How long a process may take until it has introduced itself. Interpreters load large libraries.
+const HELLO: Duration = Duration::from_secs(120);
+/// How long a command may take to leave when it is told to.
+const BYE: Duration = Duration::from_secs(1);
+/// A worker that has used so much processor time is not used for another task: its own limit is a day.
+const WORN_OUT: Duration = Duration::from_secs(60 * 60);
+/// Bytes of a message beside the data that the limits name.
+const MESSAGE: usize = 64 << 10;
+
+/// How native plugins are run.
+#[derive(Clone, Debug, Default)]
+pub struct NativeOptions {
+    /// A program that calls [`vb_worker::serve`] when its first argument is [`WORKER_ARGUMENT`]; by default the one
+    /// that is running.
+    pub worker: Option<PathBuf>,
+    /// Whether to refuse plugins where the system can't confine them in every way.
+    pub require_sandbox: bool,
+}
+
+/// Processes of a planner.
+#[derive(Clone, Debug)]
+pub(crate) struct ProcessPlugin(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    kind: Kind,
+    memory_bytes: u64,
+    max_message: usize,
+    /// Healthy processes without a task.
+    idle: Mutex<Vec<Process>>,
+}
+
+#[derive(Debug)]
+enum Kind {
+    /// The harness's worker with a library.
+    Worker { program: PathBuf, library: Library },
+    /// Somebody's program.
+    Command { words: Vec<OsString> },
+}
+
+/// Why a process didn't introduce itself.
+enum Refusal {
+    Fault(FaultCause),
+    Failure(Failure),
+    /// It ended; with its last words.
+    Ended(End),
+}
+
+impl ProcessPlugin {
+    /// Opens a library in a worker and checks its layout.
+    pub(crate) fn load(
+        path: &Path,
+        limits: &Limits,
+        options: &NativeOptions,
+    ) -> Result<(Self, SandboxReport), LoadError> {
+        let io = |source| LoadError::Io { path: path.into(), source };
+        // With a bare file name the system would search its library folders.
+        let full = path.canonicalize().map_err(io)?;
+        let text = full.to_str().ok_or_else(|| LoadError::Unloadable {
+            path: path.into(),
+            reason: "the names of its folders are not UTF-8; move it".into(),
+        })?;
+        let program = match &options.worker {
+            Some(program) => program.clone(),
+            None => this_program().map_err(io)?,
+        };
+        let library = Library {
+            path: text.to_owned(),
+            memory_bytes: limits.memory_bytes as u64,
+            require_sandbox: options.require_sandbox,
+        };
+        let plugin = Self::new(Kind::Worker { program, library }, limits);
+        match plugin.spawn() {
+            Ok((process, introduction)) => {
+                plugin.put_back(process);
+                Ok((plugin, introduction.sandbox.unwrap_or_default()))
+            }
+            Err(Refusal::Failure(failure)) => Err(explain(path, failure)),
+            Err(Refusal::Fault(cause)) => Err(LoadError::Faulty { path: path.into(), cause }),
+            Err(Refusal::Ended(end)) => {
+                let cause = plugin.death(&end);
+                Err(LoadError::Faulty { path: path.into(), cause })
+            }
+        }
+    }
+
+    /// Starts a command and asks it what it is.
+    pub(crate) fn command(words: &[OsString], limits: &Limits) -> Result<(Self, Metadata), LoadError> {
+        let text: Vec<_> = words.iter().map(|w| w.to_string_lossy()).collect();
+        let path = PathBuf::from(text.join(" "));
+        let plugin = Self::new(Kind::Command { words: words.to_vec() }, limits);
+        match plugin.spawn() {
+            Ok((process, introduction)) => {
+                let metadata = metadata(&path, introduction)?;
+                plugin.put_back(process);
+                Ok((plugin, metadata))
+            }
+            Err(Refusal::Failure(failure)) => {
+                let reason = one_line(&failure.message);
+                Err(LoadError::Unloadable { path, reason })
+            }
+            Err(Refusal::Fault(cause)) => Err(LoadError::Faulty { path, cause }),
+            Err(Refusal::Ended(end)) => {
+                let last = end.words.last().map(|w| format!(": {}", one_line(w))).unwrap_or_default();
+                let reason = format!("it ended before it said what it is ({}){last}", ended(end.how));
+                Err(LoadError::Unloadable { path, reason })
+            }
+        }
+    }
+
+    fn new(kind: Kind, limits: &Limits) -> Self {
+        Self(Arc::new(Shared {
+            kind,
+            memory_bytes: limits.memory_bytes as u64,
+            max_message: limits.output_bytes.saturating_add(MESSAGE),
+            idle: Mutex::default(),
+        }))
+    }
+
+    /// A process that has introduced itself.
+    fn spawn(&self) -> Result<(Process, Introduction), Refusal> {
+        let mut greeting = Greeting { protocol: PROTOCOL, abi: ABI_VERSION.to_owned(), library: None };
+        let (mut command, leads_group) = match &self.0.kind {
+            Kind::Worker { program, library } => {
+                greeting.library = Some(library.clone());
+                let mut command = OsCommand::new(program);
+                command.arg(WORKER_ARGUMENT).env_clear().current_dir("/");
+                (command, false)
+            }
+            Kind::Command { words } => {
+                let (program, args) =
+                    words.split_first().map_or((OsString::new(), &[][..]), |(p, a)| (p.clone(), a));
+                let mut command = OsCommand::new(program);
+                // A group of its own: its children are ended with it, and keys pressed in the terminal are not for it.
+                command.args(args).process_group(0);
+                (command, true)
+            }
+        };
+        die_with_parent(&mut command);
+        let started = Process::start(command, leads_group, self.0.max_message);
+        let mut process = started.map_err(|e| {
+            let cause = FaultCause::Worker { message: one_line(&e.to_string()) };
+            Refusal::Fault(cause)
+        })?;
+        // Words on standard error that precede the introduction are in the fault, if it comes to one.
+        let mut log = Log::new(LogSink::discard(), 0);
+        match process.ask(&Request::Hello(greeting), HELLO, &mut log) {
+            Ok(Reply::Hello(introduction)) => Ok((process, introduction)),
+            Ok(Reply::Error(failure)) => Err(match refused(&failure) {
+                Some(cause) => Refusal::Fault(cause),
+                None => Refusal::Failure(failure),
+            }),
+            Ok(other) => Err(Refusal::Fault(unexpected(other.name(), "hello"))),
+            Err(Trouble::Gone) => Err(Refusal::Ended(process.end(&mut log))),
+            Err(trouble) => Err(Refusal::Fault(self.trouble(&trouble, HELLO))),
+        }
+    }
+
+    /// A healthy process, an idle one if there is one.
+    fn take(&self) -> Result<Process, FaultCause> {
+        loop {
+            let idle = self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let Some(mut process) = idle else { break };
+            // One that was ended from outside while it had no task is nobody's fault.
+            if process.is_alive() {
+                return Ok(process);
+            }
+        }
+        self.spawn().map(|(process, _)| process).map_err(|refusal| match refusal {
+            Refusal::Fault(cause) => cause,
+            // It had been opened before: something on the machine has changed.
+            Refusal::Failure(failure) => FaultCause::Worker { message: one_line(&failure.message) },
+            Refusal::Ended(end) => self.death(&end),
+        })
+    }
+
+    fn put_back(&self, process: Process) {
+        let worn_out = matches!(self.0.kind, Kind::Worker { .. })
+            && process.cpu_time().is_some_and(|used| used > WORN_OUT);
+        if !worn_out {
+            self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).push(process);
+        }
+    }
+
+    /// What a process died of.
+    fn death(&self, end: &End) -> FaultCause {
+        /// What the allocators of Rust and C++ say before they give up.
+        const MEMORY: [&str; 3] = ["memory allocation of ", "std::bad_alloc", "MemoryError"];
+        let said = |text: &str| end.words.iter().any(|w| w.contains(text));
+        // A process that dies with most of its memory in use died of that, one may assume.
+        let full = matches!(self.0.kind, Kind::Worker { .. })
+            && matches!(end.how, ProcessEnd::Signal(_))
+            && end.peak / 7 >= self.0.memory_bytes / 8;
+        if said(STACK_OVERFLOW) {
+            let limit = rustix::process::getrlimit(rustix::process::Resource::Stack).current;
+            FaultCause::StackOverflow { limit, backtrace: Vec::new() }
+        } else if full || MEMORY.iter().any(|text| said(text)) {
+            FaultCause::OutOfMemory { what: Resource::Memory, wanted: None, limit: self.0.memory_bytes }
+        } else {
+            FaultCause::Crashed { how: end.how }
+        }
+    }
+
+    fn trouble(&self, trouble: &Trouble, limit: Duration) -> FaultCause {
+        match trouble {
+            // Callers that can tell how it ended do.
+            Trouble::Gone => FaultCause::Protocol { message: "it closed its output".into() },
+            Trouble::Late => {
+                FaultCause::Hung { limit_ms: u64::try_from(limit.as_millis()).unwrap_or(u64::MAX) }
+            }
+            Trouble::Nonsense(FrameError::TooLong { .. }) => {
+                FaultCause::OutputTooLarge { limit: self.0.max_message as u64 }
+            }
+            Trouble::Nonsense(e) => FaultCause::Protocol { message: one_line(&e.to_string()) },
+            Trouble::Unasked(name) => {
+                FaultCause::Protocol { message: format!("it sent `{name}` without being asked") }
+            }
+            Trouble::System(e) => FaultCause::Machine { message: one_line(&e.to_string()) },
+        }
+    }
+
+    /// Starts a planner on a task.
+    pub(crate) fn start(
+        &self,
+        task: &Task,
+        sink: LogSink,
+        limits: &Limits,
+    ) -> Result<ProcessSession, FaultCause> {
+        let process = self.take()?;
+        let mut session = ProcessSession {
+            plugin: self.clone(),
+            process: Some(process),
+            log: Log::new(sink, limits.log_bytes),
+            limit: Duration::from_millis(limits.watchdog_ms),
+        };
+        match session.ask(&Request::Init(Box::new(task.into())))? {
+            Reply::Ready(_) => Ok(session),
+            other => Err(session.fail(unexpected(other.name(), "ready"))),
+        }
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        let idle = std::mem::take(self.idle.get_mut().unwrap_or_else(PoisonError::into_inner));
+        if matches!(self.kind, Kind::Command { .. }) {
+            for mut process in idle {
+                process.farewell(BYE);
+            }
+        }
+    }
+}
+
+/// A planner in a process, at work on a task.
+#[derive(Debug)]
+pub(crate) struct ProcessSession {
+    plugin: ProcessPlugin,
+    /// None after a fault.
+    process: Option<Process>,
+    log: Log,
+    limit: Duration,
+}
+
+impl ProcessSession {
+    pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
+        match self.ask(&Request::Step(observation.into()))? {
+            Reply::Command(command) => Ok(command.into()),
+            other => Err(self.fail(unexpected(other.name(), "command"))),
+        }
+    }
+
+    /// Asks the process; after a fault there is none any more.
+    fn ask(&mut self, request: &Request) -> Result<Reply, FaultCause> {
+        let Some(process) = &mut self.process else {
+            return Err(FaultCause::Protocol { message: "its process is gone".into() });
+        };
+        let cause = match process.ask(request, self.limit, &mut self.log) {
+            Ok(Reply::Error(failure)) => match refused(&failure) {
+                Some(cause) => {
+                    if failure.kind == FailureKind::Panic {
+                        // As the panic hook of a WASM plugin does.
+                        self.log.write(LogLevel::Error, &failure.message);
+                    }
+                    cause
+                }
+                None => unexpected("error", "another kind of error"),
+            },
+            Ok(reply) => return Ok(reply),
+            Err(Trouble::Gone) => {
+                let end = process.end(&mut self.log);
+                self.plugin.death(&end)
+            }
+            Err(trouble) => self.plugin.trouble(&trouble, self.limit),
+        };
+        Err(self.fail(cause))
+    }
+
+    fn fail(&mut self, cause: FaultCause) -> FaultCause {
+        if let Some(mut process) = self.process.take() {
+            process.kill(&mut self.log);
+        }
+        cause
+    }
+}
+
+impl Drop for ProcessSession {
+    fn drop(&mut self) {
+        let Some(mut process) = self.process.take() else { return };
+        // The task is over and judged: a planner that fails now only loses its process.
+        let reply = process.ask(&Request::Drop(Empty {}), self.limit, &mut self.log);
+        if matches!(reply, Ok(Reply::Dropped(_))) {
+            self.plugin.put_back(process);
+        }
+    }
+}
+
+fn unexpected(found: &str, wanted: &str) -> FaultCause {
+    FaultCause::Protocol { message: format!("it answered `{found}`, where `{wanted}` is due") }
+}
+
+/// The cause of a failure that planners may have; none for those of opening a library.
+fn refused(failure: &Failure) -> Option<FaultCause> {
+    let message = one_line(&failure.message);
+    match failure.kind {
+        FailureKind::Error => Some(FaultCause::Error { message }),
+        FailureKind::Panic => Some(FaultCause::Panic { message }),
+        FailureKind::Denied => {
+            let import = message.parse().map_or_else(|_| message.clone(), system_call_name);
+            Some(FaultCause::ImportDenied { import })
+        }
+        FailureKind::NotAPlugin
+        | FailureKind::LayoutMismatch
+        | FailureKind::Unloadable
+        | FailureKind::Sandbox => None,
+    }
+}
+
+fn explain(path: &Path, failure: Failure) -> LoadError {
+    let (path, reason) = (path.into(), one_line(&failure.message));
+    match failure.kind {
+        FailureKind::NotAPlugin => LoadError::NotAPlugin { path, reason },
+        FailureKind::LayoutMismatch => LoadError::LayoutMismatch { path, reason },
+        FailureKind::Sandbox => LoadError::Faulty { path, cause: FaultCause::Worker { message: reason } },
+        _ => LoadError::Unloadable { path, reason },
+    }
+}
+
+fn ended(how: ProcessEnd) -> String {
+    match how {
+        ProcessEnd::Exit(code) => format!("exit code {code}"),
+        ProcessEnd::Signal(signal) => format!("signal {signal}"),
+    }
+}
+
+/// What a command says of itself, checked as the metadata of a file are.
+fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
+    let path = PathBuf::from(path);
+    let not_a_plugin = |reason: String| LoadError::NotAPlugin { path: path.clone(), reason };
+    if said.protocol != PROTOCOL {
+        return Err(not_a_plugin(format!(
+            "it speaks version {} of the worker protocol, the harness version {PROTOCOL}",
+            said.protocol
+        )));
+    }
+    if said.abi != ABI_VERSION {
+        return Err(LoadError::AbiVersion { path, found: one_line(&said.abi), supported: ABI_VERSION });
+    }
+    if !is_name(&said.name) {
+        return Err(not_a_plugin(format!(
+            "its name is `{}`; want a-z, 0-9, - and _ only",
+            one_line(&said.name)
+        )));
+    }
+    if !is_control_period(said.control_period) {
+        return Err(not_a_plugin(format!(
+            "its control period is {} s; want a positive multiple of 0.001",
+            said.control_period
+        )));
+    }
+    let param =
+        |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
+    Ok(Metadata {
+        abi: said.abi,
+        name: said.name,
+        version: said.version,
+        authors: said.authors,
+        about: said.about,
+        control_period: said.control_period,
+        params: said.params.into_iter().map(param).collect(),
+    })
+}
+
+/// The program that is running; on Linux even if its file has been replaced since.
+fn this_program() -> std::io::Result<PathBuf> {
+    let link = Path::new("/proc/self/exe");
+    if cfg!(target_os = "linux") && link.exists() { Ok(link.into()) } else { std::env::current_exe() }
+}
+
+/// Has the system end the process when the harness is gone.
+fn die_with_parent(command: &mut OsCommand) {
+    #[cfg(target_os = "linux")]
+    {
+        let ask = || {
+            rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
+            Ok(())
+        };
+        // SAFETY: it makes one system call, which is allowed between fork and exec.
+        unsafe { command.pre_exec(ask) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = command;
+}

@@ -1,0 +1,145 @@
+/* A planner that does what its parameter says, where it says: what must not harm the harness. */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "vb_planner.h"
+
+VB_PLANNER_METADATA("hostile", "1.0.0", "A", "Does harm", "0.1",
+                    VB_PARAM("what", "nothing", "the harm") VB_PARAM("where", "step", "init, step or free"));
+
+static int calls;
+
+struct planner {
+    char what[64];
+    char where[16];
+};
+
+static const char *param(const vb_task *task, const char *key) {
+    for (size_t i = 0; i < task->params_len; i++)
+        if (strcmp(task->params[i].key, key) == 0) return task->params[i].value;
+    return "";
+}
+
+static void *thread(void *unused) {
+    for (;;) pause();
+    return unused;
+}
+
+static void handler(int signal) { (void)signal; }
+
+static int deep(volatile char *outer) {
+    volatile char inner[4096];
+    inner[0] = outer ? outer[0] : 1;
+    return deep(inner) + inner[0];
+}
+
+/* The answer to a request, forged: {"command": {...}} with a throttle of 1. */
+static void forge(int descriptor, const char *bytes, size_t count) {
+    if (write(descriptor, bytes, count) < 0) abort();
+}
+
+static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
+    if (strcmp(what, "segfault") == 0) *(volatile int *)8 = 1;
+    if (strcmp(what, "abort") == 0) abort();
+    if (strcmp(what, "exit") == 0) exit(3);
+    if (strcmp(what, "exit-0") == 0) exit(0);
+    if (strcmp(what, "spin") == 0)
+        for (;;) calls++;
+    if (strcmp(what, "sleep") == 0) sleep(1000);
+    if (strcmp(what, "fork") == 0)
+        for (;;) fork();
+    if (strcmp(what, "exec") == 0) execl("/bin/sh", "sh", "-c", "touch /tmp/vb-hostile", (char *)NULL);
+    if (strcmp(what, "socket") == 0) socket(AF_INET, SOCK_STREAM, 0);
+    if (strcmp(what, "kill") == 0) kill(getppid(), 0);
+    if (strcmp(what, "stack") == 0) deep(NULL);
+    if (strcmp(what, "memory") == 0) {
+        for (;;) {
+            char *block = malloc(1 << 20);
+            memset(block, 1, 1 << 20); /* crashes at last: nobody looks at NULL */
+        }
+    }
+    if (strcmp(what, "close") == 0)
+        for (int i = 0; i < 1024; i++) close(i);
+    if (strcmp(what, "garbage") == 0) forge(4, "\x05\0\0\0hello", 9);
+    if (strcmp(what, "huge") == 0) forge(4, "\xff\xff\xff\x7f", 4);
+    if (strcmp(what, "twice") == 0) forge(4, "\x08\0\0\0\x81\xa5ready\x80", 12);
+    if (strcmp(what, "talk") == 0)
+        for (;;) host->log(host->context, VB_LOG_INFO, "la la la");
+    if (strcmp(what, "print") == 0) {
+        printf("to standard output\n");
+        fflush(stdout);
+        fprintf(stderr, "to standard error \033[2J\n");
+        int standard = getchar();
+        snprintf(error->message, sizeof error->message, "standard input gives %d", standard);
+        return 1;
+    }
+    if (strcmp(what, "passwd") == 0 || strcmp(what, "write") == 0) {
+        int file = strcmp(what, "passwd") == 0 ? open("/etc/passwd", O_RDONLY)
+                                               : open("/tmp/vb-hostile", O_WRONLY | O_CREAT, 0600);
+        snprintf(error->message, sizeof error->message, file < 0 ? "it can't be opened" : "it is open");
+        return 1;
+    }
+    if (strcmp(what, "thread") == 0) {
+        pthread_t id;
+        int status = pthread_create(&id, NULL, thread, NULL);
+        snprintf(error->message, sizeof error->message, status == 0 ? "it runs" : "no thread");
+        return 1;
+    }
+    if (strcmp(what, "handler") == 0) {
+        int refused = signal(SIGSEGV, handler) == SIG_ERR && signal(SIGSYS, handler) == SIG_ERR;
+        snprintf(error->message, sizeof error->message, refused ? "no handler" : "it is handled");
+        return 1;
+    }
+    if (strcmp(what, "environment") == 0) {
+        extern char **environ;
+        snprintf(error->message, sizeof error->message, "first variable: %s", environ && environ[0] ? environ[0] : "none");
+        return 1;
+    }
+    return 0;
+}
+
+static int32_t init(const vb_task *task, const vb_host *host, void **planner, vb_error *error) {
+    struct planner *p = calloc(1, sizeof *p);
+    snprintf(p->what, sizeof p->what, "%s", param(task, "what"));
+    snprintf(p->where, sizeof p->where, "%s", param(task, "where"));
+    *planner = p;
+    return strcmp(p->where, "init") == 0 ? harm(p->what, host, error) : 0;
+}
+
+static int32_t step(void *planner, const vb_observation *o, const vb_host *host, vb_command *command, vb_error *error) {
+    static const float values[2] = {1.5f, -2.0f};
+    static vb_series series = {"pair", values, 2};
+    struct planner *p = planner;
+    calls++;
+    command->steering = o->time;
+    command->throttle = calls;
+    command->debug = &series;
+    command->debug_len = 1;
+    return strcmp(p->where, "step") == 0 ? harm(p->what, host, error) : 0;
+}
+
+static void release(void *planner) {
+    struct planner *p = planner;
+    vb_host host = {sizeof host, NULL, NULL};
+    vb_error error;
+    if (strcmp(p->where, "free") == 0) harm(p->what, &host, &error);
+    free(p);
+}
+
+__attribute__((constructor)) static void loaded(void) {
+#ifdef HARM_AT_LOAD
+    vb_host host = {sizeof host, NULL, NULL};
+    static vb_error error;
+    if (harm(HARM_AT_LOAD, &host, &error) != 0 && strstr(error.message, "open") && !strstr(error.message, "can't")) exit(9);
+#endif
+}
+
+VB_PLANNER_EXPORT(init, step, release);

@@ -1,0 +1,387 @@
+//! The structs of `sdk/c/vb_planner.h` as Rust lays them out, and calls through them.
+//!
+//! `tests/c_header.rs` compares sizes and offsets with those of the system's C compiler.
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::ptr;
+
+use vb_sdk::{Command, GridFrame, LogLevel, Map, Observation, Point2, Pose2, Series, Task, Vec3, Wheel};
+
+/// `VB_ABI_MAJOR` and `VB_ABI_MINOR`.
+pub const ABI: (u32, u32) = (0, 1);
+/// `VB_ERROR_BYTES`.
+pub const ERROR_BYTES: usize = 1024;
+/// Name of the symbol, for the dynamic loader.
+pub const ENTRY: &[u8] = b"vb_planner_entry\0";
+
+/// `vb_heights`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CHeights {
+    pub frame: GridFrame,
+    pub data: *const f32,
+}
+
+/// `vb_labels`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CLabels {
+    pub frame: GridFrame,
+    pub data: *const u8,
+}
+
+/// `vb_param`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CParam {
+    pub key: *const c_char,
+    pub value: *const c_char,
+}
+
+/// `vb_vehicle`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CVehicle {
+    pub size: usize,
+    pub name: *const c_char,
+    pub scale: f64,
+    pub mass: f64,
+    pub length: f64,
+    pub width: f64,
+    pub height: f64,
+    pub wheelbase: f64,
+    pub track: f64,
+    pub wheel_radius: f64,
+    pub wheels: u32,
+    pub ground_clearance: f64,
+    pub max_steer_angle: f64,
+    pub max_steer_rate: f64,
+    pub min_turn_radius: f64,
+    pub max_speed: f64,
+}
+
+/// `vb_task`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CTask {
+    pub size: usize,
+    pub id: *const c_char,
+    pub vehicle: *const CVehicle,
+    pub elevation: CHeights,
+    pub semantics: CLabels,
+    pub occupancy: CLabels,
+    pub path: *const Point2,
+    pub path_len: usize,
+    pub start: Pose2,
+    pub goal: Point2,
+    pub goal_radius: f64,
+    pub time_limit: f64,
+    pub control_period: f64,
+    pub seed: u64,
+    pub params: *const CParam,
+    pub params_len: usize,
+}
+
+/// `vb_observation`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CObservation {
+    pub size: usize,
+    pub time: f64,
+    pub position: Vec3,
+    pub roll: f64,
+    pub pitch: f64,
+    pub yaw: f64,
+    pub linear_velocity: Vec3,
+    pub angular_velocity: Vec3,
+    pub wheels: *const Wheel,
+    pub wheels_len: usize,
+    pub last_steering: f64,
+    pub last_throttle: f64,
+    pub last_brake: f64,
+}
+
+/// `vb_series`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CSeries {
+    pub name: *const c_char,
+    pub values: *const f32,
+    pub values_len: usize,
+}
+
+/// `vb_command`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CCommand {
+    pub size: usize,
+    pub steering: f64,
+    pub throttle: f64,
+    pub brake: f64,
+    pub debug: *const CSeries,
+    pub debug_len: usize,
+}
+
+/// `vb_error`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CError {
+    pub size: usize,
+    pub message: [c_char; ERROR_BYTES],
+}
+
+/// `vb_host`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CHost {
+    pub size: usize,
+    pub context: *mut c_void,
+    pub log: unsafe extern "C" fn(*mut c_void, u32, *const c_char),
+}
+
+/// `vb_planner_functions`.
+#[repr(C)]
+#[allow(missing_docs, reason = "described in the header")]
+pub struct CFunctions {
+    pub size: usize,
+    pub abi_major: u32,
+    pub abi_minor: u32,
+    pub init: Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
+    pub step: Option<
+        unsafe extern "C" fn(
+            *mut c_void,
+            *const CObservation,
+            *const CHost,
+            *mut CCommand,
+            *mut CError,
+        ) -> i32,
+    >,
+    pub free: Option<unsafe extern "C" fn(*mut c_void)>,
+}
+
+type Log<'a> = &'a mut dyn FnMut(LogLevel, &str);
+
+/// The functions of an open library.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CPlanner {
+    init: unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32,
+    step: unsafe extern "C" fn(
+        *mut c_void,
+        *const CObservation,
+        *const CHost,
+        *mut CCommand,
+        *mut CError,
+    ) -> i32,
+    free: unsafe extern "C" fn(*mut c_void),
+}
+
+impl CPlanner {
+    /// Takes the functions, or says in what they differ from what this harness calls.
+    ///
+    /// # Safety
+    /// `entry` is the address of the library's `vb_planner_entry`, and the library stays open.
+    pub(crate) unsafe fn new(entry: *const CFunctions) -> Result<Self, String> {
+        if entry.is_null() || !entry.is_aligned() {
+            return Err("the address of vb_planner_entry is not one of a struct".into());
+        }
+        // SAFETY: the three first fields are there in every version; later ones are read when the size covers them.
+        let (size, major, minor) = unsafe { ((*entry).size, (*entry).abi_major, (*entry).abi_minor) };
+        if (major, minor) != ABI {
+            let (a, b) = ABI;
+            return Err(format!(
+                "vb_planner_entry is of version {major}.{minor}, the harness speaks {a}.{b}"
+            ));
+        }
+        if size < size_of::<CFunctions>() {
+            let wanted = size_of::<CFunctions>();
+            return Err(format!("vb_planner_entry has {size} bytes, the harness wants {wanted}"));
+        }
+        // SAFETY: as above, and the size covers all of it.
+        let entry = unsafe { &*entry };
+        let missing = |name| format!("vb_planner_entry has no function {name}");
+        Ok(Self {
+            init: entry.init.ok_or_else(|| missing("init"))?,
+            step: entry.step.ok_or_else(|| missing("step"))?,
+            free: entry.free.ok_or_else(|| missing("free"))?,
+        })
+    }
+
+    /// Calls `init`.
+    pub(crate) fn init(&self, task: &Task, mut log: Log<'_>) -> Result<*mut c_void, String> {
+        let v = &task.vehicle;
+        let (id, name) = (text(&task.id), text(&v.name));
+        let texts: Vec<(CString, CString)> =
+            task.params.iter().map(|p| (text(&p.key), text(&p.value))).collect();
+        let params: Vec<CParam> =
+            texts.iter().map(|(k, v)| CParam { key: k.as_ptr(), value: v.as_ptr() }).collect();
+        let vehicle = CVehicle {
+            size: size_of::<CVehicle>(),
+            name: name.as_ptr(),
+            scale: v.scale,
+            mass: v.mass,
+            length: v.length,
+            width: v.width,
+            height: v.height,
+            wheelbase: v.wheelbase,
+            track: v.track,
+            wheel_radius: v.wheel_radius,
+            wheels: v.wheels,
+            ground_clearance: v.ground_clearance,
+            max_steer_angle: v.max_steer_angle,
+            max_steer_rate: v.max_steer_rate,
+            min_turn_radius: v.min_turn_radius,
+            max_speed: v.max_speed,
+        };
+        let labels = |m: &Map<u8>| CLabels { frame: m.frame, data: m.data.as_ptr() };
+        let task = CTask {
+            size: size_of::<CTask>(),
+            id: id.as_ptr(),
+            vehicle: &raw const vehicle,
+            elevation: CHeights { frame: task.elevation.frame, data: task.elevation.data.as_ptr() },
+            semantics: labels(&task.semantics),
+            occupancy: labels(&task.occupancy),
+            path: task.path.as_ptr(),
+            path_len: task.path.len(),
+            start: task.start,
+            goal: task.goal,
+            goal_radius: task.goal_radius,
+            time_limit: task.time_limit,
+            control_period: task.control_period,
+            seed: task.seed,
+            params: params.as_ptr(),
+            params_len: params.len(),
+        };
+        let (mut planner, mut error) = (ptr::null_mut(), no_error());
+        // SAFETY: all pointers lead to values that live until the call ends, as the header promises.
+        let status =
+            unsafe { (self.init)(&raw const task, &host(&mut log), &raw mut planner, &raw mut error) };
+        if status == 0 { Ok(planner) } else { Err(told(&error, "init", status)) }
+    }
+
+    /// Calls `step`.
+    ///
+    /// # Safety
+    /// `planner` comes from `init` and isn't freed.
+    pub(crate) unsafe fn step(
+        &self,
+        planner: *mut c_void,
+        o: &Observation,
+        mut log: Log<'_>,
+    ) -> Result<Command, String> {
+        let observation = CObservation {
+            size: size_of::<CObservation>(),
+            time: o.time,
+            position: o.position,
+            roll: o.roll,
+            pitch: o.pitch,
+            yaw: o.yaw,
+            linear_velocity: o.linear_velocity,
+            angular_velocity: o.angular_velocity,
+            wheels: o.wheels.as_ptr(),
+            wheels_len: o.wheels.len(),
+            last_steering: o.last_steering,
+            last_throttle: o.last_throttle,
+            last_brake: o.last_brake,
+        };
+        let mut command = CCommand {
+            size: size_of::<CCommand>(),
+            steering: 0.0,
+            throttle: 0.0,
+            brake: 0.0,
+            debug: ptr::null(),
+            debug_len: 0,
+        };
+        let mut error = no_error();
+        // SAFETY: by this function's own condition; all pointers lead to values that live until the call ends.
+        let status = unsafe {
+            (self.step)(planner, &raw const observation, &host(&mut log), &raw mut command, &raw mut error)
+        };
+        if status != 0 {
+            return Err(told(&error, "step", status));
+        }
+        let CCommand { steering, throttle, brake, debug, debug_len, .. } = command;
+        // SAFETY: the header makes the planner promise it. One that lies harms its own process only.
+        let debug = unsafe { series(debug, debug_len) };
+        Ok(Command { steering, throttle, brake, debug })
+    }
+
+    /// Calls `free`.
+    ///
+    /// # Safety
+    /// `planner` comes from `init` and isn't used again.
+    pub(crate) unsafe fn free(&self, planner: *mut c_void) {
+        // SAFETY: by this function's own condition.
+        unsafe { (self.free)(planner) };
+    }
+}
+
+/// # Safety
+/// The pointers and lengths describe memory that can be read, unless they are null or 0.
+unsafe fn series(debug: *const CSeries, len: usize) -> Vec<Series> {
+    if debug.is_null() || len == 0 {
+        return Vec::new();
+    }
+    // SAFETY: by this function's own condition.
+    let list = unsafe { std::slice::from_raw_parts(debug, len) };
+    let one = |s: &CSeries| {
+        let name = if s.name.is_null() {
+            String::new()
+        } else {
+            // SAFETY: by this function's own condition.
+            unsafe { CStr::from_ptr(s.name) }.to_string_lossy().into_owned()
+        };
+        let values = if s.values.is_null() || s.values_len == 0 {
+            Vec::new()
+        } else {
+            // SAFETY: by this function's own condition.
+            unsafe { std::slice::from_raw_parts(s.values, s.values_len) }.to_vec()
+        };
+        Series { name, values }
+    };
+    list.iter().map(one).collect()
+}
+
+/// Text for C, up to the first 0.
+fn text(text: &str) -> CString {
+    let end = text.find('\0').unwrap_or(text.len());
+    CString::new(&text.as_bytes()[..end]).unwrap_or_default()
+}
+
+fn no_error() -> CError {
+    CError { size: size_of::<CError>(), message: [0; ERROR_BYTES] }
+}
+
+fn told(error: &CError, function: &str, status: i32) -> String {
+    let bytes: Vec<u8> = error.message.iter().take_while(|c| **c != 0).map(|c| c.cast_unsigned()).collect();
+    if bytes.is_empty() {
+        format!("{function} returned {status} without a message")
+    } else {
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+fn host(log: &mut Log<'_>) -> CHost {
+    CHost { size: size_of::<CHost>(), context: ptr::from_mut(log).cast(), log: write }
+}
+
+/// The `log` of [`CHost`].
+unsafe extern "C" fn write(context: *mut c_void, level: u32, message: *const c_char) {
+    if context.is_null() || message.is_null() {
+        return;
+    }
+    // SAFETY: `context` is the one that `host` made, alive during the call.
+    let log = unsafe { &mut *context.cast::<Log<'_>>() };
+    // SAFETY: the header demands text that ends with 0.
+    let text = unsafe { CStr::from_ptr(message) }.to_string_lossy();
+    log(level_of(level), &text);
+}
+
+/// The level of a number: 0 error, 1 warn, 2 info, else debug.
+pub(crate) fn level_of(level: u32) -> LogLevel {
+    match level {
+        0 => LogLevel::Error,
+        1 => LogLevel::Warn,
+        2 => LogLevel::Info,
+        _ => LogLevel::Debug,
+    }
+}

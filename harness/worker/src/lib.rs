@@ -1,0 +1,25 @@
+//! The process that runs a native planner: its sandbox, and the protocol between it and the harness.
+//!
+//! Native code can do to its process whatever it likes, so it never runs in the harness's: the harness starts itself
+//! again with a hidden subcommand, which ends in [`serve`]. That process confines itself ([`sandbox`]), opens the
+//! library, and answers [`protocol`] messages. Planners in any language can speak the same protocol as a command of
+//! their own (`docs/worker-protocol.md`).
+
+#[cfg(unix)]
+pub mod c_abi;
+#[cfg(unix)]
+mod library;
+pub mod protocol;
+pub mod sandbox;
+#[cfg(unix)]
+mod serve;
+pub mod wire;
+
+#[cfg(unix)]
+pub use serve::serve;
+
+/// Runs the worker, which needs a Unix system: says so and ends with code 1.
+#[cfg(not(unix))]
+pub fn serve() -> std::process::ExitCode {
+    std::process::ExitCode::FAILURE
+}

@@ -1,0 +1,175 @@
+//! Opening a native plugin and calling it, whichever of the two interfaces it has.
+
+use std::path::Path;
+
+use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
+use abi_stable::std_types::{RErr, ROk, RResult, RStr};
+use vb_sdk::native::{Fault, LogCallback, NativeObservation, NativeTask, PlannerModuleRef};
+use vb_sdk::{Command, LogLevel, Observation, Task};
+
+use crate::c_abi::{CFunctions, CPlanner, ENTRY, level_of};
+use crate::protocol::{Failure, FailureKind};
+
+/// An open library.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Library {
+    /// With an `abi_stable` root module.
+    Rust(PlannerModuleRef),
+    /// With `vb_planner_entry`.
+    C(CPlanner),
+}
+
+/// Opens a library and checks its layout. It stays open as long as the process.
+pub(crate) fn open(path: &Path) -> Result<Library, Failure> {
+    // Stays open from here: looking for one interface and then the other must not load it twice.
+    let raw = Box::leak(Box::new(RawLibrary::load_at(path).map_err(|e| explain(&e))?));
+    match lib_header_from_path(path) {
+        Ok(header) => {
+            header.init_root_module::<PlannerModuleRef>().map(Library::Rust).map_err(|e| explain(&e))
+        }
+        Err(error @ LibraryError::GetSymbolError { .. }) => {
+            // SAFETY: the symbol is a struct, so its address is what the pointer takes.
+            let entry = unsafe { raw.get::<*const CFunctions>(ENTRY) }.map_err(|_| explain(&error))?;
+            // SAFETY: it is the address of the symbol, and the library is never closed.
+            let planner = unsafe { CPlanner::new(*entry) };
+            planner.map(Library::C).map_err(|message| Failure { kind: FailureKind::LayoutMismatch, message })
+        }
+        Err(error) => Err(explain(&error)),
+    }
+}
+
+fn explain(error: &LibraryError) -> Failure {
+    let (kind, message) = match error {
+        LibraryError::AbiInstability(report) => {
+            (FailureKind::LayoutMismatch, first_difference(&report.to_string()))
+        }
+        LibraryError::IncompatibleVersionNumber { expected_version, actual_version, .. } => (
+            FailureKind::LayoutMismatch,
+            format!("it was built with vb-sdk {actual_version}, the harness with {expected_version}"),
+        ),
+        LibraryError::InvalidAbiHeader(_) => {
+            (FailureKind::LayoutMismatch, "it was built with another version of abi_stable".to_owned())
+        }
+        LibraryError::GetSymbolError { .. } => (
+            FailureKind::NotAPlugin,
+            "the library has no planner root module and no vb_planner_entry; planners are exported by \
+             vb_sdk::export_planner!, or by VB_PLANNER_EXPORT of vb_planner.h"
+                .to_owned(),
+        ),
+        LibraryError::OpenError { err, .. } => {
+            // The text of the error itself is only "dlopen failed".
+            let reason = std::error::Error::source(err).map_or_else(|| err.to_string(), ToString::to_string);
+            (FailureKind::Unloadable, reason)
+        }
+        other => (FailureKind::Unloadable, other.to_string()),
+    };
+    Failure { kind, message: on_one_line(&message) }
+}
+
+fn on_one_line(text: &str) -> String {
+    text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// The gist of `abi_stable`'s report on two layouts, which goes over hundreds of lines: the innermost field before the
+/// first `Error:`, the type that it belongs to, and what is wrong with it.
+fn first_difference(report: &str) -> String {
+    let Some((before, error)) = report.split_once("\nError:") else {
+        return "its types differ".into();
+    };
+    let place = before.rsplit_once("\nLayout of expected type:").map_or(before, |(place, _)| place);
+    let value = |prefix: &'static str| place.lines().rev().filter_map(move |l| l.trim().strip_prefix(prefix));
+    let field = value("field_name:").next().unwrap_or("a field");
+    // The last type is the field's own, the one before it that of its owner.
+    let owner = value("type:").nth(1).unwrap_or("the root module");
+    // Further errors follow after an empty line.
+    let error = error.split("\n\n").next().unwrap_or_default();
+    format!("{field} of {}: {}", owner.trim(), on_one_line(error))
+}
+
+/// Where log lines of a planner go.
+pub(crate) type Log<'a> = &'a mut dyn FnMut(LogLevel, &str);
+
+/// A planner at work on a task.
+#[derive(Debug)]
+pub(crate) struct Planner {
+    library: Library,
+    state: *mut (),
+}
+
+impl Planner {
+    pub(crate) fn init(library: Library, task: &Task, mut log: Log<'_>) -> Result<Self, Failure> {
+        let state = match library {
+            Library::Rust(module) => outcome(module.init()(&NativeTask::from(task), callback(&mut log)))?,
+            Library::C(planner) => planner.init(task, log).map_err(error)?.cast(),
+        };
+        Ok(Self { library, state })
+    }
+
+    pub(crate) fn step(&mut self, observation: &Observation, mut log: Log<'_>) -> Result<Command, Failure> {
+        match self.library {
+            Library::Rust(module) => {
+                let observation = NativeObservation::from(observation);
+                // SAFETY: the state comes from this module's `init`, and `&mut self` keeps others away.
+                let result = unsafe { module.step()(self.state, &observation, callback(&mut log)) };
+                outcome(result).map(Command::from)
+            }
+            // SAFETY: as above.
+            Library::C(planner) => {
+                unsafe { planner.step(self.state.cast(), observation, log) }.map_err(error)
+            }
+        }
+    }
+}
+
+impl Drop for Planner {
+    fn drop(&mut self) {
+        match self.library {
+            // SAFETY: the state comes from this module's `init` and is used no more.
+            Library::Rust(module) => unsafe { module.free()(self.state) },
+            // SAFETY: as above.
+            Library::C(planner) => unsafe { planner.free(self.state.cast()) },
+        }
+    }
+}
+
+fn error(message: String) -> Failure {
+    Failure { kind: FailureKind::Error, message }
+}
+
+fn outcome<T>(result: RResult<T, Fault>) -> Result<T, Failure> {
+    match result {
+        ROk(value) => Ok(value),
+        RErr(fault) => {
+            let kind = if fault.panicked { FailureKind::Panic } else { FailureKind::Error };
+            Err(Failure { kind, message: fault.message.into() })
+        }
+    }
+}
+
+fn callback(log: &mut Log<'_>) -> LogCallback {
+    LogCallback { context: std::ptr::from_mut(log).cast(), write }
+}
+
+unsafe extern "C" fn write(context: *mut (), level: u8, message: RStr<'_>) {
+    // SAFETY: `context` is the one that `callback` made, alive and unused by others during the call.
+    let log = unsafe { &mut *context.cast::<Log<'_>>() };
+    log(level_of(u32::from(level)), &message);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_report_is_cut_down_to_the_field() {
+        // As abi_stable 0.11.3 reports a field that changed from f64 to f32, without most of its lines.
+        let report = "Compared <this>:\n    --- Type Layout ---\n    type:PrefixRef<'a, PlannerModule>\nTo <other>:\n\
+            0 error(s).\n\n1 error(s)inside:\n    <other>\n\n    field_name:task,log,\n    type:&'a  NativeTask<'a> \n\n    \
+            field_name:0\n    type:NativeTask<'a>\n    size:408 align:8\n\n    field_name:goal_radius\n    type:f32\n    \
+            size:4 align:4\n\nLayout of expected type:\n    --- Type Layout ---\n    type:f64\n\nLayout of found type:\n    \
+            type:f32\n\n\n\nError:mismatched type\nExpected:\n    f64\nFound:\n    f32\n\n";
+        let expected = "goal_radius of NativeTask<'a>: mismatched type Expected: f64 Found: f32";
+        assert_eq!(first_difference(report), expected);
+        assert_eq!(first_difference("something else"), "its types differ");
+    }
+}

@@ -1,0 +1,111 @@
+//! How the worker gives up what a planner doesn't get. It needs no privileges.
+//!
+//! On Linux: no new privileges, resource limits, landlock (files, TCP, signals), and a seccomp list of the system calls
+//! that remain. There are two stages. While the library is opened, the dynamic loader may read it and the system's
+//! libraries; afterwards nothing can be opened at all. Elsewhere the process is only a process of its own.
+
+use serde::{Deserialize, Serialize};
+
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod seccomp;
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod signals;
+
+/// What the worker says on standard error before it dies of a stack that is full; Rust's own runtime says the same.
+pub const STACK_OVERFLOW: &str = "has overflowed its stack";
+
+/// How a worker is confined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SandboxReport {
+    /// Version of landlock in force; none where the kernel lacks it.
+    pub landlock: Option<u32>,
+    /// Whether system calls are filtered.
+    pub seccomp: bool,
+    /// Whether new privileges are out of reach.
+    pub no_new_privs: bool,
+    /// Whether memory, files, processes and core dumps are limited.
+    pub rlimits: bool,
+}
+
+impl SandboxReport {
+    /// What the system lacks, for a warning; empty if nothing.
+    #[must_use]
+    pub fn missing(&self) -> Vec<&'static str> {
+        let parts = [
+            (self.landlock.is_some(), "landlock"),
+            (self.seccomp, "seccomp"),
+            (self.no_new_privs, "no_new_privs"),
+            (self.rlimits, "resource limits"),
+        ];
+        parts.into_iter().filter(|(there, _)| !there).map(|(_, name)| name).collect()
+    }
+}
+
+/// Name of a system call on this machine, for messages; `system call N` where it isn't one of the usual suspects.
+#[must_use]
+pub fn system_call_name(number: i64) -> String {
+    #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+    if let Some(name) = seccomp::name(number) {
+        return format!("the system call {name}");
+    }
+    format!("system call {number}")
+}
+
+#[cfg(target_os = "linux")]
+pub(crate) use linux::{confine_for_loading, isolate};
+
+#[cfg(all(unix, not(target_os = "linux")))]
+pub(crate) use elsewhere::{confine_for_loading, isolate};
+
+#[cfg(all(unix, not(target_os = "linux")))]
+mod elsewhere {
+    use std::io;
+    use std::path::Path;
+
+    use super::SandboxReport;
+
+    pub(crate) struct Confinement;
+
+    pub(crate) fn isolate(_protocol: i32) -> io::Result<()> {
+        Ok(())
+    }
+
+    pub(crate) fn confine_for_loading(_library: &Path, _memory_bytes: u64) -> io::Result<Confinement> {
+        Ok(Confinement)
+    }
+
+    impl Confinement {
+        pub(crate) fn report(&self) -> SandboxReport {
+            SandboxReport::default()
+        }
+
+        pub(crate) fn confine_for_work(self, _memory_bytes: u64) -> io::Result<SandboxReport> {
+            Ok(SandboxReport::default())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_system_lacks_is_named() {
+        let whole = SandboxReport { landlock: Some(1), seccomp: true, no_new_privs: true, rlimits: true };
+        assert!(whole.missing().is_empty());
+        assert_eq!(
+            SandboxReport { landlock: None, seccomp: false, ..whole }.missing(),
+            ["landlock", "seccomp"]
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn system_calls_have_names() {
+        assert_eq!(system_call_name(libc::SYS_socket), "the system call socket");
+        assert_eq!(system_call_name(9999), "system call 9999");
+    }
+}

@@ -1,0 +1,144 @@
+"""The module against hand-made messages: what docs/worker-protocol.md says is what it does."""
+
+import io
+import struct
+import sys
+from pathlib import Path
+
+import msgpack
+import numpy as np
+import pytest
+from vertibench_planner import Command, Follower, Grid, Planner, serve
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
+
+
+def frame(kind, fields):
+    payload = msgpack.packb({kind: fields})
+    return struct.pack("<I", len(payload)) + payload
+
+
+def grid(data):
+    rows, cols = data.shape
+    return {"rows": rows, "cols": cols, "resolution": 0.5, "origin_x": -1.0, "origin_y": 2.0, "data": data.tobytes()}
+
+
+VEHICLE = {
+    "name": "v", "scale": 1.0, "mass": 1.0, "length": 1.0, "width": 1.0, "height": 1.0, "wheelbase": 3.0, "track": 1.0,
+    "wheel_radius": 0.5, "wheels": 4, "ground_clearance": 0.3, "max_steer_angle": 0.5, "max_steer_rate": 1.0,
+    "min_turn_radius": 7.0, "max_speed": 30.0, "later": "ignored",
+}  # fmt: skip
+TASK = {
+    "id": "w001/t00", "vehicle": VEHICLE, "elevation": grid(np.array([[0, 1, 2], [3, 4, 5]], "<f4")),
+    "semantics": grid(np.zeros((2, 3), "u1")), "occupancy": grid(np.eye(2, 3, dtype="u1")),
+    "path": [[0.0, 0.0], [10.0, 0.0]], "start": [0.0, 0.0, 0.5], "goal": [10.0, 0.0], "goal_radius": 8.0,
+    "time_limit": 60.0, "control_period": 0.1, "seed": 2**64 - 1, "params": [["speed", "2"]], "later": 1,
+}  # fmt: skip
+OBSERVATION = {
+    "time": 0.1, "position": [1.0, 2.0, 3.0], "roll": 0.0, "pitch": 0.0, "yaw": 0.25, "linear_velocity": [1.0, 0.0, 0.0],
+    "angular_velocity": [0.0, 0.0, 0.0], "wheels": [{"speed": 2.0, "deflection": 0.01}] * 4, "last_steering": 0.0,
+    "last_throttle": 0.0, "last_brake": 0.0,
+}  # fmt: skip
+
+
+def talk(planner, *requests):
+    out = io.BytesIO()
+    serve(planner, io.BytesIO(b"".join(frame(*r) for r in requests)), out)
+    data, replies = out.getvalue(), []
+    while data:
+        (length,) = struct.unpack("<I", data[:4])
+        replies += msgpack.unpackb(data[4 : 4 + length]).items()
+        data = data[4 + length :]
+    return replies
+
+
+class Probe(Planner):
+    name = "probe"
+    params = {"speed": (3.0, "m/s")}
+
+    def init(self, task):
+        self.log("started")
+        self.speed, self.task = task.number("speed"), task
+
+    def step(self, obs):
+        if obs.time > 1.0:
+            raise RuntimeError("too late")
+        return Command(obs.yaw, np.float32(self.speed), 0, debug={"wheels": obs.wheel_speeds})
+
+
+def test_a_conversation_from_hello_to_bye():
+    late = dict(OBSERVATION, time=2.0)
+    replies = talk(
+        Probe, ("hello", {"protocol": 1, "abi": "0.1"}), ("init", TASK), ("step", OBSERVATION), ("step", late),
+        ("drop", {}), ("init", TASK), ("bye", {}), ("hello", {}),
+    )  # fmt: skip
+    hello = replies[0][1]
+    assert (hello["protocol"], hello["abi"], hello["name"], hello["control_period"]) == (1, "0.1", "probe", 0.1)
+    assert hello["params"] == [{"key": "speed", "default": "3.0", "help": "m/s"}]
+    log = ("log", {"level": "info", "message": "started"})
+    command = {"steering": 0.25, "throttle": 2.0, "brake": 0.0, "debug": [{"name": "wheels", "values": [2.0] * 4}]}
+    assert replies[1:4] == [log, ("ready", {}), ("command", command)]
+    kind, error = replies[4]
+    assert kind == "error" and error["kind"] == "error"
+    assert error["message"].startswith("RuntimeError: too late (test_planner.py:")
+    assert replies[5:] == [("dropped", {}), log, ("ready", {})]
+
+
+def test_maps_are_arrays_with_row_0_in_the_south():
+    seen = []
+
+    class Keep(Planner):
+        def init(self, task):
+            seen.append(task)
+
+    talk(Keep, ("init", TASK))
+    elevation = seen[0].elevation
+    assert elevation.data.dtype == np.float32 and elevation.data.tolist() == [[0, 1, 2], [3, 4, 5]]
+    # By the frame: columns are at x = -1, -0.5, 0 and rows at y = 2, 2.5.
+    assert elevation.at(-0.5, 2.5) == 4 and elevation.at(100.0, -100.0) == 2
+    assert elevation.at(np.array([-1.0, 0.0]), np.array([2.0, 2.5])).tolist() == [0, 5]
+    assert seen[0].seed == 2**64 - 1 and seen[0].path.shape == (2, 2)
+
+
+def test_half_a_cell_goes_up():
+    grid = Grid(np.zeros((9, 9)), 1.0, 0.0, 0.0)
+    assert [int(grid.cell(x, 0.0)[1]) for x in (0.5, 1.5, 2.5)] == [1, 2, 3]
+
+
+def test_every_bit_of_a_number_crosses():
+    odd = np.array([-0.0, 5e-324, np.inf, 1.0 + 2.0**-52])
+    for x in odd:
+        out = talk(Probe, ("init", TASK), ("step", dict(OBSERVATION, yaw=float(x))))
+        assert struct.pack("<d", out[-1][1]["steering"]) == struct.pack("<d", x)
+
+
+def test_a_parameter_that_is_no_number_is_an_error():
+    kind, error = talk(Probe, ("init", dict(TASK, params=[["speed", "nan"]])))[-1]
+    assert kind == "error" and "parameter `speed`: `nan` is not a number" in error["message"]
+
+
+def test_a_follower_goes_ahead_only_and_within_its_window():
+    # Out along y = 0 and back along y = 1.
+    path = [[0, 0], [5, 0], [5, 0], [10, 0], [10, 1], [0, 1]]
+    follower = Follower(path, 4.0)
+    assert follower.update(2.0, 0.6) == pytest.approx(2.0)
+    assert follower.look_ahead(5.0) == pytest.approx([7.0, 0.0])
+    assert follower.update(0.0, 0.0) == pytest.approx(2.0)
+    assert follower.update(20.0, 0.0) == pytest.approx(6.0)
+    for x in range(7, 14):
+        follower.update(min(x, 10), 0.0)
+    assert follower.update(9.0, 1.0) == pytest.approx(12.0)
+    assert follower.look_ahead(100.0) == pytest.approx([0.0, 1.0])
+
+
+def test_the_weights_are_those_that_the_script_makes():
+    import train_neural
+
+    weights, error = train_neural.train()
+    stored = np.load(Path(train_neural.__file__).with_name("neural_weights.npz"))
+    x, y = train_neural.samples(np.random.default_rng(7))
+    for w in (weights, stored):
+        # 1/m, of curvatures up to 0.3. Weights differ a little from one linear algebra library to the next.
+        assert np.sqrt(np.mean((train_neural.network(w, x) - y) ** 2)) < 0.01
+    assert error < 0.01
+    assert {k: v.shape for k, v in weights.items()} == {k: stored[k].shape for k in stored}
