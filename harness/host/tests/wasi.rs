@@ -117,7 +117,7 @@ fn with_sockets(step: &str) -> Plugin {
         interface tcp-create-socket {
           use network.{error-code, ip-address-family};
           use tcp.{tcp-socket};
-          create-tcp-socket: func(family: ip-address-family) -> result<tcp-socket, error-code>;
+          create-tcp-socket: func(address-family: ip-address-family) -> result<tcp-socket, error-code>;
         }";
     let world = "package test:probe;
         world probe {

@@ -133,11 +133,27 @@ fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
         .validate(true)
         .module(module)
         .and_then(|encoder| {
-            encoder.adapter(WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME, WASI_SNAPSHOT_PREVIEW1_REACTOR_ADAPTER)
+            if imports_preview1(module) {
+                encoder.adapter(WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME, WASI_SNAPSHOT_PREVIEW1_REACTOR_ADAPTER)
+            } else {
+                Ok(encoder)
+            }
         })
         .and_then(|mut encoder| encoder.encode())
         .map_err(|e| {
             let reason = one_line(&format!("it can't be made a component: {e:#}"));
             LoadError::NotAPlugin { path: path.into(), reason }
         })
+}
+
+/// Whether a core module imports anything of WASI's first preview. What is no module is told by the encoder.
+fn imports_preview1(module: &[u8]) -> bool {
+    use wasmparser::{Parser, Payload};
+    Parser::new(0).parse_all(module).any(|payload| match payload {
+        Ok(Payload::ImportSection(section)) => section
+            .into_imports()
+            .flatten()
+            .any(|import| import.module == WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME),
+        _ => false,
+    })
 }
