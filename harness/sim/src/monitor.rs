@@ -4,8 +4,9 @@
 //! and yielding soil only take from it. Springs, tyres and the hull's contacts hold some of it and give it back within
 //! some tenths of a second, so it is held against the greatest value between half a second and a second ago. What they
 //! hold for longer, the work of the steering and errors of the integration are small: for all of them together the
-//! energy that lifts the vehicle by the radius of a wheel is allowed. A simulation that diverges is beyond that within a
-//! few steps, long before a state is reached that can't be written down.
+//! energy that lifts the vehicle by the radius of a wheel is allowed. Energy that grows steadily, or faster, is found while
+//! the state still tells where it comes from; what explodes between two looks is left to the checks for numbers that aren't
+//! finite.
 
 /// Time between two looks, s.
 pub(crate) const PERIOD: f64 = 0.01;
