@@ -64,7 +64,7 @@ fn with_locals(work: &str) -> String {
 /// A plugin of a megabyte: loaded from the cache and put on a task. The aim is below 10 ms.
 fn cached_start(c: &mut Criterion) {
     let mut body = String::new();
-    for i in 0..2600 {
+    for i in 0..4400 {
         let _ = write!(body, "(func $f{i} (param i64) (result i64) (local.get 0)");
         for k in 0..24 {
             let _ = write!(
