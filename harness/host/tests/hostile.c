@@ -70,6 +70,7 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         for (int i = 0; i < 1024; i++) close(i);
     if (strcmp(what, "garbage") == 0) forge(4, "\x05\0\0\0hello", 9);
     if (strcmp(what, "huge") == 0) forge(4, "\xff\xff\xff\x7f", 4);
+    if (strcmp(what, "text") == 0) forge(4, "hello\n", 6);
     if (strcmp(what, "twice") == 0) forge(4, "\x08\0\0\0\x81\xa5ready\x80", 12);
     if (strcmp(what, "talk") == 0)
         for (;;) host->log(host->context, VB_LOG_INFO, "la la la");

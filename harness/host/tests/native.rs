@@ -194,6 +194,11 @@ fn forged_messages_are_a_breach_of_the_protocol() {
     let Some(plugin) = hostile() else { return };
     assert_eq!(fault(&plugin, "garbage", "step").code(), FaultCode::Protocol);
     is_well(&plugin);
+    let text = fault(&plugin, "text", "step");
+    assert!(
+        text.code() == FaultCode::Protocol && text.to_string().contains("print to standard error"),
+        "{text}"
+    );
     // A `ready` precedes the command that is due.
     let forged = fault(&plugin, "twice", "step");
     assert_eq!(forged.code(), FaultCode::Protocol, "{forged}");

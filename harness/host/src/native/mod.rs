@@ -241,6 +241,9 @@ impl ProcessPlugin {
             Trouble::Late => {
                 FaultCause::Hung { limit_ms: u64::try_from(limit.as_millis()).unwrap_or(u64::MAX) }
             }
+            Trouble::Nonsense(FrameError::TooLong { bytes, .. }) if is_text(*bytes) => FaultCause::Protocol {
+                message: "text came where a message is due; print to standard error".into(),
+            },
             Trouble::Nonsense(FrameError::TooLong { .. }) => {
                 FaultCause::OutputTooLarge { limit: self.0.max_message as u64 }
             }
@@ -345,6 +348,12 @@ impl Drop for ProcessSession {
             self.plugin.put_back(process);
         }
     }
+}
+
+/// Whether the length of a message is four characters of text.
+fn is_text(length: usize) -> bool {
+    u32::try_from(length)
+        .is_ok_and(|n| n.to_le_bytes().iter().all(|b| matches!(b, b'\t' | b'\n' | b'\r' | b' '..=b'~')))
 }
 
 fn unexpected(found: &str, wanted: &str) -> FaultCause {
