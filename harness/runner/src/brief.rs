@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::{AxleKinematics, Side, SimError, SimOptions, Simulation, SoilSet, VehicleSpec};
+use vb_sim::{AxleKinematics, Side, SimError, SimOptions, Simulation, SoilSet, Start, VehicleSpec};
 use vb_world::{Density, Elevation, Heightfield, Semantics, Task, Terrain, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
@@ -49,6 +49,7 @@ pub fn static_shape(spec: &VehicleSpec, options: SimOptions) -> Result<StaticSha
         tasks: vec![],
     };
     let start = vb_world::Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let options = SimOptions { start: Start::Settled, ..options };
     let state = Simulation::new(Arc::new(world), spec, &SoilSet::default(), start, options)?.state();
     let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
     let mut hubs = Vec::new();

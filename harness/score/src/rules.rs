@@ -20,6 +20,9 @@ pub struct Rules {
     /// What it stands for, in a sentence.
     #[serde(default)]
     pub description: String,
+    /// How a trial starts.
+    #[serde(default, skip_serializing_if = "StartRule::is_settled")]
+    pub start: StartRule,
     /// When the goal is reached.
     pub success: SuccessRule,
     /// A trial that has not succeeded before this time (s) has failed.
@@ -33,6 +36,27 @@ pub struct Rules {
     /// When the vehicle has left the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub out_of_bounds: Option<BoundsRule>,
+}
+
+/// How a trial starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StartRule {
+    /// The clock starts with the vehicle at rest on the ground.
+    #[default]
+    Settled,
+    /// The clock starts with the vehicle level and at rest in the air, from where it falls under the planner's
+    /// commands.
+    Dropped {
+        /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
+        height_m: f64,
+    },
+}
+
+impl StartRule {
+    fn is_settled(&self) -> bool {
+        *self == Self::Settled
+    }
 }
 
 /// When the goal is reached.
@@ -232,6 +256,12 @@ impl Rules {
                 fail(field, v.to_string(), "an angle between 0 and 180 degrees")
             }
         };
+        if let StartRule::Dropped { height_m } = self.start {
+            positive("start.dropped.height_m", height_m)?;
+            if height_m > 100.0 {
+                return fail("start.dropped.height_m", height_m.to_string(), "at most 100");
+            }
+        }
         match self.success {
             SuccessRule::Planar { radius_m } => positive("success.planar.radius_m", radius_m)?,
             SuccessRule::Marker { radius_m, marker_height_m } => {

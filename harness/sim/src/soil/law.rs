@@ -1,7 +1,8 @@
 //! The law of one soil: pressure over sinkage, shear stress over shear displacement.
 
-use super::table::{Power, SATURATED, Saturation};
+use super::table::Power;
 use serde::{Deserialize, Serialize};
+use wide::f64x4;
 
 /// The parameters of one soil, as a soil file gives them.
 ///
@@ -61,24 +62,28 @@ pub struct Bulldozing {
 pub(crate) struct Soil {
     pub(crate) k_phi: f64,
     pub(crate) k_c: f64,
-    power: Power,
-    saturation: Saturation,
+    pub(crate) power: Power,
     pub(crate) cohesion: f64,
     pub(crate) tan_phi: f64,
     pub(crate) inverse_shear_modulus: f64,
     pub(crate) elastic: f64,
     /// 1 / elastic.
-    compliance: f64,
+    pub(crate) compliance: f64,
     pub(crate) damping: f64,
     pub(crate) radial: bool,
     /// (greatest slope of a heap, share of the displaced volume).
     pub(crate) heap: Option<(f64, f64)>,
-    /// Stress of the shear damper per shear strength and speed of shear, s/m.
+    /// Stress of the shear damper per free shear strength and speed of slow shear, s/m.
     pub(crate) shear_damping: f64,
 }
 
-/// Damping ratio of a resting vehicle's shear against the soil: a choice of ours, the soil's law has none.
-const SHEAR_DAMPING_RATIO: f64 = 0.25;
+/// Damping ratio of a resting vehicle's shear against the soil, and the speed of shear (m/s) at which half of the damping
+/// is gone: choices of ours, the soil's law has none. It takes this much to calm a vehicle whose brakes are off where
+/// pressure acts normal to the ground, as such a pressure feeds motion (docs/physics.md).
+const SHEAR_DAMPING_RATIO: f64 = 2.0;
+const CALM: f64 = 0.03;
+/// A wheel's load over the mass that resists its spinning up, m/s²: the damper must not stop it in less than a step.
+const SPIN_UP: f64 = 60.0;
 
 impl SoilLaw {
     pub(crate) fn prepare(&self) -> Soil {
@@ -87,7 +92,6 @@ impl SoilLaw {
             k_phi: self.k_phi,
             k_c: self.k_c,
             power: Power::new(self.n),
-            saturation: Saturation::new(),
             cohesion: self.cohesion,
             tan_phi,
             inverse_shear_modulus: 1.0 / self.shear_modulus,
@@ -116,62 +120,39 @@ impl Soil {
         self.k_c / breadth + self.k_phi
     }
 
-    /// Loads soil that has a plastic sinkage to a total sinkage; returns the pressure (0 where it doesn't reach) and
-    /// whether it yields, and updates the plastic sinkage. The pressure is the smaller of the elastic line's and
-    /// Bekker's: where they meet, the soil yields.
+    /// Advances shear by a slip velocity (m/s) under a pressure (Pa), at four stations at once. The state is the share
+    /// of the shear strength that is mobilised, along two directions; returns it and the stress on the rim (Pa).
+    ///
+    /// Janosi and Hanamoto's τ = s (1 − exp(−j/K)) is the solution of dτ/dj = (s − τ)/K under a displacement j in one
+    /// direction. In this form it is also defined where the direction changes: stress turns over a displacement of the
+    /// order of K and shearing to and fro takes work (the same equation is Dahl's model of friction, 1968), whereas
+    /// a stress that depends on the displacement alone would give all work back, as a spring would.
     #[inline]
-    pub(crate) fn load(&self, modulus: f64, sinkage: f64, plastic: &mut f64) -> (f64, bool) {
-        let elastic = self.elastic * (sinkage - *plastic);
-        if elastic <= 0.0 {
-            return (0.0, false);
-        }
-        let yielding = modulus * self.power.at(sinkage);
-        if elastic <= yielding {
-            return (elastic, false);
-        }
-        *plastic = sinkage - yielding * self.compliance;
-        (yielding, true)
-    }
-
-    /// Shear stress (Pa) at a shear displacement under a pressure.
-    #[inline]
-    pub(crate) fn shear(&self, pressure: f64, displacement: f64) -> f64 {
-        (self.cohesion + pressure * self.tan_phi)
-            * self.saturation.at(displacement * self.inverse_shear_modulus)
-    }
-
-    /// Advances the shear displacement (m) by a slip velocity (m/s); returns the stress on the rim (Pa).
-    #[inline]
-    pub(crate) fn shear_stress(
+    pub(crate) fn shear(
         &self,
-        displacement: &mut [f64; 2],
-        slip: [f64; 2],
-        pressure: f64,
+        state: [f64x4; 2],
+        slip: [f64x4; 2],
+        pressure: f64x4,
         dt: f64,
-    ) -> [f64; 2] {
-        let j = [displacement[0] + dt * slip[0], displacement[1] + dt * slip[1]];
-        *displacement = j;
-        let square = j[0] * j[0] + j[1] * j[1];
-        if square < 1e-24 {
-            return [0.0; 2];
-        }
-        let size = square.sqrt();
-        let inverse = 1.0 / size;
-        let unit = [j[0] * inverse, j[1] * inverse];
-        if size * self.inverse_shear_modulus > SATURATED {
-            let most = SATURATED / self.inverse_shear_modulus;
-            *displacement = [unit[0] * most, unit[1] * most];
-        }
-        let strength = self.cohesion + pressure * self.tan_phi;
-        let stress = self.shear(pressure, size);
-        // The damper fades as the soil shears.
-        let damper = self.shear_damping * (strength - stress);
-        let s = [-stress * unit[0] - damper * slip[0], -stress * unit[1] - damper * slip[1]];
-        let total = s[0] * s[0] + s[1] * s[1];
-        if total <= strength * strength {
-            return s;
-        }
-        let scale = strength / total.sqrt();
-        [s[0] * scale, s[1] * scale]
+    ) -> ([f64x4; 2], [f64x4; 2]) {
+        let one = f64x4::splat(1.0);
+        let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
+        let per_speed = f64x4::splat(dt * self.inverse_shear_modulus);
+        let u = speed * per_speed;
+        // (exp(u) − 1)/u by its series: where the terms left out matter, exp(−u) is as good as none.
+        let series =
+            one + u * (f64x4::splat(0.5) + u * (f64x4::splat(1.0 / 6.0) + u * f64x4::splat(1.0 / 24.0)));
+        let keep = one / (one + u * series);
+        let gain = per_speed * series;
+        let after = [(state[0] + slip[0] * gain) * keep, (state[1] + slip[1] * gain) * keep];
+        // The damper takes a share of the strength that is left. It is for slow motion only, so that sliding soil keeps
+        // its law, and as weak as makes the explicit step stable.
+        let mobilised = (after[0] * after[0] + after[1] * after[1]).sqrt();
+        let damping = self.shear_damping / (1.0 + dt * self.shear_damping * self.tan_phi * SPIN_UP);
+        let fades = f64x4::splat(damping * CALM * CALM) / (speed * speed + f64x4::splat(CALM * CALM));
+        let damper = (one - mobilised) * fades;
+        let strength = f64x4::splat(self.cohesion) + pressure * f64x4::splat(self.tan_phi);
+        let stress = |k: usize| -strength * (after[k] + slip[k] * damper);
+        (after, [stress(0), stress(1)])
     }
 }

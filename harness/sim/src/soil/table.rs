@@ -1,4 +1,4 @@
-//! Tables of the two functions that a step asks for hundreds of times: a power and an exponential.
+//! A table of the function that a step asks for hundreds of times: a power.
 
 /// Segments an octave, as a number of bits.
 const BITS: u32 = 6;
@@ -42,36 +42,12 @@ impl Power {
     }
 }
 
-/// 1 − exp(−x) for x in [0, 5], linear within steps of 1/64: error below 3.1e-5; constant above.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Saturation {
-    values: Vec<f64>,
-}
-
-/// Where the table ends: exp(−5) is as good as none.
-pub(crate) const SATURATED: f64 = 5.0;
-
-impl Saturation {
-    pub(crate) fn new() -> Self {
-        let steps = (64.0 * SATURATED) as usize;
-        Self { values: (0..=steps + 1).map(|k| 1.0 - vb_math::exp(-(k as f64) / 64.0)).collect() }
-    }
-
-    #[inline]
-    pub(crate) fn at(&self, x: f64) -> f64 {
-        let f = x.clamp(0.0, SATURATED) * 64.0;
-        let k = f as u32;
-        let Some([a, b]) = self.values.get(k as usize..k as usize + 2) else { return 1.0 };
-        a + (b - a) * (f - f64::from(k))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_tables_agree_with_the_functions() {
+    fn the_table_agrees_with_the_power() {
         for n in [0.13, 0.5, 0.793, 1.0, 1.1, 1.6, 3.0] {
             let table = Power::new(n);
             let mut z = 1e-6;
@@ -84,12 +60,5 @@ mod tests {
             assert_eq!(table.at(0.0), 0.0);
             assert!(table.at(9.0).is_finite() && table.at(f64::NAN).is_finite());
         }
-        let table = Saturation::new();
-        for k in 0..=5000 {
-            let x = 1e-3 * f64::from(k);
-            assert!((table.at(x) - (1.0 - vb_math::exp(-x))).abs() < 3.1e-5, "{x}");
-        }
-        assert_eq!(table.at(0.0), 0.0);
-        assert_eq!(table.at(70.0), table.at(5.0));
     }
 }
