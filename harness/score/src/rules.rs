@@ -321,6 +321,9 @@ mod tests {
         assert_eq!(release.success, SuccessRule::Marker { radius_m: 8.0, marker_height_m: 2.0 });
         assert_eq!(release.stuck, Some(StuckRule::Slow { speed_m_per_s: 0.01 / 0.005, duration_s: 10.0 }));
         assert_eq!((release.rollover, release.out_of_bounds), (None, None));
+        // Facts 4.5: level, the reference point 1 m above the ground, and the loop runs from there.
+        assert_eq!(release.start, StartRule::Dropped { height_m: 1.0 });
+        assert_eq!(paper.start, StartRule::Settled);
         let dev = Rules::resolve("dev").unwrap();
         assert_eq!(dev.rollover.unwrap().when, RollTime::AnyTime);
         for (name, _) in Rules::BUILTIN {
@@ -335,6 +338,19 @@ mod tests {
         assert_eq!(Rules::from_yaml("a", &spaced).unwrap().hash(), Rules::paper().hash());
         let other = Rules::from_yaml("a", &text.replace("60.0", "61.0")).unwrap();
         assert_ne!(other.hash(), Rules::paper().hash());
+    }
+
+    #[test]
+    fn a_start_on_the_ground_is_the_default_and_a_drop_is_another_profile() {
+        let text = Rules::BUILTIN[0].1;
+        let with = |start: &str| Rules::from_yaml("a", &format!("{text}\nstart: {start}\n"));
+        assert_eq!(with("settled").unwrap().hash(), Rules::paper().hash());
+        let dropped = with("{dropped: {height_m: 0.5}}").unwrap();
+        assert_eq!(dropped.start, StartRule::Dropped { height_m: 0.5 });
+        assert_ne!(dropped.hash(), Rules::paper().hash());
+        let e = with("{dropped: {height_m: -1}}").unwrap_err().to_string();
+        assert!(e.contains("start.dropped.height_m: -1 must be a positive number"), "{e}");
+        assert!(with("flying").unwrap_err().to_string().contains("flying"));
     }
 
     fn error(change: fn(&str) -> String) -> String {

@@ -61,8 +61,7 @@ pub(crate) struct Footprint {
     /// As in [`super::grid::Cell`].
     plastic: Vec<Row>,
     raised: Vec<Row>,
-    /// Share of the shear strength that is mobilised, against the displacement of the rim along the heading and to
-    /// the left.
+    /// Displacement of the rim against the soil that mobilises its shear stress, along the heading and to the left, m.
     shear: [Vec<Row>; 2],
     /// Plastic sinkage that undisturbed soil would have if it were pressed by the rim as it stands, m.
     pressed: Vec<Row>,
