@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use vb_math::{atan2, tan};
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::{Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Side, SimError, SimOptions, Simulation, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Task, TerrainClass, World};
 
 /// Side of the occupancy map's squares in the full-size world, m.
@@ -34,6 +34,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
     let level = Heightfield::flat(3, 3, side / 2.0, 0.0);
     let world = World::uniform("level", level, TerrainClass::Concrete, 0.8);
     let start = vb_world::Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let options = SimOptions { start: Start::Settled, ..options };
     let state = Simulation::new(Arc::new(world), model, &SoilSet::default(), start, options)?.state();
     let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
     let mut hubs = Vec::new();

@@ -11,9 +11,9 @@ use vb_record::{
     DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader, SuiteHeader,
     TraceMode,
 };
-use vb_score::{Outcome, Rules, Summary, TaskRecord};
+use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
 use vb_sdk::Param;
-use vb_sim::{SimOptions, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{SimOptions, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
 use crate::brief::{planner_task, planner_vehicle, static_shape};
@@ -118,8 +118,12 @@ pub fn run(
     on_event: &mut dyn FnMut(Event),
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
+    let start = match config.rules.start {
+        StartRule::Settled => Start::Settled,
+        StartRule::Dropped { height_m } => Start::Dropped { height: height_m * config.scale },
+    };
     let options =
-        SimOptions { step: config.time_step, soil_pitch: config.soils.pitch, ..SimOptions::default() };
+        SimOptions { step: config.time_step, soil_pitch: config.soils.pitch, start, ..SimOptions::default() };
     let prepared = prepare(config, options)?;
     let header = header(config, options);
     let (store, mut records) = if config.resume {

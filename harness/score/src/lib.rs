@@ -19,7 +19,7 @@ pub use metrics::Metrics;
 pub use outcome::{Fault, Outcome, ThreeWay};
 pub use record::{FuelUse, TaskRecord};
 pub use rescore::{RescoreError, Rescored, rescore};
-pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, RulesError, StuckRule, SuccessRule};
+pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, RulesError, StartRule, StuckRule, SuccessRule};
 pub use scorer::{Scorer, TaskGeometry, TaskScore, Verdict};
 pub use stats::wilson;
 pub use summary::{Group, SUMMARY_SCHEMA, Summary};

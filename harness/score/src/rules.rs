@@ -20,6 +20,9 @@ pub struct Rules {
     /// What it stands for, in a sentence.
     #[serde(default)]
     pub description: String,
+    /// How a trial starts.
+    #[serde(default, skip_serializing_if = "StartRule::is_settled")]
+    pub start: StartRule,
     /// When the goal is reached.
     pub success: SuccessRule,
     /// A trial that has not succeeded before this time (s) has failed.
@@ -33,6 +36,27 @@ pub struct Rules {
     /// When the vehicle has left the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub out_of_bounds: Option<BoundsRule>,
+}
+
+/// How a trial starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StartRule {
+    /// The clock starts with the vehicle at rest on the ground.
+    #[default]
+    Settled,
+    /// The clock starts with the vehicle level and at rest in the air, from where it falls under the planner's
+    /// commands.
+    Dropped {
+        /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
+        height_m: f64,
+    },
+}
+
+impl StartRule {
+    fn is_settled(&self) -> bool {
+        *self == Self::Settled
+    }
 }
 
 /// When the goal is reached.
@@ -232,6 +256,12 @@ impl Rules {
                 fail(field, v.to_string(), "an angle between 0 and 180 degrees")
             }
         };
+        if let StartRule::Dropped { height_m } = self.start {
+            positive("start.dropped.height_m", height_m)?;
+            if height_m > 100.0 {
+                return fail("start.dropped.height_m", height_m.to_string(), "at most 100");
+            }
+        }
         match self.success {
             SuccessRule::Planar { radius_m } => positive("success.planar.radius_m", radius_m)?,
             SuccessRule::Marker { radius_m, marker_height_m } => {
@@ -291,6 +321,9 @@ mod tests {
         assert_eq!(release.success, SuccessRule::Marker { radius_m: 8.0, marker_height_m: 2.0 });
         assert_eq!(release.stuck, Some(StuckRule::Slow { speed_m_per_s: 0.01 / 0.005, duration_s: 10.0 }));
         assert_eq!((release.rollover, release.out_of_bounds), (None, None));
+        // Facts 4.5: level, the reference point 1 m above the ground, and the loop runs from there.
+        assert_eq!(release.start, StartRule::Dropped { height_m: 1.0 });
+        assert_eq!(paper.start, StartRule::Settled);
         let dev = Rules::resolve("dev").unwrap();
         assert_eq!(dev.rollover.unwrap().when, RollTime::AnyTime);
         for (name, _) in Rules::BUILTIN {
@@ -305,6 +338,19 @@ mod tests {
         assert_eq!(Rules::from_yaml("a", &spaced).unwrap().hash(), Rules::paper().hash());
         let other = Rules::from_yaml("a", &text.replace("60.0", "61.0")).unwrap();
         assert_ne!(other.hash(), Rules::paper().hash());
+    }
+
+    #[test]
+    fn a_start_on_the_ground_is_the_default_and_a_drop_is_another_profile() {
+        let text = Rules::BUILTIN[0].1;
+        let with = |start: &str| Rules::from_yaml("a", &format!("{text}\nstart: {start}\n"));
+        assert_eq!(with("settled").unwrap().hash(), Rules::paper().hash());
+        let dropped = with("{dropped: {height_m: 0.5}}").unwrap();
+        assert_eq!(dropped.start, StartRule::Dropped { height_m: 0.5 });
+        assert_ne!(dropped.hash(), Rules::paper().hash());
+        let e = with("{dropped: {height_m: -1}}").unwrap_err().to_string();
+        assert!(e.contains("start.dropped.height_m: -1 must be a positive number"), "{e}");
+        assert!(with("flying").unwrap_err().to_string().contains("flying"));
     }
 
     fn error(change: fn(&str) -> String) -> String {

@@ -24,7 +24,7 @@ mod tyre;
 pub use error::SimError;
 pub use model::VehicleModel;
 pub use powertrain::DriveState;
-pub use simulation::{SimOptions, Simulation};
+pub use simulation::{SimOptions, Simulation, Start};
 pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
     AntiRoll, Axle, Beam, BrushTyre, Chassis, Converter, Damper, Differential, DoubleWishbone, Driveline,

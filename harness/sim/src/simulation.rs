@@ -19,15 +19,29 @@ pub struct SimOptions {
     pub step: f64,
     /// Longest time the vehicle may take to come to rest before the clock starts, s.
     pub settle_time: f64,
+    /// How the vehicle comes to the ground.
+    pub start: Start,
     /// Side of the cells in which the soil remembers ruts, at scale 1, m; it is scaled with the world.
     pub soil_pitch: f64,
+}
+
+/// How a vehicle comes to the ground at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// It is set down with brakes on and comes to rest before the clock starts.
+    Settled,
+    /// The clock starts with the vehicle level and at rest in the air, and it falls under the planner's commands.
+    Dropped {
+        /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
+        height: f64,
+    },
 }
 
 impl Default for SimOptions {
     /// 1 ms, at which the results of a rugged drive have converged (docs/physics.md), 3 s, and the 0.1 m of the
     /// original.
     fn default() -> Self {
-        Self { step: 1e-3, settle_time: 3.0, soil_pitch: 0.1 }
+        Self { step: 1e-3, settle_time: 3.0, start: Start::Settled, soil_pitch: 0.1 }
     }
 }
 
@@ -59,7 +73,8 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest; the clock then starts at 0.
+    /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest, or leaves it in the air, as
+    /// the options say; the clock then starts at 0.
     ///
     /// # Errors
     /// [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::Diverged`].
@@ -91,8 +106,16 @@ impl Simulation {
             steps: 0,
             contact_steps: 0,
         };
-        simulation.place(start);
-        simulation.settle()?;
+        match options.start {
+            Start::Settled => {
+                simulation.place(start);
+                simulation.settle()?;
+            }
+            Start::Dropped { height } => {
+                simulation.place_above(start, height);
+                simulation.check()?;
+            }
+        }
         Ok(simulation)
     }
 
@@ -116,13 +139,6 @@ impl Simulation {
         let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
         let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
         self.vehicle.q = heading * pitch * roll;
-        let free = |s: &Self| {
-            let touches = s.vehicle.hubs().any(|(hub, axis)| {
-                hub.z < ground.height(hub.x, hub.y)
-                    || s.vehicle.envelope().query(ground, &hub, &axis).is_some()
-            });
-            !touches && !s.chassis.may_touch(ground, &s.obstacles, &s.vehicle.x, &s.vehicle.q, 0.02)
-        };
         // From well above any ground nearby, down in steps of 1 cm.
         let (low, high) = ground.range();
         let top = high + 3.0;
@@ -130,12 +146,38 @@ impl Simulation {
         while z > low {
             let below = V3::new(start.x, start.y, z - 0.01) - self.vehicle.q * self.reference;
             let before = std::mem::replace(&mut self.vehicle.x, below);
-            if !free(self) {
+            if !self.is_free() {
                 self.vehicle.x = before;
                 break;
             }
             z -= 0.01;
         }
+    }
+
+    /// Leaves the vehicle level in the air with its reference point `height` above the ground there, or as much
+    /// higher as it takes to touch nothing.
+    fn place_above(&mut self, start: Pose2, height: f64) {
+        let ground = &self.world.heightfield;
+        let (_, high) = ground.range();
+        self.vehicle.q = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
+        let mut z = ground.height(start.x, start.y) + height;
+        loop {
+            self.vehicle.x = V3::new(start.x, start.y, z) - self.vehicle.q * self.reference;
+            if self.is_free() || z > high + height.max(3.0) {
+                break;
+            }
+            z += 0.01;
+        }
+    }
+
+    /// Whether neither wheels nor hull touch anything.
+    fn is_free(&self) -> bool {
+        let ground = &self.world.heightfield;
+        let touches = self.vehicle.hubs().any(|(hub, axis)| {
+            hub.z < ground.height(hub.x, hub.y)
+                || self.vehicle.envelope().query(ground, &hub, &axis).is_some()
+        });
+        !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, 0.02)
     }
 
     fn settle(&mut self) -> Result<(), SimError> {

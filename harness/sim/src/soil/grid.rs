@@ -17,6 +17,7 @@ pub(crate) struct Cell {
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     pitch: f64,
+    inverse_pitch: f64,
     /// Position of the south-western corner.
     origin: [f64; 2],
     /// Tiles along x and y.
@@ -31,6 +32,7 @@ impl Grid {
         let count = half.map(|h| (2.0 * h / (pitch * SIDE as f64)).ceil().max(1.0) as usize);
         Self {
             pitch,
+            inverse_pitch: 1.0 / pitch,
             origin: half.map(|h| -h),
             count,
             index: vec![NONE; count[0] * count[1]],
@@ -45,8 +47,8 @@ impl Grid {
     /// (tile, cell within it) of a position; none outside.
     #[inline]
     fn find(&self, x: f64, y: f64) -> Option<(usize, usize)> {
-        let fx = (x - self.origin[0]) / self.pitch;
-        let fy = (y - self.origin[1]) / self.pitch;
+        let fx = (x - self.origin[0]) * self.inverse_pitch;
+        let fy = (y - self.origin[1]) * self.inverse_pitch;
         if !(fx >= 0.0 && fy >= 0.0) {
             return None;
         }

@@ -122,6 +122,11 @@ impl SoilGround {
         self.soils.get(usize::from(self.kind(self.row(y).0, self.column(x).0)))
     }
 
+    /// The soils that occur.
+    pub(crate) fn soils(&self) -> &[Soil] {
+        &self.soils
+    }
+
     /// The soil of a number that [`Under`] gives.
     #[inline]
     pub(crate) fn soil(&self, number: u8) -> Option<&Soil> {

@@ -2,6 +2,7 @@
 
 use super::table::{Power, SATURATED, Saturation};
 use serde::{Deserialize, Serialize};
+use wide::f64x4;
 
 /// The parameters of one soil, as a soil file gives them.
 ///
@@ -61,24 +62,29 @@ pub struct Bulldozing {
 pub(crate) struct Soil {
     pub(crate) k_phi: f64,
     pub(crate) k_c: f64,
-    power: Power,
+    pub(crate) power: Power,
     saturation: Saturation,
     pub(crate) cohesion: f64,
     pub(crate) tan_phi: f64,
     pub(crate) inverse_shear_modulus: f64,
     pub(crate) elastic: f64,
     /// 1 / elastic.
-    compliance: f64,
+    pub(crate) compliance: f64,
     pub(crate) damping: f64,
     pub(crate) radial: bool,
     /// (greatest slope of a heap, share of the displaced volume).
     pub(crate) heap: Option<(f64, f64)>,
-    /// Stress of the shear damper per shear strength and speed of shear, s/m.
+    /// Stress of the shear damper per free shear strength and speed of slow shear, s/m.
     pub(crate) shear_damping: f64,
 }
 
-/// Damping ratio of a resting vehicle's shear against the soil: a choice of ours, the soil's law has none.
-const SHEAR_DAMPING_RATIO: f64 = 0.25;
+/// Damping ratio of a resting vehicle's shear against the soil, and the speed of shear (m/s) at which half of the damping
+/// is gone: choices of ours, the soil's law has none. It takes this much to calm a vehicle whose brakes are off where
+/// pressure acts normal to the ground, as such a pressure feeds motion (docs/physics.md).
+const SHEAR_DAMPING_RATIO: f64 = 2.0;
+const CALM: f64 = 0.03;
+/// A wheel's load over the mass that resists its spinning up, m/s²: the damper must not stop it in less than a step.
+const SPIN_UP: f64 = 60.0;
 
 impl SoilLaw {
     pub(crate) fn prepare(&self) -> Soil {
@@ -116,62 +122,122 @@ impl Soil {
         self.k_c / breadth + self.k_phi
     }
 
-    /// Loads soil that has a plastic sinkage to a total sinkage; returns the pressure (0 where it doesn't reach) and
-    /// whether it yields, and updates the plastic sinkage. The pressure is the smaller of the elastic line's and
-    /// Bekker's: where they meet, the soil yields.
+    /// Advances shear by a slip velocity (m/s) under a pressure (Pa), at four stations at once. The state is the
+    /// displacement (m) that mobilises the stress, along two directions; returns it and the stress on the rim (Pa).
+    ///
+    /// Janosi and Hanamoto's τ = s (1 − exp(−j/K)) is the solution of dτ/dj = (s − τ)/K under a displacement j in one
+    /// direction. In this form it is also defined where the direction changes: stress turns over a displacement of the
+    /// order of K and shearing to and fro takes work (the same equation is Dahl's model of friction, 1968), whereas
+    /// a stress that depends on the displacement alone would give all work back, as a spring would. The share τ/s is
+    /// advanced by that equation and kept as the displacement that it stands for: of the two, that is what rises evenly
+    /// from station to station, so that it can be moved through the footprint.
     #[inline]
-    pub(crate) fn load(&self, modulus: f64, sinkage: f64, plastic: &mut f64) -> (f64, bool) {
-        let elastic = self.elastic * (sinkage - *plastic);
-        if elastic <= 0.0 {
-            return (0.0, false);
-        }
-        let yielding = modulus * self.power.at(sinkage);
-        if elastic <= yielding {
-            return (elastic, false);
-        }
-        *plastic = sinkage - yielding * self.compliance;
-        (yielding, true)
-    }
-
-    /// Shear stress (Pa) at a shear displacement under a pressure.
-    #[inline]
-    pub(crate) fn shear(&self, pressure: f64, displacement: f64) -> f64 {
-        (self.cohesion + pressure * self.tan_phi)
-            * self.saturation.at(displacement * self.inverse_shear_modulus)
-    }
-
-    /// Advances the shear displacement (m) by a slip velocity (m/s); returns the stress on the rim (Pa).
-    #[inline]
-    pub(crate) fn shear_stress(
+    pub(crate) fn shear(
         &self,
-        displacement: &mut [f64; 2],
-        slip: [f64; 2],
-        pressure: f64,
+        state: [f64x4; 2],
+        slip: [f64x4; 2],
+        pressure: f64x4,
         dt: f64,
-    ) -> [f64; 2] {
-        let j = [displacement[0] + dt * slip[0], displacement[1] + dt * slip[1]];
-        *displacement = j;
-        let square = j[0] * j[0] + j[1] * j[1];
-        if square < 1e-24 {
-            return [0.0; 2];
+    ) -> ([f64x4; 2], [f64x4; 2]) {
+        let (zero, one, none) = (f64x4::splat(0.0), f64x4::splat(1.0), f64x4::splat(1e-15));
+        let inverse = f64x4::splat(self.inverse_shear_modulus);
+        let size = (state[0] * state[0] + state[1] * state[1]).sqrt();
+        let way = size * inverse;
+        let share = f64x4::from(way.to_array().map(|x| self.saturation.at(x)));
+        let scale = size.simd_gt(none).select(share / size, inverse);
+        let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
+        let per_speed = f64x4::splat(dt * self.inverse_shear_modulus);
+        let u = speed * per_speed;
+        // (exp(u) − 1)/u by its series: where the terms left out matter, exp(−u) is as good as none.
+        let series =
+            one + u * (f64x4::splat(0.5) + u * (f64x4::splat(1.0 / 6.0) + u * f64x4::splat(1.0 / 24.0)));
+        let keep = one / (one + u * series);
+        let gain = per_speed * series;
+        let mobilised = [0, 1].map(|k| (state[k] * scale + slip[k] * gain) * keep);
+        let level = (mobilised[0] * mobilised[0] + mobilised[1] * mobilised[1]).sqrt();
+        // By differences, so that where nothing slips nothing drifts.
+        let ways = |share: f64x4| f64x4::from(share.to_array().map(|s| self.saturation.inverse(s)));
+        let further = way + ways(level) - ways(share);
+        let further = further.fast_max(zero).fast_min(f64x4::splat(SATURATED));
+        let per_share = level.simd_gt(none).select(further / level, one) / inverse;
+        let after = mobilised.map(|s| s * per_share);
+        // The damper takes a share of the strength that is left. It is for slow motion only, so that sliding soil keeps
+        // its law, and as weak as makes the explicit step stable.
+        let damping = self.shear_damping / (1.0 + dt * self.shear_damping * self.tan_phi * SPIN_UP);
+        let fades = f64x4::splat(damping * CALM * CALM) / (speed * speed + f64x4::splat(CALM * CALM));
+        let damper = (one - level).fast_max(zero) * fades;
+        let strength = f64x4::splat(self.cohesion) + pressure * f64x4::splat(self.tan_phi);
+        let stress = |k: usize| -strength * (mobilised[k] + slip[k] * damper);
+        (after, [stress(0), stress(1)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sand() -> Soil {
+        SoilLaw {
+            k_phi: 5.301e6,
+            k_c: 102.0e3,
+            n: 0.793,
+            cohesion: 1.3e3,
+            friction_angle_deg: 31.1,
+            shear_modulus: 0.012,
+            elastic_stiffness: 4.0e8,
+            damping: 0.0,
+            pressure: PressureDirection::Radial,
+            bulldozing: None,
         }
-        let size = square.sqrt();
-        let inverse = 1.0 / size;
-        let unit = [j[0] * inverse, j[1] * inverse];
-        if size * self.inverse_shear_modulus > SATURATED {
-            let most = SATURATED / self.inverse_shear_modulus;
-            *displacement = [unit[0] * most, unit[1] * most];
+        .prepare()
+    }
+
+    /// Shears one station along a way of (velocity along and across, time); returns the stresses after each step and
+    /// the work done on the soil, J/m².
+    fn sheared(soil: &Soil, pressure: f64, way: &[([f64; 2], f64)], dt: f64) -> (Vec<[f64; 2]>, f64) {
+        let (mut state, mut work, mut stresses) = ([f64x4::splat(0.0); 2], 0.0, vec![]);
+        for &(velocity, time) in way {
+            for _ in 0..(time / dt).round() as usize {
+                let (after, stress) =
+                    soil.shear(state, velocity.map(f64x4::splat), f64x4::splat(pressure), dt);
+                state = after;
+                let stress = stress.map(|s| s.to_array()[2]);
+                work -= (stress[0] * velocity[0] + stress[1] * velocity[1]) * dt;
+                stresses.push(stress);
+            }
         }
-        let strength = self.cohesion + pressure * self.tan_phi;
-        let stress = self.shear(pressure, size);
-        // The damper fades as the soil shears.
-        let damper = self.shear_damping * (strength - stress);
-        let s = [-stress * unit[0] - damper * slip[0], -stress * unit[1] - damper * slip[1]];
-        let total = s[0] * s[0] + s[1] * s[1];
-        if total <= strength * strength {
-            return s;
+        (stresses, work)
+    }
+
+    #[test]
+    fn shear_in_one_direction_is_janosi_and_hanamotos_at_any_speed_of_sliding() {
+        let soil = sand();
+        let (p, dt) = (4e4, 1e-3);
+        let strength = 1.3e3 + p * vb_math::tan(31.1_f64.to_radians());
+        for speed in [0.3, 1.0, 5.0, 30.0] {
+            let (stresses, _) = sheared(&soil, p, &[([0.6 * speed, -0.8 * speed], 0.1)], dt);
+            for (k, s) in stresses.iter().enumerate() {
+                let j = speed * dt * (k + 1) as f64;
+                let theory = strength * (1.0 - vb_math::exp(-j / 0.012));
+                let size = vb_math::hypot(s[0], s[1]);
+                // The damper for slow shear is what is left of the difference.
+                assert!((size - theory).abs() < 0.04 * strength, "{speed} m/s, {j} m: {size}, {theory}");
+                assert!(size <= strength * (1.0 + 1e-12) && s[0] < 0.0 && s[1] > 0.0, "opposes the motion");
+            }
         }
-        let scale = strength / total.sqrt();
-        [s[0] * scale, s[1] * scale]
+    }
+
+    #[test]
+    fn shearing_to_and_fro_takes_work_and_at_rest_the_stress_stays() {
+        let soil = sand();
+        for amplitude in [0.001, 0.01, 0.1] {
+            let way = [([0.5, 0.0], amplitude / 0.5), ([-0.5, 0.0], amplitude / 0.5)];
+            let (_, first) = sheared(&soil, 4e4, &way, 1e-4);
+            let (_, both) = sheared(&soil, 4e4, &[way[0], way[1], way[0], way[1]], 1e-4);
+            assert!(first > 0.0 && both > first, "{amplitude} m: {first} J/m², then {both}");
+        }
+        let (stresses, _) = sheared(&soil, 4e4, &[([0.2, 0.0], 0.02), ([0.0, 0.0], 10.0)], 1e-3);
+        assert_eq!(stresses[20], stresses[stresses.len() - 1]);
+        assert!(stresses[20][0] < -1e3);
     }
 }

@@ -71,7 +71,7 @@ impl WheelRig {
             let (mut force, mut moment, mut load, mut added, mut pushed) = (V3::zeros(), 0.0, 0.0, 0.0, 0.0);
             if let Some(s) = wheel.step(ground, surface, under, &motion, self.step) {
                 (force, moment, load, added, pushed) =
-                    (s.force, s.moment.y, s.load, s.inertia.m33, -s.pressure.x);
+                    (s.force, s.moment.y, s.load, s.inertia.m33, s.compaction);
             }
             // The carriage lets the wheel down gently: a damper that is critical for a wheel's usual stiffness.
             let damper = 2.0 * (mass * 2e5).sqrt();

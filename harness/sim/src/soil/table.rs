@@ -1,4 +1,4 @@
-//! Tables of the two functions that a step asks for hundreds of times: a power and an exponential.
+//! Tables of the functions that a step asks for hundreds of times: a power, an exponential and its inverse.
 
 /// Segments an octave, as a number of bits.
 const BITS: u32 = 6;
@@ -42,19 +42,30 @@ impl Power {
     }
 }
 
-/// 1 − exp(−x) for x in [0, 5], linear within steps of 1/64: error below 3.1e-5; constant above.
+/// 1 − exp(−x) for x in [0, 5], linear within steps of 1/64: error below 3.1e-5; constant above. And its inverse,
+/// −ln(1 − s), linear within 64 segments an octave of 1 − s: error below 3.1e-5.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Saturation {
     values: Vec<f64>,
+    inverse: Vec<f64>,
 }
 
 /// Where the table ends: exp(−5) is as good as none.
 pub(crate) const SATURATED: f64 = 5.0;
+/// The inverse's table begins at 1 − s = 2^−8, beyond the end of the other.
+const LEAST: i32 = -8;
 
 impl Saturation {
     pub(crate) fn new() -> Self {
         let steps = (64.0 * SATURATED) as usize;
-        Self { values: (0..=steps + 1).map(|k| 1.0 - vb_math::exp(-(k as f64) / 64.0)).collect() }
+        let rest = |k: usize| {
+            let mantissa = 1.0 + (k & ((1 << BITS) - 1)) as f64 / f64::from(1 << BITS);
+            mantissa * vb_math::pow(2.0, f64::from(LEAST + (k >> BITS) as i32))
+        };
+        Self {
+            values: (0..=steps + 1).map(|k| 1.0 - vb_math::exp(-(k as f64) / 64.0)).collect(),
+            inverse: (0..=(-LEAST as usize) << BITS).map(|k| -vb_math::ln(rest(k))).collect(),
+        }
     }
 
     #[inline]
@@ -63,6 +74,19 @@ impl Saturation {
         let k = f as u32;
         let Some([a, b]) = self.values.get(k as usize..k as usize + 2) else { return 1.0 };
         a + (b - a) * (f - f64::from(k))
+    }
+
+    /// x of a value 1 − exp(−x): 0 for values up to 0, and where the table ends for those near 1.
+    #[inline]
+    pub(crate) fn inverse(&self, value: f64) -> f64 {
+        const SHIFT: u32 = 52 - BITS;
+        const BASE: u64 = ((1023 + LEAST) as u64) << BITS;
+        const FIRST: f64 = 1.0 / (1 << -LEAST) as f64;
+        let bits = (1.0 - value).max(FIRST).to_bits();
+        let index = ((bits >> SHIFT) - BASE) as usize;
+        let Some([a, b]) = self.inverse.get(index..index + 2) else { return 0.0 };
+        let within = f64::from_bits((bits << BITS & ((1 << 52) - 1)) | 1.0_f64.to_bits()) - 1.0;
+        a + (b - a) * within
     }
 }
 
@@ -87,9 +111,12 @@ mod tests {
         let table = Saturation::new();
         for k in 0..=5000 {
             let x = 1e-3 * f64::from(k);
-            assert!((table.at(x) - (1.0 - vb_math::exp(-x))).abs() < 3.1e-5, "{x}");
+            let value = 1.0 - vb_math::exp(-x);
+            assert!((table.at(x) - value).abs() < 3.1e-5, "{x}");
+            assert!((table.inverse(value) - x).abs() < 3.1e-5, "{x}: {}", table.inverse(value));
         }
-        assert_eq!(table.at(0.0), 0.0);
+        assert_eq!((table.at(0.0), table.inverse(0.0), table.inverse(-1.0)), (0.0, 0.0, 0.0));
         assert_eq!(table.at(70.0), table.at(5.0));
+        assert!(table.inverse(1.0) > SATURATED && table.inverse(f64::NAN).is_finite());
     }
 }

@@ -1,0 +1,306 @@
+//! The wheel is pressed into the soil.
+
+use super::super::ground::{SoilGround, Under};
+use super::super::law::Soil;
+use super::{BLEND, FIRST, Footprint, Frame, LANES, LAST, NO_ROW, PLACES, Row, normal_of};
+use crate::V3;
+use crate::tyre::WheelMotion;
+use vb_world::Heightfield;
+use wide::f64x4;
+
+/// What one step collects, in the wheel's frame.
+#[derive(Default)]
+pub(super) struct Sum {
+    pub(super) force: V3,
+    /// Component of the pressure along the heading.
+    pub(super) pressure: f64,
+    pub(super) moment: V3,
+    pub(super) sinkage: f64,
+    /// xx, xy, xz, yy, yz, zz.
+    pub(super) inertia: [f64; 6],
+    /// Strips in contact.
+    pub(super) strips: usize,
+    pub(super) displaced: f64,
+    /// First and last station in contact.
+    pub(super) span: Option<(usize, usize)>,
+}
+
+/// A strip's place on the ground.
+struct Field {
+    /// Depth of the rim below the raised surface, m; at most the plastic sinkage where the rim is surely above it.
+    sinkage: Row,
+    /// Normals of the ground in the wheel's frame, where pressure acts along them.
+    normal: [Row; 3],
+    /// Part of each station's load that the soil carries; negative where there is another soil or none.
+    share: Row,
+}
+
+/// The wheel's motion in its own frame.
+struct Body {
+    velocity: V3,
+    rotation: V3,
+    offset: f64,
+    dt: f64,
+}
+
+const ALL_SOIL: Row = [1.0; PLACES];
+const NOT_HERE: f64 = -1.0;
+
+impl Footprint {
+    /// Presses the wheel into the soil.
+    #[allow(clippy::too_many_arguments, reason = "wheel, ground and what comes of them")]
+    pub(super) fn press(
+        &mut self,
+        ground: &SoilGround,
+        surface: &Heightfield,
+        under: Under,
+        m: &WheelMotion,
+        f: &Frame,
+        dt: f64,
+        sum: &mut Sum,
+    ) {
+        let mut body =
+            Body { velocity: f.local(&m.velocity), rotation: f.local(&m.rotation), offset: 0.0, dt };
+        let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
+        let mut facet = Facet::at(surface, f, &m.hub);
+        let reach = vb_math::hypot(self.shape.radius, self.shape.width);
+        let top = surface.ceiling(m.hub.x, m.hub.y, reach).unwrap_or(f64::INFINITY);
+        let mut field = Field { sinkage: NO_ROW, normal: self.shape.level.normal, share: ALL_SOIL };
+        for strip in 0..self.shape.strips {
+            body.offset = self.shape.offset(strip);
+            let origin = m.hub + m.axis * body.offset;
+            if !self.locate(strip, surface, f, &origin, top, &mut facet, &mut field) {
+                self.lift_off(strip, &field);
+                continue;
+            }
+            let before = sum.strips;
+            match only {
+                Some(soil) => self.press_strip(strip, soil, &field, &body, sum),
+                None => {
+                    for soil in ground.soils() {
+                        let mut here = false;
+                        for k in FIRST..=LAST {
+                            let at = origin + f.along * self.shape.xs[k] - f.up * self.shape.half[k];
+                            let mine = ground.soil_at(at.x, at.y).is_some_and(|s| std::ptr::eq(s, soil));
+                            field.share[k] = if mine { ground.share(at.x, at.y, BLEND) } else { NOT_HERE };
+                            here |= mine;
+                        }
+                        if here {
+                            self.press_strip(strip, soil, &field, &body, sum);
+                        }
+                    }
+                }
+            }
+            sum.strips = sum.strips.min(before + 1);
+        }
+    }
+
+    /// Finds out how deep each station of a strip lies below the ground; returns whether one may be in contact.
+    #[allow(clippy::too_many_arguments, reason = "strip, ground and what comes of them")]
+    #[inline]
+    fn locate(
+        &self,
+        strip: usize,
+        surface: &Heightfield,
+        f: &Frame,
+        origin: &V3,
+        top: f64,
+        facet: &mut Facet,
+        field: &mut Field,
+    ) -> bool {
+        let (raised, plastic) = (&self.raised[strip], &self.plastic[strip]);
+        let mut touches = false;
+        for k in FIRST..=LAST {
+            let (x, half) = (self.shape.xs[k], self.shape.half[k]);
+            let z = origin.z + f.along.z * x - f.up.z * half;
+            // Above what is left of the highest ground nearby.
+            let clear = top + raised[k] - z;
+            if clear <= plastic[k] {
+                field.sinkage[k] = clear;
+                continue;
+            }
+            let at = [origin.x + f.along.x * x - f.up.x * half, origin.y + f.along.y * x - f.up.y * half];
+            let sinkage = (facet.follow(surface, f, at) + raised[k] - z) * facet.slope;
+            field.sinkage[k] = sinkage;
+            for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
+                row[k] = *n;
+            }
+            touches |= sinkage > plastic[k];
+        }
+        touches
+    }
+
+    /// Nothing of a strip touches the ground.
+    fn lift_off(&mut self, strip: usize, field: &Field) {
+        self.shear[0][strip] = NO_ROW;
+        self.shear[1][strip] = NO_ROW;
+        self.pressed[strip] = field.sinkage.map(|s| s.max(0.0));
+    }
+
+    /// Presses the stations of a strip that lie on one soil into it.
+    #[inline]
+    fn press_strip(&mut self, strip: usize, soil: &Soil, field: &Field, body: &Body, sum: &mut Sum) {
+        let zero = f64x4::splat(0.0);
+        let shape = &self.shape;
+        let (directions, normal) =
+            if soil.radial { (&shape.radial, &shape.radial.normal) } else { (&shape.level, &field.normal) };
+        let plastic_row = &mut self.plastic[strip];
+        let pressed_row = &mut self.pressed[strip];
+        let [a, b] = &mut self.shear;
+        let mut shear_rows = [&mut a[strip], &mut b[strip]];
+        let modulus = f64x4::splat(soil.modulus(self.breadth));
+        let (elastic_stiffness, compliance) = (f64x4::splat(soil.elastic), f64x4::splat(soil.compliance));
+        let (damping, dt) = (f64x4::splat(soil.damping), f64x4::splat(body.dt));
+        let width = f64x4::splat(shape.strip_width());
+        let (velocity, rotation) = (body.velocity, body.rotation);
+        let mut lanes = Lanes::default();
+        let mut bits: u32 = 0;
+        for g in (0..PLACES).step_by(LANES) {
+            let share = load(&field.share, g);
+            let mine = share.simd_ge(zero);
+            let sinkage = load(&field.sinkage, g);
+            let plastic = load(plastic_row, g);
+            let elastic = (sinkage - plastic) * elastic_stiffness;
+            let touching = elastic.simd_gt(zero) & mine;
+            if !touching.any() {
+                for row in &mut shear_rows {
+                    store(row, g, mine.select(zero, load(row, g)));
+                }
+                let free = sinkage.simd_gt(zero).select(sinkage, zero);
+                store(pressed_row, g, mine.select(free, load(pressed_row, g)));
+                continue;
+            }
+            // The pressure is the smaller of the elastic line's and Bekker's: where they meet, the soil yields.
+            let power = f64x4::from(sinkage.to_array().map(|s| soil.power.at(s)));
+            let yielding = power * modulus;
+            let yields = elastic.simd_gt(yielding);
+            let stress = yields.select(yielding, elastic);
+            let deepest = sinkage - yielding * compliance;
+            let deeper = (touching & yields).select(deepest, plastic);
+            store(plastic_row, g, deeper);
+            let free = sinkage.simd_gt(zero).select(sinkage, zero);
+            let pressed = mine.select(touching.select(deepest, free), load(pressed_row, g));
+            store(pressed_row, g, pressed);
+            // Velocity of the rim.
+            let (x, half) = (load(&shape.xs, g), load(&shape.half, g));
+            let vx = f64x4::splat(velocity.x - rotation.z * body.offset) - half * f64x4::splat(rotation.y);
+            let vy =
+                f64x4::splat(velocity.y) + x * f64x4::splat(rotation.z) + half * f64x4::splat(rotation.x);
+            let vz = f64x4::splat(velocity.z + rotation.x * body.offset) - x * f64x4::splat(rotation.y);
+            let n = [load(&normal[0], g), load(&normal[1], g), load(&normal[2], g)];
+            let t = [load(&directions.tangent[0], g), load(&directions.tangent[1], g)];
+            let leaving = vx * n[0] + vy * n[1] + vz * n[2];
+            let damped = stress - damping * leaving;
+            let contact = touching & damped.simd_gt(zero);
+            let pressure = contact.select(damped, zero);
+            let slip = [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1], vy - n[1] * leaving];
+            let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
+            let (after, tangential) = soil.shear(before, slip, pressure, body.dt);
+            for k in 0..2 {
+                let state = contact.select(after[k], zero);
+                store(shear_rows[k], g, mine.select(state, before[k]));
+            }
+            // Ground that a station stands for, and the rim over it, which is larger where it is steep.
+            let strip_share = width * contact.select(share, zero);
+            let area = load(&shape.lengths, g) * strip_share;
+            let rim = load(&directions.rim, g) * strip_share;
+            let push = pressure * rim;
+            let along = tangential[0] * rim;
+            let force =
+                [push * n[0] + along * t[0], push * n[1] + tangential[1] * rim, push * n[2] + along * t[1]];
+            lanes.pressure += push * n[0];
+            lanes.moment[0] += half * force[1];
+            lanes.moment[1] -= half * force[0] + x * force[2];
+            lanes.moment[2] += x * force[1];
+            for (total, part) in lanes.force.iter_mut().zip(force) {
+                *total += part;
+            }
+            let stiffness = yields.select(zero, elastic_stiffness);
+            let implicit = rim * dt * (damping + dt * stiffness);
+            let w = n.map(|n| implicit * n);
+            let outer = [w[0] * n[0], w[0] * n[1], w[0] * n[2], w[1] * n[1], w[1] * n[2], w[2] * n[2]];
+            for (total, part) in lanes.inertia.iter_mut().zip(outer) {
+                *total += part;
+            }
+            lanes.displaced += (deeper - plastic) * area;
+            let depth = contact.select(sinkage, zero);
+            lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
+            bits |= contact.to_bitmask() << g;
+        }
+        if bits == 0 {
+            return;
+        }
+        let force = V3::from(lanes.force.map(total));
+        let [mx, my, mz] = lanes.moment.map(total);
+        sum.force += force;
+        sum.pressure += total(lanes.pressure);
+        sum.moment += V3::new(mx + body.offset * force.z, my, mz - body.offset * force.x);
+        for (all, part) in sum.inertia.iter_mut().zip(lanes.inertia) {
+            *all += total(part);
+        }
+        sum.displaced += total(lanes.displaced);
+        sum.sinkage = lanes.sinkage.to_array().into_iter().fold(sum.sinkage, f64::max);
+        sum.strips += 1;
+        let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
+        sum.span = Some(sum.span.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
+    }
+}
+
+/// Sums over every fourth station.
+#[derive(Default)]
+struct Lanes {
+    force: [f64x4; 3],
+    pressure: f64x4,
+    moment: [f64x4; 3],
+    inertia: [f64x4; 6],
+    displaced: f64x4,
+    sinkage: f64x4,
+}
+
+/// The sum of the lanes, in an order that does not depend on the machine.
+#[inline]
+fn total(lanes: f64x4) -> f64 {
+    let [a, b, c, d] = lanes.to_array();
+    (a + b) + (c + d)
+}
+
+#[inline]
+fn load(row: &Row, g: usize) -> f64x4 {
+    f64x4::from([row[g], row[g + 1], row[g + 2], row[g + 3]])
+}
+
+#[inline]
+fn store(row: &mut Row, g: usize, value: f64x4) {
+    row[g..g + LANES].copy_from_slice(&value.to_array());
+}
+
+/// The last facet of the ground that a station stood on, since the next mostly stands on it too.
+struct Facet {
+    plane: vb_world::Facet,
+    /// Vertical component of the normal.
+    slope: f64,
+    /// In the wheel's frame.
+    normal: V3,
+}
+
+impl Facet {
+    fn at(surface: &Heightfield, f: &Frame, point: &V3) -> Self {
+        Self::on(surface, f, [point.x, point.y])
+    }
+
+    fn on(surface: &Heightfield, f: &Frame, [x, y]: [f64; 2]) -> Self {
+        let plane = surface.facet(x, y);
+        let normal = normal_of(plane.gradient());
+        Self { plane, slope: normal.z, normal: f.local(&normal) }
+    }
+
+    /// Height of the ground at a point, whose facet becomes the current one.
+    #[inline]
+    fn follow(&mut self, surface: &Heightfield, f: &Frame, at: [f64; 2]) -> f64 {
+        if let Some(z) = self.plane.height(at[0], at[1]) {
+            return z;
+        }
+        *self = Self::on(surface, f, at);
+        surface.height(at[0], at[1])
+    }
+}
