@@ -113,9 +113,10 @@ impl Planner {
                 let result = unsafe { module.step()(self.state, &observation, callback(&mut log)) };
                 outcome(result).map(Command::from)
             }
-            // SAFETY: as above.
             Library::C(planner) => {
-                unsafe { planner.step(self.state.cast(), observation, log) }.map_err(error)
+                // SAFETY: as above.
+                let result = unsafe { planner.step(self.state.cast(), observation, log) };
+                result.map_err(error)
             }
         }
     }
