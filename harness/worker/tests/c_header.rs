@@ -1,6 +1,7 @@
 //! The C header against the structs that the worker uses. Skipped where there is no C compiler.
 
 #![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
 use std::mem::{offset_of, size_of};
 use std::path::{Path, PathBuf};
