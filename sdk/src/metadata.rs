@@ -112,7 +112,7 @@ impl Metadata {
             let value = unescape(value).ok_or_else(bad)?;
             match key {
                 "abi" => abi = Some(value),
-                "name" => name = Some(value),
+                "name" => name = Some(Some(value).filter(|name| is_name(name)).ok_or_else(bad)?),
                 "version" => version = Some(value),
                 // Cargo joins the authors of a package by colons.
                 "authors" => {
@@ -297,5 +297,8 @@ mod tests {
     fn names_are_fit_for_files() {
         assert!(["pid", "mppi-6", "a_b"].into_iter().all(is_name));
         assert!(!["", "Pid", "a/b", "a b", "é"].into_iter().any(is_name));
+        let text = b"abi: 0.1\nname: ../../x\nversion: 1\ncontrol-period: 0.1\n";
+        let error = MetadataError::BadLine { line: 2, text: "name: ../../x".into() };
+        assert_eq!(Metadata::parse(text), Err(error));
     }
 }

@@ -41,10 +41,15 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
         std::io::ErrorKind::NotFound => LoadError::NotFound { path: path.into() },
         _ => LoadError::Io { path: path.into(), source },
     };
+    // Opening a pipe would wait for somebody to write into it.
+    let kind = std::fs::metadata(path).map_err(io)?.file_type();
+    if !kind.is_file() && !kind.is_dir() {
+        return Err(io(std::io::Error::other("it is not a regular file")));
+    }
     let file = std::fs::File::open(path).map_err(io)?;
     let found = file.metadata().map_err(io)?.len();
     let mut bytes = Vec::new();
-    // The file may grow while it is read, and devices have no size.
+    // The file may grow while it is read.
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > limit {
         let found = found.max(bytes.len() as u64);

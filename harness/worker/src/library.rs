@@ -1,5 +1,7 @@
 //! Opening a native plugin and calling it, whichever of the two interfaces it has.
 
+use std::ffi::{CStr, CString};
+use std::os::unix::ffi::OsStrExt as _;
 use std::path::Path;
 
 use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
@@ -21,6 +23,7 @@ pub(crate) enum Library {
 
 /// Opens a library and checks its layout. It stays open as long as the process.
 pub(crate) fn open(path: &Path) -> Result<Library, Failure> {
+    resolve(path)?;
     // Stays open from here: looking for one interface and then the other must not load it twice.
     let raw = Box::leak(Box::new(RawLibrary::load_at(path).map_err(|e| explain(&e))?));
     match lib_header_from_path(path) {
@@ -36,6 +39,26 @@ pub(crate) fn open(path: &Path) -> Result<Library, Failure> {
         }
         Err(error) => Err(explain(&error)),
     }
+}
+
+/// Opens a library with all that it wants from others, once and for all: a function that is missing would otherwise end
+/// the process at its first call, in the midst of a task.
+fn resolve(path: &Path) -> Result<(), Failure> {
+    let unloadable = |message: String| Failure { kind: FailureKind::Unloadable, message };
+    let name = CString::new(path.as_os_str().as_bytes()).map_err(|e| unloadable(e.to_string()))?;
+    // SAFETY: the name ends with 0. What the library's constructors do is the reason for this process.
+    if !unsafe { libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL) }.is_null() {
+        return Ok(());
+    }
+    // SAFETY: the text is valid until the next call of the loader on this thread.
+    let error = unsafe { libc::dlerror() };
+    let message = if error.is_null() {
+        "the system's loader refuses it".to_owned()
+    } else {
+        // SAFETY: as above, and it ends with 0.
+        unsafe { CStr::from_ptr(error) }.to_string_lossy().into_owned()
+    };
+    Err(unloadable(on_one_line(&message)))
 }
 
 fn explain(error: &LibraryError) -> Failure {

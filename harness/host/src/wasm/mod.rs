@@ -141,19 +141,38 @@ fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
         })
         .and_then(|mut encoder| encoder.encode())
         .map_err(|e| {
+            let imports = foreign_imports(module);
+            if !imports.is_empty() {
+                return LoadError::ForbiddenImports { path: path.into(), imports };
+            }
             let reason = one_line(&format!("it can't be made a component: {e:#}"));
             LoadError::NotAPlugin { path: path.into(), reason }
         })
 }
 
-/// Whether a core module imports anything of WASI's first preview. What is no module is told by the encoder.
+/// What a core module imports that no interface can name, e.g. `env` or what tools for browsers ask for.
+fn foreign_imports(module: &[u8]) -> Vec<String> {
+    let mut names: Vec<String> = core_imports(module)
+        .into_iter()
+        .filter(|name| !name.contains([':', '$']) && *name != WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
+        .map(one_line)
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Whether a core module imports anything of WASI's first preview.
 fn imports_preview1(module: &[u8]) -> bool {
+    core_imports(module).contains(&WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
+}
+
+/// The modules that a core module names in its imports. What is no module is told by the encoder.
+fn core_imports(module: &[u8]) -> Vec<&str> {
     use wasmparser::{Parser, Payload};
-    Parser::new(0).parse_all(module).any(|payload| match payload {
-        Ok(Payload::ImportSection(section)) => section
-            .into_imports()
-            .flatten()
-            .any(|import| import.module == WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME),
-        _ => false,
-    })
+    let sections = Parser::new(0).parse_all(module).filter_map(|payload| match payload {
+        Ok(Payload::ImportSection(section)) => Some(section),
+        _ => None,
+    });
+    sections.flat_map(|section| section.into_imports().flatten().map(|import| import.module)).collect()
 }

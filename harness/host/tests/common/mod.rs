@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::{Arc, Mutex};
 
 use vb_host::{Limits, LogSink, Plugin};
@@ -124,11 +125,28 @@ pub fn observation() -> Observation {
     Observation { time: 0.5, ..Observation::default() }
 }
 
-type Lines = Arc<Mutex<Vec<(LogLevel, String)>>>;
+/// Lines of a log, as they came.
+pub type Lines = Arc<Mutex<Vec<(LogLevel, String)>>>;
 
 /// A sink that keeps the lines.
 pub fn keeper() -> (LogSink, Lines) {
     let lines = Lines::default();
     let kept = Arc::clone(&lines);
     (LogSink::new(move |level, line| kept.lock().unwrap().push((level, line.to_owned()))), lines)
+}
+
+/// Compiles a C planner of `tests/hostile`, or any other file, into a library, with macros as `NAME=VALUE`; none where
+/// there is no compiler.
+pub fn compile_c(source: &Path, library: &Path, macros: &[&str]) -> Option<()> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hostile").join(source);
+    let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/c");
+    let mut command = Command::new("cc");
+    command.args(["-O1", "-fPIC", "-shared", "-w", "-pthread", "-I"]).arg(header);
+    command.args(macros.iter().map(|text| format!("-D{text}")));
+    let Ok(built) = command.arg("-o").arg(library).arg(source).output() else {
+        eprintln!("skipped: there is no C compiler");
+        return None;
+    };
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    Some(())
 }

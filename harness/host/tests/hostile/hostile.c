@@ -2,13 +2,22 @@
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <pthread.h>
+#include <dlfcn.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
+
+#ifdef __linux__
+#include <sys/ptrace.h>
+#include <sys/shm.h>
+#include <sys/uio.h>
+#endif
 
 #include "vb_planner.h"
 
@@ -16,6 +25,8 @@ VB_PLANNER_METADATA("hostile", "1.0.0", "A", "Does harm", "0.1",
                     VB_PARAM("what", "nothing", "the harm") VB_PARAM("where", "step", "init, step or free"));
 
 static int calls;
+/* The command that is to be filled, during a step. */
+static vb_command *due;
 
 struct planner {
     char what[64];
@@ -59,6 +70,17 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
     if (strcmp(what, "exec") == 0) execl("/bin/sh", "sh", "-c", "touch /tmp/vb-hostile", (char *)NULL);
     if (strcmp(what, "socket") == 0) socket(AF_INET, SOCK_STREAM, 0);
     if (strcmp(what, "kill") == 0) kill(getppid(), 0);
+    if (strcmp(what, "fpe") == 0) raise(SIGFPE);
+    if (strcmp(what, "ill") == 0) __builtin_trap();
+    if (strcmp(what, "stop") == 0) raise(SIGSTOP);
+    if (strcmp(what, "double-free") == 0) {
+        void *volatile block = malloc(4000);
+        free(block);
+        free(block);
+        abort(); /* where the C library doesn't notice */
+    }
+    if (strcmp(what, "scream") == 0)
+        for (;;) fprintf(stderr, "aaaaaaaaaaaaaaaa");
     if (strcmp(what, "stack") == 0) deep(NULL);
     if (strcmp(what, "memory") == 0) {
         for (;;) {
@@ -72,6 +94,47 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
     if (strcmp(what, "huge") == 0) forge(4, "\xff\xff\xff\x7f", 4);
     if (strcmp(what, "text") == 0) forge(4, "hello\n", 6);
     if (strcmp(what, "twice") == 0) forge(4, "\x08\0\0\0\x81\xa5ready\x80", 12);
+#ifdef __linux__
+    if (strcmp(what, "trace") == 0) ptrace(PTRACE_ATTACH, getppid(), NULL, NULL);
+    if (strcmp(what, "poke") == 0) {
+        struct iovec here = {&calls, sizeof calls}, there = {(void *)8, sizeof calls};
+        process_vm_writev(getppid(), &here, 1, &there, 1, 0);
+    }
+    if (strcmp(what, "share") == 0) shmget(IPC_PRIVATE, 4096, IPC_CREAT | 0600);
+    if (strcmp(what, "alarm") == 0) {
+        struct itimerval soon = {{0, 1000}, {0, 1000}};
+        setitimer(ITIMER_REAL, &soon, NULL);
+    }
+    if (strcmp(what, "remove") == 0) unlinkat(AT_FDCWD, "/tmp/vb-hostile", 0);
+#endif
+    if (strcmp(what, "nan") == 0 && due) due->steering = 0.0 / 0.0;
+    if (strcmp(what, "inf") == 0 && due) due->throttle = 1.0 / 0.0;
+    if (strcmp(what, "flood") == 0 && due) {
+        static float values[1 << 20];
+        static vb_series series = {"flood", values, 1 << 20};
+        due->debug = &series;
+    }
+    if (strcmp(what, "nowhere") == 0 && due) {
+        due->debug = (const vb_series *)8;
+        due->debug_len = 1000;
+    }
+    if (strcmp(what, "mute") == 0) return -1;
+    if (strcmp(what, "escape") == 0) {
+        snprintf(error->message, sizeof error->message, "no way\033[2J\a");
+        return 1;
+    }
+    if (strcmp(what, "library") == 0) {
+        void *library = dlopen("libresolv.so.2", RTLD_NOW);
+        
+        snprintf(error->message, sizeof error->message, "%s", library ? "it is open" : "it can't be opened");
+        return 1;
+    }
+    if (strcmp(what, "limits") == 0) {
+        struct rlimit none = {RLIM_INFINITY, RLIM_INFINITY};
+        int refused = setrlimit(RLIMIT_AS, &none) != 0 && setrlimit(RLIMIT_CORE, &none) != 0;
+        snprintf(error->message, sizeof error->message, refused ? "no other limits" : "limits are gone");
+        return 1;
+    }
     if (strcmp(what, "talk") == 0)
         for (;;) host->log(host->context, VB_LOG_INFO, "la la la");
     if (strcmp(what, "print") == 0) {
@@ -124,7 +187,10 @@ static int32_t step(void *planner, const vb_observation *o, const vb_host *host,
     command->throttle = calls;
     command->debug = &series;
     command->debug_len = 1;
-    return strcmp(p->where, "step") == 0 ? harm(p->what, host, error) : 0;
+    due = command;
+    int32_t status = strcmp(p->where, "step") == 0 ? harm(p->what, host, error) : 0;
+    due = NULL;
+    return status;
 }
 
 static void release(void *planner) {

@@ -1,0 +1,132 @@
+//! Commands that do harm: shell scripts that send messages made beforehand.
+
+use std::path::Path;
+
+use vb_host::FaultCode::{self, *};
+use vb_sdk::Command;
+use vb_worker::protocol::{
+    Empty, Failure, FailureKind, Greeting, Introduction, LogLine, PROTOCOL, Reply, Request, WireLevel, encode,
+};
+
+use crate::Ends::{self, *};
+use crate::{Case, Source, case};
+
+/// Writes every message that the scripts send into a file of its name.
+pub fn write_messages(dir: &Path) {
+    let hello = Introduction {
+        protocol: PROTOCOL,
+        abi: vb_sdk::ABI_VERSION.into(),
+        name: "script".into(),
+        control_period: 0.1,
+        ..Introduction::default()
+    };
+    let failure = |kind| Reply::Error(Failure { kind, message: "no way \u{1b}[2J".into() });
+    let messages = [
+        ("old", Reply::Hello(Introduction { abi: "0.0".into(), ..hello.clone() })),
+        ("foreign", Reply::Hello(Introduction { protocol: 99, ..hello.clone() })),
+        ("nameless", Reply::Hello(Introduction { name: "../..".into(), ..hello.clone() })),
+        ("hasty", Reply::Hello(Introduction { control_period: -0.1, ..hello.clone() })),
+        ("hello", Reply::Hello(hello)),
+        ("ready", Reply::Ready(Empty {})),
+        ("dropped", Reply::Dropped(Empty {})),
+        ("nan", Reply::Command(Command { brake: f64::NAN, ..Command::default() }.into())),
+        ("error", failure(FailureKind::Error)),
+        ("panic", failure(FailureKind::Panic)),
+        ("line", Reply::Log(LogLine { level: WireLevel::Info, message: "la".repeat(100) })),
+    ];
+    for (name, message) in messages {
+        let mut bytes = Vec::new();
+        encode(&message, &mut bytes).unwrap();
+        std::fs::write(dir.join(name), bytes).unwrap();
+    }
+}
+
+fn script(name: &'static str, text: &str, ends: Ends, code: FaultCode, says: &'static str) -> Case {
+    case(name, Source::Script(text.to_owned()), ends, code, says)
+}
+
+pub fn table() -> Vec<Case> {
+    // Waits until it is asked for a task: the question for its name has come, and the length of the next.
+    let mut question = Vec::new();
+    let greeting = Greeting { protocol: PROTOCOL, abi: vb_sdk::ABI_VERSION.into(), library: None };
+    encode(&Request::Hello(greeting), &mut question).unwrap();
+    let asked = format!("cat hello; head -c {} > /dev/null", question.len() + 4);
+    // The rest of what is asked is read, so that the harness can write it, and the output stays open.
+    let rest = "exec cat 3>&1 > /dev/null";
+    vec![
+        script("a command that leaves", "exit 3", Load, Unloadable, "exit code 3"),
+        script("a command that prints", "echo hello", Load, Protocol, "print to standard error"),
+        script("a command that repeats the question", "exec cat", Load, NotAPlugin, "its name is ``"),
+        script("a command of zeros", "exec head -c 4096 /dev/zero", Load, Protocol, ""),
+        script(
+            "a command with three bytes too many",
+            "head -c 3 /dev/zero; exec cat hello",
+            Load,
+            InvalidOutput,
+            "",
+        ),
+        script(
+            "a command with a message that is too long",
+            r"printf '\377\377\377\177'; exec cat",
+            Load,
+            InvalidOutput,
+            "1114112",
+        ),
+        script("a command of another version", "exec cat old", Load, AbiMismatch, "ABI 0.0"),
+        script("a command of another protocol", "exec cat foreign", Load, NotAPlugin, "version 99"),
+        script(
+            "a command whose name is a path",
+            "exec cat nameless",
+            Load,
+            NotAPlugin,
+            "its name is `../..`",
+        ),
+        script("a command of a period below 0", "exec cat hasty", Load, NotAPlugin, "-0.1"),
+        script("a command that leaves after its name", "exec cat hello", Init, Crashed, "code 0"),
+        script("a command that never is ready", &format!("cat hello; {rest}"), Init, Hung, "1500"),
+        script(
+            "a command that is always ready",
+            &format!("{asked}; cat ready ready; {rest}"),
+            Step,
+            Protocol,
+            "ready",
+        ),
+        script(
+            "a command whose brake is no number",
+            &format!("{asked}; cat ready; sleep 0.3; cat nan; {rest}"),
+            Step,
+            InvalidOutput,
+            "brake is NaN",
+        ),
+        script(
+            "a command that leaves a child behind",
+            "cat hello; sleep 1000 & exec sleep 1000",
+            Init,
+            Hung,
+            "1500",
+        ),
+        script(
+            "a command that forgets too soon",
+            &format!("{asked}; cat dropped; {rest}"),
+            Init,
+            Protocol,
+            "dropped",
+        ),
+        script(
+            "a command that fails in init",
+            &format!("{asked}; cat error; {rest}"),
+            Init,
+            InitFailed,
+            "no way",
+        ),
+        script("a command that panics", &format!("{asked}; cat panic; {rest}"), Init, Panic, "no way"),
+        script("a command of endless log", "cat hello; while cat line; do :; done", Init, Hung, "1500"),
+        script(
+            "a command without memory",
+            "cat hello; echo MemoryError >&2; exit 1",
+            Init,
+            OutOfMemory,
+            "it may have",
+        ),
+    ]
+}
