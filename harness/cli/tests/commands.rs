@@ -44,7 +44,7 @@ fn an_error_of_the_command_line_is_one_line() {
     for (args, line) in [
         (
             &["run"][..],
-            "error: the following required arguments were not provided: --plugin <FILE> (see --help)\n",
+            "error: the following required arguments were not provided: --plugin <FILE|COMMAND> (see --help)\n",
         ),
         (&["--plugin", "x", "--bogus"], "error: unexpected argument '--bogus' found (see --help)\n"),
     ] {
