@@ -79,6 +79,22 @@ fn a_planner_that_breaks_a_promise_fails_the_check_that_is_about_it() {
     assert_eq!(checks["hygiene"]["verdict"], "pass");
 }
 
+/// The planner computes without end from the step on at which it is shown something extreme for the third time.
+#[test]
+fn a_planner_that_runs_away_from_an_extreme_observation_fails_the_probes() {
+    let bench = Bench::new();
+    bench.write("limits.yaml", "fuel_per_step: 1000000\n");
+    let file = plugin("faulty", Carrier::Wasm);
+    let args = ["check", "--plugin", text(&file), "--param", "fault=endless", "--tasks", "w001/t00"];
+    let done = bench.run(&[&args[..], &["--limits", "limits.yaml"], &JSON].concat());
+    let (checks, _) = messages(&done.stdout);
+    let failed: Vec<_> = checks.values().filter(|c| c["verdict"] == "fail").map(|c| &c["name"]).collect();
+    assert_eq!(failed, ["probes", "tasks"]);
+    let detail = checks["probes"]["detail"].as_str().expect("a text");
+    assert!(detail.starts_with("planner/out-of-fuel after zeros, "), "{detail}");
+    assert!(done.error(8).contains("tasks, probes"));
+}
+
 #[test]
 fn little_head_room_is_a_warning_with_the_share() {
     let bench = Bench::new();

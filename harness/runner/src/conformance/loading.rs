@@ -46,6 +46,22 @@ pub(super) fn refused(error: LoadError) -> Result<Vec<Check>, KitError> {
     Ok([NAME].into_iter().chain(REST).map(check).collect())
 }
 
+/// The checks of a plugin that was loaded once, but not a second time, from the tasks on.
+pub(super) fn not_again(error: LoadError) -> Result<Vec<Check>, KitError> {
+    if error.code().blame() != Blame::Planner {
+        return Err(KitError::Load(error));
+    }
+    let check = |name: &'static str| {
+        if name == "determinism" {
+            let detail = format!("it was loaded once, but not again: {error} ({})", error.code());
+            Check::fail(name, detail, "let loading depend on nothing but the file")
+        } else {
+            Check::skip(name, "the plugin can't be loaded again")
+        }
+    };
+    Ok(REST.into_iter().skip_while(|name| *name != "tasks").map(check).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::report::Verdict;
@@ -64,6 +80,14 @@ mod tests {
         assert_eq!(failing(LoadError::AbiVersion { path: path(), found: "0.9".into() }), ["stamp"]);
         let imports = vec!["wasi:http/outgoing-handler@0.2.0".to_owned()];
         assert_eq!(failing(LoadError::ForbiddenImports { path: path(), imports }), ["imports"]);
+    }
+
+    #[test]
+    fn a_plugin_that_loads_by_chance_is_not_deterministic() {
+        let checks = not_again(LoadError::Empty { path: "x.so".into() }).unwrap();
+        let named = checks.iter().map(|c| (c.name, c.verdict)).collect::<Vec<_>>();
+        assert_eq!(named[..2], [("tasks", Verdict::Skip), ("determinism", Verdict::Fail)]);
+        assert!(named.len() == 6 && named[2..].iter().all(|(_, verdict)| *verdict == Verdict::Skip));
     }
 
     #[test]

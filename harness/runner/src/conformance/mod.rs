@@ -146,7 +146,13 @@ fn check_loaded(
     // With `first` and `third` a task is driven by a plugin that has driven nothing before; with `second` the second
     // task comes after the first.
     let (second, second_load) = start_up::timed(|| (kit.load)());
-    let (second, third) = (second.map_err(KitError::Load)?, (kit.load)().map_err(KitError::Load)?);
+    let (second, third) = match (second, (kit.load)()) {
+        (Ok(second), Ok(third)) => (second, third),
+        (Err(error), _) | (_, Err(error)) => {
+            loading::not_again(error)?.into_iter().for_each(|check| checks.tell(check));
+            return Ok(());
+        }
+    };
     let drive = |task: usize, plugin: &Plugin| course.drive(task, plugin, &params, cancel);
     let mut driven = vec![drive(0, first)?, drive(1, &third)?];
     if course.len() > 2 {

@@ -1,6 +1,8 @@
 //! `probes`: observations that no simulation should make don't take the planner out of control. It may answer, or give
 //! up with an error; it must not loop, crash, or eat memory.
 
+use std::collections::BTreeMap;
+
 use vb_host::{FaultCode, LogSink, Plugin};
 use vb_sdk::{Observation, Param, Vec3, Wheel};
 
@@ -55,9 +57,14 @@ fn verdict(code: FaultCode) -> Verdict {
 
 fn judge(seen: &[(&'static str, Option<FaultCode>)]) -> Check {
     let ended = |wanted: Verdict| {
-        let of = seen.iter().filter_map(|(name, code)| code.map(|code| (name, code)));
-        let of = of.filter(|(_, code)| verdict(*code) == wanted);
-        of.map(|(name, code)| format!("{name}: {code}")).collect::<Vec<_>>().join(", ")
+        let mut of = BTreeMap::<FaultCode, Vec<&str>>::new();
+        for (name, code) in seen.iter().filter_map(|(name, code)| code.map(|code| (*name, code))) {
+            if verdict(code) == wanted {
+                of.entry(code).or_default().push(name);
+            }
+        }
+        let texts = of.iter().map(|(code, names)| format!("{code} after {}", names.join(", ")));
+        texts.collect::<Vec<_>>().join("; ")
     };
     let (lost, orderly) = (ended(Verdict::Fail), ended(Verdict::Warn));
     if !lost.is_empty() {
@@ -136,7 +143,7 @@ mod tests {
     #[test]
     fn what_ran_away_is_named_with_its_code() {
         let seen = [("NaN", Some(FaultCode::Panic)), ("no wheels", Some(FaultCode::OutOfFuel))];
-        assert_eq!(judge(&seen).detail, "no wheels: planner/out-of-fuel");
+        assert_eq!(judge(&seen).detail, "planner/out-of-fuel after no wheels");
     }
 
     #[test]
