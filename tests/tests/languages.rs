@@ -123,9 +123,11 @@ fn project(bench: &Bench, lang: &str) -> PathBuf {
     bench.path("fox")
 }
 
-/// It is found by the harness, and drives as the example that it starts from.
+/// It is found by the harness, keeps what planners promise, and drives as the example that it starts from.
 fn assert_drives(bench: &Bench, built: &Path, example: &Path) {
     assert!(bench.ok(&["inspect", "--plugin", text(built)]).contains("fox 0.1.0"));
+    let told = bench.ok(&["check", "--plugin", text(built), "--tasks", "w001/t00"]);
+    assert!(told.contains("0 failed"), "{told}");
     let run = |plugin: &Path, out: &str| {
         bench.ok(&["--plugin", text(plugin), "--tasks", "w001/t00", "--out", out]);
         bench.records(out)["w001/t00"]["state_hash"].clone()

@@ -3,6 +3,9 @@
 //! It stands still until the step `at`, then does what `fault` says; with `init-` before it, in `init`. Each step sends
 //! the series `step`: its number and the time.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use vb_sdk::{Command, LogLevel, Observation, Planner, PlannerError, Series, Task, log};
 
 vb_sdk::export_planner! {
@@ -11,11 +14,14 @@ vb_sdk::export_planner! {
     about: "Stands still until it fails on demand",
     control_period: 0.1,
     params: {
-        fault: "none" => "none, error, panic, nan, range, endless, memory or stack; init-error, init-panic, …",
+        fault: "none" => "none, error, panic, nan, range, endless, memory, stack, static or clock; init-error, init-panic, …",
         at: 3 => "step at which it fails, from 0",
         only: "" => "the task that it fails on, e.g. w001/t00; empty: all",
     }
 }
+
+/// How many planners this process has made: what planners must not remember.
+static MADE: AtomicU32 = AtomicU32::new(0);
 
 struct Faulty {
     fault: String,
@@ -25,6 +31,7 @@ struct Faulty {
 
 impl Planner for Faulty {
     fn init(task: &Task) -> Result<Self, PlannerError> {
+        MADE.fetch_add(1, Ordering::Relaxed);
         let mut fault: String = task.param_as("fault")?;
         let only: String = task.param_as("only")?;
         if !only.is_empty() && only != task.id {
@@ -69,10 +76,22 @@ fn fail(fault: &str) -> Result<Command, PlannerError> {
                 std::hint::black_box(&hoard);
             }
         }
+        "static" => command = turn(0.1 * f64::from(MADE.load(Ordering::Relaxed))),
+        "clock" => command = turn(f64::from(nanoseconds()) / 1e9),
         "stack" => command.steering = recurse(0),
         other => return Err(PlannerError::new(format!("parameter `fault`: there is no `{other}`"))),
     }
     Ok(command)
+}
+
+fn turn(steering: f64) -> Command {
+    Command { steering, throttle: 0.3, ..Command::default() }
+}
+
+/// Of the time of day, which WASM planners don't get.
+#[allow(clippy::disallowed_methods, reason = "it is what planners must not do")]
+fn nanoseconds() -> u32 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.subsec_nanos())
 }
 
 /// Deeper than any stack, but for the compiler a recursion that ends.

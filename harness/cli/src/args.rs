@@ -16,6 +16,7 @@ Exit codes:
     5  completed, but the simulation of some tasks failed
     6  completed, but the vehicle failed some checks of its test
     7  completed, but the harness or the machine failed some tasks; --resume runs them again
+    8  completed, but the planner failed some checks of check
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -43,6 +44,8 @@ pub(crate) enum Command {
     Score(ScoreArgs),
     /// Show what a plugin says of itself, without running it
     Inspect(InspectArgs),
+    /// Check what planners promise: determinism, hygiene, head-room, and more
+    Check(CheckArgs),
     /// Start a planner's project, and describe planners that are not written in Rust
     #[command(subcommand)]
     Plugin(PluginCommand),
@@ -192,6 +195,31 @@ pub(crate) struct InspectArgs {
     /// The planner: a WASM file, a native library, or a command, which is started for it
     #[arg(long, value_name = "FILE|COMMAND")]
     pub(crate) plugin: PathBuf,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// The planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
+    #[arg(long, value_name = "FILE|COMMAND")]
+    pub(crate) plugin: PathBuf,
+    /// Refuse a native planner where the system can't confine it in every way, and any command
+    #[arg(long)]
+    pub(crate) require_sandbox: bool,
+    /// Limits of the planner, by name as in docs/abi.md; default: those documented there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) limits: Option<PathBuf>,
+    /// Parameter of the planner; may be repeated
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) params: Vec<(String, String)>,
+    /// Suite to take tasks from: a directory, or the name of one that comes with the harness; default: vb-mini
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// Tasks of which three are driven: the first, the middle and the last; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) message_format: MessageFormat,

@@ -18,6 +18,8 @@ pub(crate) const SIM_ERRORS: u8 = 5;
 pub(crate) const CHECKS_FAILED: u8 = 6;
 /// The run was completed, but the harness or the machine failed some tasks.
 pub(crate) const HOST_ERRORS: u8 = 7;
+/// The checks of a planner were made, but it failed some.
+pub(crate) const NOT_CONFORMING: u8 = 8;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -61,6 +63,10 @@ impl CliError {
 
     pub(crate) fn checks_failed(message: impl fmt::Display) -> Self {
         Self::new(CHECKS_FAILED, message)
+    }
+
+    pub(crate) fn not_conforming(message: impl fmt::Display) -> Self {
+        Self::new(NOT_CONFORMING, message)
     }
 
     pub(crate) fn interrupted(message: impl fmt::Display) -> Self {

@@ -1,6 +1,7 @@
 //! `vb-harness`: the command line of the benchmark.
 
 mod args;
+mod check;
 mod error;
 mod inspect;
 mod output;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Some(args::Command::Run(args)) => run::run(&args),
         Some(args::Command::Score(args)) => score::score(&args),
         Some(args::Command::Inspect(args)) => inspect::inspect(&args),
+        Some(args::Command::Check(args)) => check::check(&args),
         Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),
         Some(args::Command::Plugin(args::PluginCommand::Stamp(args))) => plugin::stamp(&args),
         Some(args::Command::Suite(args::SuiteCommand::List)) => suite::list(),

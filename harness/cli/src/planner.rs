@@ -5,18 +5,15 @@ use std::path::{Path, PathBuf};
 
 use vb_host::{Limits, LoadError, NativeOptions, Plugin, SandboxReport};
 
+use crate::error::CliError;
 use crate::{output, places};
 
 /// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
 pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {
-    let native = NativeOptions { worker: None, require_sandbox };
-    let plugin = match command(wanted) {
-        Some(words) => {
-            output::note("note: a command is not sandboxed, and its results are not eligible for ranking");
-            Plugin::command(&words, limits)?
-        }
-        None => Plugin::load_with(wanted, limits, places::cache_dir().as_deref(), &native)?,
-    };
+    if command(wanted).is_some() {
+        output::note("note: a command is not sandboxed, and its results are not eligible for ranking");
+    }
+    let plugin = load_quietly(wanted, limits, require_sandbox)?;
     let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
     if !missing.is_empty() {
         let missing = missing.join(", ");
@@ -26,6 +23,27 @@ pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Res
         ));
     }
     Ok(plugin)
+}
+
+/// Loads a plugin file or starts a command.
+pub(crate) fn load_quietly(
+    wanted: &Path,
+    limits: &Limits,
+    require_sandbox: bool,
+) -> Result<Plugin, LoadError> {
+    let native = NativeOptions { worker: None, require_sandbox };
+    match command(wanted) {
+        Some(words) => Plugin::command(&words, limits),
+        None => Plugin::load_with(wanted, limits, places::cache_dir().as_deref(), &native),
+    }
+}
+
+/// Refuses a command where the user demands a sandbox.
+pub(crate) fn can_be_confined(wanted: &Path, require_sandbox: bool) -> Result<(), CliError> {
+    if require_sandbox && command(wanted).is_some() {
+        return Err(CliError::usage("--require-sandbox: a command can't be confined (give a WASM file)"));
+    }
+    Ok(())
 }
 
 /// The words of a command: `wanted` is no file, has more than one word, as a shell splits them, and the first is a

@@ -91,9 +91,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         })?;
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
-    if args.require_sandbox && planner::command(&args.plugin).is_some() {
-        return Err(CliError::usage("--require-sandbox: a command can't be confined (give a WASM file)"));
-    }
+    planner::can_be_confined(&args.plugin, args.require_sandbox)?;
     let plugin = planner::load(&args.plugin, &limits, args.require_sandbox)
         .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     let jobs = args.jobs.map_or_else(
@@ -124,7 +122,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
 }
 
 /// The limits in a file: every field may be left out.
-fn limits(path: &Path) -> Result<Limits, CliError> {
+pub(crate) fn limits(path: &Path) -> Result<Limits, CliError> {
     let file = path.display();
     let text = std::fs::read_to_string(path)
         .map_err(|e| CliError::input(format!("cannot read limits {file}: {e} (give a YAML file)")))?;
@@ -140,12 +138,14 @@ fn limits(path: &Path) -> Result<Limits, CliError> {
     Ok(limits)
 }
 
-fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
+/// A vehicle by its name or file.
+pub(crate) fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
     let (file, text, hash) = read_data(Data::Vehicle, wanted)?;
     Ok(Vehicle { spec: VehicleSpec::parse(&text, &file).map_err(CliError::input)?, hash })
 }
 
-fn soils(wanted: &str, pitch: f64) -> Result<Soils, CliError> {
+/// A set of soils by its name or file, and the side of the cells in which soil remembers ruts, m.
+pub(crate) fn soils(wanted: &str, pitch: f64) -> Result<Soils, CliError> {
     let (file, text, hash) = read_data(Data::Soils, wanted)?;
     Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, pitch })
 }
@@ -162,7 +162,7 @@ fn read_data(kind: Data, wanted: &str) -> Result<(String, String, String), CliEr
 }
 
 /// The first Ctrl-C sets what is returned: the run ends when it has put its results away. The second ends the process.
-fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
+pub(crate) fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancel);
     ctrlc::set_handler(move || {

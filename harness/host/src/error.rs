@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::FaultCause;
+use crate::abi::{self, AbiVersion};
 use crate::code::FaultCode;
 
 /// Why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
@@ -53,19 +54,16 @@ pub enum LoadError {
         /// What is wrong with it.
         source: vb_sdk::metadata::MetadataError,
     },
-    /// The plugin speaks another version of the planner interface.
+    /// The plugin speaks a version of the planner interface outside of the harness's window.
     #[error(
-        "{}: the plugin was built for planner ABI {found}; this harness supports {supported}. Rebuild it with vb-sdk \
-         {supported}",
-        .path.display()
+        "{}: the plugin was built for planner ABI {found}; this harness supports {}. {}",
+        .path.display(), AbiVersion::window(), abi::advice(.found)
     )]
     AbiVersion {
         /// The file.
         path: PathBuf,
         /// The plugin's version.
         found: String,
-        /// The harness's version.
-        supported: &'static str,
     },
     /// The plugin wants something from the outside that planners don't get.
     #[error(

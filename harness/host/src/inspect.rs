@@ -4,10 +4,11 @@ use std::io::Read as _;
 use std::path::Path;
 
 use object::{Architecture, Object as _, ObjectSection as _};
-use vb_sdk::ABI_VERSION;
 use vb_sdk::metadata::{ELF_SECTION, MACHO_SECTION, Metadata, WASM_SECTION};
-use wasmparser::{Encoding, Parser, Payload};
+use wasmparser::{BinaryReaderError, Encoding, Parser, Payload};
 
+use crate::abi::{self, AbiVersion};
+use crate::text::one_line;
 use crate::{Limits, LoadError};
 
 /// What a plugin is made of.
@@ -24,6 +25,7 @@ pub(crate) enum Format {
 pub(crate) struct PluginFile {
     pub(crate) bytes: Vec<u8>,
     pub(crate) format: Format,
+    pub(crate) abi: AbiVersion,
     pub(crate) metadata: Metadata,
 }
 
@@ -33,6 +35,46 @@ pub(crate) struct PluginFile {
 /// If the file can't be read, is no plugin, or speaks another version of the planner interface.
 pub fn inspect(path: &Path) -> Result<Metadata, LoadError> {
     read(path, Limits::default().module_bytes).map(|file| file.metadata)
+}
+
+/// The names of what a WASM plugin imports, in their order: interfaces of a component, modules of a core module. Empty
+/// for a native library. Nothing of the plugin is run or compiled.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn imports(path: &Path) -> Result<Vec<String>, LoadError> {
+    let file = read(path, Limits::default().module_bytes)?;
+    let mut names: Vec<String> = Vec::new();
+    if file.format == Format::Native {
+        return Ok(names);
+    }
+    let damaged = |e: BinaryReaderError| LoadError::Damaged { path: path.into(), reason: e.to_string() };
+    let mut keep = |name: &str| {
+        // What a core module exports for a component to be made of it has helpers that it imports.
+        let name = one_line(name);
+        if !name.starts_with("[export]") && !names.contains(&name) {
+            names.push(name);
+        }
+    };
+    let mut depth = 0u32;
+    for payload in Parser::new(0).parse_all(&file.bytes) {
+        match payload.map_err(damaged)? {
+            Payload::Version { .. } => depth += 1,
+            Payload::End(_) => depth -= 1,
+            Payload::ComponentImportSection(section) if depth == 1 => {
+                for import in section {
+                    keep(import.map_err(damaged)?.name.name);
+                }
+            }
+            Payload::ImportSection(section) if depth == 1 => {
+                for import in section.into_imports() {
+                    keep(import.map_err(damaged)?.module);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(names)
 }
 
 /// Reads and recognises a plugin file of at most so many bytes.
@@ -68,12 +110,15 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
         path: path.into(),
         reason: "it carries no planner metadata; planners are exported by vb_sdk::export_planner!".into(),
     })?;
+    // The version decides how the rest is to be read.
+    let outside = |found: &str| LoadError::AbiVersion { path: path.into(), found: one_line(found) };
+    if let Some(found) = abi::stamp(&text).filter(|found| AbiVersion::find(found).is_none()) {
+        return Err(outside(found));
+    }
     let metadata =
         Metadata::parse(&text).map_err(|source| LoadError::Metadata { path: path.into(), source })?;
-    if metadata.abi != ABI_VERSION {
-        return Err(LoadError::AbiVersion { path: path.into(), found: metadata.abi, supported: ABI_VERSION });
-    }
-    Ok(PluginFile { bytes, format, metadata })
+    let abi = AbiVersion::find(&metadata.abi).ok_or_else(|| outside(&metadata.abi))?;
+    Ok(PluginFile { bytes, format, abi, metadata })
 }
 
 /// Levels of components in components: toolchains make two or three, and the engine walks them recursively.

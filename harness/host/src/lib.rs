@@ -4,6 +4,7 @@
 //! of workers; [`Plugin::start`] puts a fresh planner on a task, and [`Session::step`] drives it. What the planner
 //! does wrong ends as a [`PlannerFault`], never as a panic. The interface itself is described in `docs/abi.md`.
 
+mod abi;
 mod code;
 mod error;
 mod fault;
@@ -15,10 +16,11 @@ mod plugin;
 mod text;
 mod wasm;
 
+pub use abi::AbiVersion;
 pub use code::{Blame, FaultCode};
 pub use error::{LoadError, ParamError};
 pub use fault::{FaultCause, PlannerFault, ProcessEnd, Resource};
-pub use inspect::inspect;
+pub use inspect::{imports, inspect};
 pub use limits::Limits;
 pub use log::LogSink;
 pub use native::{NativeOptions, WORKER_ARGUMENT};

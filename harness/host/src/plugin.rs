@@ -10,6 +10,7 @@ use vb_sdk::metadata::Metadata;
 use vb_sdk::{Command, Observation, Param, Task};
 use vb_worker::sandbox::SandboxReport;
 
+use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, PlannerFault};
 use crate::inspect::{self, Format};
 use crate::native::{NativeOptions, ProcessPlugin, ProcessSession};
@@ -34,6 +35,7 @@ pub struct Plugin(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
+    abi: AbiVersion,
     metadata: Metadata,
     sha256: String,
     limits: Limits,
@@ -78,14 +80,15 @@ impl Plugin {
         let sha256 = hex(&Sha256::digest(&file.bytes));
         let code = match file.format {
             Format::Native => {
-                let (plugin, sandbox) = ProcessPlugin::load(path, limits, native)?;
+                let (plugin, sandbox) = ProcessPlugin::load(path, file.abi, limits, native)?;
                 Code::Native(plugin, sandbox)
             }
             Format::Component | Format::CoreModule => {
                 Code::Wasm(WasmPlugin::load(path, &file, &sha256, limits, cache_dir)?)
             }
         };
-        Ok(Self(Arc::new(Inner { metadata: file.metadata, sha256, limits: limits.clone(), code })))
+        let (abi, metadata, limits) = (file.abi, file.metadata, limits.clone());
+        Ok(Self(Arc::new(Inner { abi, metadata, sha256, limits, code })))
     }
 
     /// Starts a command that speaks the worker protocol on its standard input and output (`docs/worker-protocol.md`)
@@ -94,9 +97,9 @@ impl Plugin {
     /// # Errors
     /// If it can't be started or doesn't introduce itself as a planner of this version of the interface.
     pub fn command(words: &[OsString], limits: &Limits) -> Result<Self, LoadError> {
-        let (plugin, metadata) = ProcessPlugin::command(words, limits)?;
+        let (plugin, abi, metadata) = ProcessPlugin::command(words, limits)?;
         let (sha256, limits) = (command_hash(words), limits.clone());
-        Ok(Self(Arc::new(Inner { metadata, sha256, limits, code: Code::Command(plugin) })))
+        Ok(Self(Arc::new(Inner { abi, metadata, sha256, limits, code: Code::Command(plugin) })))
     }
 
     /// How the process of a native library is confined; `None` for other plugins.
@@ -106,6 +109,12 @@ impl Plugin {
             Code::Native(_, sandbox) => Some(sandbox),
             Code::Wasm(_) | Code::Command(_) => None,
         }
+    }
+
+    /// The version of the planner interface that the plugin speaks.
+    #[must_use]
+    pub fn abi(&self) -> AbiVersion {
+        self.0.abi
     }
 
     /// What the plugin says of itself.

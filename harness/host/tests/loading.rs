@@ -8,7 +8,7 @@ use std::path::Path;
 
 use common::{METADATA, core_module, file, observation, planner_wat, task, with_metadata};
 use sha2::Digest as _;
-use vb_host::{Limits, LoadError, LogSink, Plugin, inspect};
+use vb_host::{Limits, LoadError, LogSink, Plugin, imports, inspect};
 
 const OK: &str = "(call $ok_planner)";
 const GO: &str = "(call $ok_command (f64.const 0.25) (f64.const 0.5) (f64.const 0))";
@@ -158,6 +158,24 @@ fn metadata_that_are_damaged_or_of_another_version() {
     let (error, message) = refusal(&with(&METADATA.replace("abi: 0.1", "abi: 0.3")));
     assert!(matches!(error, LoadError::AbiVersion { .. }));
     assert!(message.contains("built for planner ABI 0.3; this harness supports 0.1. Rebuild"), "{message}");
+    // The version is read before the rest, which may have other rules there.
+    let (error, message) = refusal(&with("abi: 0.2\nname\n"));
+    assert!(matches!(error, LoadError::AbiVersion { .. }), "{message}");
+    assert!(message.ends_with("Rebuild it with vb-sdk 0.1, or use a newer harness"), "{message}");
+}
+
+#[test]
+fn the_imports_of_a_plugin_are_listed_without_running_it() {
+    let names = |bytes: &[u8]| {
+        let (_dir, path) = file(bytes);
+        imports(&path).unwrap()
+    };
+    // What a core module gets for its exported resource is no import of the planner's.
+    assert_eq!(names(&good()), ["vertibench:planner/host@0.1.0"]);
+    let mut encoder = wit_component::ComponentEncoder::default().module(&good()).unwrap();
+    let component = names(&encoder.encode().unwrap());
+    assert!(component.contains(&"vertibench:planner/host@0.1.0".to_owned()), "{component:?}");
+    assert!(component.iter().all(|name| name.starts_with("vertibench:planner/")), "{component:?}");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! What a planner is told about a task.
 
 use std::sync::Arc;
+use vb_math::rng::Stream;
 use vb_math::{atan2, tan};
+use vb_score::Rules;
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
 use vb_sim::{Side, SimError, SimOptions, Simulation, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Task, TerrainClass, World};
@@ -126,6 +128,30 @@ pub fn planner_task(
         goal: Point2 { x: task.goal[0], y: task.goal[1] },
         params,
         ..vb_sdk::Task::default()
+    }
+}
+
+/// What a run decides of a task.
+pub(crate) struct Terms<'a> {
+    pub(crate) rules: &'a Rules,
+    /// Factor on every length of the world.
+    pub(crate) scale: f64,
+    /// s.
+    pub(crate) control_period: f64,
+    /// The run's seed.
+    pub(crate) seed: u64,
+}
+
+impl Terms<'_> {
+    /// The brief with all that the planner is told.
+    pub(crate) fn applied_to(&self, brief: vb_sdk::Task) -> vb_sdk::Task {
+        vb_sdk::Task {
+            goal_radius: self.rules.goal_radius(self.scale),
+            time_limit: self.rules.time_limit_s,
+            control_period: self.control_period,
+            seed: Stream::new(self.seed, &["planner", &brief.id]).next_u64(),
+            ..brief
+        }
     }
 }
 

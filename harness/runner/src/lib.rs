@@ -5,6 +5,7 @@
 //! workers, on the order of tasks, or on what ran before.
 
 mod brief;
+pub mod conformance;
 mod error;
 mod run;
 mod state_hash;

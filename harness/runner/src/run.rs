@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 
-use vb_host::{Limits, Plugin};
-use vb_math::rng::Stream;
+use vb_host::{Limits, Metadata, Plugin};
 use vb_record::{
     DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader, SuiteHeader,
     TraceMode,
@@ -16,7 +15,7 @@ use vb_sdk::Param;
 use vb_sim::{SimOptions, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
-use crate::brief::{planner_task, planner_vehicle, static_shape};
+use crate::brief::{Terms, planner_task, planner_vehicle, static_shape};
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
 
 /// A vehicle and the hash of its description, by which runs are told apart.
@@ -211,11 +210,7 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
         return Err(RunError::Scale(config.scale));
     }
     let metadata = config.plugin.metadata();
-    let period = metadata.control_period;
-    let steps = (period / options.step).round();
-    if !(steps >= 1.0 && (steps * options.step - period).abs() < 1e-9) {
-        return Err(RunError::ControlPeriod { planner: metadata.name.clone(), period, step: options.step });
-    }
+    check_control_period(metadata, options)?;
     let params = config.plugin.params(&config.params)?;
     // A damaged world must not be found after hours.
     let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
@@ -226,6 +221,16 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     let shape = static_shape(&model, options)?;
     let vehicle = planner_vehicle(model.spec(), &shape, config.scale);
     Ok(Prepared { params, vehicle, model })
+}
+
+/// Whether the planner's control period is a whole number of steps of the simulation.
+pub(crate) fn check_control_period(metadata: &Metadata, options: SimOptions) -> Result<(), RunError> {
+    let (period, step) = (metadata.control_period, options.step);
+    let steps = (period / step).round();
+    if steps >= 1.0 && (steps * step - period).abs() < 1e-9 {
+        return Ok(());
+    }
+    Err(RunError::ControlPeriod { planner: metadata.name.clone(), period, step })
 }
 
 fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
@@ -305,10 +310,10 @@ impl Work<'_> {
             let Some(task) = self.open.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
             let name = format!("{}/{}", task.world, task.task);
             // The receiver outlives the workers; if it is gone, so is the run.
-            if sender.send(Message::Started(name.clone())).is_err() {
+            if sender.send(Message::Started(name)).is_err() {
                 return;
             }
-            let message = match self.trial(task, &name) {
+            let message = match self.trial(task) {
                 Ok(Some(result)) => Message::Ended(Box::new(result)),
                 Ok(None) => return,
                 Err(error) => Message::Failed(error),
@@ -319,18 +324,16 @@ impl Work<'_> {
         }
     }
 
-    fn trial(&self, task: &TaskRef, name: &str) -> Result<Option<TrialResult>, RunError> {
+    fn trial(&self, task: &TaskRef) -> Result<Option<TrialResult>, RunError> {
         let world = self.world(&task.world)?;
         let Some(definition) = world.task(&task.task) else {
             return Ok(None);
         };
         let c = self.config;
-        let mut brief =
+        let brief =
             planner_task(&world, definition, self.prepared.vehicle.clone(), self.prepared.params.clone());
-        brief.goal_radius = c.rules.goal_radius(c.scale);
-        brief.time_limit = c.rules.time_limit_s;
-        brief.control_period = c.plugin.metadata().control_period;
-        brief.seed = Stream::new(c.seed, &["planner", name]).next_u64();
+        let control_period = c.plugin.metadata().control_period;
+        let brief = Terms { rules: &c.rules, scale: c.scale, control_period, seed: c.seed }.applied_to(brief);
         let trial = Trial {
             world: &world,
             task: definition,

@@ -15,12 +15,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use vb_sdk::metadata::{Metadata, ParamSpec, is_control_period, is_name};
-use vb_sdk::{ABI_VERSION, Command, LogLevel, Observation, Task};
+use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
     Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
 use vb_worker::sandbox::{STACK_OVERFLOW, SandboxReport, system_call_name};
 
+use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd, Resource};
 use crate::log::Log;
 use crate::text::one_line;
@@ -57,6 +58,8 @@ pub(crate) struct ProcessPlugin(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     kind: Kind,
+    /// What its processes are greeted with.
+    abi: AbiVersion,
     memory_bytes: u64,
     max_message: usize,
     /// Healthy processes without a task.
@@ -83,6 +86,7 @@ impl ProcessPlugin {
     /// Opens a library in a worker and checks its layout.
     pub(crate) fn load(
         path: &Path,
+        abi: AbiVersion,
         limits: &Limits,
         options: &NativeOptions,
     ) -> Result<(Self, SandboxReport), LoadError> {
@@ -102,7 +106,7 @@ impl ProcessPlugin {
             memory_bytes: limits.memory_bytes as u64,
             require_sandbox: options.require_sandbox,
         };
-        let plugin = Self::new(Kind::Worker { program, library }, limits);
+        let plugin = Self::new(Kind::Worker { program, library }, abi, limits);
         match plugin.spawn() {
             Ok((process, introduction)) => {
                 plugin.put_back(process);
@@ -118,15 +122,19 @@ impl ProcessPlugin {
     }
 
     /// Starts a command and asks it what it is.
-    pub(crate) fn command(words: &[OsString], limits: &Limits) -> Result<(Self, Metadata), LoadError> {
+    pub(crate) fn command(
+        words: &[OsString],
+        limits: &Limits,
+    ) -> Result<(Self, AbiVersion, Metadata), LoadError> {
         let text: Vec<_> = words.iter().map(|w| w.to_string_lossy()).collect();
         let path = PathBuf::from(text.join(" "));
-        let plugin = Self::new(Kind::Command { words: words.to_vec() }, limits);
+        // It learns of the newest version and may answer with any of the window.
+        let plugin = Self::new(Kind::Command { words: words.to_vec() }, AbiVersion::NEWEST, limits);
         match plugin.spawn() {
             Ok((process, introduction)) => {
-                let metadata = metadata(&path, introduction)?;
+                let (abi, metadata) = metadata(&path, introduction)?;
                 plugin.put_back(process);
-                Ok((plugin, metadata))
+                Ok((plugin, abi, metadata))
             }
             Err(Refusal::Failure(failure)) => {
                 let reason = one_line(&failure.message);
@@ -141,9 +149,10 @@ impl ProcessPlugin {
         }
     }
 
-    fn new(kind: Kind, limits: &Limits) -> Self {
+    fn new(kind: Kind, abi: AbiVersion, limits: &Limits) -> Self {
         Self(Arc::new(Shared {
             kind,
+            abi,
             memory_bytes: limits.memory_bytes as u64,
             max_message: limits.output_bytes.saturating_add(MESSAGE),
             idle: Mutex::default(),
@@ -152,7 +161,7 @@ impl ProcessPlugin {
 
     /// A process that has introduced itself.
     fn spawn(&self) -> Result<(Process, Introduction), Refusal> {
-        let mut greeting = Greeting { protocol: PROTOCOL, abi: ABI_VERSION.to_owned(), library: None };
+        let mut greeting = Greeting { protocol: PROTOCOL, abi: self.0.abi.name().to_owned(), library: None };
         let (mut command, leads_group) = match &self.0.kind {
             Kind::Worker { program, library } => {
                 greeting.library = Some(library.clone());
@@ -395,7 +404,7 @@ fn ended(how: ProcessEnd) -> String {
 }
 
 /// What a command says of itself, checked as the metadata of a file are.
-fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
+fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), LoadError> {
     let path = PathBuf::from(path);
     let not_a_plugin = |reason: String| LoadError::NotAPlugin { path: path.clone(), reason };
     if said.protocol != PROTOCOL {
@@ -404,9 +413,9 @@ fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
             said.protocol
         )));
     }
-    if said.abi != ABI_VERSION {
-        return Err(LoadError::AbiVersion { path, found: one_line(&said.abi), supported: ABI_VERSION });
-    }
+    let Some(abi) = AbiVersion::find(&said.abi) else {
+        return Err(LoadError::AbiVersion { path, found: one_line(&said.abi) });
+    };
     if !is_name(&said.name) {
         return Err(not_a_plugin(format!(
             "its name is `{}`; want a-z, 0-9, - and _ only",
@@ -421,7 +430,7 @@ fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
     }
     let param =
         |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
-    Ok(Metadata {
+    let metadata = Metadata {
         abi: said.abi,
         name: said.name,
         version: said.version,
@@ -429,7 +438,8 @@ fn metadata(path: &Path, said: Introduction) -> Result<Metadata, LoadError> {
         about: said.about,
         control_period: said.control_period,
         params: said.params.into_iter().map(param).collect(),
-    })
+    };
+    Ok((abi, metadata))
 }
 
 /// The program that is running; on Linux even if its file has been replaced since.

@@ -16,6 +16,7 @@ use wasmtime::Engine;
 use wasmtime::component::types::ComponentItem;
 use wasmtime::component::{Component, Linker};
 
+use crate::abi::AbiVersion;
 use crate::fault::FaultCause;
 use crate::inspect::{Format, PluginFile};
 use crate::text::one_line;
@@ -29,9 +30,6 @@ mod bindings {
     //! Generated from the interface's text.
     wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_1" });
 }
-
-/// The only interface with functions that a planner may import.
-const HOST_INTERFACE: &str = "vertibench:planner/host@0.1.0";
 
 /// A compiled and linked plugin, ready to be instantiated.
 #[derive(Clone)]
@@ -78,15 +76,18 @@ impl WasmPlugin {
                 component
             }
         };
-        let imports = forbidden_imports(&component, &engine);
+        let imports = forbidden_imports(&component, &engine, file.abi);
         if !imports.is_empty() {
             return Err(LoadError::ForbiddenImports { path: path.into(), imports });
         }
         let mut linker = Linker::new(&engine);
-        session::add_host_functions(&mut linker).map_err(unloadable)?;
+        session::add_host_functions(&mut linker, file.abi).map_err(unloadable)?;
         wasi::add_to_linker(&mut linker, &component, &engine).map_err(unloadable)?;
         let pre = linker.instantiate_pre(&component).map_err(unloadable)?;
-        let pre = bindings::PlannerPluginPre::new(pre).map_err(not_a_plugin)?;
+        // A version with other types gets bindings of its own here.
+        let pre = match file.abi {
+            AbiVersion::V0_1 => bindings::PlannerPluginPre::new(pre).map_err(not_a_plugin)?,
+        };
         Ok(Self { engine, pre })
     }
 
@@ -102,7 +103,7 @@ impl WasmPlugin {
 
 /// What the component wants from outside beyond the planner interface. An instance that holds nothing but types asks
 /// for nothing.
-fn forbidden_imports(component: &Component, engine: &Engine) -> Vec<String> {
+fn forbidden_imports(component: &Component, engine: &Engine, abi: AbiVersion) -> Vec<String> {
     let only_types = |item: &ComponentItem| match item {
         ComponentItem::ComponentInstance(instance) => {
             instance.exports(engine).all(|(_, export)| matches!(export.ty, ComponentItem::Type(_)))
@@ -114,7 +115,7 @@ fn forbidden_imports(component: &Component, engine: &Engine) -> Vec<String> {
         .component_type()
         .imports(engine)
         .filter(|(name, import)| {
-            *name != HOST_INTERFACE && wasi::interface(name).is_none() && !only_types(&import.ty)
+            *name != abi.host_interface() && wasi::interface(name).is_none() && !only_types(&import.ty)
         })
         .map(|(name, _)| one_line(name))
         .collect()

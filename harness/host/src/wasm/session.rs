@@ -7,7 +7,8 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
 use super::wasi::Wasi;
-use super::{HOST_INTERFACE, convert, engine};
+use super::{convert, engine};
+use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
 use crate::text::one_line;
@@ -120,7 +121,7 @@ pub(super) fn pay(store: &mut StoreContextMut<'_, State>, bytes: u64) -> wasmtim
 }
 
 /// Gives the linker the planner interface's own functions.
-pub(super) fn add_host_functions(linker: &mut Linker<State>) -> wasmtime::Result<()> {
+pub(super) fn add_host_functions(linker: &mut Linker<State>, abi: AbiVersion) -> wasmtime::Result<()> {
     let log = |mut store: StoreContextMut<'_, State>, (level, message): (types::LogLevel, WasmStr)| {
         let text = {
             let text = message.to_str(&store)?;
@@ -140,7 +141,7 @@ pub(super) fn add_host_functions(linker: &mut Linker<State>) -> wasmtime::Result
         state.log.write(level, &text);
         Ok(())
     };
-    linker.instance(HOST_INTERFACE)?.func_wrap("log", log)
+    linker.instance(abi.host_interface())?.func_wrap("log", log)
 }
 
 /// A planner of a WASM plugin, in a store of its own.

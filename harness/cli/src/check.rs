@@ -1,0 +1,136 @@
+//! `vb-harness check`: the conformance kit on the command line.
+
+use serde::Serialize;
+use vb_host::{Limits, LoadError, one_line};
+use vb_runner::RunError;
+use vb_runner::conformance::{Check, Kit, KitError, Report, Verdict, check as check_plugin};
+use vb_score::Rules;
+use vb_world::TaskRef;
+
+use crate::args::{CheckArgs, MessageFormat};
+use crate::error::CliError;
+use crate::{output, planner, run, suite};
+
+/// The rules, vehicle and soils that runs have by default: a planner's promises don't depend on them.
+const RULES: &str = "paper";
+const VEHICLE: &str = "hmmwv";
+const SOILS: &str = "default";
+/// Side of the cells in which soil remembers ruts, m.
+const SOIL_PITCH: f64 = 0.1;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Check(&'a Check),
+    Finished { planner: Option<&'a str>, version: Option<&'a str>, passed: bool, counts: Counts },
+}
+
+#[derive(Serialize)]
+struct Counts {
+    pass: usize,
+    warn: usize,
+    fail: usize,
+    skip: usize,
+}
+
+pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
+    let suite = suite::open(args.suite.as_deref())?;
+    let tasks = spread(suite::select(&suite, args.tasks.as_deref())?);
+    let rules = Rules::resolve(RULES).map_err(CliError::input)?;
+    let vehicle = run::vehicle(VEHICLE)?;
+    let soils = run::soils(SOILS, SOIL_PITCH)?;
+    let limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
+    planner::can_be_confined(&args.plugin, args.require_sandbox)?;
+    let command = planner::command(&args.plugin);
+    let file = command.is_none().then_some(args.plugin.as_path());
+    let kit = Kit {
+        load: &|| planner::load_quietly(&args.plugin, &limits, args.require_sandbox),
+        file,
+        params: &args.params,
+        limits: &limits,
+        suite: &suite,
+        tasks: &tasks,
+        vehicle: &vehicle,
+        soils: &soils,
+        rules: &rules,
+    };
+    let cancel = run::stop_on_ctrl_c()?;
+    let mut tell = |check: &Check| match args.message_format {
+        MessageFormat::Json => output::json(&Message::Check(check)),
+        MessageFormat::Human => output::text(&row(check)),
+    };
+    let report = check_plugin(&kit, &mut tell, &cancel).map_err(kit_error)?;
+    finish(&report, args.message_format);
+    if report.passed() {
+        return Ok(());
+    }
+    let failed: Vec<_> =
+        report.checks.iter().filter(|c| c.verdict == Verdict::Fail).map(|c| c.name).collect();
+    let failed = failed.join(", ");
+    Err(CliError::not_conforming(format!(
+        "the planner failed these checks: {failed} (what to do is told with each)"
+    )))
+}
+
+/// The first, the middle and the last: tasks of different worlds, as a rule.
+fn spread(tasks: Vec<TaskRef>) -> Vec<TaskRef> {
+    let mut places = vec![0, tasks.len() / 2, tasks.len().saturating_sub(1)];
+    places.dedup();
+    places.into_iter().filter_map(|i| tasks.get(i).cloned()).collect()
+}
+
+/// A check for people: what came of it, and in the next line what to do about it.
+fn row(check: &Check) -> String {
+    let hint = check.hint.map_or_else(String::new, |hint| format!("{:19}-> {hint}\n", ""));
+    format!("{:<4}  {:<11}  {}\n{hint}", check.verdict.name(), check.name, one_line(&check.detail))
+}
+
+fn finish(report: &Report, format: MessageFormat) {
+    let of = |verdict| report.count(verdict);
+    let counts = Counts {
+        pass: of(Verdict::Pass),
+        warn: of(Verdict::Warn),
+        fail: of(Verdict::Fail),
+        skip: of(Verdict::Skip),
+    };
+    let planner = report.planner.as_ref();
+    match format {
+        MessageFormat::Json => output::json(&Message::Finished {
+            planner: planner.map(|p| p.name.as_str()),
+            version: planner.map(|p| p.version.as_str()),
+            passed: report.passed(),
+            counts,
+        }),
+        MessageFormat::Human => {
+            let Counts { pass, warn, fail, skip } = counts;
+            output::text(&format!("{pass} passed, {warn} with a warning, {fail} failed, {skip} skipped\n"));
+        }
+    }
+}
+
+fn kit_error(e: KitError) -> CliError {
+    match e {
+        KitError::Load(LoadError::Faulty { .. }) | KitError::Host(_) => CliError::host_errors(e),
+        KitError::Param(_) | KitError::Run(RunError::NoTasks) => CliError::usage(e),
+        KitError::Cancelled => CliError::interrupted(e),
+        _ => CliError::input(e),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_tasks_are_spread_over_those_chosen_and_none_comes_twice() {
+        let tasks = |n: usize| {
+            let all = (0..n).map(|i| TaskRef { world: "w001".into(), task: format!("t{i:02}") }).collect();
+            spread(all).into_iter().map(|t| t.task).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(tasks(100), "t00 t50 t99");
+        assert_eq!(
+            (tasks(3), tasks(2), tasks(1), tasks(0)),
+            ("t00 t01 t02".into(), "t00 t01".into(), "t00".into(), String::new())
+        );
+    }
+}

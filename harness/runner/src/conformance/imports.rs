@@ -1,0 +1,30 @@
+//! `imports`: the plugin asks for nothing that planners don't get. Those that do aren't loaded at all, so this check
+//! shows what is asked for.
+
+use vb_host::{Carrier, Plugin, SandboxReport};
+
+use super::Kit;
+use super::report::Check;
+
+const NAME: &str = "imports";
+
+pub(super) fn check(kit: &Kit<'_>, plugin: &Plugin) -> Check {
+    match (plugin.carrier(), kit.file) {
+        (Carrier::Wasm, Some(file)) => match vb_host::imports(file) {
+            Ok(imports) if imports.is_empty() => Check::pass(NAME, "none"),
+            Ok(imports) => Check::pass(NAME, imports.join(", ")),
+            // It has been loaded a moment ago.
+            Err(e) => Check::fail(NAME, e.to_string(), "don't change the file while it is checked"),
+        },
+        (Carrier::Native, _) => {
+            let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
+            if missing.is_empty() {
+                Check::pass(NAME, "a confined process: what it asks for is denied at work")
+            } else {
+                let detail = format!("this system can't confine it by {}", missing.join(", "));
+                Check::warn(NAME, detail, "check it on a system that can")
+            }
+        }
+        _ => Check::skip(NAME, "a command may do all that its user may do"),
+    }
+}
