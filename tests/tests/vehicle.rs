@@ -31,6 +31,22 @@ fn vehicles_are_listed_shown_and_checked() {
     assert!(error.contains("there is no vehicle tank") && error.contains("hmmwv"), "{error}");
 }
 
+/// The guide imports into a folder `original`, which is a soil set's name too.
+#[test]
+fn a_folder_of_the_same_name_does_not_hide_what_comes_with_the_harness() {
+    let bench = Bench::new();
+    for name in ["hmmwv", "original"] {
+        fs::create_dir(bench.path(name)).expect("a folder");
+    }
+    assert!(bench.ok(&["vehicle", "show", "hmmwv"]).contains("axle front"));
+    let pid = vb_tests::pid();
+    let plugin = pid.to_str().expect("paths of tests are text");
+    bench.ok(&[
+        "--plugin", plugin, "--tasks", "w007/t00", "--soils", "original", "--trace", "none", "--out", "r",
+    ]);
+    assert_eq!(bench.json("r/run.json")["soils"]["name"], "original");
+}
+
 #[test]
 fn a_test_writes_a_page_that_needs_nothing_else_and_results_and_series() {
     let bench = Bench::new();

@@ -99,7 +99,7 @@ impl Data {
 
 /// The data file that the user means: a path, or the name of one that comes with the harness.
 pub(crate) fn data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
-    if !is_name(OsStr::new(wanted)) || Path::new(wanted).exists() {
+    if !is_name(OsStr::new(wanted)) || Path::new(wanted).is_file() {
         return Ok(PathBuf::from(wanted));
     }
     let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join(kind.folder());
