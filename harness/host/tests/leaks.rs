@@ -23,8 +23,7 @@ fn possessions() -> (usize, usize, usize) {
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
     let pages: Vec<usize> = statm.split_whitespace().map(|n| n.parse().unwrap()).collect();
     let entries = |path: &str| std::fs::read_dir(path).unwrap().count();
-    let page = usize::try_from(rustix::param::page_size()).unwrap();
-    ((pages[1] - pages[2]) * page, entries("/proc/self/fd"), entries("/proc/self/task"))
+    ((pages[1] - pages[2]) * rustix::param::page_size(), entries("/proc/self/fd"), entries("/proc/self/task"))
 }
 
 /// Loads a plugin, has it drive a step, and unloads it.

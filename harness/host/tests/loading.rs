@@ -1,4 +1,4 @@
-//! What is a plugin, and what is said of files that are not.
+//! What is a plugin, and what is said of files that are not. More of them are in `hostile`.
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
@@ -195,22 +195,6 @@ fn imports_from_outside_are_refused_by_name() {
 }
 
 #[test]
-fn code_that_is_not_valid() {
-    // A component with a module inside whose function leaves nothing on the stack: encoded without validation.
-    let text = "(component (core module (func (result i32) i32.add)))";
-    let (error, message) = refusal(&with_metadata(wat::parse_str(text).unwrap(), METADATA));
-    assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
-}
-
-#[test]
-fn instructions_that_may_differ_between_processors_are_refused() {
-    let relaxed = "(drop (i32x4.relaxed_trunc_f32x4_s (v128.const i32x4 0 0 0 0)))";
-    let (error, message) = refusal(&core_module(&planner_wat(OK, &format!("{relaxed} {GO}")), METADATA));
-    assert!(matches!(error, LoadError::Unloadable { .. }), "{message}");
-    assert!(message.contains("relaxed SIMD"), "{message}");
-}
-
-#[test]
 fn a_plugin_that_is_too_large_is_refused_before_it_is_read() {
     let (_dir, path) = file(&good());
     let limits = Limits { module_bytes: 1000, ..Limits::default() };
@@ -218,30 +202,4 @@ fn a_plugin_that_is_too_large_is_refused_before_it_is_read() {
     let LoadError::TooLarge { what, found, limit, .. } = &error else { panic!("{error}") };
     assert_eq!((*what, *found, *limit), ("bytes", good().len() as u64, 1000));
     assert_eq!(error.code().name(), "planner/too-large");
-}
-
-#[test]
-fn a_plugin_nested_too_deeply_is_refused_before_the_engine_walks_it() {
-    let nested = |levels: usize| format!("{}{}", "(component ".repeat(levels), ")".repeat(levels));
-    let deep = with_metadata(wat::parse_str(nested(20)).unwrap(), METADATA);
-    let (error, message) = refusal(&deep);
-    assert!(matches!(error, LoadError::TooLarge { limit: 16, .. }), "{message}");
-    let many = format!("(component {})", "(core module)".repeat(1001));
-    let (error, message) = refusal(&with_metadata(wat::parse_str(many).unwrap(), METADATA));
-    assert!(matches!(error, LoadError::TooLarge { found: 1001, .. }), "{message}");
-}
-
-#[test]
-fn every_refusal_has_its_code() {
-    let code = |bytes: &[u8]| refusal(bytes).0.code().name();
-    assert_eq!(inspect(Path::new("/nowhere/pid.wasm")).unwrap_err().code().name(), "planner/not-found");
-    assert_eq!(inspect(tempfile::tempdir().unwrap().path()).unwrap_err().code().name(), "planner/unreadable");
-    assert_eq!(code(b""), "planner/not-a-plugin");
-    assert_eq!(code(b"PK"), "planner/not-a-plugin");
-    assert_eq!(code(&good()[..100]), "planner/damaged");
-    let with = |metadata: &str| core_module(&planner_wat(OK, GO), metadata);
-    assert_eq!(code(&with("abi: 0.1\nname")), "planner/metadata");
-    assert_eq!(code(&with(&METADATA.replace("abi: 0.1", "abi: 0.9"))), "planner/abi-mismatch");
-    let invalid = wat::parse_str("(component (core module (func (result i32) i32.add)))").unwrap();
-    assert_eq!(code(&with_metadata(invalid, METADATA)), "planner/unloadable");
 }

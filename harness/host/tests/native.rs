@@ -10,10 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use common::{keeper, observation, task};
-use vb_host::{
-    Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, NativeOptions, PlannerFault, Plugin,
-    ProcessEnd,
-};
+use vb_host::{Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, NativeOptions, Plugin};
 use vb_sdk::{LogLevel, Series, Task};
 
 /// A library made of `hostile.c`, with macros; none where there is no compiler.

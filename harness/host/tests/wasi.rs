@@ -6,7 +6,7 @@
 mod common;
 
 use common::{METADATA, core_module, core_module_of, file, keeper, observation, planner_wat, task};
-use vb_host::{FaultCause, Limits, LogSink, Plugin, ProcessEnd};
+use vb_host::{FaultCause, Limits, LogSink, Plugin};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
 /// A planner whose step has WASI's functions: `$random`, `$clock`, `$write`, `$open`, `$exit`, `$environ`. A list of
@@ -94,14 +94,6 @@ fn there_are_no_files_and_no_environment() {
     let command = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap();
     // 8 is `badf` in preview 1: there is no such directory.
     assert_eq!((command.steering, command.throttle), (0.0, 8.0));
-}
-
-#[test]
-fn a_planner_that_exits_ends_its_task() {
-    let plugin = wasip1("(call $exit (i32.const 1)) unreachable");
-    let found = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap_err();
-    assert_eq!(found.cause, FaultCause::Crashed { how: ProcessEnd::Exit(1) });
-    assert_eq!(found.code().name(), "planner/crashed");
 }
 
 /// A planner that imports a part of WASI's sockets.

@@ -5,6 +5,7 @@
 //! mutations with every test run, so that targets and readers stay in step.
 
 mod import;
+mod limits;
 mod plugin;
 mod protocol;
 mod results;
@@ -33,6 +34,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "results", run: results::run, seeds: results::seeds },
     Target { name: "protocol", run: protocol::run, seeds: protocol::seeds },
     Target { name: "settings", run: settings, seeds: settings_seeds },
+    Target { name: "limits", run: limits::run, seeds: limits::seeds },
 ];
 
 /// The target of this name.

@@ -23,7 +23,7 @@ fn good() -> Vec<u8> {
 }
 
 /// A component from text, with the metadata.
-fn component(text: &str) -> Vec<u8> {
+fn planner_component(text: &str) -> Vec<u8> {
     with_metadata(wat::parse_str(text).unwrap(), METADATA)
 }
 
@@ -106,8 +106,18 @@ fn no_plugins() -> Vec<Case> {
         file("half a planner", half, Damaged, "build it again"),
         file("half a component", component[..component.len() / 2].to_vec(), Damaged, "build it again"),
         file("a giant planner", giant, TooLarge, "it may have 4194304"),
-        file("components in components", self::component(&deep), TooLarge, "levels of nested components"),
-        file("too many modules", self::component(&many), TooLarge, "it may have 1000"),
+        file(
+            "components in components",
+            planner_component(&deep),
+            TooLarge,
+            "17 levels of nested components, it may have 16",
+        ),
+        file(
+            "too many modules",
+            planner_component(&many),
+            TooLarge,
+            "1001 modules and components inside, it may have 1000",
+        ),
         file(
             "a module of something else",
             wat::parse_str("(module)").unwrap(),
@@ -132,10 +142,10 @@ fn other_plugins() -> Vec<Case> {
         (export "vertibench:planner/guest@0.1.0" (instance $guest)))"#;
     let guest = "vertibench:planner/guest@0.1.0";
     vec![
-        file("metadata without a planner", component("(component)"), NotAPlugin, guest),
+        file("metadata without a planner", planner_component("(component)"), NotAPlugin, guest),
         file("an interface without its functions", core_module("(module)", METADATA), NotAPlugin, ""),
         file("another world", other_world, NotAPlugin, guest),
-        file("another interface of the same name", component(other_functions), NotAPlugin, guest),
+        file("another interface of the same name", planner_component(other_functions), NotAPlugin, guest),
         file("another version of the interface", metadata("abi: 0.1", "abi: 0.3"), AbiMismatch, "ABI 0.3"),
         file("a version that is none", metadata("abi: 0.1", "abi: new"), AbiMismatch, "ABI new"),
         file(
@@ -158,7 +168,9 @@ fn other_plugins() -> Vec<Case> {
 
 fn greedy() -> Vec<Case> {
     let import = |name: &str| {
-        component(&format!(r#"(component (import "{name}" (instance (export "get" (func (result u64))))))"#))
+        planner_component(&format!(
+            r#"(component (import "{name}" (instance (export "get" (func (result u64))))))"#
+        ))
     };
     vec![
         file("an import of files", import("acme:files/disk@1.0.0"), ImportDenied, "acme:files/disk@1.0.0"),
@@ -190,7 +202,7 @@ fn refused_code() -> Vec<Case> {
         // Encoded without validation: nothing is on the stack.
         file(
             "code that is not valid",
-            component("(component (core module (func (result i32) i32.add)))"),
+            planner_component("(component (core module (func (result i32) i32.add)))"),
             Unloadable,
             "",
         ),

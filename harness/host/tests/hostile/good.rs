@@ -58,6 +58,11 @@ impl Good {
         Some(Self { plugin: load(part)?, alone })
     }
 
+    /// Whether native planners here are held by seccomp.
+    pub fn seccomp() -> bool {
+        Self::planners().iter().any(|good| good.plugin.sandbox().is_some_and(|report| report.seccomp))
+    }
+
     /// Starts a task.
     pub fn begin(&self) -> AtWork {
         begin(&self.plugin)

@@ -125,7 +125,6 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
     }
     if (strcmp(what, "library") == 0) {
         void *library = dlopen("libresolv.so.2", RTLD_NOW);
-        
         snprintf(error->message, sizeof error->message, "%s", library ? "it is open" : "it can't be opened");
         return 1;
     }
