@@ -45,6 +45,8 @@ fn main() {
         x = short(x + 0.1 * speed * math::cos(yaw));
         y = short(y + 0.1 * speed * math::sin(yaw));
     }
+    let answers: Vec<_> = transcript.steps.iter().map(|step| step.answers.clone()).collect();
+    assert_eq!(transcript.replay(&plugin), answers, "the planner doesn't answer the same twice");
     // One step a line.
     let text = serde_json::to_string(&transcript).unwrap();
     println!("{}", text.replace("{\"sees\"", "\n{\"sees\"").replace("\"steps\"", "\n\"steps\""));

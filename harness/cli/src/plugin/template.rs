@@ -143,7 +143,7 @@ mod tests {
             let run: Vec<&str> = steps.iter().filter_map(|s| s["run"].as_str()).collect();
             let readme = text(&files, "README.md");
             let told: Vec<&str> = readme.lines().filter_map(|l| l.strip_prefix("$ ")).collect();
-            assert_eq!(told.len(), 4, "{language:?}");
+            assert_eq!(told.len(), 5, "{language:?}");
             assert!(run.ends_with(&told), "{language:?}: {told:?} in {run:?}");
         }
     }
