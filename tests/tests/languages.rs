@@ -91,7 +91,10 @@ fn what_a_planner_in_another_language_refuses_is_told_in_its_words() {
         let record = &bench.records("r")["w001/t00"];
         assert_eq!(record["outcome"], "planner_error", "{name}");
         let reason = record["reason"].as_str().expect("a reason");
-        assert!(reason.starts_with("planner init: parameter speed"), "{name}: {reason}");
+        assert!(
+            reason.contains(" on w001/t00, init: returned an error: parameter speed "),
+            "{name}: {reason}"
+        );
         assert!(reason.contains("must be a number"), "{name}: {reason}");
     }
 }
@@ -182,7 +185,7 @@ fn new_projects_in_other_languages_build_and_drive() {
                 "bug",
             ]);
             let record = &bench.records("bug")["w001/t00"];
-            assert_eq!(record["fault"], "panic");
+            assert_eq!(record["fault"], "planner/panic");
             let reason = record["reason"].as_str().expect("a reason");
             assert!(reason.contains("panicked at guest.py:") && reason.contains("IndexError"), "{reason}");
         }
