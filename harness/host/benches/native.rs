@@ -16,7 +16,9 @@ fn step(c: &mut Criterion) {
     let library = dir.path().join("hostile.so");
     let mut compile = Command::new("cc");
     compile.args(["-O2", "-fPIC", "-shared", "-w", "-pthread", "-I"]).arg(here.join("../../sdk/c"));
-    assert!(compile.arg("-o").arg(&library).arg(here.join("tests/hostile.c")).status().unwrap().success());
+    assert!(
+        compile.arg("-o").arg(&library).arg(here.join("tests/hostile/hostile.c")).status().unwrap().success()
+    );
     let options =
         NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
     let plugin = Plugin::load_with(&library, &Limits::default(), None, &options).unwrap();
