@@ -265,6 +265,8 @@ pub enum ProcessEnd {
     Signal(i32),
     /// By itself, with this code.
     Exit(i32),
+    /// By the harness, since it closed its output and stayed.
+    Mute,
 }
 
 impl fmt::Display for ProcessEnd {
@@ -282,6 +284,7 @@ impl fmt::Display for ProcessEnd {
         ];
         match *self {
             Self::Exit(code) => write!(f, "it ended by itself with exit code {code}"),
+            Self::Mute => f.write_str("its process closed its output and had to be ended"),
             // SIGBUS and SIGSYS have other numbers elsewhere.
             #[cfg(target_os = "linux")]
             Self::Signal(7) => {

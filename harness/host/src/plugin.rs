@@ -80,7 +80,7 @@ impl Plugin {
         let sha256 = hex(&Sha256::digest(&file.bytes));
         let code = match file.format {
             Format::Native => {
-                let (plugin, sandbox) = ProcessPlugin::load(path, file.abi, limits, native)?;
+                let (plugin, sandbox) = ProcessPlugin::load(path, &sha256, file.abi, limits, native)?;
                 Code::Native(plugin, sandbox)
             }
             Format::Component | Format::CoreModule => {

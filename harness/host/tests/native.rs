@@ -115,6 +115,21 @@ fn a_healthy_process_is_used_again_and_a_faulty_one_is_not() {
 }
 
 #[test]
+fn a_library_that_was_built_anew_during_a_run_is_not_opened_in_the_place_of_the_first() {
+    let Some((_dir, path)) = compile(&[]) else { return };
+    let Some((_other_dir, other)) = compile(&["HARM_AT_LOAD=\"nothing\""]) else { return };
+    let plugin = load(&path).unwrap();
+    let start = || plugin.start(&harmful(&plugin, "nothing", "step"), LogSink::discard());
+    // Keeps the process of the loading, so that the next task needs another.
+    let mut first = start().unwrap();
+    std::fs::rename(other, &path).unwrap();
+    let fault = start().unwrap_err();
+    assert_eq!(fault.cause.code(), FaultCode::Worker, "{fault}");
+    assert!(fault.to_string().contains("its file has changed"), "{fault}");
+    assert_eq!(first.step(&observation()).unwrap().steering, 0.5);
+}
+
+#[test]
 fn a_task_on_another_thread_doesnt_end_with_the_thread_that_started_the_process() {
     let Some((_dir, path)) = compile(&[]) else { return };
     let plugin = load(&path).unwrap();

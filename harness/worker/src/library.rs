@@ -1,11 +1,15 @@
 //! Opening a native plugin and calling it, whichever of the two interfaces it has.
 
 use std::ffi::{CStr, CString};
+use std::fs::{File, Metadata};
+use std::io::{self, Read as _};
 use std::os::unix::ffi::OsStrExt as _;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 
 use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
 use abi_stable::std_types::{RErr, ROk, RResult, RStr};
+use sha2::{Digest as _, Sha256};
 use vb_sdk::native::{Fault, LogCallback, NativeObservation, NativeTask, PlannerModuleRef};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
@@ -19,6 +23,44 @@ pub(crate) enum Library {
     Rust(PlannerModuleRef),
     /// With `vb_planner_entry`.
     C(CPlanner),
+}
+
+/// What a file holds, and which file it is.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Identity {
+    /// Hexadecimal.
+    pub(crate) sha256: String,
+    /// Device, file, size, and time of the last change, of content or place, s and ns.
+    file: [i64; 5],
+}
+
+impl Identity {
+    pub(crate) fn of(path: &Path) -> io::Result<Self> {
+        let mut file = File::open(path)?;
+        let mut hash = Sha256::new();
+        let mut chunk = vec![0; 256 << 10];
+        loop {
+            let read = match file.read(&mut chunk) {
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+                other => other?,
+            };
+            if read == 0 {
+                break;
+            }
+            hash.update(&chunk[..read]);
+        }
+        let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        Ok(Self { sha256, file: which(&file.metadata()?) })
+    }
+
+    /// Whether a path still leads to the same file and nobody has written to it.
+    pub(crate) fn is_still(&self, path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|m| which(&m) == self.file)
+    }
+}
+
+fn which(m: &Metadata) -> [i64; 5] {
+    [m.dev().cast_signed(), m.ino().cast_signed(), m.size().cast_signed(), m.ctime(), m.ctime_nsec()]
 }
 
 /// Opens a library and checks its layout. It stays open as long as the process.

@@ -91,6 +91,8 @@ pub struct Greeting {
 pub struct Library {
     /// Absolute path of the file.
     pub path: String,
+    /// SHA-256 of what it must hold, hexadecimal.
+    pub sha256: String,
     /// Memory that the planner may allocate, bytes, beside what the worker takes.
     pub memory_bytes: u64,
     /// Whether to give up where the system can't confine the library in every way.

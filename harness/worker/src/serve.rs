@@ -93,6 +93,10 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
         )));
     }
     let path = Path::new(&wanted.path);
+    let identity = library::Identity::of(path).map_err(|e| unloadable(format!("can't read it: {e}")))?;
+    if identity.sha256 != wanted.sha256 {
+        return Err(unloadable("its file has changed since the harness read it".into()));
+    }
     let refused = |e: io::Error| Failure { kind: FailureKind::Sandbox, message: e.to_string() };
     let confinement = sandbox::confine_for_loading(path, wanted.memory_bytes).map_err(refused)?;
     let missing = confinement.report().missing();
@@ -101,6 +105,9 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
         return Err(Failure { kind: FailureKind::Sandbox, message });
     }
     let library = library::open(path)?;
+    if !identity.is_still(path) {
+        return Err(unloadable("its file changed while it was opened".into()));
+    }
     let sandbox = confinement.confine_for_work(wanted.memory_bytes).map_err(refused)?;
     let introduction = Introduction {
         protocol: PROTOCOL,

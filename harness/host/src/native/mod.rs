@@ -27,12 +27,12 @@ use crate::log::Log;
 use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 
-use process::{End, Process, Trouble};
+use process::{End, Process, Role, Trouble};
 
 /// The argument that makes the worker of a program that is a worker among other things.
 pub const WORKER_ARGUMENT: &str = "__worker";
 
-/// How long a process may take until it has introduced itself. Interpreters load large libraries.
+/// How long a command may take until it has introduced itself. Interpreters load large libraries.
 const HELLO: Duration = Duration::from_secs(120);
 /// How long a command may take to leave when it is told to.
 const BYE: Duration = Duration::from_secs(1);
@@ -62,6 +62,8 @@ struct Shared {
     abi: AbiVersion,
     memory_bytes: u64,
     max_message: usize,
+    /// How long a process may take until it has introduced itself.
+    hello: Duration,
     /// Healthy processes without a task.
     idle: Mutex<Vec<Process>>,
 }
@@ -83,9 +85,11 @@ enum Refusal {
 }
 
 impl ProcessPlugin {
-    /// Opens a library in a worker and checks its layout.
+    /// Opens a library in a worker and checks its layout. Every worker opens it only as long as its content has the
+    /// given hash.
     pub(crate) fn load(
         path: &Path,
+        sha256: &str,
         abi: AbiVersion,
         limits: &Limits,
         options: &NativeOptions,
@@ -103,6 +107,7 @@ impl ProcessPlugin {
         };
         let library = Library {
             path: text.to_owned(),
+            sha256: sha256.to_owned(),
             memory_bytes: limits.memory_bytes as u64,
             require_sandbox: options.require_sandbox,
         };
@@ -150,9 +155,15 @@ impl ProcessPlugin {
     }
 
     fn new(kind: Kind, abi: AbiVersion, limits: &Limits) -> Self {
+        let hello = match kind {
+            // What a library does when it is opened is the first of its calls.
+            Kind::Worker { .. } => Duration::from_millis(limits.watchdog_ms),
+            Kind::Command { .. } => HELLO,
+        };
         Self(Arc::new(Shared {
             kind,
             abi,
+            hello,
             memory_bytes: limits.memory_bytes as u64,
             max_message: limits.output_bytes.saturating_add(MESSAGE),
             idle: Mutex::default(),
@@ -162,12 +173,12 @@ impl ProcessPlugin {
     /// A process that has introduced itself.
     fn spawn(&self) -> Result<(Process, Introduction), Refusal> {
         let mut greeting = Greeting { protocol: PROTOCOL, abi: self.0.abi.name().to_owned(), library: None };
-        let (mut command, leads_group) = match &self.0.kind {
+        let (mut command, role) = match &self.0.kind {
             Kind::Worker { program, library } => {
                 greeting.library = Some(library.clone());
                 let mut command = OsCommand::new(program);
                 command.arg(WORKER_ARGUMENT).env_clear().current_dir("/");
-                (command, false)
+                (command, Role::Worker)
             }
             Kind::Command { words } => {
                 let (program, args) =
@@ -175,18 +186,18 @@ impl ProcessPlugin {
                 let mut command = OsCommand::new(program);
                 // A group of its own: its children are ended with it, and keys pressed in the terminal are not for it.
                 command.args(args).process_group(0);
-                (command, true)
+                (command, Role::Command)
             }
         };
         die_with_parent(&mut command);
-        let started = Process::start(command, leads_group, self.0.max_message);
+        let started = Process::start(command, role, self.0.max_message);
         let mut process = started.map_err(|e| {
             let cause = FaultCause::Worker { message: one_line(&e.to_string()) };
             Refusal::Fault(cause)
         })?;
         // Words on standard error that precede the introduction are in the fault, if it comes to one.
         let mut log = Log::new(LogSink::discard(), 0);
-        match process.ask(&Request::Hello(greeting), HELLO, &mut log) {
+        match process.ask(&Request::Hello(greeting), self.0.hello, &mut log) {
             Ok(Reply::Hello(introduction)) => Ok((process, introduction)),
             Ok(Reply::Error(failure)) => Err(match refused(&failure) {
                 Some(cause) => Refusal::Fault(cause),
@@ -194,7 +205,7 @@ impl ProcessPlugin {
             }),
             Ok(other) => Err(Refusal::Fault(unexpected(other.name(), "hello"))),
             Err(Trouble::Gone) => Err(Refusal::Ended(process.end(&mut log))),
-            Err(trouble) => Err(Refusal::Fault(self.trouble(&trouble, HELLO))),
+            Err(trouble) => Err(Refusal::Fault(self.trouble(&trouble, self.0.hello))),
         }
     }
 
@@ -400,6 +411,7 @@ fn ended(how: ProcessEnd) -> String {
     match how {
         ProcessEnd::Exit(code) => format!("exit code {code}"),
         ProcessEnd::Signal(signal) => format!("signal {signal}"),
+        ProcessEnd::Mute => "it closed its output and stayed".into(),
     }
 }
 

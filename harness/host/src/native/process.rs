@@ -47,11 +47,22 @@ pub(super) struct End {
     pub(super) words: Vec<String>,
 }
 
+/// Whose program a process runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// The harness's worker: it has one thread and no children.
+    Worker,
+    /// Somebody's program, started as the leader of a process group.
+    Command,
+}
+
 #[derive(Debug)]
 pub(super) struct Process {
     pid: Pid,
-    /// Whether its children are in a process group that it leads.
-    leads_group: bool,
+    role: Role,
+    /// The processor that it was put on last.
+    #[cfg(target_os = "linux")]
+    place: Option<usize>,
     /// None after [`Process::farewell`].
     stdin: Option<ChildStdin>,
     stdout: ChildStdout,
@@ -71,8 +82,8 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts a process; `leads_group` says that `command` makes it the leader of a process group.
-    pub(super) fn start(mut command: Command, leads_group: bool, limit: usize) -> io::Result<Self> {
+    /// Starts a process whose messages may have `limit` bytes.
+    pub(super) fn start(mut command: Command, role: Role, limit: usize) -> io::Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = spawn(command)?;
         let (Some(stdin), Some(stdout), Some(stderr)) =
@@ -84,7 +95,9 @@ impl Process {
         let pid = pid.ok_or_else(|| io::Error::other("a process without a number"))?;
         let process = Self {
             pid,
-            leads_group,
+            role,
+            #[cfg(target_os = "linux")]
+            place: None,
             stdin: Some(stdin),
             stdout,
             stderr: Some(stderr),
@@ -110,10 +123,15 @@ impl Process {
         limit: Duration,
         log: &mut Log,
     ) -> Result<Reply, Trouble> {
-        // What came after the last answer can only be lines of the log.
+        // What came after the last answer can only be lines of the log. A command may say what it is before it is
+        // asked.
+        if !matches!(request, Request::Hello(_)) {
+            self.read_output()?;
+        }
         if let Some(reply) = self.next_reply(log)? {
             return Err(Trouble::Unasked(reply.name()));
         }
+        self.stay_beside();
         let mut outbox = std::mem::take(&mut self.outbox);
         protocol::encode(request, &mut outbox).map_err(Trouble::Nonsense)?;
         let result = self.exchange(&outbox, limit, log);
@@ -146,6 +164,22 @@ impl Process {
                 if !more {
                     return Err(Trouble::Gone);
                 }
+            }
+        }
+    }
+
+    /// Has a worker run on the processor that this thread is on: the two take turns, and to wake a sleeping processor
+    /// takes longer than a planner's step. Commands are left alone: they may have threads.
+    fn stay_beside(&mut self) {
+        #[cfg(target_os = "linux")]
+        if self.role == Role::Worker {
+            let here = rustix::thread::sched_getcpu();
+            if self.place != Some(here) && here < rustix::thread::CpuSet::MAX_CPU {
+                let mut set = rustix::thread::CpuSet::new();
+                set.set(here);
+                // Where the system doesn't allow it a step takes longer.
+                let _ = rustix::thread::sched_setaffinity(Some(self.pid), &set);
+                self.place = Some(here);
             }
         }
     }
@@ -272,7 +306,9 @@ impl Process {
         while self.reap(false).is_none() && now() < deadline {
             std::thread::sleep(Duration::from_millis(1));
         }
-        self.kill(log)
+        let stayed = self.reap(false).is_none();
+        let end = self.kill(log);
+        if stayed { End { how: ProcessEnd::Mute, ..end } } else { end }
     }
 
     /// Ends the process at once and takes its last words.
@@ -309,7 +345,7 @@ impl Process {
     }
 
     fn signal(&self) {
-        if self.leads_group {
+        if self.role == Role::Command {
             // The leader may be gone while the group is not.
             let _ = rustix::process::kill_process_group(self.pid, Signal::KILL);
         }

@@ -9,6 +9,7 @@ use vb_worker::protocol::{
 };
 
 use crate::Ends::{self, *};
+use crate::common::task;
 use crate::{Case, Source, case};
 
 /// Writes every message that the scripts send into a file of its name.
@@ -46,11 +47,17 @@ fn script(name: &'static str, text: &str, ends: Ends, code: FaultCode, says: &'s
 }
 
 pub fn table() -> Vec<Case> {
-    // Waits until it is asked for a task: the question for its name has come, and the length of the next.
-    let mut question = Vec::new();
+    let length = |request| {
+        let mut frame = Vec::new();
+        encode(&request, &mut frame).unwrap();
+        frame.len()
+    };
     let greeting = Greeting { protocol: PROTOCOL, abi: vb_sdk::ABI_VERSION.into(), library: None };
-    encode(&Request::Hello(greeting), &mut question).unwrap();
-    let asked = format!("cat hello; head -c {} > /dev/null", question.len() + 4);
+    // Waits until it is asked for a task, and until it is asked for a command: the former requests have come, and the
+    // length of the next.
+    let asked = format!("cat hello; head -c {} > /dev/null", length(Request::Hello(greeting)) + 4);
+    let init = length(Request::Init(Box::new((&task()).into())));
+    let set_off = format!("{asked}; cat ready; head -c {init} > /dev/null");
     // The rest of what is asked is read, so that the harness can write it, and the output stays open.
     let rest = "exec cat 3>&1 > /dev/null";
     vec![
@@ -93,7 +100,7 @@ pub fn table() -> Vec<Case> {
         ),
         script(
             "a command whose brake is no number",
-            &format!("{asked}; cat ready; sleep 0.3; cat nan; {rest}"),
+            &format!("{set_off}; cat nan; {rest}"),
             Step,
             InvalidOutput,
             "brake is NaN",

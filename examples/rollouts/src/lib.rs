@@ -1,0 +1,163 @@
+//! A sampling planner whose model of the vehicle is a small network, to start from and to measure: 1000 roll-outs of 20
+//! steps each through a network of 6-64-64-6 units (`cargo bench -p vb-host --bench rollouts`).
+//!
+//! It steers by model predictive path integral control (Williams et al., "Information theoretic MPC for model-based
+//! reinforcement learning", ICRA 2017). A kinematic bicycle gives the motion and the network what is to be added to it.
+//! The network isn't trained: its weights are random and its share of the motion is small.
+//!
+//! What makes it fast in WASM under all that determinism asks for: single precision, all arithmetic on blocks of
+//! samples in arrays of fixed size, which the compiler turns into SIMD, and no function of a library in the inner loops.
+
+mod network;
+
+use network::{BLOCK, Block, Network};
+use vb_sdk::path::{Follower, Path};
+use vb_sdk::rng::Rng;
+use vb_sdk::speed::SpeedController;
+use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
+
+vb_sdk::export_planner! {
+    planner: Rollouts,
+    name: "rollouts",
+    about: "Samples commands and rolls a small network out; untrained, for measuring",
+    control_period: 0.1,
+    params: {
+        samples: 1000 => "roll-outs a step; a multiple of 8",
+        horizon: 20 => "steps of a roll-out, 0.1 s each",
+        speed: 4.0 => "target speed, m/s",
+        spread: 0.3 => "standard deviation of sampled steering, of full steering",
+        temperature: 0.1 => "of the weights, over the spread of costs",
+    }
+}
+
+/// Time of one step of a roll-out, s.
+const STEP: f32 = 0.1;
+/// Share of the network's output in the motion.
+const SHARE: f32 = 0.01;
+/// Distance of the point on the path that roll-outs should come near, m at full scale.
+const AHEAD: f64 = 8.0;
+
+struct Rollouts {
+    vehicle: Vehicle,
+    follower: Follower,
+    network: Network,
+    rng: Rng,
+    blocks: usize,
+    speed: f64,
+    spread: f64,
+    temperature: f64,
+    /// Mean steering of every step of the horizon.
+    plan: Vec<f32>,
+    /// Sampled steering, by block, step and sample.
+    noise: Vec<Block>,
+}
+
+impl Planner for Rollouts {
+    fn init(task: &Task) -> Result<Self, PlannerError> {
+        let samples: usize = task.param_as("samples")?;
+        let horizon: usize = task.param_as("horizon")?;
+        if samples == 0 || !samples.is_multiple_of(BLOCK) || horizon == 0 {
+            return Err(PlannerError::new(format!("want samples in multiples of {BLOCK} and a horizon")));
+        }
+        let blocks = samples / BLOCK;
+        let mut rng = Rng::new(task.seed);
+        Ok(Self {
+            vehicle: task.vehicle.clone(),
+            follower: Follower::new(Path::new(&task.path)?, 2.0 * AHEAD * task.vehicle.scale),
+            network: Network::random(&mut rng),
+            rng,
+            blocks,
+            speed: task.param_f64("speed")?,
+            spread: task.param_f64("spread")?,
+            temperature: task.param_f64("temperature")?,
+            plan: vec![0.0; horizon],
+            noise: vec![[0.0; BLOCK]; blocks * horizon],
+        })
+    }
+
+    fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        self.follower.update(o.position.x, o.position.y);
+        let goal = self.follower.look_ahead(AHEAD * self.vehicle.scale);
+        let (sin, cos) = (math::sin(o.yaw), math::cos(o.yaw));
+        let (dx, dy) = (goal.x - o.position.x, goal.y - o.position.y);
+        // In the vehicle's frame.
+        let goal = [(cos * dx + sin * dy) as f32, (cos * dy - sin * dx) as f32];
+        self.sample();
+        let horizon = self.plan.len();
+        let mut costs = Vec::with_capacity(self.blocks * BLOCK);
+        for block in 0..self.blocks {
+            let noise = &self.noise[block * horizon..(block + 1) * horizon];
+            costs.extend(self.roll_out(noise, o.linear_velocity.x as f32, goal));
+        }
+        self.update(&costs);
+        let steering = f64::from(self.plan[0]);
+        // The next step begins where this one ends.
+        self.plan.rotate_left(1);
+        if let [.., before, last] = &mut self.plan[..] {
+            *last = *before;
+        }
+        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, o.linear_velocity.x, 0.1);
+        Ok(Command { steering, throttle, brake, ..Command::default() })
+    }
+}
+
+impl Rollouts {
+    /// Draws the steering of all roll-outs about the plan.
+    fn sample(&mut self) {
+        for block in self.noise.chunks_exact_mut(self.plan.len()) {
+            for (samples, mean) in block.iter_mut().zip(&self.plan) {
+                for sample in samples {
+                    // The sum of three uniform numbers is nearly normal and takes no logarithm; its variance is 1.
+                    let sum: f64 = (0..3).map(|_| self.rng.uniform(-1.0, 1.0)).sum();
+                    *sample = (mean + (self.spread * sum) as f32).clamp(-1.0, 1.0);
+                }
+            }
+        }
+    }
+
+    /// Costs of a block of roll-outs: squared distances from the goal, over the horizon.
+    fn roll_out(&self, steering: &[Block], speed: f32, goal: [f32; 2]) -> Block {
+        let turn = (self.vehicle.max_steer_angle / self.vehicle.wheelbase) as f32;
+        let target = self.speed as f32;
+        let (mut x, mut y, mut along, mut across) = ([0.0; BLOCK], [0.0; BLOCK], [1.0; BLOCK], [0.0; BLOCK]);
+        let mut v = [speed; BLOCK];
+        let mut rate = [0.0; BLOCK];
+        let mut cost = [0.0; BLOCK];
+        for command in steering {
+            let change = self.network.forward(&[*command, v, rate, along, across, [1.0; BLOCK]]);
+            for k in 0..BLOCK {
+                rate[k] = v[k] * turn * command[k] + SHARE * change[0][k];
+                // The heading as a vector, turned by a small angle and brought back to length 1 by one step of Newton's.
+                let angle = rate[k] * STEP;
+                let (a, b) = (along[k] - angle * across[k], across[k] + angle * along[k]);
+                let length = 1.5 - 0.5 * (a * a + b * b);
+                (along[k], across[k]) = (a * length, b * length);
+                v[k] += (0.5 * (target - v[k]) + SHARE * change[1][k]) * STEP;
+                x[k] += (v[k] * along[k] + SHARE * change[2][k]) * STEP;
+                y[k] += (v[k] * across[k] + SHARE * change[3][k]) * STEP;
+                let (ex, ey) = (x[k] - goal[0], y[k] - goal[1]);
+                cost[k] += ex * ex + ey * ey;
+            }
+        }
+        cost
+    }
+
+    /// Moves the plan to the mean of the samples, weighted by their costs.
+    fn update(&mut self, costs: &[f32]) {
+        let least = costs.iter().copied().fold(f32::INFINITY, f32::min);
+        let mean = costs.iter().map(|c| f64::from(c - least)).sum::<f64>() / costs.len() as f64;
+        let scale = 1.0 / (self.temperature * mean).max(1e-9);
+        let weights: Vec<f32> =
+            costs.iter().map(|c| math::exp(-f64::from(c - least) * scale) as f32).collect();
+        let total: f32 = weights.iter().sum();
+        let horizon = self.plan.len();
+        for (i, mean) in self.plan.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for (block, weights) in weights.chunks_exact(BLOCK).enumerate() {
+                let samples = &self.noise[block * horizon + i];
+                sum += weights.iter().zip(samples).map(|(w, s)| w * s).sum::<f32>();
+            }
+            *mean = sum / total;
+        }
+    }
+}
