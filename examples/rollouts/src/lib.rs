@@ -5,12 +5,13 @@
 //! reinforcement learning", ICRA 2017). A kinematic bicycle gives the motion and the network what is to be added to it.
 //! The network isn't trained: its weights are random and its share of the motion is small.
 //!
-//! What makes it fast in WASM under all that determinism asks for: single precision, all arithmetic on blocks of
-//! samples in arrays of fixed size, which the compiler turns into SIMD, and no function of a library in the inner loops.
+//! What makes it fast in WASM under all that determinism asks for: all arithmetic on blocks of samples in arrays of fixed
+//! size, which the compiler turns into SIMD, no function of a library in the inner loops, and the network in 16-bit
+//! integers ([`network`] says why).
 
 mod network;
 
-use network::{BLOCK, Block, Network};
+use network::{BLOCK, Block, FixedNetwork, Network, WIDTH};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::rng::Rng;
 use vb_sdk::speed::SpeedController;
@@ -22,6 +23,7 @@ vb_sdk::export_planner! {
     about: "Samples commands and rolls a small network out; untrained, for measuring",
     control_period: 0.1,
     params: {
+        arithmetic: "fixed" => "of the network: fixed (16-bit integers) or float",
         samples: 1000 => "roll-outs a step; a multiple of 8",
         horizon: 20 => "steps of a roll-out, 0.1 s each",
         speed: 4.0 => "target speed, m/s",
@@ -37,10 +39,25 @@ const SHARE: f32 = 0.01;
 /// Distance of the point on the path that roll-outs should come near, m at full scale.
 const AHEAD: f64 = 8.0;
 
+/// What is added to the bicycle's motion.
+enum Model {
+    Float(Network),
+    Fixed(FixedNetwork),
+}
+
+impl Model {
+    fn forward(&self, input: &[Block; WIDTH]) -> [Block; WIDTH] {
+        match self {
+            Self::Float(network) => network.forward(input),
+            Self::Fixed(network) => network.forward(input),
+        }
+    }
+}
+
 struct Rollouts {
     vehicle: Vehicle,
     follower: Follower,
-    network: Network,
+    model: Model,
     rng: Rng,
     blocks: usize,
     speed: f64,
@@ -61,10 +78,16 @@ impl Planner for Rollouts {
         }
         let blocks = samples / BLOCK;
         let mut rng = Rng::new(task.seed);
+        let network = Network::random(&mut rng);
+        let model = match task.param_as::<String>("arithmetic")?.as_str() {
+            "float" => Model::Float(network),
+            "fixed" => Model::Fixed(FixedNetwork::of(&network)),
+            other => return Err(PlannerError::new(format!("arithmetic is `{other}`; want fixed or float"))),
+        };
         Ok(Self {
             vehicle: task.vehicle.clone(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * AHEAD * task.vehicle.scale),
-            network: Network::random(&mut rng),
+            model,
             rng,
             blocks,
             speed: task.param_f64("speed")?,
@@ -124,7 +147,7 @@ impl Rollouts {
         let mut rate = [0.0; BLOCK];
         let mut cost = [0.0; BLOCK];
         for command in steering {
-            let change = self.network.forward(&[*command, v, rate, along, across, [1.0; BLOCK]]);
+            let change = self.model.forward(&[*command, v, rate, along, across, [1.0; BLOCK]]);
             for k in 0..BLOCK {
                 rate[k] = v[k] * turn * command[k] + SHARE * change[0][k];
                 // The heading as a vector, turned by a small angle and brought back to length 1 by one step of Newton's.

@@ -1,4 +1,5 @@
-//! What a sampling planner with a network costs in WASM and natively: `cargo bench -p vb-host --bench rollouts`, after
+//! What a sampling planner costs in WASM and natively, 1000 roll-outs of 20 steps through a network of 6-64-64-6 units
+//! (`examples/rollouts`): `cargo bench -p vb-host --bench rollouts`, after
 //! `cargo xtask plugins`.
 //!
 //! Prints a table, the one of docs/abi.md: medians of alternating steps, so that both meet the same machine, and the fuel
@@ -7,7 +8,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a table is what this is for")]
 #![allow(clippy::disallowed_methods, reason = "it measures time; no score is near")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use vb_host::{Limits, LogSink, NativeOptions, Plugin, Session};
@@ -27,8 +28,17 @@ fn main() -> Result<()> {
         eprintln!("skipped: {} is missing; run `cargo xtask plugins`", missing.display());
         return Ok(());
     }
-    let [wasm, native] = &files;
-    let (mut wasm, mut native) = (start(wasm)?, start(native)?);
+    println!("| network | native | WASM | ratio | fuel a step |");
+    println!("|---|---|---|---|---|");
+    for arithmetic in ["float", "fixed"] {
+        compare(arithmetic, &files)?;
+    }
+    Ok(())
+}
+
+fn compare(arithmetic: &str, files: &[PathBuf; 2]) -> Result<()> {
+    let [wasm, native] = files;
+    let (mut wasm, mut native) = (start(wasm, arithmetic)?, start(native, arithmetic)?);
     let mut times = [Vec::new(), Vec::new()];
     for i in 0..STEPS {
         let observation = observation(f64::from(i));
@@ -43,10 +53,8 @@ fn main() -> Result<()> {
     }
     let [wasm_s, native_s] = times.map(median);
     let fuel = wasm.fuel().ok_or("a WASM planner uses fuel")?.steps / u64::from(STEPS);
-    println!("| 1000 x 20 roll-outs, 6-64-64-6 | native | WASM | ratio | fuel a step |");
-    println!("|---|---|---|---|---|");
     println!(
-        "| median of {STEPS} steps | {:.2} ms | {:.2} ms | {:.2} | {:.0} million |",
+        "| {arithmetic} | {:.2} ms | {:.2} ms | {:.2} | {:.0} million |",
         1e3 * native_s,
         1e3 * wasm_s,
         wasm_s / native_s,
@@ -60,13 +68,14 @@ fn native_name() -> String {
     format!("{DLL_PREFIX}rollouts{DLL_SUFFIX}")
 }
 
-fn start(file: &Path) -> Result<Session> {
+fn start(file: &Path, arithmetic: &str) -> Result<Session> {
     let options =
         NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
     let plugin = Plugin::load_with(file, &Limits::default(), None, &options)?;
+    let params = plugin.params(&[("arithmetic".to_owned(), arithmetic.to_owned())])?;
     let vehicle = Vehicle { scale: 1.0, wheelbase: 3.3, max_steer_angle: 0.5, ..Vehicle::default() };
     let path = (0..60).map(|i| Point2 { x: 2.0 * f64::from(i), y: 0.0 }).collect();
-    let task = Task { path, vehicle, params: plugin.params(&[])?, seed: 1, ..Task::default() };
+    let task = Task { path, vehicle, params, seed: 1, ..Task::default() };
     Ok(plugin.start(&task, LogSink::discard())?)
 }
 

@@ -1,7 +1,7 @@
 //! Drives a planner along a winding path and prints the transcript for `tests/golden`. For the plugins of a new version
 //! of the interface; those of released versions never change.
 //!
-//! `cargo run --release --package vb-host --example record-transcript -- FILE`
+//! `cargo run --release --package vb-host --example record-transcript -- FILE [TOLERANCE]`
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a tool for developers")]
 
@@ -9,17 +9,23 @@
 mod transcript;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use transcript::{Step, Transcript, bits, observation};
-use vb_host::{Limits, LogSink, Plugin, clamp};
+use vb_host::{Limits, LogSink, Plugin, WORKER_ARGUMENT, clamp};
 use vb_sdk::math;
 
-fn main() {
-    let file = PathBuf::from(std::env::args_os().nth(1).expect("give the file of a plugin"));
+fn main() -> ExitCode {
+    let mut args = std::env::args().skip(1);
+    let file = PathBuf::from(args.next().expect("give the file of a plugin"));
+    if file.as_os_str() == WORKER_ARGUMENT {
+        return vb_worker::serve();
+    }
     let plugin = Plugin::load(&file, &Limits::default(), None).unwrap();
     let mut transcript = Transcript {
         abi: plugin.metadata().abi.clone(),
         plugin: file.file_name().unwrap().to_string_lossy().into_owned(),
+        tolerance: args.next().map_or(0.0, |t| t.parse().expect("a number")),
         wheelbase: 3.3,
         max_steer_angle: 0.6,
         params: vec![("speed".into(), "5".into())],
@@ -50,6 +56,7 @@ fn main() {
     // One step a line.
     let text = serde_json::to_string(&transcript).unwrap();
     println!("{}", text.replace("{\"sees\"", "\n{\"sees\"").replace("\"steps\"", "\n\"steps\""));
+    ExitCode::SUCCESS
 }
 
 /// The nearest number of three decimal digits.

@@ -6,15 +6,20 @@ mod transcript;
 
 use std::path::{Path, PathBuf};
 
-use transcript::Transcript;
-use vb_host::{AbiVersion, Limits, Plugin, inspect};
+use transcript::{Transcript, number};
+use vb_host::{AbiVersion, Limits, NativeOptions, Plugin, inspect};
 
-/// The golden plugins of a version with their transcripts.
+/// The golden plugins of a version that this machine can run, with their transcripts.
 fn golden(version: AbiVersion) -> Vec<(PathBuf, Transcript)> {
     let folder =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(format!("abi-{version}"));
     let files = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path());
-    let mut plugins: Vec<PathBuf> = files.filter(|f| f.extension().is_some_and(|e| e == "wasm")).collect();
+    let here = format!("-{}-{}.so", std::env::consts::ARCH, std::env::consts::OS);
+    let runs_here = |f: &PathBuf| {
+        let name = f.to_string_lossy();
+        name.ends_with(".wasm") || name.ends_with(&here)
+    };
+    let mut plugins: Vec<PathBuf> = files.filter(runs_here).collect();
     plugins.sort();
     let transcript = |file: &PathBuf| {
         let text = std::fs::read_to_string(file.with_extension("json")).unwrap();
@@ -26,14 +31,20 @@ fn golden(version: AbiVersion) -> Vec<(PathBuf, Transcript)> {
 /// Expected values: the commands that the planners gave when the version was current (tests/golden/README.md).
 #[test]
 fn a_golden_plugin_answers_what_it_answered_when_its_version_was_new_bit_for_bit() {
+    let worker = option_env!("CARGO_BIN_EXE_vb-worker").map(PathBuf::from);
+    let options = NativeOptions { worker, require_sandbox: false };
     for version in AbiVersion::SUPPORTED {
         for (file, transcript) in golden(*version) {
             assert_eq!(transcript.abi, version.name());
             assert_eq!(inspect(&file).unwrap().abi, version.name(), "{}", file.display());
-            let plugin = Plugin::load(&file, &Limits::default(), None).unwrap();
+            let plugin = Plugin::load_with(&file, &Limits::default(), None, &options).unwrap();
             assert_eq!(plugin.abi(), *version);
-            let recorded: Vec<_> = transcript.steps.iter().map(|s| s.answers.clone()).collect();
-            assert_eq!(transcript.replay(&plugin), recorded, "{}", file.display());
+            for (i, (now, step)) in transcript.replay(&plugin).iter().zip(&transcript.steps).enumerate() {
+                let off = |k: usize| (number(&now[k]) - number(&step.answers[k])).abs();
+                let near = (0..3).all(|k| off(k) <= transcript.tolerance);
+                let same = *now == step.answers || (transcript.tolerance > 0.0 && near);
+                assert!(same, "{}, step {i}: {now:?}, recorded {:?}", file.display(), step.answers);
+            }
         }
     }
 }
@@ -41,7 +52,6 @@ fn a_golden_plugin_answers_what_it_answered_when_its_version_was_new_bit_for_bit
 /// A transcript in which nothing happens would prove nothing.
 #[test]
 fn the_transcripts_steer_both_ways_and_brake() {
-    let number = |bits: &str| f64::from_bits(u64::from_str_radix(bits, 16).unwrap());
     for version in AbiVersion::SUPPORTED {
         for (file, transcript) in golden(*version) {
             let column = |i: usize| transcript.steps.iter().map(move |s| number(&s.answers[i]));
@@ -57,6 +67,6 @@ fn the_transcripts_steer_both_ways_and_brake() {
 fn the_golden_plugins_of_a_version_are_small() {
     for version in AbiVersion::SUPPORTED {
         let bytes: u64 = golden(*version).iter().map(|(file, _)| file.metadata().unwrap().len()).sum();
-        assert!(bytes < 150_000, "ABI {version}: {bytes} bytes");
+        assert!(bytes < 800_000, "ABI {version}: {bytes} bytes");
     }
 }

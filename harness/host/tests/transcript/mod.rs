@@ -15,6 +15,9 @@ pub struct Transcript {
     pub abi: String,
     /// File of the plugin.
     pub plugin: String,
+    /// How far answers may be off: by nothing, but where a planner takes its mathematical functions from the machine.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub tolerance: f64,
     /// Distance between the axles, m.
     pub wheelbase: f64,
     /// Road-wheel angle at full lock, rad.
@@ -76,6 +79,17 @@ impl Transcript {
         let mut session = plugin.start(&self.task(plugin), LogSink::discard()).unwrap();
         self.steps.iter().map(|step| bits(&session.step(&observation(&step.sees)).unwrap())).collect()
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
+}
+
+/// The number of which these are the bits.
+#[allow(dead_code, reason = "not used by all that share this file")]
+pub fn number(bits: &str) -> f64 {
+    f64::from_bits(u64::from_str_radix(bits, 16).unwrap())
 }
 
 /// The bits of a command.
