@@ -1,8 +1,8 @@
 //! The law of one soil: pressure over sinkage, shear stress over shear displacement.
 
 use super::table::{Power, SATURATED, Saturation};
+use fearless_simd::{Simd, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
-use wide::f64x4;
 
 /// The parameters of one soil, as a soil file gives them.
 ///
@@ -131,50 +131,67 @@ impl Soil {
     /// a stress that depends on the displacement alone would give all work back, as a spring would. The share τ/s is
     /// advanced by that equation and kept as the displacement that it stands for: of the two, that is what rises evenly
     /// from station to station, so that it can be moved through the footprint.
-    #[inline]
-    pub(crate) fn shear(
+    #[inline(always)]
+    pub(crate) fn shear<S: Simd>(
         &self,
-        state: [f64x4; 2],
-        slip: [f64x4; 2],
-        pressure: f64x4,
+        simd: S,
+        state: [f64x4<S>; 2],
+        slip: [f64x4<S>; 2],
+        pressure: f64x4<S>,
         dt: f64,
-    ) -> ([f64x4; 2], [f64x4; 2]) {
-        let (zero, one, none) = (f64x4::splat(0.0), f64x4::splat(1.0), f64x4::splat(1e-15));
-        let inverse = f64x4::splat(self.inverse_shear_modulus);
+    ) -> ([f64x4<S>; 2], [f64x4<S>; 2]) {
+        let all = |x: f64| f64x4::splat(simd, x);
+        let (zero, one, none) = (all(0.0), all(1.0), all(1e-15));
+        let inverse = all(self.inverse_shear_modulus);
         let size = (state[0] * state[0] + state[1] * state[1]).sqrt();
         let way = size * inverse;
-        let share = f64x4::from(way.to_array().map(|x| self.saturation.at(x)));
+        let share = each(simd, way, |x| self.saturation.at(x));
         let scale = size.simd_gt(none).select(share / size, inverse);
         let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
-        let per_speed = f64x4::splat(dt * self.inverse_shear_modulus);
+        let per_speed = all(dt * self.inverse_shear_modulus);
         let u = speed * per_speed;
         // (exp(u) − 1)/u by its series: where the terms left out matter, exp(−u) is as good as none.
-        let series =
-            one + u * (f64x4::splat(0.5) + u * (f64x4::splat(1.0 / 6.0) + u * f64x4::splat(1.0 / 24.0)));
+        let series = one + u * (all(0.5) + u * (all(1.0 / 6.0) + u * all(1.0 / 24.0)));
         let keep = one / (one + u * series);
         let gain = per_speed * series;
-        let mobilised = [0, 1].map(|k| (state[k] * scale + slip[k] * gain) * keep);
+        let mobilise = |k: usize| (state[k] * scale + slip[k] * gain) * keep;
+        let mobilised = [mobilise(0), mobilise(1)];
         let level = (mobilised[0] * mobilised[0] + mobilised[1] * mobilised[1]).sqrt();
         // By differences, so that where nothing slips nothing drifts.
-        let ways = |share: f64x4| f64x4::from(share.to_array().map(|s| self.saturation.inverse(s)));
+        let ways = |share: f64x4<S>| each(simd, share, |s| self.saturation.inverse(s));
         let further = way + ways(level) - ways(share);
-        let further = further.fast_max(zero).fast_min(f64x4::splat(SATURATED));
+        let further = greater(further, zero);
+        let further = further.simd_lt(all(SATURATED)).select(further, all(SATURATED));
         let per_share = level.simd_gt(none).select(further / level, one) / inverse;
-        let after = mobilised.map(|s| s * per_share);
+        let after = [mobilised[0] * per_share, mobilised[1] * per_share];
         // The damper takes a share of the strength that is left. It is for slow motion only, so that sliding soil keeps
         // its law, and as weak as makes the explicit step stable.
         let damping = self.shear_damping / (1.0 + dt * self.shear_damping * self.tan_phi * SPIN_UP);
-        let fades = f64x4::splat(damping * CALM * CALM) / (speed * speed + f64x4::splat(CALM * CALM));
-        let damper = (one - level).fast_max(zero) * fades;
-        let strength = f64x4::splat(self.cohesion) + pressure * f64x4::splat(self.tan_phi);
+        let fades = all(damping * CALM * CALM) / (speed * speed + all(CALM * CALM));
+        let damper = greater(one - level, zero) * fades;
+        let strength = all(self.cohesion) + pressure * all(self.tan_phi);
         let stress = |k: usize| -strength * (mobilised[k] + slip[k] * damper);
         (after, [stress(0), stress(1)])
     }
 }
 
+/// A function of each lane.
+#[inline(always)]
+pub(super) fn each<S: Simd>(simd: S, lanes: f64x4<S>, f: impl Fn(f64) -> f64) -> f64x4<S> {
+    let [a, b, c, d] = *lanes;
+    f64x4::simd_from(simd, [f(a), f(b), f(c), f(d)])
+}
+
+/// The greater of two numbers, lane by lane; on every machine the second where they are equal.
+#[inline(always)]
+fn greater<S: Simd>(a: f64x4<S>, b: f64x4<S>) -> f64x4<S> {
+    a.simd_gt(b).select(a, b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
 
     fn sand() -> Soil {
         SoilLaw {
@@ -195,13 +212,16 @@ mod tests {
     /// Shears one station along a way of (velocity along and across, time); returns the stresses after each step and
     /// the work done on the soil, J/m².
     fn sheared(soil: &Soil, pressure: f64, way: &[([f64; 2], f64)], dt: f64) -> (Vec<[f64; 2]>, f64) {
-        let (mut state, mut work, mut stresses) = ([f64x4::splat(0.0); 2], 0.0, vec![]);
+        let (mut state, mut work, mut stresses) = ([0.0; 2], 0.0, vec![]);
         for &(velocity, time) in way {
             for _ in 0..(time / dt).round() as usize {
-                let (after, stress) =
-                    soil.shear(state, velocity.map(f64x4::splat), f64x4::splat(pressure), dt);
+                let (after, stress) = dispatch!(Level::new(), simd => {
+                    let lanes = |x: [f64; 2]| x.map(|x| f64x4::splat(simd, x));
+                    let pressure = f64x4::splat(simd, pressure);
+                    let (after, stress) = soil.shear(simd, lanes(state), lanes(velocity), pressure, dt);
+                    (after.map(|s| s[2]), stress.map(|s| s[2]))
+                });
                 state = after;
-                let stress = stress.map(|s| s.to_array()[2]);
                 work -= (stress[0] * velocity[0] + stress[1] * velocity[1]) * dt;
                 stresses.push(stress);
             }

@@ -1,6 +1,7 @@
 //! The footprint of a wheel on soil.
 //!
-//! States of the stations lie in rows, one a strip, that are worked through four stations at a time.
+//! States of the stations lie in rows, one a strip, that are worked through four stations at a time: four whatever the
+//! processor has, so that the order of sums is the same everywhere.
 
 mod heap;
 mod press;
@@ -10,6 +11,7 @@ use super::grid::Grid;
 use super::ground::{SoilGround, Under};
 use crate::tyre::WheelMotion;
 use crate::{M3, V3};
+use fearless_simd::{Level, Simd, dispatch};
 use press::Sum;
 use vb_world::Heightfield;
 
@@ -58,6 +60,8 @@ const NO_ROW: Row = [0.0; PLACES];
 #[derive(Clone, Debug)]
 pub(crate) struct Footprint {
     shape: Shape,
+    /// What SIMD the processor has.
+    level: Level,
     /// As in [`super::grid::Cell`].
     plastic: Vec<Row>,
     raised: Vec<Row>,
@@ -171,6 +175,7 @@ impl Footprint {
         let states = vec![NO_ROW; shape.strips];
         Self {
             shape,
+            level: Level::new(),
             plastic: states.clone(),
             raised: states.clone(),
             shear: [states.clone(), states.clone()],
@@ -187,6 +192,21 @@ impl Footprint {
     /// soil. `under` is what lies within a radius of the hub. Call it every step, in contact or not.
     pub(crate) fn step(
         &mut self,
+        ground: &mut SoilGround,
+        surface: &Heightfield,
+        under: Under,
+        motion: &WheelMotion,
+        dt: f64,
+    ) -> Option<SoilForce> {
+        dispatch!(self.level, simd => self.step_with(simd, ground, surface, under, motion, dt))
+    }
+
+    /// [`Footprint::step`] for one instruction set: what it calls must be compiled into it to be compiled for that set.
+    /// Closures that arrays' `map` calls are not, so there are none here.
+    #[inline(always)]
+    fn step_with<S: Simd>(
+        &mut self,
+        simd: S,
         ground: &mut SoilGround,
         surface: &Heightfield,
         under: Under,
@@ -213,7 +233,7 @@ impl Footprint {
             self.enter(&ground.grid, motion, &frame);
         }
         let mut sum = Sum::default();
-        self.press(ground, surface, under, motion, &frame, dt, &mut sum);
+        self.press(simd, ground, surface, under, motion, &frame, dt, &mut sum);
         let span = sum.span?;
         let breadth = self.shape.strip_width() * sum.strips as f64;
         self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
@@ -303,4 +323,72 @@ pub(crate) const BLEND: f64 = 0.1;
 fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
     let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();
     V3::new(-dzdx * inv, -dzdy * inv, inv)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::law::{Bulldozing, PressureDirection, SoilLaw};
+    use super::*;
+
+    /// All that the processor has.
+    fn levels() -> Vec<Level> {
+        let mut levels = vec![Level::baseline(), Level::new()];
+        #[cfg(target_arch = "x86_64")]
+        {
+            let best = Level::new();
+            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+            levels.extend(best.as_avx2().map(Level::Avx2));
+        }
+        levels
+    }
+
+    /// The bits of all forces on a wheel that rolls, slips, slides to the left, bounces and turns over rough soil.
+    fn forces(level: Level, pressure: PressureDirection) -> Vec<u64> {
+        let law = SoilLaw {
+            k_phi: 2e6,
+            k_c: 13e3,
+            n: 1.1,
+            cohesion: 1e3,
+            friction_angle_deg: 30.0,
+            shear_modulus: 0.01,
+            elastic_stiffness: 2e8,
+            damping: 3e4,
+            pressure,
+            bulldozing: Some(Bulldozing { erosion_angle_deg: 30.0, flow: 0.5 }),
+        };
+        let mut stream = vb_math::rng::Stream::new(3, &["footprint"]);
+        let heights = (0..21 * 21).map(|_| stream.normal(0.0, 0.05)).collect();
+        let surface = Heightfield::new(21, 21, 1.0, heights);
+        let mut ground = SoilGround::of_one(law.prepare(), [10.0, 10.0], 0.1);
+        let mut wheel = Footprint::new(0.47, 0.25, 0.1);
+        wheel.level = level;
+        let mut bits = Vec::new();
+        for i in 0..3000 {
+            let t = 1e-3 * f64::from(i);
+            let yaw = 0.3 * t;
+            let axis = V3::new(-vb_math::sin(yaw), vb_math::cos(yaw), 0.05);
+            let axis = axis / axis.norm();
+            let velocity = V3::new(2.0, 0.3, 0.8 * vb_math::cos(8.0 * t));
+            let hub = V3::new(-5.0 + 2.0 * t, 0.3 * t, 0.42 + 0.1 * vb_math::sin(8.0 * t));
+            let spin = 2.0 + 4.0 * t;
+            let motion = WheelMotion { hub, velocity, rotation: axis * spin, axis, spin };
+            let under = ground.under(hub.x, hub.y, 0.47);
+            if let Some(f) = wheel.step(&mut ground, &surface, under, &motion, 1e-3) {
+                bits.extend(f.force.iter().chain(f.moment.iter()).map(|x| x.to_bits()));
+                bits.extend(wheel.digest().map(f64::to_bits));
+            }
+        }
+        bits
+    }
+
+    #[test]
+    fn every_instruction_set_of_the_processor_gives_the_same_bits() {
+        for pressure in [PressureDirection::Radial, PressureDirection::Ground] {
+            let first = forces(Level::baseline(), pressure);
+            assert!(first.len() > 10_000, "the wheel touches the ground");
+            for level in levels() {
+                assert!(forces(level, pressure) == first, "{level:?}");
+            }
+        }
+    }
 }

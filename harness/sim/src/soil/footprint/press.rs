@@ -1,12 +1,12 @@
 //! The wheel is pressed into the soil.
 
 use super::super::ground::{SoilGround, Under};
-use super::super::law::Soil;
+use super::super::law::{Soil, each};
 use super::{BLEND, FIRST, Footprint, Frame, LANES, LAST, NO_ROW, PLACES, Row, normal_of};
 use crate::V3;
 use crate::tyre::WheelMotion;
+use fearless_simd::{Simd, f64x4, prelude::*};
 use vb_world::Heightfield;
-use wide::f64x4;
 
 /// What one step collects, in the wheel's frame.
 #[derive(Default)]
@@ -49,8 +49,10 @@ const NOT_HERE: f64 = -1.0;
 impl Footprint {
     /// Presses the wheel into the soil.
     #[allow(clippy::too_many_arguments, reason = "wheel, ground and what comes of them")]
-    pub(super) fn press(
+    #[inline(always)]
+    pub(super) fn press<S: Simd>(
         &mut self,
+        simd: S,
         ground: &SoilGround,
         surface: &Heightfield,
         under: Under,
@@ -75,7 +77,7 @@ impl Footprint {
             }
             let before = sum.strips;
             match only {
-                Some(soil) => self.press_strip(strip, soil, &field, &body, sum),
+                Some(soil) => self.press_strip(simd, strip, soil, &field, &body, sum),
                 None => {
                     for soil in ground.soils() {
                         let mut here = false;
@@ -86,7 +88,7 @@ impl Footprint {
                             here |= mine;
                         }
                         if here {
-                            self.press_strip(strip, soil, &field, &body, sum);
+                            self.press_strip(simd, strip, soil, &field, &body, sum);
                         }
                     }
                 }
@@ -97,7 +99,7 @@ impl Footprint {
 
     /// Finds out how deep each station of a strip lies below the ground; returns whether one may be in contact.
     #[allow(clippy::too_many_arguments, reason = "strip, ground and what comes of them")]
-    #[inline]
+    #[inline(always)]
     fn locate(
         &self,
         strip: usize,
@@ -108,19 +110,21 @@ impl Footprint {
         facet: &mut Facet,
         field: &mut Field,
     ) -> bool {
-        let (raised, plastic) = (&self.raised[strip], &self.plastic[strip]);
+        let (raised, plastic, shape) = (&self.raised[strip], &self.plastic[strip], &self.shape);
+        let mut rim = NO_ROW;
+        for k in FIRST..=LAST {
+            rim[k] = origin.z + f.along.z * shape.xs[k] - f.up.z * shape.half[k];
+            // Above what is left of the highest ground nearby.
+            field.sinkage[k] = top + raised[k] - rim[k];
+        }
         let mut touches = false;
         for k in FIRST..=LAST {
-            let (x, half) = (self.shape.xs[k], self.shape.half[k]);
-            let z = origin.z + f.along.z * x - f.up.z * half;
-            // Above what is left of the highest ground nearby.
-            let clear = top + raised[k] - z;
-            if clear <= plastic[k] {
-                field.sinkage[k] = clear;
+            if field.sinkage[k] <= plastic[k] {
                 continue;
             }
+            let (x, half) = (shape.xs[k], shape.half[k]);
             let at = [origin.x + f.along.x * x - f.up.x * half, origin.y + f.along.y * x - f.up.y * half];
-            let sinkage = (facet.follow(surface, f, at) + raised[k] - z) * facet.slope;
+            let sinkage = (facet.follow(surface, f, at) + raised[k] - rim[k]) * facet.slope;
             field.sinkage[k] = sinkage;
             for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
                 row[k] = *n;
@@ -138,9 +142,19 @@ impl Footprint {
     }
 
     /// Presses the stations of a strip that lie on one soil into it.
-    #[inline]
-    fn press_strip(&mut self, strip: usize, soil: &Soil, field: &Field, body: &Body, sum: &mut Sum) {
-        let zero = f64x4::splat(0.0);
+    #[inline(always)]
+    fn press_strip<S: Simd>(
+        &mut self,
+        simd: S,
+        strip: usize,
+        soil: &Soil,
+        field: &Field,
+        body: &Body,
+        sum: &mut Sum,
+    ) {
+        let all = |x: f64| f64x4::splat(simd, x);
+        let load = |row: &Row, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
+        let zero = all(0.0);
         let shape = &self.shape;
         let (directions, normal) =
             if soil.radial { (&shape.radial, &shape.radial.normal) } else { (&shape.level, &field.normal) };
@@ -148,12 +162,12 @@ impl Footprint {
         let pressed_row = &mut self.pressed[strip];
         let [a, b] = &mut self.shear;
         let mut shear_rows = [&mut a[strip], &mut b[strip]];
-        let modulus = f64x4::splat(soil.modulus(self.breadth));
-        let (elastic_stiffness, compliance) = (f64x4::splat(soil.elastic), f64x4::splat(soil.compliance));
-        let (damping, dt) = (f64x4::splat(soil.damping), f64x4::splat(body.dt));
-        let width = f64x4::splat(shape.strip_width());
+        let modulus = all(soil.modulus(self.breadth));
+        let (elastic_stiffness, compliance) = (all(soil.elastic), all(soil.compliance));
+        let (damping, dt) = (all(soil.damping), all(body.dt));
+        let width = all(shape.strip_width());
         let (velocity, rotation) = (body.velocity, body.rotation);
-        let mut lanes = Lanes::default();
+        let mut lanes = Lanes::new(simd);
         let mut bits: u32 = 0;
         for g in (0..PLACES).step_by(LANES) {
             let share = load(&field.share, g);
@@ -162,7 +176,7 @@ impl Footprint {
             let plastic = load(plastic_row, g);
             let elastic = (sinkage - plastic) * elastic_stiffness;
             let touching = elastic.simd_gt(zero) & mine;
-            if !touching.any() {
+            if !touching.any_true() {
                 for row in &mut shear_rows {
                     store(row, g, mine.select(zero, load(row, g)));
                 }
@@ -171,7 +185,7 @@ impl Footprint {
                 continue;
             }
             // The pressure is the smaller of the elastic line's and Bekker's: where they meet, the soil yields.
-            let power = f64x4::from(sinkage.to_array().map(|s| soil.power.at(s)));
+            let power = each(simd, sinkage, |s| soil.power.at(s));
             let yielding = power * modulus;
             let yields = elastic.simd_gt(yielding);
             let stress = yields.select(yielding, elastic);
@@ -183,10 +197,9 @@ impl Footprint {
             store(pressed_row, g, pressed);
             // Velocity of the rim.
             let (x, half) = (load(&shape.xs, g), load(&shape.half, g));
-            let vx = f64x4::splat(velocity.x - rotation.z * body.offset) - half * f64x4::splat(rotation.y);
-            let vy =
-                f64x4::splat(velocity.y) + x * f64x4::splat(rotation.z) + half * f64x4::splat(rotation.x);
-            let vz = f64x4::splat(velocity.z + rotation.x * body.offset) - x * f64x4::splat(rotation.y);
+            let vx = all(velocity.x - rotation.z * body.offset) - half * all(rotation.y);
+            let vy = all(velocity.y) + x * all(rotation.z) + half * all(rotation.x);
+            let vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
             let n = [load(&normal[0], g), load(&normal[1], g), load(&normal[2], g)];
             let t = [load(&directions.tangent[0], g), load(&directions.tangent[1], g)];
             let leaving = vx * n[0] + vy * n[1] + vz * n[2];
@@ -195,7 +208,7 @@ impl Footprint {
             let pressure = contact.select(damped, zero);
             let slip = [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1], vy - n[1] * leaving];
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
-            let (after, tangential) = soil.shear(before, slip, pressure, body.dt);
+            let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
             for k in 0..2 {
                 let state = contact.select(after[k], zero);
                 store(shear_rows[k], g, mine.select(state, before[k]));
@@ -212,34 +225,34 @@ impl Footprint {
             lanes.moment[0] += half * force[1];
             lanes.moment[1] -= half * force[0] + x * force[2];
             lanes.moment[2] += x * force[1];
-            for (total, part) in lanes.force.iter_mut().zip(force) {
-                *total += part;
+            for (total, part) in lanes.force.iter_mut().zip(&force) {
+                *total += *part;
             }
             let stiffness = yields.select(zero, elastic_stiffness);
             let implicit = rim * dt * (damping + dt * stiffness);
-            let w = n.map(|n| implicit * n);
+            let w = [implicit * n[0], implicit * n[1], implicit * n[2]];
             let outer = [w[0] * n[0], w[0] * n[1], w[0] * n[2], w[1] * n[1], w[1] * n[2], w[2] * n[2]];
-            for (total, part) in lanes.inertia.iter_mut().zip(outer) {
-                *total += part;
+            for (total, part) in lanes.inertia.iter_mut().zip(&outer) {
+                *total += *part;
             }
             lanes.displaced += (deeper - plastic) * area;
             let depth = contact.select(sinkage, zero);
             lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
-            bits |= contact.to_bitmask() << g;
+            bits |= (contact.to_bitmask() as u32) << g;
         }
         if bits == 0 {
             return;
         }
-        let force = V3::from(lanes.force.map(total));
-        let [mx, my, mz] = lanes.moment.map(total);
+        let force = V3::new(total(lanes.force[0]), total(lanes.force[1]), total(lanes.force[2]));
+        let [mx, my, mz] = [total(lanes.moment[0]), total(lanes.moment[1]), total(lanes.moment[2])];
         sum.force += force;
         sum.pressure += total(lanes.pressure);
         sum.moment += V3::new(mx + body.offset * force.z, my, mz - body.offset * force.x);
-        for (all, part) in sum.inertia.iter_mut().zip(lanes.inertia) {
-            *all += total(part);
+        for (all, part) in sum.inertia.iter_mut().zip(&lanes.inertia) {
+            *all += total(*part);
         }
         sum.displaced += total(lanes.displaced);
-        sum.sinkage = lanes.sinkage.to_array().into_iter().fold(sum.sinkage, f64::max);
+        sum.sinkage = (*lanes.sinkage).into_iter().fold(sum.sinkage, f64::max);
         sum.strips += 1;
         let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
         sum.span = Some(sum.span.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
@@ -247,31 +260,40 @@ impl Footprint {
 }
 
 /// Sums over every fourth station.
-#[derive(Default)]
-struct Lanes {
-    force: [f64x4; 3],
-    pressure: f64x4,
-    moment: [f64x4; 3],
-    inertia: [f64x4; 6],
-    displaced: f64x4,
-    sinkage: f64x4,
+struct Lanes<S: Simd> {
+    force: [f64x4<S>; 3],
+    pressure: f64x4<S>,
+    moment: [f64x4<S>; 3],
+    inertia: [f64x4<S>; 6],
+    displaced: f64x4<S>,
+    sinkage: f64x4<S>,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let zero = f64x4::splat(simd, 0.0);
+        Self {
+            force: [zero; 3],
+            pressure: zero,
+            moment: [zero; 3],
+            inertia: [zero; 6],
+            displaced: zero,
+            sinkage: zero,
+        }
+    }
 }
 
 /// The sum of the lanes, in an order that does not depend on the machine.
-#[inline]
-fn total(lanes: f64x4) -> f64 {
-    let [a, b, c, d] = lanes.to_array();
+#[inline(always)]
+fn total<S: Simd>(lanes: f64x4<S>) -> f64 {
+    let [a, b, c, d] = *lanes;
     (a + b) + (c + d)
 }
 
-#[inline]
-fn load(row: &Row, g: usize) -> f64x4 {
-    f64x4::from([row[g], row[g + 1], row[g + 2], row[g + 3]])
-}
-
-#[inline]
-fn store(row: &mut Row, g: usize, value: f64x4) {
-    row[g..g + LANES].copy_from_slice(&value.to_array());
+#[inline(always)]
+fn store<S: Simd>(row: &mut Row, g: usize, value: f64x4<S>) {
+    value.store_slice(&mut row[g..g + LANES]);
 }
 
 /// The last facet of the ground that a station stood on, since the next mostly stands on it too.
@@ -295,7 +317,7 @@ impl Facet {
     }
 
     /// Height of the ground at a point, whose facet becomes the current one.
-    #[inline]
+    #[inline(always)]
     fn follow(&mut self, surface: &Heightfield, f: &Frame, at: [f64; 2]) -> f64 {
         if let Some(z) = self.plane.height(at[0], at[1]) {
             return z;

@@ -12,6 +12,7 @@ const STILL: f64 = 1e-6;
 
 impl Footprint {
     /// Moves the states by upwind differences.
+    #[inline(always)]
     pub(super) fn transport(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, dt: f64) {
         let edge = self.shape.xs[LAST];
         for strip in 0..self.shape.strips {
@@ -53,6 +54,7 @@ impl Footprint {
 
     /// Moves the states across the footprint of a wheel that slides to the left by `distance`. What lies beside the
     /// wheel is taken from and left to the grid every couple of millimetres.
+    #[inline(always)]
     fn slide(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
         let (strips, width) = (self.shape.strips, self.shape.width);
         let strip = |i: usize| if distance > 0.0 { i } else { strips - 1 - i };
@@ -101,17 +103,18 @@ impl Footprint {
 }
 
 /// Moves a row of states backward (`forward`: the wheel moves forward) by the given shares of each station's length.
-#[inline]
+#[inline(always)]
 fn advect(row: &mut Row, inflow: f64, forward: bool, shares: &Row) {
-    row[if forward { LAST + 1 } else { FIRST - 1 }] = inflow;
-    let old = *row;
+    // In place, from where states leave towards where they enter, so that each still finds its neighbour's old state.
     if forward {
+        row[LAST + 1] = inflow;
         for k in 0..PLACES - 1 {
-            row[k] += (old[k + 1] - old[k]) * shares[k];
+            row[k] += (row[k + 1] - row[k]) * shares[k];
         }
     } else {
-        for k in 1..PLACES {
-            row[k] += (old[k - 1] - old[k]) * shares[k];
+        row[FIRST - 1] = inflow;
+        for k in (1..PLACES).rev() {
+            row[k] += (row[k - 1] - row[k]) * shares[k];
         }
     }
 }
