@@ -5,6 +5,7 @@
 
 pub mod angle;
 mod elementary;
+pub mod fft;
 pub mod rng;
 
 pub use elementary::*;

@@ -3,7 +3,6 @@
 //! Rules for ground, obstacles, starts and goals follow the original's generator (facts §3.3, §3.5); heights come
 //! from spectral synthesis matched to its worlds (§2.3). All rules are data: [`GeneratorParams`].
 
-mod fft;
 mod ground;
 mod params;
 mod terrain;

@@ -5,8 +5,8 @@
 //! The parameters were fitted to the original's worlds (facts §2.3): height spread, slope percentiles,
 //! autocorrelation, spectrum.
 
-use super::fft::{Complex, inverse_2d};
 use super::params::{GeneratorParams, GridParams};
+use vb_math::fft::{Complex, inverse_2d};
 use vb_math::rng::Stream;
 use vb_world::{Elevation, Heightfield};
 

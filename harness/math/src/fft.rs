@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-/// A complex number.
-pub(crate) type Complex = [f64; 2];
+/// A complex number: real and imaginary part.
+pub type Complex = [f64; 2];
 
 fn multiply(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
@@ -36,12 +36,16 @@ fn transform(x: &mut [Complex], roots: &[Complex]) {
     }
 }
 
-/// Inverse transform of an n × n spectrum (row-major, n a power of two from 2) in place, without normalisation.
-pub(crate) fn inverse_2d(spectrum: &mut [Complex], n: usize) {
+/// Inverse transform of an n × n spectrum (row-major) in place, without normalisation:
+/// x_ij = Σ_kl X_kl exp(2πi (ik + jl)/n). The forward transform of real values is the conjugate of this.
+///
+/// # Panics
+/// If n is no power of two from 2, or there are not n² values.
+pub fn inverse_2d(spectrum: &mut [Complex], n: usize) {
     assert!(n.is_power_of_two() && n >= 2 && spectrum.len() == n * n);
     let roots: Vec<Complex> = (0..n / 2)
         .map(|k| {
-            let (s, c) = vb_math::sin_cos(TAU * k as f64 / n as f64);
+            let (s, c) = crate::sin_cos(TAU * k as f64 / n as f64);
             [c, s]
         })
         .collect();
@@ -67,7 +71,7 @@ mod tests {
     #[test]
     fn it_is_the_sum_that_defines_the_transform() {
         let n = 8;
-        let mut rng = vb_math::rng::Stream::new(1, &["fft"]);
+        let mut rng = crate::rng::Stream::new(1, &["fft"]);
         let spectrum: Vec<Complex> =
             (0..n * n).map(|_| [rng.normal(0.0, 1.0), rng.normal(0.0, 1.0)]).collect();
         let mut fast = spectrum.clone();
@@ -76,7 +80,7 @@ mod tests {
             let (y, x) = (i / n, i % n);
             let mut sum = [0.0; 2];
             for (k, &value) in spectrum.iter().enumerate() {
-                let (s, c) = vb_math::sin_cos(TAU * ((k / n * y + k % n * x) % n) as f64 / n as f64);
+                let (s, c) = crate::sin_cos(TAU * ((k / n * y + k % n * x) % n) as f64 / n as f64);
                 let term = multiply(value, [c, s]);
                 sum = [sum[0] + term[0], sum[1] + term[1]];
             }

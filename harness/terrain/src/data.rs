@@ -1,0 +1,256 @@
+//! A folder of elevation data as a model learns from it: which parts of which files, repaired, levelled, at the model's
+//! pitch.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use sha2::{Digest as _, Sha256};
+use thiserror::Error;
+
+use crate::read::{self, Holes, ReadError};
+use crate::repair::{Repaired, fill, repair};
+use crate::Raster;
+
+/// Name of the file in a folder of data that says which parts of it to use.
+pub const SELECTION: &str = "terrain.yaml";
+/// Without a selection, every so many-th file is held out.
+const HELD_OUT: usize = 8;
+
+/// Why a folder of elevation data can't be learned from.
+#[derive(Debug, Error)]
+pub enum DataError {
+    /// A file can't be used.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The folder or its selection can't be read.
+    #[error("{}: {problem}", path.display())]
+    Folder {
+        /// The folder or file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+/// Which parts of a folder to use (`terrain.yaml`).
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Selection {
+    /// Version of this format: 1.
+    pub schema: u32,
+    /// Lowest and highest value that is a measurement; others are holes.
+    #[serde(default)]
+    pub valid: Option<[f64; 2]>,
+    /// The files to use, by name.
+    pub files: BTreeMap<String, Part>,
+}
+
+/// Which part of a file to use.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Columns and rows `[west, north, east, south]`, the last two excluded; left out: all.
+    #[serde(default)]
+    pub window: Option<[usize; 4]>,
+    /// Whether the model is tested on it rather than trained.
+    #[serde(default)]
+    pub held_out: bool,
+}
+
+/// How heights and places of the files are meant.
+#[derive(Clone, Copy, Debug)]
+pub struct Meaning {
+    /// Distance between samples in metres, where a file doesn't say it.
+    pub pitch: f64,
+    /// Samples of a file, along each side, whose mean is one of the model's.
+    pub reduce: usize,
+}
+
+/// One file's part, ready to be learned from.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    /// The file's name.
+    pub name: String,
+    /// Whether it is held out from training.
+    pub held_out: bool,
+    /// What was repaired.
+    pub repaired: Repaired,
+    /// Its samples at the model's pitch, once for each place that the means can begin at.
+    pub layers: Vec<Layer>,
+}
+
+/// Samples at the model's pitch, without holes, and which of them were measured.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Heights in units of [`Data::std`], holes filled.
+    pub heights: Raster,
+    /// Which samples are measurements.
+    pub measured: Vec<bool>,
+}
+
+/// All that a model learns from.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The files' parts, in the order of their names.
+    pub scans: Vec<Scan>,
+    /// Standard deviation of the measured heights that are trained on, about each part's own plane, in the files' unit.
+    pub std: f64,
+    /// Distance between the model's samples, m.
+    pub pitch: f64,
+    /// SHA-256 over the names and bytes of the files used and of the selection.
+    pub sha256: String,
+}
+
+impl Data {
+    /// Reads a folder; `selection` is a file that says which parts to use, by default `terrain.yaml` in it.
+    ///
+    /// # Errors
+    /// [`DataError`] if nothing in it can be used, or a file that should be can't.
+    pub fn read(dir: &Path, selection: Option<&Path>, meaning: Meaning) -> Result<Self, DataError> {
+        let mut hash = Sha256::new();
+        let selection = read_selection(dir, selection, &mut hash)?;
+        let mut names: Vec<String> = std::fs::read_dir(dir)
+            .map_err(|e| folder(dir, e))?
+            .flatten()
+            .filter(|e| {
+                let path = e.path();
+                let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+                ["bmp", "png", "npy", "tif", "tiff"].contains(&ending.as_str())
+            })
+            .map(|e| e.file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        if let Some(s) = &selection {
+            if let Some(missing) = s.files.keys().find(|name| !names.contains(name)) {
+                return Err(folder(dir, format!("there is no {missing}, which the selection names")));
+            }
+            names.retain(|name| s.files.contains_key(name));
+        }
+        if names.is_empty() {
+            return Err(folder(dir, "holds no elevation data (.bmp, .png, .npy, .tif or .tiff)"));
+        }
+        let mut raw = Vec::new();
+        let mut pitch = None;
+        for (i, name) in names.iter().enumerate() {
+            let path = dir.join(name);
+            let part = match &selection {
+                Some(s) => s.files.get(name).copied().unwrap_or_default(),
+                None => Part { window: None, held_out: i % HELD_OUT == HELD_OUT - 1 },
+            };
+            let mut raster = read::read(&path, Holes::Keep)?;
+            let bytes = std::fs::read(&path).map_err(|e| folder(&path, e))?;
+            hash.update(name.as_bytes());
+            hash.update([0]);
+            hash.update((bytes.len() as u64).to_le_bytes());
+            hash.update(&bytes);
+            let own = raster.pitch().unwrap_or(meaning.pitch) * meaning.reduce as f64;
+            match pitch {
+                None => pitch = Some(own),
+                Some(p) if (own - p).abs() <= 1e-3 * p => {}
+                Some(p) => {
+                    return Err(folder(
+                        &path,
+                        format!("samples are {own} m apart, those of files before {p} m: resample them to one pitch"),
+                    ));
+                }
+            }
+            if let Some([west, north, east, south]) = part.window {
+                if west >= east || north >= south || east > raster.cols() || south > raster.rows() {
+                    return Err(folder(
+                        &path,
+                        format!(
+                            "window [{west}, {north}, {east}, {south}] is none of its {} columns and {} rows",
+                            raster.cols(),
+                            raster.rows()
+                        ),
+                    ));
+                }
+                raster = raster.window(north, west, south - north, east - west);
+            }
+            if let Some([low, high]) = selection.as_ref().and_then(|s| s.valid) {
+                for v in raster.values_mut() {
+                    if !(low..=high).contains(v) {
+                        *v = f64::NAN;
+                    }
+                }
+            }
+            let repaired = repair(&mut raster);
+            raster.level();
+            raw.push((name.clone(), part.held_out, repaired, raster));
+        }
+        let std = spread(raw.iter().filter(|(_, held_out, ..)| !held_out).map(|(.., r)| r), meaning.reduce);
+        if !(std > 0.0) {
+            return Err(folder(dir, "heights don't vary: there is nothing to learn"));
+        }
+        let scans = raw
+            .into_iter()
+            .map(|(name, held_out, repaired, raster)| Scan {
+                name,
+                held_out,
+                repaired,
+                layers: layers(&raster, meaning.reduce, std),
+            })
+            .collect();
+        let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        Ok(Self { scans, std, pitch: pitch.unwrap_or(meaning.pitch), sha256 })
+    }
+}
+
+fn folder(path: &Path, problem: impl std::fmt::Display) -> DataError {
+    let problem = problem.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    DataError::Folder { path: path.to_owned(), problem }
+}
+
+fn read_selection(
+    dir: &Path,
+    given: Option<&Path>,
+    hash: &mut Sha256,
+) -> Result<Option<Selection>, DataError> {
+    let own = dir.join(SELECTION);
+    let path = match given {
+        Some(path) => path,
+        None if own.is_file() => &own,
+        None => return Ok(None),
+    };
+    let text = std::fs::read_to_string(path).map_err(|e| folder(path, e))?;
+    hash.update(text.replace("\r\n", "\n").as_bytes());
+    let selection: Selection = serde_yaml::from_str(&text).map_err(|e| folder(path, e))?;
+    if selection.schema != 1 {
+        return Err(folder(path, format!("schema {}: must be 1", selection.schema)));
+    }
+    Ok(Some(selection))
+}
+
+/// Standard deviation of the measured heights of levelled rasters at the model's pitch.
+fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>, reduce: usize) -> f64 {
+    let (mut n, mut squares) = (0.0, 0.0);
+    for raster in rasters {
+        for v in raster.reduced(reduce).values().iter().filter(|v| !v.is_nan()) {
+            n += 1.0;
+            squares += v * v;
+        }
+    }
+    if n > 0.0 { (squares / n).sqrt() } else { 0.0 }
+}
+
+/// The raster at the model's pitch, for each place where the means can begin.
+fn layers(raster: &Raster, reduce: usize, std: f64) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for row in 0..reduce {
+        for col in 0..reduce {
+            if raster.rows() < row + reduce || raster.cols() < col + reduce {
+                continue;
+            }
+            let mut heights =
+                raster.window(row, col, raster.rows() - row, raster.cols() - col).reduced(reduce);
+            let measured = heights.values().iter().map(|v| !v.is_nan()).collect();
+            fill(&mut heights);
+            for v in heights.values_mut() {
+                *v /= std;
+            }
+            layers.push(Layer { heights, measured });
+        }
+    }
+    layers
+}
