@@ -80,6 +80,8 @@ pub(crate) enum SuiteCommand {
     Import(ImportArgs),
     /// Make a suite from a seed
     Generate(GenerateArgs),
+    /// Make a suite of a real place, from a raster of its heights
+    Site(SiteArgs),
 }
 
 #[derive(Debug, Subcommand)]
@@ -323,6 +325,46 @@ pub(crate) struct GenerateArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct SiteArgs {
+    /// Heights: GeoTIFF, .npy, PNG or BMP, first row in the north
+    #[arg(value_name = "RASTER")]
+    pub(crate) raster: PathBuf,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Distance between the raster's samples, m; default: what the file says
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) sample_pitch: Option<f64>,
+    /// Metres that one unit of the raster's values is high, such as a grey level of a picture
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
+    pub(crate) unit: f64,
+    /// Middle of the one world that is made, m east and north of the raster's middle; default: 0,0
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) at: Option<[f64; 2]>,
+    /// Make as many worlds side by side as fit
+    #[arg(long, conflicts_with = "at")]
+    pub(crate) tiles: bool,
+    /// Labels of the ground over the same rectangle; the site rules' legend says what they mean
+    #[arg(long, value_name = "RASTER")]
+    pub(crate) labels: Option<PathBuf>,
+    /// Obstacles as in a world's obstacles.yaml, from the raster's middle; default: drawn
+    #[arg(long, value_name = "FILE")]
+    pub(crate) obstacles: Option<PathBuf>,
+    /// Number of drawn obstacles: sparse, medium or dense; with --obstacles, what the suite calls them
+    #[arg(long, value_name = "DENSITY", default_value = "sparse", value_parser = density)]
+    pub(crate) density: vb_world::Density,
+    /// Rules for grid, ground and starts; default: tasks/generator/site.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) site: Option<PathBuf>,
+    /// Rules for friction, obstacles, tasks and paths; default: tasks/generator/default.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
+    /// The same seed makes the same bytes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
     /// The suite: a directory, or the name of one that comes with the harness; default: vb-mini
     #[arg(long, value_name = "DIR")]
@@ -490,4 +532,20 @@ mod tests {
         assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
         assert!(trace_mode("20hz").is_err());
     }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(format!("{text} is not above 0")) }
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let both = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
+    both.ok_or_else(|| format!("{text:?} is not two numbers, such as 120,-35.5"))
+}
+
+fn density(text: &str) -> Result<vb_world::Density, String> {
+    let found = vb_world::Density::ALL.into_iter().find(|d| d.name() == text);
+    found.ok_or_else(|| "want sparse, medium or dense".to_owned())
 }

@@ -11,6 +11,7 @@ mod plugin;
 mod progress;
 mod run;
 mod score;
+mod site;
 mod suite;
 mod vehicle;
 
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),
         Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
         Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Site(args))) => site::make(&args),
         Some(args::Command::Tasks(args::TasksCommand::List(args))) => suite::tasks(&args),
         Some(args::Command::Vehicle(args::VehicleCommand::List)) => vehicle::list(),
         Some(args::Command::Vehicle(args::VehicleCommand::Show(args))) => vehicle::show(&args),

@@ -1,7 +1,7 @@
 //! `vb-harness suite` and `vb-harness tasks`.
 
 use serde::Serialize;
-use vb_suite::generate::{GenerateError, GeneratorParams, write_suite};
+use vb_suite::generate::{GenerateError, GeneratorParams, ParamsError, write_suite};
 use vb_suite::import::Source;
 use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
 
@@ -27,7 +27,7 @@ pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRe
 }
 
 /// An error of writing a suite: the worlds are ours, the directory is the user's.
-fn write_error(e: SuiteError) -> CliError {
+pub(crate) fn write_error(e: SuiteError) -> CliError {
     match e {
         SuiteError::Write { .. } | SuiteError::NotEmpty { .. } => CliError::output(e),
         other => CliError::input(other),
@@ -100,7 +100,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
 }
 
 /// Says what was written, and what to do with it.
-fn done(suite: &Suite) {
+pub(crate) fn done(suite: &Suite) {
     output::text(&format!(
         "{}: {} worlds, {} tasks; hash {}\n",
         suite.dir().display(),
@@ -111,15 +111,19 @@ fn done(suite: &Suite) {
     output::note(&format!("run it with: vb-harness --plugin FILE --suite {}", suite.dir().display()));
 }
 
+/// Rules in a file, or the built-in ones.
+pub(crate) fn rules<T: Default>(
+    file: Option<&std::path::Path>,
+    parse: impl Fn(&str) -> Result<T, ParamsError>,
+) -> Result<T, CliError> {
+    let Some(path) = file else { return Ok(T::default()) };
+    let at = |e: &dyn std::fmt::Display| CliError::input(format!("{}: {e}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| at(&e))?;
+    parse(&text).map_err(|e| at(&e))
+}
+
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
-    let params = match &args.params {
-        Some(path) => {
-            let at = |e: &dyn std::fmt::Display| CliError::input(format!("{}: {e}", path.display()));
-            let text = std::fs::read_to_string(path).map_err(|e| at(&e))?;
-            GeneratorParams::parse(&text).map_err(|e| at(&e))?
-        }
-        None => GeneratorParams::default(),
-    };
+    let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let name = args.out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned());
     let worlds = args.worlds as usize;
     let suite = write_suite(&args.out, &params, args.seed, worlds, &name, |index, world| {

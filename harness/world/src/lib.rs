@@ -17,7 +17,7 @@ mod world;
 pub mod yaml;
 
 pub use check::{Flaw, Part};
-pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo};
+pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo, read_obstacles};
 pub use heightfield::{Facet, Heightfield, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;

@@ -3,7 +3,7 @@
 //! Unlike the original, which cuts deformable worlds into bands and mixed ones into rectangles to please its
 //! simulator, every world keeps its clusters.
 
-use super::params::{GridParams, GroundParams};
+use super::params::{FrictionParams, GridParams, GroundParams};
 use vb_math::rng::Stream;
 use vb_world::{Semantics, SoilLevel, SoilLevels, Terrain, TerrainClass};
 
@@ -15,7 +15,7 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
     let centres = centres(g, classes.len(), rng);
     let n = g.patches;
     let mut patches = Vec::with_capacity(n * n);
-    let mut friction = Vec::with_capacity(n * n);
+    let mut frictions = Vec::with_capacity(n * n);
     for row in 0..n {
         for col in 0..n {
             let distance2 = |c: &[usize; 2]| {
@@ -25,14 +25,9 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
             // The first of equally near centres, as `min_by_key` returns it.
             let nearest = (0..centres.len()).min_by_key(|&k| distance2(&centres[k])).unwrap_or(0);
             let class = classes[nearest];
-            let mu = g.friction.get(class).map_or(0.0, |normal| {
-                let [low, high] = g.friction.clip;
-                let mu = rng.normal(normal.mean, normal.std).clamp(low, high);
-                // Three decimals are plenty, and people read them. Rounding must not leave the clip.
-                ((mu * 1000.0).round() / 1000.0).clamp(low, high)
-            });
+            let mu = friction(&g.friction, class, rng);
             patches.push(class);
-            friction.push(mu);
+            frictions.push(mu);
         }
     }
     let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
@@ -44,7 +39,17 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
     };
     let [mud, sand, snow] = [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow].map(&mut level);
     let soil = SoilLevels { mud, sand, snow };
-    Semantics { rows: n, cols: n, patch, classes: patches, friction, soil }
+    Semantics { rows: n, cols: n, patch, classes: patches, friction: frictions, soil }
+}
+
+/// Friction of a patch of a class, drawn; 0 where the ground yields.
+pub(crate) fn friction(params: &FrictionParams, class: TerrainClass, rng: &mut Stream) -> f64 {
+    params.get(class).map_or(0.0, |normal| {
+        let [low, high] = params.clip;
+        let mu = rng.normal(normal.mean, normal.std).clamp(low, high);
+        // Three decimals are plenty, and people read them. Rounding must not leave the clip.
+        ((mu * 1000.0).round() / 1000.0).clamp(low, high)
+    })
 }
 
 /// One class a cluster, none twice.

@@ -7,13 +7,14 @@ mod ground;
 mod params;
 mod terrain;
 
+pub(crate) use ground::friction;
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
     GroundParams, Normal, ObstacleParams, ParamsError, PitParams, RoughnessParams, SpectrumParams,
     TaskParams,
 };
 
-use crate::path::{PathError, Planner};
+use crate::path::{PathError, PathParams, Planner};
 use std::path::Path;
 use vb_math::rng::Stream;
 use vb_world::{
@@ -133,13 +134,27 @@ pub fn generate_world(
         tasks: Vec::new(),
         id: id.clone(),
     };
-    let mut rng = stream("obstacles");
+    furnish(&mut world, &params.obstacles, &params.path, &ends, &mut stream("obstacles"))?;
+    Ok(world)
+}
+
+/// Draws obstacles until there is a path from every start to its goal, and gives the world its tasks.
+///
+/// # Errors
+/// If the rules leave no room or no way.
+pub(crate) fn furnish(
+    world: &mut World,
+    params: &ObstacleParams,
+    path: &PathParams,
+    ends: &[[[f64; 2]; 2]],
+    rng: &mut Stream,
+) -> Result<(), GenerateError> {
+    let id = world.id.clone();
     let mut layout = 1;
     world.tasks = loop {
-        world.obstacles = obstacles(&params.obstacles, density, &ends, &mut rng).map_err(|index| {
-            GenerateError::NoRoom { world: id.clone(), index, attempts: params.obstacles.attempts }
-        })?;
-        match tasks(&world, params, &ends) {
+        world.obstacles = obstacles(params, world.density, ends, rng)
+            .map_err(|index| GenerateError::NoRoom { world: id.clone(), index, attempts: params.attempts })?;
+        match tasks(world, path, ends) {
             Ok(tasks) => break tasks,
             Err((task, source)) if layout == LAYOUTS => {
                 return Err(GenerateError::NoWay { world: id, task, layouts: layout, source });
@@ -147,8 +162,26 @@ pub fn generate_world(
             Err(_) => layout += 1,
         }
     };
-    world.check().map_err(|flaw| GenerateError::World { world: id, flaw })?;
-    Ok(world)
+    world.check().map_err(|flaw| GenerateError::World { world: id, flaw })
+}
+
+/// Gives a world with its obstacles tasks from every start to its goal.
+///
+/// # Errors
+/// If there is no way.
+pub(crate) fn plan_tasks(
+    world: &mut World,
+    path: &PathParams,
+    ends: &[[[f64; 2]; 2]],
+) -> Result<(), GenerateError> {
+    let id = world.id.clone();
+    world.tasks = tasks(world, path, ends).map_err(|(task, source)| GenerateError::NoWay {
+        world: id.clone(),
+        task,
+        layouts: 1,
+        source,
+    })?;
+    world.check().map_err(|flaw| GenerateError::World { world: id, flaw })
 }
 
 /// The ground of a world: the mix's shares of the count, cumulatively rounded, rigid first.
@@ -217,13 +250,9 @@ fn obstacles(
 }
 
 /// An error is the task without a path, and why.
-fn tasks(
-    world: &World,
-    params: &GeneratorParams,
-    ends: &[[[f64; 2]; 2]],
-) -> Result<Vec<Task>, (String, PathError)> {
+fn tasks(world: &World, path: &PathParams, ends: &[[[f64; 2]; 2]]) -> Result<Vec<Task>, (String, PathError)> {
     let name = |k: usize| format!("t{k:02}");
-    let planner = Planner::new(world, &params.path).map_err(|e| (name(0), e))?;
+    let planner = Planner::new(world, path).map_err(|e| (name(0), e))?;
     let task = |(k, &[start, goal]): (usize, &[[f64; 2]; 2])| {
         let path = planner.plan(start, goal).map_err(|e| (name(k), e))?;
         let yaw = vb_math::atan2(goal[1] - start[1], goal[0] - start[0]);

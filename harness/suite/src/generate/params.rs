@@ -58,6 +58,12 @@ pub struct ByDensity {
 }
 
 impl ByDensity {
+    /// The numbers for an area that is larger or smaller by a factor.
+    fn times(self, factor: f64) -> Self {
+        let times = |n: usize| (n as f64 * factor).round() as usize;
+        Self { sparse: times(self.sparse), medium: times(self.medium), dense: times(self.dense) }
+    }
+
     /// The number for a density.
     #[must_use]
     pub fn get(&self, density: Density) -> usize {
@@ -250,6 +256,13 @@ pub struct ObstacleParams {
     pub task_clearance: f64,
     /// Draws for one obstacle.
     pub attempts: usize,
+}
+
+impl ObstacleParams {
+    /// The same for an area that is larger or smaller by a factor.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        Self { boulders: self.boulders.times(factor), trees: self.trees.times(factor), ..self }
+    }
 }
 
 /// Starts and goals.

@@ -1,0 +1,67 @@
+//! `vb-harness suite site`.
+
+use std::path::Path;
+
+use vb_suite::generate::{GenerateError, GeneratorParams};
+use vb_suite::site::{self, Cut, SiteError, SiteParams, Survey};
+use vb_terrain::Raster;
+use vb_terrain::read::{Holes, read};
+use vb_world::{Provenance, SuiteMeta, SuiteWriter};
+
+use crate::args::SiteArgs;
+use crate::error::CliError;
+use crate::suite::{done, rules, write_error};
+
+pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
+    let site = rules(args.site.as_deref(), SiteParams::parse)?;
+    let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let file = args.raster.display();
+    let mut heights = raster(&args.raster)?;
+    for z in heights.values_mut() {
+        *z *= args.unit;
+    }
+    let Some(pitch) = args.sample_pitch.or(heights.pitch()) else {
+        let message =
+            format!("{file}: the file doesn't say how far apart its samples are: give --sample-pitch");
+        return Err(CliError::usage(message));
+    };
+    let labels = args.labels.as_deref().map(raster).transpose()?;
+    let obstacles = args.obstacles.as_deref().map(vb_world::read_obstacles).transpose();
+    let obstacles = obstacles.map_err(CliError::input)?;
+    let survey =
+        Survey { heights: &heights, pitch, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
+    let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
+    let worlds =
+        site::worlds(&survey, cut, args.density, &site, &params, args.seed).map_err(|e| match e {
+            SiteError::Generate(GenerateError::Suite(e)) => write_error(e),
+            other => CliError::input(format!("{file}: {other}")),
+        })?;
+    let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let meta = SuiteMeta {
+        name: name(&args.out),
+        version: "1".into(),
+        description: format!("{} worlds of the place in {}.", worlds.len(), name(&args.raster)),
+        provenance: Provenance::Imported {
+            source: format!(
+                "{}, {:.3} by {:.3} m, site rules {}, rules {}, seed {}",
+                name(&args.raster),
+                heights.cols() as f64 * pitch,
+                heights.rows() as f64 * pitch,
+                site.name,
+                params.name,
+                args.seed
+            ),
+        },
+    };
+    let mut writer = SuiteWriter::create(&args.out, meta).map_err(write_error)?;
+    for world in &worlds {
+        writer.add(world).map_err(write_error)?;
+    }
+    done(&writer.finish().map_err(write_error)?);
+    Ok(())
+}
+
+/// A raster whose holes matter only where a world lies.
+fn raster(path: &Path) -> Result<Raster, CliError> {
+    read(path, Holes::Keep).map_err(CliError::input)
+}

@@ -1,0 +1,377 @@
+//! Worlds of a real place, from a raster of its heights.
+
+mod rules;
+mod survey;
+
+use std::collections::BTreeMap;
+
+use vb_math::rng::Stream;
+use vb_terrain::Raster;
+use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
+
+pub use rules::{GroundRule, SiteGround, SiteParams};
+
+use crate::generate::{self, GenerateError, GeneratorParams, ObstacleParams};
+use rules::STAND;
+use survey::{Layout, extents};
+
+/// What is known of a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Survey<'a> {
+    /// Heights, m.
+    pub heights: &'a Raster,
+    /// Distance between their samples, m.
+    pub pitch: f64,
+    /// Labels of the ground over the same rectangle, at any number of samples.
+    pub labels: Option<&'a Raster>,
+    /// Obstacles, from the middle of the raster; none: they are drawn.
+    pub obstacles: Option<&'a [Obstacle]>,
+}
+
+/// Which part of a survey becomes worlds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cut {
+    /// One world about a point, x east and y north of the raster's middle, m.
+    At([f64; 2]),
+    /// As many worlds side by side as fit, about the middle.
+    Tiles,
+}
+
+/// Why a survey became no suite.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SiteError {
+    /// A world doesn't fit.
+    #[error(
+        "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take a smaller `side`, or another place",
+        at[0], at[1], extents[0], extents[1]
+    )]
+    Outside {
+        /// Its middle, m.
+        at: [f64; 2],
+        /// Its side, m.
+        side: f64,
+        /// Of the survey along x and y, m.
+        extents: [f64; 2],
+    },
+    /// There is a place that was not measured.
+    #[error(
+        "no height is known at ({:.1}, {:.1}) m from the survey's middle: fill the hole, or take another place (--at)", at[0], at[1]
+    )]
+    Hole {
+        /// Where, m.
+        at: [f64; 2],
+    },
+    /// A label that the legend doesn't have.
+    #[error(
+        "label {label} at ({:.1}, {:.1}) m from the survey's middle is not in ground.legend: add it with its class", at[0], at[1]
+    )]
+    Label {
+        /// The label.
+        label: f64,
+        /// Where, m.
+        at: [f64; 2],
+    },
+    /// There is no ground for a start.
+    #[error(
+        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground below {slope}° and free of obstacles: raise start_slope, thin out the obstacles, or take another place"
+    )]
+    NoStart {
+        /// The world.
+        world: String,
+        /// Between start and goal, m.
+        distance: f64,
+        /// As the rules have it, degrees.
+        slope: f64,
+    },
+    /// Obstacles or paths found no place.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+}
+
+/// Directions in which a pair of start and goal is looked for.
+const DIRECTIONS: usize = 360;
+/// Room between a start and the edge of the world, m.
+const MARGIN: f64 = 4.0;
+
+/// Makes the worlds of a survey. Friction, obstacles, tasks and paths follow the generator's rules; what is drawn follows
+/// from the seed.
+///
+/// Heights are counted from the lowest place of each world. Numbers of obstacles are those of the generator's world, by
+/// area.
+///
+/// # Errors
+/// If the survey has a hole there, is too small, or leaves no room for tasks.
+pub fn worlds(
+    survey: &Survey<'_>,
+    cut: Cut,
+    density: Density,
+    site: &SiteParams,
+    rules: &GeneratorParams,
+    seed: u64,
+) -> Result<Vec<World>, SiteError> {
+    let size = extents(survey.heights, survey.pitch);
+    let centres = match cut {
+        Cut::At(at) => vec![at],
+        Cut::Tiles => tiles(size, site.side),
+    };
+    let outside = |at: [f64; 2]| SiteError::Outside { at, side: site.side, extents: size };
+    if centres.is_empty() {
+        return Err(outside([0.0, 0.0]));
+    }
+    let heights = Layout::new(survey.heights, survey.pitch, site.pitch);
+    let labels = survey.labels.map(|l| {
+        let pitch = size[0] / l.cols() as f64;
+        Layout::new(l, pitch, pitch)
+    });
+    let mut worlds = Vec::with_capacity(centres.len());
+    for (k, &at) in centres.iter().enumerate() {
+        // Rounding must not push a world that just fits over the edge.
+        let fits = |i: usize| at[i].abs() + 0.5 * site.side <= 0.5 * size[i] * (1.0 + 1e-12);
+        if !(fits(0) && fits(1)) {
+            return Err(outside(at));
+        }
+        let id = format!("w{:03}", k + 1);
+        let place = Place { id, at, heights: &heights, labels: labels.as_ref() };
+        worlds.push(world(&place, survey.obstacles, density, site, rules, seed)?);
+    }
+    Ok(worlds)
+}
+
+/// Middles of squares that fit into a rectangle, from the north-west on.
+fn tiles(size: [f64; 2], side: f64) -> Vec<[f64; 2]> {
+    let [columns, rows] = size.map(|s| (s / side * (1.0 + 1e-12)) as usize);
+    let middle = |k: usize, n: usize| (k as f64 - 0.5 * (n as f64 - 1.0)) * side;
+    (0..rows * columns).map(|i| [middle(i % columns, columns), -middle(i / columns, rows)]).collect()
+}
+
+/// Where a world is made.
+struct Place<'a> {
+    id: String,
+    at: [f64; 2],
+    heights: &'a Layout,
+    labels: Option<&'a Layout>,
+}
+
+fn world(
+    place: &Place<'_>,
+    obstacles: Option<&[Obstacle]>,
+    density: Density,
+    site: &SiteParams,
+    rules: &GeneratorParams,
+    seed: u64,
+) -> Result<World, SiteError> {
+    let stream = |part: &str| Stream::new(seed, &["site", &place.id, part]);
+    let heightfield = surface(place, site)?;
+    let semantics = ground(place, &heightfield, site, rules, &mut stream("ground"))?;
+    let soft = semantics.classes.iter().filter(|c| c.is_deformable()).count();
+    let terrain = match soft {
+        0 => Terrain::Rigid,
+        n if n == semantics.classes.len() => Terrain::Deformable,
+        _ => Terrain::Mixed,
+    };
+    let mut world = World {
+        elevation: level(&heightfield, rules),
+        terrain,
+        density,
+        scale: 1.0,
+        heightfield,
+        semantics,
+        obstacles: Vec::new(),
+        tasks: Vec::new(),
+        id: place.id.clone(),
+    };
+    let half = 0.5 * site.side;
+    let radius = rules.tasks.radius.min(half - MARGIN).max(0.25 * half);
+    let ratio = half / rules.half();
+    let params =
+        ObstacleParams { extent: rules.obstacles.extent * ratio, ..rules.obstacles.times(ratio * ratio) };
+    if let Some(all) = obstacles {
+        world.obstacles = within(all, place.at, half);
+    }
+    let ends = ends(&world, radius, site, rules)?;
+    if obstacles.is_some() {
+        generate::plan_tasks(&mut world, &rules.path, &ends)?;
+    } else {
+        generate::furnish(&mut world, &params, &rules.path, &ends, &mut stream("obstacles"))?;
+    }
+    Ok(world)
+}
+
+/// The ground, counted from its lowest place.
+fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteError> {
+    let (nodes, half) = (site.nodes(), 0.5 * site.side);
+    let mut heights = Vec::with_capacity(nodes * nodes);
+    for row in 0..nodes {
+        for col in 0..nodes {
+            let at =
+                [place.at[0] - half + col as f64 * site.pitch, place.at[1] - half + row as f64 * site.pitch];
+            let z = place.heights.height(at);
+            if !z.is_finite() {
+                return Err(SiteError::Hole { at });
+            }
+            heights.push(z);
+        }
+    }
+    let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // A range of nothing can't be divided into levels.
+    let range = (high - low).max(1e-3);
+    let levels: Vec<u16> =
+        heights.iter().map(|z| ((z - low) / range * f64::from(u16::MAX)).round() as u16).collect();
+    Ok(Heightfield::from_levels(nodes, nodes, site.pitch, [0.0, range], &levels))
+}
+
+/// Classes by labels or by rules, friction by class as the generator draws it.
+fn ground(
+    place: &Place<'_>,
+    surface: &Heightfield,
+    site: &SiteParams,
+    rules: &GeneratorParams,
+    rng: &mut Stream,
+) -> Result<Semantics, SiteError> {
+    let (n, half) = (site.patches(), 0.5 * site.side);
+    let (mut classes, mut friction) = (Vec::with_capacity(n * n), Vec::with_capacity(n * n));
+    for row in 0..n {
+        for col in 0..n {
+            let corner = [col as f64 * site.patch - half, row as f64 * site.patch - half];
+            let class = match place.labels {
+                Some(labels) => majority(labels, place.at, corner, site)?,
+                None => by_rules(surface, corner, site),
+            };
+            classes.push(class);
+            friction.push(generate::friction(&rules.ground.friction, class, rng));
+        }
+    }
+    let present = |class, level| if classes.contains(&class) { level } else { Default::default() };
+    let soil = vb_world::SoilLevels {
+        mud: present(TerrainClass::Mud, site.ground.soil.mud),
+        sand: present(TerrainClass::Sand, site.ground.soil.sand),
+        snow: present(TerrainClass::Snow, site.ground.soil.snow),
+    };
+    Ok(Semantics { rows: n, cols: n, patch: site.patch, classes, friction, soil })
+}
+
+/// Middles of the cells of the grid in a patch.
+fn cells(corner: [f64; 2], site: &SiteParams) -> impl Iterator<Item = [f64; 2]> + use<> {
+    let (n, pitch) = ((site.patch / site.pitch).round() as usize, site.pitch);
+    (0..n * n).map(move |i| {
+        [corner[0] + ((i % n) as f64 + 0.5) * pitch, corner[1] + ((i / n) as f64 + 0.5) * pitch]
+    })
+}
+
+/// The class that most of a patch has; of equally many that of the lowest label.
+fn majority(
+    labels: &Layout,
+    middle: [f64; 2],
+    corner: [f64; 2],
+    site: &SiteParams,
+) -> Result<TerrainClass, SiteError> {
+    let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
+    for cell in cells(corner, site) {
+        let at = [middle[0] + cell[0], middle[1] + cell[1]];
+        let label = labels.nearest(at);
+        let known = label.fract() == 0.0
+            && (0.0..=f64::from(u16::MAX)).contains(&label)
+            && site.ground.legend.contains_key(&(label as u16));
+        if !known {
+            return Err(SiteError::Label { label, at });
+        }
+        *counts.entry(label as u16).or_default() += 1;
+    }
+    let most = counts.iter().max_by_key(|(label, count)| (**count, std::cmp::Reverse(**label)));
+    let class = most.and_then(|(label, _)| site.ground.legend.get(label));
+    Ok(class.copied().unwrap_or(TerrainClass::Dirt))
+}
+
+fn by_rules(surface: &Heightfield, corner: [f64; 2], site: &SiteParams) -> TerrainClass {
+    let (mut steepest, mut height, mut count) = (0.0_f64, 0.0, 0.0);
+    for [x, y] in cells(corner, site) {
+        steepest = steepest.max(slope(surface, [x, y]));
+        height += surface.height(x, y);
+        count += 1.0;
+    }
+    let rule = site.ground.rules.iter().find(|rule| rule.holds(steepest, height / count));
+    // The last rule always holds.
+    rule.map_or(TerrainClass::Dirt, |rule| rule.class)
+}
+
+/// Degrees.
+fn slope(surface: &Heightfield, [x, y]: [f64; 2]) -> f64 {
+    let [dx, dy] = surface.facet(x, y).gradient();
+    vb_math::atan(vb_math::hypot(dx, dy)).to_degrees()
+}
+
+/// The level whose spread of heights is nearest to the surface's, as a ratio.
+fn level(surface: &Heightfield, rules: &GeneratorParams) -> Elevation {
+    let z = surface.heights();
+    let mean = z.iter().sum::<f64>() / z.len() as f64;
+    let std = (z.iter().map(|z| (z - mean) * (z - mean)).sum::<f64>() / z.len() as f64).sqrt();
+    let distance = |level: Elevation| vb_math::ln(std.max(1e-9) / rules.elevation.std.get(level)).abs();
+    let nearest = Elevation::ALL.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    nearest.unwrap_or(Elevation::Low)
+}
+
+/// The obstacles in a world, from its middle.
+fn within(all: &[Obstacle], middle: [f64; 2], half: f64) -> Vec<Obstacle> {
+    let moved = |o: &Obstacle| Obstacle { x: o.x - middle[0], y: o.y - middle[1], ..*o };
+    all.iter().map(moved).filter(|o| o.x.abs() <= half && o.y.abs() <= half).collect()
+}
+
+/// Starts and goals, opposite each other on a circle: each as near to where the generator would have it as the ground
+/// and the obstacles allow.
+fn ends(
+    world: &World,
+    radius: f64,
+    site: &SiteParams,
+    rules: &GeneratorParams,
+) -> Result<Vec<[[f64; 2]; 2]>, SiteError> {
+    let millimetres = |v: f64| (v * 1000.0).round() / 1000.0 + 0.0;
+    let at = |turn: f64| {
+        let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * turn);
+        [c, s].map(|v| millimetres(radius * v))
+    };
+    let stands = |p: [f64; 2]| {
+        let level = ring(p).all(|[x, y]| {
+            world.heightfield.contains(x, y) && slope(&world.heightfield, [x, y]) <= site.start_slope
+        });
+        let clear = |o: &Obstacle| {
+            let [a, b, _] = o.size();
+            let reach = 0.5 * vb_math::hypot(a, b) + rules.path.clearance;
+            vb_math::hypot(o.x - p[0], o.y - p[1]) > reach
+        };
+        level && world.obstacles.iter().all(clear)
+    };
+    let free: Vec<bool> = (0..DIRECTIONS).map(|k| stands(at(k as f64 / DIRECTIONS as f64))).collect();
+    let half = DIRECTIONS / 2;
+    let usable: Vec<usize> = (0..DIRECTIONS).filter(|&k| free[k] && free[(k + half) % DIRECTIONS]).collect();
+    if usable.is_empty() {
+        let world = world.id.clone();
+        return Err(SiteError::NoStart { world, distance: 2.0 * radius, slope: site.start_slope });
+    }
+    // Where fewer directions are free than there are tasks, some tasks share one.
+    let count = rules.tasks.count;
+    Ok((0..count)
+        .map(|k| {
+            let wanted = k * DIRECTIONS / count;
+            let away = |u: &usize| {
+                let d = u.abs_diff(wanted);
+                d.min(DIRECTIONS - d)
+            };
+            let nearest = usable.iter().copied().min_by_key(away).unwrap_or(wanted);
+            let start = at(nearest as f64 / DIRECTIONS as f64);
+            [start, start.map(|v| 0.0 - v)]
+        })
+        .collect())
+}
+
+/// Points on and within a circle of [`STAND`] about a point.
+fn ring([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let steps = -6..=6;
+    let points = steps.clone().flat_map(move |i| steps.clone().map(move |j| [i, j]));
+    let offset = |k: i32| f64::from(k) / 6.0 * STAND;
+    points
+        .map(move |[i, j]| [offset(i), offset(j)])
+        .filter(|[a, b]| a * a + b * b <= STAND * STAND)
+        .map(move |[a, b]| [x + a, y + b])
+}

@@ -1,0 +1,181 @@
+//! How a survey becomes worlds, as data: `tasks/generator/site.yaml` and files like it.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use vb_world::{SoilLevels, TerrainClass, yaml};
+
+use crate::generate::ParamsError;
+
+/// The version of the file that this build reads.
+const SCHEMA: u32 = 1;
+/// Most nodes along a side of a world.
+const MOST_NODES: f64 = 4097.0;
+
+/// The rules.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SiteParams {
+    /// Version of the file's format.
+    pub schema: u32,
+    /// Name of the rules.
+    pub name: String,
+    /// Distance between the nodes of a world, m.
+    pub pitch: f64,
+    /// Side of a patch of ground, m.
+    pub patch: f64,
+    /// Side of a world, m.
+    pub side: f64,
+    /// What the ground is made of.
+    pub ground: SiteGround,
+    /// Steepest ground within [`STAND`] of a start or goal, degrees.
+    pub start_slope: f64,
+}
+
+/// Around a start or goal the ground is looked at within this distance, m.
+pub(crate) const STAND: f64 = 3.0;
+
+/// What the ground of a site is made of.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SiteGround {
+    /// By slope and height; the first rule that holds decides.
+    pub rules: Vec<GroundRule>,
+    /// The class of each value of a label raster.
+    pub legend: BTreeMap<u16, TerrainClass>,
+    /// Level of each deformable class.
+    pub soil: SoilLevels,
+}
+
+/// A class for ground of some slope and height.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroundRule {
+    /// The class.
+    pub class: TerrainClass,
+    /// Least and greatest slope, degrees.
+    #[serde(default = "always")]
+    pub slope: [f64; 2],
+    /// Least and greatest height above the lowest place of the world, m.
+    #[serde(default = "always")]
+    pub height: [f64; 2],
+}
+
+fn always() -> [f64; 2] {
+    [f64::NEG_INFINITY, f64::INFINITY]
+}
+
+impl GroundRule {
+    pub(crate) fn holds(&self, slope: f64, height: f64) -> bool {
+        let within = |[low, high]: [f64; 2], v: f64| (low..=high).contains(&v);
+        within(self.slope, slope) && within(self.height, height)
+    }
+}
+
+impl Default for SiteParams {
+    /// `tasks/generator/site.yaml`, which is part of the build.
+    fn default() -> Self {
+        Self::parse(Self::DEFAULT_YAML).unwrap_or_else(|e| unreachable!("tasks/generator/site.yaml: {e}"))
+    }
+}
+
+impl SiteParams {
+    /// The text of the built-in rules.
+    pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/site.yaml");
+
+    /// Reads rules from YAML.
+    ///
+    /// # Errors
+    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    pub fn parse(text: &str) -> Result<Self, ParamsError> {
+        let flaw = |field: &str, problem: String| ParamsError { field: field.into(), problem };
+        let params: Self = yaml::parse(text).map_err(|e| flaw(&e.field, e.problem))?;
+        if params.schema != SCHEMA {
+            let problem =
+                format!("version {} is not supported, this build reads version {SCHEMA}", params.schema);
+            return Err(flaw("schema", problem));
+        }
+        let lengths = [("pitch", params.pitch), ("patch", params.patch), ("side", params.side)];
+        for (field, v) in lengths {
+            if !(1e-3..=1e5).contains(&v) {
+                return Err(flaw(field, format!("{v} must lie in 0.001 to 100000")));
+            }
+        }
+        for ((below, small), (field, large)) in [(lengths[0], lengths[1]), (lengths[1], lengths[2])] {
+            if whole(large / small).is_none() {
+                return Err(flaw(field, format!("{large} must be a multiple of {below}, {small}")));
+            }
+        }
+        if params.side / params.pitch > MOST_NODES - 1.0 {
+            let most = (MOST_NODES - 1.0) * params.pitch;
+            return Err(flaw("side", format!("{} must not exceed {most} at this pitch", params.side)));
+        }
+        let rules = &params.ground.rules;
+        for (k, rule) in rules.iter().enumerate() {
+            for (name, [low, high]) in [("slope", rule.slope), ("height", rule.height)] {
+                if low.is_nan() || high.is_nan() || low > high {
+                    let field = format!("ground.rules[{k}].{name}");
+                    return Err(flaw(&field, format!("[{low}, {high}] must be two numbers, lower first")));
+                }
+            }
+        }
+        if rules.last().is_none_or(|last| last.slope != always() || last.height != always()) {
+            let problem = "the last rule must hold always: give it neither slope nor height".into();
+            return Err(flaw("ground.rules", problem));
+        }
+        if !(0.0..=90.0).contains(&params.start_slope) {
+            let problem = format!("{} must lie in 0 to 90", params.start_slope);
+            return Err(flaw("start_slope", problem));
+        }
+        Ok(params)
+    }
+
+    /// Nodes along a side of a world.
+    pub(crate) fn nodes(&self) -> usize {
+        whole(self.side / self.pitch).unwrap_or(1) + 1
+    }
+
+    /// Patches along a side of a world.
+    pub(crate) fn patches(&self) -> usize {
+        whole(self.side / self.patch).unwrap_or(1)
+    }
+}
+
+/// A ratio that is a whole number but for rounding, at least 1.
+fn whole(ratio: f64) -> Option<usize> {
+    let n = ratio.round();
+    (n >= 1.0 && (ratio - n).abs() < 1e-9 * n).then_some(n as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flaws_of_a_site_file_are_named() {
+        let cases = [
+            ("schema: 1", "schema: 3", "schema: version 3 is not supported"),
+            ("pitch: 1.0", "pitch: 0", "pitch: 0 must lie in"),
+            ("patch: 8.0", "patch: 7.5", "patch: 7.5 must be a multiple of pitch, 1"),
+            ("side: 128.0", "side: 100.0", "side: 100 must be a multiple of patch, 8"),
+            ("side: 128.0", "side: 8000.0", "side: 8000 must not exceed 4096"),
+            ("class: rock", "class: lava", "ground.rules[0].class"),
+            (
+                "[20.0, 35.0]",
+                "[40.0, 35.0]",
+                "ground.rules[1].slope: [40, 35] must be two numbers, lower first",
+            ),
+            ("- {class: grass}", "- {class: grass, height: [0.0, 3.0]}", "the last rule must hold always"),
+            ("legend: {}", "legend: {1: swamp}", "ground.legend"),
+            ("start_slope: 20.0", "start_slope: -1", "start_slope: -1 must lie in 0 to 90"),
+            ("start_slope", "start_slopes", "start_slopes"),
+        ];
+        for (from, to, expected) in cases {
+            assert!(SiteParams::DEFAULT_YAML.contains(from), "{from}");
+            let text = SiteParams::DEFAULT_YAML.replacen(from, to, 1);
+            let message = SiteParams::parse(&text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}\nlacks {expected}");
+        }
+        assert_eq!((SiteParams::default().nodes(), SiteParams::default().patches()), (129, 16));
+    }
+}
