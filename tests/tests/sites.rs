@@ -32,7 +32,8 @@ fn labels_and_tiles_make_four_worlds_and_the_same_bytes_again() {
         [RASTER, "examples/site/labels.png", "examples/site/site.yaml"].map(|f| text(&root().join(f)));
     let make = |out: &str| {
         bench.ok(&[
-            "suite", "site", &raster, "--out", out, "--tiles", "--labels", &labels, "--site", &site, "--seed", "5",
+            "suite", "site", &raster, "--out", out, "--tiles", "--labels", &labels, "--site", &site,
+            "--seed", "5",
         ])
     };
     let said = make("a");

@@ -8,12 +8,15 @@ mod import;
 mod limits;
 mod plugin;
 mod protocol;
+mod raster;
 mod results;
 mod site;
 mod suite;
 
 use vb_score::Rules;
 use vb_sim::{SoilSet, VehicleSpec};
+use vb_suite::generate::GeneratorParams;
+use vb_suite::site::SiteParams;
 
 /// A reader under test.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +38,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "protocol", run: protocol::run, seeds: protocol::seeds },
     Target { name: "settings", run: settings, seeds: settings_seeds },
     Target { name: "limits", run: limits::run, seeds: limits::seeds },
+    Target { name: "raster", run: raster::run, seeds: raster::seeds },
 ];
 
 /// The target of this name.
@@ -46,14 +50,16 @@ pub fn target(name: &str) -> Target {
     *TARGETS.iter().find(|t| t.name == name).expect("a target of this name")
 }
 
-/// Files that users write by hand: rules, vehicles, soils. The first byte chooses.
+/// Files that users write by hand: rules, vehicles, soils, rules for worlds. The first byte chooses.
 fn settings(data: &[u8]) {
     let Some((&kind, text)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(text) else { return };
-    match kind % 3 {
+    match kind % 5 {
         0 => drop(Rules::from_yaml("rules.yaml", text)),
         1 => drop(VehicleSpec::parse(text, "vehicle.yaml")),
-        _ => drop(SoilSet::parse(text, "soils.yaml")),
+        2 => drop(SoilSet::parse(text, "soils.yaml")),
+        3 => drop(SiteParams::parse(text)),
+        _ => drop(GeneratorParams::parse(text)),
     }
 }
 
@@ -64,6 +70,8 @@ fn settings_seeds() -> Vec<Vec<u8>> {
         (1, include_str!("../../../tasks/vehicles/hmmwv.yaml")),
         (2, include_str!("../../../tasks/soils/default.yaml")),
         (2, include_str!("../../../tasks/soils/original.yaml")),
+        (3, SiteParams::DEFAULT_YAML),
+        (4, GeneratorParams::DEFAULT_YAML),
     ];
     files.iter().map(|(kind, text)| site::select(*kind, text.as_bytes())).collect()
 }

@@ -23,7 +23,10 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
             p.pixels().map(|p| f64::from(p.0[0])).collect()
         }
         _ => {
-            return Err(Flaw::Type { found: format!("colours ({found:?})"), wanted: "greys of 8 or 16 bits" });
+            return Err(Flaw::Type {
+                found: format!("colours ({found:?})"),
+                wanted: "greys of 8 or 16 bits",
+            });
         }
     };
     Ok(Found { raster: Raster::new(rows as usize, cols as usize, values), no_data: Vec::new() })
@@ -36,7 +39,8 @@ fn flaw(e: ImageError) -> Flaw {
         other => {
             let text = line(&other);
             // The PNG decoder tells the end of a file as a format error.
-            if text.contains("unexpected end") || text.contains("UnexpectedEof") || text.contains("too short") {
+            if text.contains("unexpected end") || text.contains("UnexpectedEof") || text.contains("too short")
+            {
                 Flaw::Truncated(text)
             } else {
                 Flaw::Damaged(text)
