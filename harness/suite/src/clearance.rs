@@ -121,7 +121,12 @@ mod tests {
 
     #[test]
     fn outlines_meet_if_they_cross_or_one_holds_the_other() {
-        let f = Footprints::new(&[cube(0.0, 0.0, 4.0), cube(0.5, 0.5, 1.0), cube(3.0, 0.0, 3.0), cube(9.0, 0.0, 1.0)]);
+        let f = Footprints::new(&[
+            cube(0.0, 0.0, 4.0),
+            cube(0.5, 0.5, 1.0),
+            cube(3.0, 0.0, 3.0),
+            cube(9.0, 0.0, 1.0),
+        ]);
         assert_eq!(f.overlaps(), [[0, 1], [0, 2]]);
         assert_eq!(f.hit(&[[8.0, -0.2], [8.8, -0.2], [8.8, 0.2], [8.0, 0.2]]), Some(3));
         assert_eq!(f.hit(&[[-9.0, -9.0], [9.9, -9.0], [9.9, 9.0], [-9.0, 9.0]]), Some(0));

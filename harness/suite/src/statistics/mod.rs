@@ -1,11 +1,14 @@
 //! What a suite holds, in figures: by world, and over all worlds of a level, a class or a density.
 
 mod summary;
+pub mod tables;
 #[cfg(test)]
 mod tests;
 mod world;
+pub(crate) use world::nodes_of_a_metre;
 
 pub use summary::{Histogram, Summary};
+pub use tables::Table;
 pub use world::{ClassShare, Kinds, Slopes, TaskStatistics, WorldStatistics};
 
 use serde::Serialize;
@@ -242,8 +245,7 @@ impl Survey {
         let figures = |(&class, f): (&TerrainClass, &[f64; 5])| {
             let with: Vec<_> =
                 self.worlds.iter().filter_map(|w| w.classes.iter().find(|c| c.class == class)).collect();
-            let levels =
-                SoilLevel::ALL.map(|level| with.iter().filter(|c| c.soil == Some(level)).count());
+            let levels = SoilLevel::ALL.map(|level| with.iter().filter(|c| c.soil == Some(level)).count());
             let mean = f[1] / f[0];
             let variance = (f[2] / f[0] - mean * mean).max(0.0);
             let friction = Weighted { mean, std: variance.sqrt(), min: f[3], max: f[4] };
@@ -266,7 +268,11 @@ impl Survey {
         Some(ObstacleFigures {
             density,
             worlds: worlds.len(),
-            kinds: Kinds { boulders: sum(|k| k.boulders), boxes: sum(|k| k.boxes), trunks: sum(|k| k.trunks) },
+            kinds: Kinds {
+                boulders: sum(|k| k.boulders),
+                boxes: sum(|k| k.boxes),
+                trunks: sum(|k| k.trunks),
+            },
             per_world: Summary::of(worlds.iter().map(|w| w.obstacles.total() as f64))?,
             width: Summary::of(bodies.iter().map(|b| b[0])),
             height: Summary::of(bodies.iter().map(|b| b[1])),
