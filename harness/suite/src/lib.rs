@@ -8,3 +8,4 @@ pub mod import;
 pub mod path;
 pub mod site;
 pub mod statistics;
+pub mod validate;

@@ -53,7 +53,7 @@ pub(super) fn map(world: &World, pictures: &Pictures) -> String {
         );
     }
     for task in &world.tasks {
-        ends(&mut s, task, unit);
+        ends(&mut s, task, [x, y], unit);
     }
     s.push_str("</g>");
     scale_bar(&mut s, x, y, unit);
@@ -79,15 +79,20 @@ fn obstacles(s: &mut String, world: &World) {
     );
 }
 
-fn ends(s: &mut String, task: &Task, unit: f64) {
+/// Start, goal and name of a task. `half` is the half extent of the map.
+fn ends(s: &mut String, task: &Task, half: [f64; 2], unit: f64) {
     let ([x, y], (sin, cos)) = ([task.start.x, task.start.y], sin_cos(task.start.yaw));
     let at = |ahead: f64, left: f64| {
         [x + unit * (ahead * cos - left * sin), y + unit * (ahead * sin + left * cos)]
     };
     let arrow = polygon(&[at(2.6, 0.0), at(-1.4, 1.4), at(-0.7, 0.0), at(-1.4, -1.4)]);
-    // The name stands outside of the line from start to goal, where no path runs.
-    let along = hypot(task.goal[0] - x, task.goal[1] - y).max(1e-9);
-    let back = [(x - task.goal[0]) / along, (y - task.goal[1]) / along];
+    // The name stands beside the way to the goal, where no path runs; a line of text is wider than high.
+    let [dx, dy] = [task.goal[0] - x, task.goal[1] - y];
+    let along = hypot(dx, dy).max(1e-9);
+    let name = [
+        within(x - 5.4 * unit * dy / along, half[0] - 4.0 * unit),
+        within(y + 4.0 * unit * dx / along, half[1] - 2.5 * unit),
+    ];
     let id = escape(&task.id);
     let _ = write!(
         s,
@@ -96,9 +101,15 @@ fn ends(s: &mut String, task: &Task, unit: f64) {
         task.goal[0],
         -task.goal[1],
         1.9 * unit,
-        x - 4.6 * unit * back[0],
-        -(y - 4.6 * unit * back[1]),
+        name[0],
+        -name[1],
     );
+}
+
+/// The value in [-limit, limit]; 0 on a map too narrow for that.
+fn within(value: f64, limit: f64) -> f64 {
+    let limit = limit.max(0.0);
+    value.clamp(-limit, limit)
 }
 
 fn scale_bar(s: &mut String, x: f64, y: f64, unit: f64) {
@@ -119,7 +130,7 @@ fn scale_bar(s: &mut String, x: f64, y: f64, unit: f64) {
         1.6 * unit,
         -1.6 * unit,
         left + 0.5 * length,
-        base - 1.2 * unit,
+        base - 3.6 * unit,
         (length * 1000.0).round() / 1000.0,
     );
 }

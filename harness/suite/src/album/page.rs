@@ -2,7 +2,9 @@
 
 use super::html::{escape, number};
 use super::map::map;
-use super::picture::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, STEEP, class_colour, pictures};
+use super::picture::{
+    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, class_colour, pictures,
+};
 use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
@@ -34,7 +36,7 @@ pub(super) fn card(world: &World, w: &WorldStatistics, side: usize) -> String {
         w.slopes.p95,
         w.height_std,
         detour.unwrap_or(0.0),
-        map(world, &pictures(world, side)),
+        map(world, &pictures(world, w, side)),
         labels(w),
         e = w.elevation.name(),
         t = w.terrain.name(),
@@ -249,7 +251,12 @@ fn legends(s: &mut String, statistics: &SuiteStatistics) {
             stops.join(",")
         );
     };
-    scale("heights", &HEIGHTS, "lowest", "highest of each world");
+    scale(
+        "heights",
+        &HEIGHTS,
+        &format!("{SPREADS} spreads below"),
+        &format!("{SPREADS} spreads above each world's mean height"),
+    );
     scale("slopes", &SLOPES, "level", &format!("{STEEP}° or steeper, over 1 m"));
     let [low, high] = FRICTION.map(|f| number(f, 1));
     scale("friction", &GRIPS, &format!("friction {low}"), &format!("{high}; grey: the ground yields"));
@@ -285,13 +292,13 @@ fn figures(s: &mut String, statistics: &SuiteStatistics) {
             .collect();
         s.push_str(&plot("Length of the global paths", "m", &curves));
     }
-    s.push_str("</div>");
+    s.push_str("</div><div class=\"tables\">");
     let mut tables = statistics.tables();
     tables.push(statistics.world_table());
     for t in &tables {
         table(s, t, statistics);
     }
-    s.push_str("</section>");
+    s.push_str("</div></section>");
 }
 
 fn table(s: &mut String, t: &Table, statistics: &SuiteStatistics) {

@@ -1,6 +1,6 @@
 //! Pictures of a world's ground as PNG: the relief under a fixed sun, and thin coloured layers to lay over it.
 
-use crate::statistics::nodes_of_a_metre;
+use crate::statistics::{WorldStatistics, nodes_of_a_metre};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use vb_math::{angle::degrees, atan, hypot};
@@ -12,6 +12,9 @@ const SUN: [f64; 3] = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
 pub(super) const EXAGGERATION: f64 = 2.0;
 /// Slope at the end of the colour scale, degrees.
 pub(super) const STEEP: f64 = 45.0;
+/// Heights at the ends of the colour scale lie so many standard deviations from the mean: a few pits would press all
+/// others together.
+pub(super) const SPREADS: f64 = 2.5;
 /// Friction at the ends of the colour scale: the clip of the original's generator (facts §2.2).
 pub(super) const FRICTION: [f64; 2] = [0.1, 1.0];
 /// Colours of a scale.
@@ -59,7 +62,7 @@ pub(super) struct Pictures {
     pub(super) shade: String,
     /// The class of each patch.
     pub(super) classes: String,
-    /// Heights from the lowest to the highest node.
+    /// Heights about the mean.
     pub(super) heights: String,
     /// Slopes over 1 m, to [`STEEP`].
     pub(super) slopes: String,
@@ -68,14 +71,14 @@ pub(super) struct Pictures {
 }
 
 /// Makes a world's pictures: the relief with at most `side` pixels along the longer side, layers with half of that.
-pub(super) fn pictures(world: &World, side: usize) -> Pictures {
+pub(super) fn pictures(world: &World, figures: &WorldStatistics, side: usize) -> Pictures {
     let h = &world.heightfield;
     let relief = Frame::new(h, side.min(4 * h.rows().max(h.cols())));
     let layer = Frame::new(h, (side / 2).max(2));
     let gradients = gradients(h, 1);
     let shade = |x, y| brightness(interpolate(h, &gradients, x, y));
-    let (low, high) = h.range();
-    let rise = if high > low { high - low } else { 1.0 };
+    let span = (2.0 * SPREADS * figures.height_std).max(1e-9);
+    let height = |x, y| (h.height(x, y) - figures.height_mean) / span + 0.5;
     let wide = self::gradients(h, nodes_of_a_metre(h.pitch()));
     let slope = |x, y| {
         let g = interpolate(h, &wide, x, y);
@@ -97,7 +100,7 @@ pub(super) fn pictures(world: &World, side: usize) -> Pictures {
     Pictures {
         shade: uri(&relief.grey(shade)),
         classes: uri(&patches.indexed(&CLASSES, None, class)),
-        heights: uri(&layer.indexed(&palette(&HEIGHTS), None, |x, y| step((h.height(x, y) - low) / rise))),
+        heights: uri(&layer.indexed(&palette(&HEIGHTS), None, |x, y| step(height(x, y)))),
         slopes: uri(&layer.indexed(&palette(&SLOPES), None, |x, y| step(slope(x, y)))),
         friction: uri(&patches.indexed(&grips, Some(STEPS as u8), grip)),
     }
@@ -242,7 +245,11 @@ mod tests {
             friction: vec![0.5, 0.0],
             soil: vb_world::SoilLevels::default(),
         };
-        let png = STANDARD.decode(&pictures(&world, 64).classes["data:image/png;base64,".len()..]).unwrap();
+        let png = STANDARD
+            .decode(
+                &pictures(&world, &WorldStatistics::of(&world), 64).classes["data:image/png;base64,".len()..],
+            )
+            .unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut data = vec![0; 2];
         let info = reader.next_frame(&mut data).unwrap();

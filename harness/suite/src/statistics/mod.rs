@@ -307,7 +307,9 @@ fn cells(worlds: &[WorldStatistics]) -> Vec<Cell> {
 fn task_figures(tasks: &[&TaskStatistics]) -> Option<TaskFigures> {
     let of = |value: fn(&TaskStatistics) -> f64| Summary::of(tasks.iter().map(|t| value(t)));
     let mut lengths = Tally::new(1.0);
-    tasks.iter().for_each(|t| lengths.add(t.length));
+    // In whole millimetres, as paths are stored: a straight one of 120 m is in the bin that begins there.
+    tasks.iter().for_each(|t| lengths.add((t.length * 1000.0).round() / 1000.0));
+    let longest = lengths.max() - tasks.iter().map(|t| t.length).fold(f64::INFINITY, f64::min);
     Some(TaskFigures {
         straight: of(|t| t.straight)?,
         length: of(|t| t.length)?,
@@ -315,7 +317,7 @@ fn task_figures(tasks: &[&TaskStatistics]) -> Option<TaskFigures> {
         clearance: Summary::of(tasks.iter().filter_map(|t| t.clearance)),
         ascent: of(|t| t.ascent)?,
         steepest: of(|t| t.steepest)?,
-        lengths: lengths.histogram(2),
+        lengths: lengths.histogram(((longest / 40.0).ceil() as i64).max(1)),
     })
 }
 
