@@ -156,13 +156,10 @@ fn a_start_on_ground_too_steep_to_stand_on_is_an_error_and_one_too_slippery_a_wa
         .filter(|f| f.rule == Rule::Ends)
         .collect::<Vec<_>>()
     };
-    // atan 0.65 = 33°, beyond 31°, the 60 % grade; held by a friction of 0.9.
-    only(
-        &tilted(0.65, 0.9),
-        Severity::Error,
-        Rule::Ends,
-        &["tasks[0] (t05).start", "tilts by 33", "flatter"],
-    );
+    // atan 1.1 = 47.7°, beyond 45°; atan 0.65 = 33°, beyond 31°, the 60 % grade. Held by frictions of 1.2 and 0.9.
+    let says = |tilt| ["tasks[0] (t05).start", tilt, "flatter"];
+    only(&tilted(1.1, 1.2), Severity::Error, Rule::Ends, &says("tilts by 47."));
+    only(&tilted(0.65, 0.9), Severity::Warning, Rule::Ends, &says("tilts by 33."));
     // atan 0.3 = 16.7°: fine for the vehicle, but 0.25 does not hold it; 0.35 does.
     only(&tilted(0.3, 0.25), Severity::Warning, Rule::Ends, &["slides off", "friction 0.25"]);
     assert!(tilted(0.3, 0.35).is_empty());
