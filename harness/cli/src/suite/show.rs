@@ -86,15 +86,31 @@ fn text(s: &SuiteStatistics) -> String {
     for t in s.tables() {
         out += &table(&t);
     }
-    let lines = s.description.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    let [name, version, description, provenance] =
+        [&s.name, &s.version, &s.description, &s.provenance].map(|text| plain(text));
     out + &format!(
-        "{} {}: {lines}\n{}\nhash {}\n{} worlds, {} tasks\n",
-        s.name, s.version, s.provenance, s.hash, s.world_count, s.task_count
+        "{name} {version}: {description}\n{provenance}\nhash {}\n{} worlds, {} tasks\n",
+        s.hash, s.world_count, s.task_count
     )
+}
+
+/// Free text on one line, without characters that a terminal obeys.
+fn plain(text: &str) -> String {
+    text.split(char::is_control).map(str::trim).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 fn table(t: &Table) -> String {
     let head = t.head.iter().map(|h| (*h).to_owned()).collect();
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(t.rows.iter().cloned()).collect();
     format!("{}\n{}\n", t.title, output::columns(&rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn names_of_a_suite_do_not_command_the_terminal() {
+        assert_eq!(plain("two\r\n lines \u{1b}[31mred\u{7}"), "two lines [31mred");
+    }
 }

@@ -179,7 +179,7 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
          <button type=\"button\" data-go=\"0\" aria-label=\"Close\">×</button></nav></header>\
          <div class=\"view\"><div class=\"stage\"></div><div class=\"side\"></div></div></dialog>",
     );
-    let _ = write!(s, "<script>{SCRIPT}</script></body></html>\n");
+    let _ = writeln!(s, "<script>{SCRIPT}</script></body></html>");
     s
 }
 

@@ -164,8 +164,9 @@ impl<'a> Findings<'a> {
         for ((rule, severity), count) in std::mem::take(&mut self.counts) {
             if count > SHOWN {
                 let (world, more) = (self.world.unwrap_or("the suite"), count - SHOWN);
+                let s = if more == 1 { "" } else { "s" };
                 let text = format!(
-                    "{world}: {more} more findings of the rule {} like these: mend those first",
+                    "{world}: {more} more finding{s} of the rule {}: mend those above first",
                     rule.name()
                 );
                 self.all.push(Finding { severity, rule, world: self.world.map(str::to_owned), text });

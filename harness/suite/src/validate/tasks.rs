@@ -136,7 +136,7 @@ impl Check<'_> {
         let ground = &self.world.heightfield;
         let beyond =
             |p: &[f64; 2]| p[0].abs() + half > ground.half_x() || p[1].abs() + half > ground.half_y();
-        if let Some(k) = path.iter().position(|p| beyond(p)) {
+        if let Some(k) = path.iter().position(beyond) {
             let problem = format!(
                 "{} is closer to the world's edge than half the vehicle's width of {half:.2} m: lead it further inwards",
                 point(path[k])

@@ -323,5 +323,5 @@ fn many_findings_of_a_kind_are_counted_not_listed() {
     let found = after(|w| w.obstacles.iter_mut().for_each(|o| o.buried = -0.1));
     // 11 obstacles: ten lines and the rest.
     assert_eq!(found.len(), SHOWN + 1, "{found:#?}");
-    assert!(found[SHOWN].text.contains("1 more findings"), "{found:?}");
+    assert!(found[SHOWN].text.contains("1 more finding of the rule obstacles"), "{found:?}");
 }
