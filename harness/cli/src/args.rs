@@ -72,10 +72,10 @@ pub(crate) enum PluginCommand {
 pub(crate) enum SuiteCommand {
     /// List the suites that come with the harness
     List,
-    /// Show what a suite holds
-    Show(SuiteArgs),
-    /// Read every world of a suite and check every value and hash
-    Validate(SuiteArgs),
+    /// Show what a suite holds, in figures and as a page with a map of every world
+    Show(ShowArgs),
+    /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
+    Validate(ValidateArgs),
     /// Make a suite of the original's data (its BenchMaps folder)
     Import(ImportArgs),
     /// Make a suite from a seed
@@ -269,11 +269,55 @@ pub(crate) struct StampArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
+/// How results are told, with a short name for programs.
 #[derive(Debug, Args)]
-pub(crate) struct SuiteArgs {
+pub(crate) struct FormatArgs {
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    message_format: MessageFormat,
+    /// The same as --message-format json
+    #[arg(long, conflicts_with = "message_format")]
+    json: bool,
+}
+
+impl FormatArgs {
+    pub(crate) fn json(&self) -> bool {
+        self.json || self.message_format == MessageFormat::Json
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShowArgs {
     /// The suite: a directory, or the name of one that comes with the harness
     #[arg(value_name = "DIR")]
     pub(crate) suite: PathBuf,
+    /// Directory for index.html, a page with a map of every world, and statistics.json
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ValidateArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(value_name = "DIR")]
+    pub(crate) suite: PathBuf,
+    /// Vehicle that must have room at starts and goals and along paths: a name, or a file; default: hmmwv
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    /// Distance from a path to obstacles in metres below which it is warned of; default: that of the generator's rules
+    #[arg(long, value_name = "METRES", value_parser = length)]
+    pub(crate) clearance: Option<f64>,
+    /// Tilt of the ground under the vehicle in degrees that is warned of along paths and refused at starts and goals;
+    /// default: 45
+    #[arg(long, value_name = "DEGREES", value_parser = tilt)]
+    pub(crate) max_tilt: Option<f64>,
+    /// Take warnings for errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -454,6 +498,18 @@ fn time_step(text: &str) -> Result<f64, String> {
 fn soil_pitch(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
+}
+
+/// A length in metres, 0 or more.
+fn length(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.0..=1e3).contains(v)).ok_or_else(|| "want metres from 0 to 1000, e.g. 3.5".into())
+}
+
+/// An angle of the ground in degrees.
+fn tilt(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.0..=90.0).contains(v)).ok_or_else(|| "want degrees from 0 to 90, e.g. 31".into())
 }
 
 /// A number of bytes with an optional binary suffix.

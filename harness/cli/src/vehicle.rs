@@ -10,7 +10,8 @@ use crate::args::{MessageFormat, VehicleArgs, VehicleTestArgs};
 use crate::error::CliError;
 use crate::{output, places};
 
-fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
+/// The vehicle that the user means, and its file.
+pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
     let path = places::data(places::Data::Vehicle, wanted)?;
     let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
     Ok((path, spec))

@@ -65,6 +65,96 @@ fn the_built_in_suites_are_listed_shown_and_valid() {
 }
 
 #[test]
+fn a_suite_is_shown_in_figures_as_events_and_as_a_page() {
+    let dir = tempfile::tempdir().unwrap();
+    let shown = succeed(&dir, &["suite", "show", "vb-mini"]);
+    // Six rigid, three deformable, one mixed world (docs/worlds.md): the choices without a world show as dashes.
+    for part in [
+        "Worlds by label",
+        "low        mixed       1       –       –      1",
+        "Surface",
+        "Ground",
+        "Obstacles",
+    ] {
+        assert!(shown.contains(part), "{part:?} is not in {shown}");
+    }
+    assert!(!dir.path().join("index.html").exists());
+    let events = succeed(&dir, &["suite", "show", "vb-mini", "--json", "--out", "page"]);
+    assert_eq!(
+        events,
+        succeed(&dir, &["suite", "show", "vb-mini", "--message-format", "json", "--out", "page"]),
+        "two names for one format"
+    );
+    let events: Vec<serde_json::Value> = events.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(events.len(), 11);
+    assert!(events[..10].iter().all(|e| e["event"] == "world" && e["tasks"].as_array().unwrap().len() == 10));
+    let suite = &events[10];
+    assert_eq!(
+        (&suite["event"], &suite["world_count"], &suite["task_count"]),
+        (&"suite".into(), &10.into(), &100.into())
+    );
+    assert_eq!(suite["cells"].as_array().unwrap().len(), 27);
+    let page = std::fs::read_to_string(dir.path().join("page/index.html")).unwrap();
+    assert_eq!(page.matches("<article").count(), 10);
+    let file = std::fs::read_to_string(dir.path().join("page/statistics.json")).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&file).unwrap();
+    assert_eq!((&file["schema"], &file["hash"]), (&1.into(), &suite["hash"]));
+    assert_eq!(file["worlds"][0]["id"], "w001");
+    // What can't be written is an error of output, docs/results.md.
+    std::fs::write(dir.path().join("taken"), "").unwrap();
+    let output = harness(&dir, &["suite", "show", "vb-mini", "--out", "taken"]);
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+}
+
+#[test]
+fn a_suite_is_refused_with_all_that_is_wrong_with_it() {
+    let dir = tempfile::tempdir().unwrap();
+    succeed(&dir, &["suite", "generate", "--seed", "4", "--worlds", "2", "--out", "two"]);
+    let valid = succeed(&dir, &["suite", "validate", "./two"]);
+    assert!(valid.contains("2 worlds, 20 tasks, all valid"), "{valid}");
+    // Below 4 m from an obstacle each path that bends round one is warned of, which only --strict refuses.
+    let near = ["suite", "validate", "./two", "--clearance", "4", "--json"];
+    let told = succeed(&dir, &near);
+    let told: Vec<serde_json::Value> = told.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let (summary, findings) = told.split_last().unwrap();
+    assert_eq!(
+        (&summary["event"], &summary["valid"], &summary["errors"]),
+        (&"summary".into(), &true.into(), &0.into())
+    );
+    assert!(!findings.is_empty() && summary["warnings"] == findings.len());
+    assert!(findings.iter().all(|f| f["event"] == "finding" && f["severity"] == "warning"), "{findings:?}");
+    assert!(
+        findings
+            .iter()
+            .any(|f| f["rule"] == "path" && f["text"].as_str().unwrap().contains("closer than 4 m"))
+    );
+    let strict = harness(&dir, &[&near[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(3), "{strict:?}");
+    // A flaw in each world: both are told on stdout, and the first again as the error.
+    for (world, from, to) in [("w001", "goal: [-60.0", "goal: [-600.0"), ("w002", "id: t03", "id: t02")] {
+        let file = dir.path().join(format!("two/worlds/{world}/tasks.yaml"));
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains(from));
+        std::fs::write(file, text.replacen(from, to, 1)).unwrap();
+    }
+    let output = harness(&dir, &["suite", "validate", "./two"]);
+    assert_eq!(output.status.code(), Some(3));
+    let (stdout, stderr) =
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    let lines: Vec<&str> = stdout.lines().collect();
+    assert!(
+        lines.len() == 2 && lines.iter().all(|l| l.starts_with("error[format]: ./two/worlds/w00")),
+        "{stdout}"
+    );
+    assert!(lines[0].contains("-600") && lines[1].contains("t02"), "{stdout}");
+    assert!(
+        stderr.starts_with("error: ./two: 2 errors and 0 warnings; the first: ") && stderr.contains("-600"),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1);
+}
+
+#[test]
 fn a_suite_can_be_generated_and_its_tasks_chosen() {
     let dir = tempfile::tempdir().unwrap();
     succeed(&dir, &["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "one"]);

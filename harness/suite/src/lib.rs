@@ -1,7 +1,11 @@
-//! Makes suites: the seeded generator, the global planner, the import of the original data and of
-//! surveys of real places.
+//! Makes suites – the seeded generator, the global planner, the import of the original data and of surveys of real
+//! places –, measures them, draws them as a page, and checks whether they are fit to be driven.
 
+pub mod album;
+mod clearance;
 pub mod generate;
 pub mod import;
 pub mod path;
 pub mod site;
+pub mod statistics;
+pub mod validate;

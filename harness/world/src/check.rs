@@ -1,6 +1,6 @@
 //! What a world must satisfy, wherever it comes from.
 
-use crate::{Obstacle, ObstacleKind, Semantics, Terrain, World, geometry};
+use crate::{Obstacle, ObstacleKind, Semantics, Task, Terrain, World, geometry};
 use std::collections::BTreeSet;
 
 /// The part of a world that a flaw is in; each is a file on disk.
@@ -82,16 +82,44 @@ impl World {
     /// # Errors
     /// The first flaw found, in the order world, elevation, semantics, obstacles, tasks.
     pub fn check(&self) -> Result<(), Flaw> {
+        self.check_ground()?;
+        for (k, o) in self.obstacles.iter().enumerate() {
+            self.check_obstacle(k, o)?;
+        }
+        let outlines = self.outlines();
+        let mut ids = BTreeSet::new();
+        self.tasks.iter().enumerate().try_for_each(|(k, task)| self.check_task(k, task, &outlines, &mut ids))
+    }
+
+    /// All that [`World::check`] would find if each flaw were mended before the next: the first flaw of name, heights and
+    /// ground, and the first one of every obstacle and task.
+    #[must_use]
+    pub fn flaws(&self) -> Vec<Flaw> {
+        let obstacles = self.obstacles.iter().enumerate();
+        let obstacles: Vec<Flaw> = obstacles.filter_map(|(k, o)| self.check_obstacle(k, o).err()).collect();
+        let mut tasks = Vec::new();
+        // An obstacle with a flaw may have no footprint that tasks could be held against.
+        if obstacles.is_empty() {
+            let outlines = self.outlines();
+            let mut ids = BTreeSet::new();
+            for (k, task) in self.tasks.iter().enumerate() {
+                tasks.extend(self.check_task(k, task, &outlines, &mut ids).err());
+            }
+        }
+        self.check_ground().err().into_iter().chain(obstacles).chain(tasks).collect()
+    }
+
+    fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
+        self.obstacles.iter().map(Obstacle::footprint).collect()
+    }
+
+    fn check_ground(&self) -> Result<(), Flaw> {
         check_id(&self.id).map_err(|p| Flaw::new(Part::World, "id", p))?;
         if !(self.scale.is_finite() && self.scale > 0.0) {
             return Err(Flaw::new(Part::World, "scale", format!("{} is not a positive number", self.scale)));
         }
         self.check_elevation()?;
-        self.check_semantics()?;
-        for (k, o) in self.obstacles.iter().enumerate() {
-            self.check_obstacle(k, o)?;
-        }
-        self.check_tasks()
+        self.check_semantics()
     }
 
     fn check_elevation(&self) -> Result<(), Flaw> {
@@ -213,51 +241,49 @@ impl World {
         Ok(())
     }
 
-    fn check_tasks(&self) -> Result<(), Flaw> {
-        let outlines: Vec<_> = self.obstacles.iter().map(Obstacle::footprint).collect();
-        let mut ids = BTreeSet::new();
-        for (k, task) in self.tasks.iter().enumerate() {
-            let flaw =
-                |name: &str, problem| Err(Flaw::new(Part::Tasks, format!("tasks[{k}].{name}"), problem));
-            if let Err(problem) = check_id(&task.id) {
-                return flaw("id", problem);
+    fn check_task<'a>(
+        &self,
+        k: usize,
+        task: &'a Task,
+        outlines: &[Vec<[f64; 2]>],
+        ids: &mut BTreeSet<&'a str>,
+    ) -> Result<(), Flaw> {
+        let flaw = |name: &str, problem| Err(Flaw::new(Part::Tasks, format!("tasks[{k}].{name}"), problem));
+        if let Err(problem) = check_id(&task.id) {
+            return flaw("id", problem);
+        }
+        if !ids.insert(task.id.as_str()) {
+            return flaw("id", format!("{:?} is used twice in this world: give each task its own", task.id));
+        }
+        if !(task.start.yaw.is_finite() && task.start.yaw.abs() <= 2.0 * std::f64::consts::PI) {
+            let yaw = task.start.yaw;
+            return flaw("start.yaw", format!("{yaw} must be an angle in radians within one turn"));
+        }
+        let start = [task.start.x, task.start.y];
+        for (name, p) in [("start", start), ("goal", task.goal)] {
+            if !self.has(p) {
+                return flaw(name, format!("{p:?} {}", self.outside()));
             }
-            if !ids.insert(&task.id) {
+            if let Some(hit) = outlines.iter().position(|o| geometry::contains(o, p)) {
+                return flaw(name, format!("{p:?} lies inside obstacles[{hit}]: move one of them"));
+            }
+        }
+        if start == task.goal {
+            return flaw("goal", format!("{start:?} is also the start: there is nothing to drive"));
+        }
+        if let Some(i) = task.path.iter().position(|&p| !self.has(p)) {
+            return flaw(&format!("path[{i}]"), format!("{:?} {}", task.path[i], self.outside()));
+        }
+        let (Some(&first), Some(&last)) = (task.path.first(), task.path.last()) else {
+            return flaw("path", "is empty: it must lead from the start to the goal".into());
+        };
+        for (name, p, end) in [("start", first, start), ("goal", last, task.goal)] {
+            if vb_math::hypot(p[0] - end[0], p[1] - end[1]) > PATH_END_TOLERANCE * self.scale {
+                let end_name = if name == "start" { "begins" } else { "ends" };
                 return flaw(
-                    "id",
-                    format!("{:?} is used twice in this world: give each task its own", task.id),
+                    "path",
+                    format!("{end_name} at {p:?}, but the {name} is {end:?}: they must agree"),
                 );
-            }
-            if !(task.start.yaw.is_finite() && task.start.yaw.abs() <= 2.0 * std::f64::consts::PI) {
-                let yaw = task.start.yaw;
-                return flaw("start.yaw", format!("{yaw} must be an angle in radians within one turn"));
-            }
-            let start = [task.start.x, task.start.y];
-            for (name, p) in [("start", start), ("goal", task.goal)] {
-                if !self.has(p) {
-                    return flaw(name, format!("{p:?} {}", self.outside()));
-                }
-                if let Some(hit) = outlines.iter().position(|o| geometry::contains(o, p)) {
-                    return flaw(name, format!("{p:?} lies inside obstacles[{hit}]: move one of them"));
-                }
-            }
-            if start == task.goal {
-                return flaw("goal", format!("{start:?} is also the start: there is nothing to drive"));
-            }
-            if let Some(i) = task.path.iter().position(|&p| !self.has(p)) {
-                return flaw(&format!("path[{i}]"), format!("{:?} {}", task.path[i], self.outside()));
-            }
-            let (Some(&first), Some(&last)) = (task.path.first(), task.path.last()) else {
-                return flaw("path", "is empty: it must lead from the start to the goal".into());
-            };
-            for (name, p, end) in [("start", first, start), ("goal", last, task.goal)] {
-                if vb_math::hypot(p[0] - end[0], p[1] - end[1]) > PATH_END_TOLERANCE * self.scale {
-                    let end_name = if name == "start" { "begins" } else { "ends" };
-                    return flaw(
-                        "path",
-                        format!("{end_name} at {p:?}, but the {name} is {end:?}: they must agree"),
-                    );
-                }
             }
         }
         Ok(())

@@ -167,6 +167,28 @@ fn a_changed_world_is_refused_by_its_hash() {
 }
 
 #[test]
+fn a_world_is_examined_for_all_its_flaws_and_given_if_its_values_make_sense() {
+    let (dir, suite) = written();
+    let (whole, errors) = suite.examine_world("w001").unwrap();
+    assert!(whole == Some(world("w001")) && errors.is_empty());
+    // Changed but sound: the hash is told, and the world is there.
+    edit(dir.path(), "worlds/w002/tasks.yaml", "[0.3, 2.0]", "[0.3, 2.1]");
+    let (changed, errors) = suite.examine_world("w002").unwrap();
+    assert_eq!(changed.unwrap().tasks[0].path[1], [0.3, 2.1]);
+    assert!(errors.len() == 1 && errors[0].to_string().contains("content hash of w002"), "{errors:?}");
+    // One flaw in the ground and one in each task: all are told, the first as loading tells it.
+    edit(dir.path(), "worlds/w001/world.yaml", "terrain: mixed", "terrain: rigid");
+    edit(dir.path(), "worlds/w001/tasks.yaml", "[0.3, 2.0]", "[0.3, 2000.0]");
+    edit(dir.path(), "worlds/w001/tasks.yaml", "id: t01", "id: t00");
+    let (none, errors) = suite.examine_world("w001").unwrap();
+    let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
+    assert!(none.is_none() && errors.len() == 3, "{errors:?}");
+    assert_eq!(errors[0], suite.load_world("w001").unwrap_err().to_string());
+    assert!(errors[1].contains("tasks[0].path[1]") && errors[2].contains("tasks[1].id"), "{errors:?}");
+    assert!(suite.examine_world("w009").is_err());
+}
+
+#[test]
 fn each_flaw_is_named_with_file_field_and_value() {
     let cases: &[(&str, &str, &str, &[&str])] = &[
         ("world.yaml", "rows: 5", "rows: 5, colour: red", &["world.yaml: grid", "colour"]),

@@ -135,6 +135,12 @@ impl Suite {
         &self.meta
     }
 
+    /// The folder of a world, whether it is there or not.
+    #[must_use]
+    pub fn world_dir(&self, id: &str) -> PathBuf {
+        world_folder(&self.dir, id)
+    }
+
     /// The index, in order.
     #[must_use]
     pub fn worlds(&self) -> &[WorldInfo] {
@@ -169,25 +175,50 @@ impl Suite {
         let files = WorldFiles::read(&folder)?;
         // Content first: its message says what is wrong, where the hash only says that something is.
         let world = files.to_world(&folder)?;
-        let found = files.hash();
-        if found != info.sha256 {
-            let (file, stated) = (self.dir.join(INDEX), info.sha256.clone());
-            return Err(SuiteError::Hash { file, world: id.into(), stated, found });
-        }
-        let stored = info_of(&world, found);
-        if stored != *info {
-            let k = self.worlds.iter().position(|w| w.id == id).unwrap_or(0);
-            return Err(SuiteError::invalid(
-                &self.dir.join(INDEX),
-                format!("worlds[{k}]"),
-                format!(
-                    "says {}, but the world's files say {}: make them agree",
-                    brief(info),
-                    brief(&stored)
-                ),
-            ));
-        }
+        self.agrees(info, &world, files.hash())?;
         Ok(world)
+    }
+
+    /// Reads a world for all that is wrong with it, where [`Suite::load_world`] stops at the first error. The world comes
+    /// with the errors if each of its values makes sense, though it is not the one that the index states.
+    ///
+    /// # Errors
+    /// If there is no such world in the index.
+    pub fn examine_world(&self, id: &str) -> Result<(Option<World>, Vec<SuiteError>), SuiteError> {
+        let info = self.world_info(id)?;
+        let folder = world_folder(&self.dir, id);
+        let read = WorldFiles::read(&folder).and_then(|files| Ok((files.parse(&folder)?, files.hash())));
+        let (world, hash) = match read {
+            Ok(read) => read,
+            Err(e) => return Ok((None, vec![e])),
+        };
+        let flaws = world.flaws();
+        if !flaws.is_empty() {
+            return Ok((None, flaws.into_iter().map(|f| SuiteError::flaw(&folder, f)).collect()));
+        }
+        let errors = self.agrees(info, &world, hash).err().into_iter().collect();
+        Ok((Some(world), errors))
+    }
+
+    /// Whether a world of this hash is the one that the index states.
+    fn agrees(&self, info: &WorldInfo, world: &World, found: String) -> Result<(), SuiteError> {
+        let file = self.dir.join(INDEX);
+        if found != info.sha256 {
+            return Err(SuiteError::Hash {
+                file,
+                world: info.id.clone(),
+                stated: info.sha256.clone(),
+                found,
+            });
+        }
+        let stored = info_of(world, found);
+        if stored == *info {
+            return Ok(());
+        }
+        let k = self.worlds.iter().position(|w| w.id == info.id).unwrap_or(0);
+        let problem =
+            format!("says {}, but the world's files say {}: make them agree", brief(info), brief(&stored));
+        Err(SuiteError::invalid(&file, format!("worlds[{k}]"), problem))
     }
 
     /// Checks by their hash that a world's files are those of the index, which is much faster than to read it.

@@ -77,6 +77,13 @@ impl WorldFiles {
 
     /// The world that the files hold, checked. `folder` is for messages.
     pub(crate) fn to_world(&self, folder: &Path) -> Result<World, SuiteError> {
+        let world = self.parse(folder)?;
+        world.check().map_err(|f| SuiteError::flaw(folder, f))?;
+        Ok(world)
+    }
+
+    /// The world that the files hold, whose values may make no sense. `folder` is for messages.
+    pub(crate) fn parse(&self, folder: &Path) -> Result<World, SuiteError> {
         let [world, image, semantics, obstacles, tasks] = &self.0;
         let flaw = |f| SuiteError::flaw(folder, f);
         let (file, yaml) = document(folder, Part::World, world)?;
@@ -93,10 +100,7 @@ impl WorldFiles {
         let (file, yaml) = document(folder, Part::Tasks, tasks)?;
         let tasks = text::parse::<TasksDocument>(&file, yaml)?.tasks;
         let WorldDocument { id, elevation, terrain, density, .. } = world;
-        let world =
-            World { id, elevation, terrain, density, scale: 1.0, heightfield, semantics, obstacles, tasks };
-        world.check().map_err(flaw)?;
-        Ok(world)
+        Ok(World { id, elevation, terrain, density, scale: 1.0, heightfield, semantics, obstacles, tasks })
     }
 }
 

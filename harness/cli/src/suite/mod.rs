@@ -1,11 +1,17 @@
 //! `vb-harness suite` and `vb-harness tasks`.
 
+mod show;
+mod validate;
+
+pub(crate) use show::show;
+pub(crate) use validate::validate;
+
 use serde::Serialize;
 use vb_suite::generate::{GenerateError, GeneratorParams, ParamsError, write_suite};
 use vb_suite::import::Source;
 use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
 
-use crate::args::{GenerateArgs, ImportArgs, MessageFormat, SuiteArgs, TasksArgs};
+use crate::args::{GenerateArgs, ImportArgs, MessageFormat, TasksArgs};
 use crate::error::CliError;
 use crate::{output, places};
 
@@ -43,47 +49,6 @@ pub(crate) fn list() -> Result<(), CliError> {
         rows.push(vec![name, size, suite.meta().description.clone()]);
     }
     output::text(&output::columns(&rows));
-    Ok(())
-}
-
-pub(crate) fn show(args: &SuiteArgs) -> Result<(), CliError> {
-    let suite = open(Some(&args.suite))?;
-    let meta = suite.meta();
-    output::text(&format!(
-        "{} {}: {}\nhash {}\n{} worlds, {} tasks\n\n",
-        meta.name,
-        meta.version,
-        meta.description,
-        suite.hash(),
-        suite.worlds().len(),
-        suite.task_count()
-    ));
-    let head = ["world", "elevation", "terrain", "density", "tasks"].map(str::to_owned).to_vec();
-    let rows = suite.worlds().iter().map(|w| {
-        vec![
-            w.id.clone(),
-            w.elevation.name().to_owned(),
-            w.terrain.name().to_owned(),
-            w.density.name().to_owned(),
-            w.tasks.len().to_string(),
-        ]
-    });
-    output::text(&output::columns(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
-    Ok(())
-}
-
-pub(crate) fn validate(args: &SuiteArgs) -> Result<(), CliError> {
-    let suite = open(Some(&args.suite))?;
-    for info in suite.worlds() {
-        suite.load_world(&info.id).map_err(CliError::input)?;
-    }
-    output::text(&format!(
-        "{}: {} worlds, {} tasks, all valid; hash {}\n",
-        suite.dir().display(),
-        suite.worlds().len(),
-        suite.task_count(),
-        suite.hash()
-    ));
     Ok(())
 }
 

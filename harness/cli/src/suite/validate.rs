@@ -1,0 +1,81 @@
+//! `vb-harness suite validate`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
+
+use crate::args::ValidateArgs;
+use crate::error::CliError;
+use crate::{output, vehicle};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Finding {
+        #[serde(flatten)]
+        finding: &'a Finding,
+    },
+    Summary {
+        suite: &'a Path,
+        hash: &'a str,
+        worlds: usize,
+        tasks: usize,
+        errors: usize,
+        warnings: usize,
+        valid: bool,
+    },
+}
+
+pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
+    let suite = super::open(Some(&args.suite))?;
+    let mut limits = Limits::default();
+    if let Some(wanted) = &args.vehicle {
+        let (_, spec) = vehicle::load(wanted)?;
+        limits.vehicle = Vehicle { length: spec.length, width: spec.width };
+    }
+    limits.clearance = args.clearance.unwrap_or(limits.clearance);
+    limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
+    let json = args.format.json();
+    let findings = vb_suite::validate::validate(&suite, &limits, |_, found| {
+        for finding in found {
+            if json {
+                output::json(&Message::Finding { finding });
+            } else {
+                let (severity, rule) = (finding.severity.name(), finding.rule.name());
+                output::text(&format!("{severity}[{rule}]: {}\n", finding.text));
+            }
+        }
+    });
+    let count = |severity| findings.iter().filter(|f| f.severity == severity).count();
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let refused = if args.strict { errors + warnings > 0 } else { errors > 0 };
+    let (worlds, tasks, hash) = (suite.worlds().len(), suite.task_count(), suite.hash());
+    if json {
+        let (suite, valid) = (suite.dir(), !refused);
+        output::json(&Message::Summary { suite, hash: &hash, worlds, tasks, errors, warnings, valid });
+    }
+    if refused {
+        let first = findings.iter().find(|f| args.strict || f.severity == Severity::Error);
+        return Err(CliError::input(format!(
+            "{}: {} and {}; the first: {}",
+            suite.dir().display(),
+            number(errors, "error"),
+            number(warnings, "warning"),
+            first.map_or("", |f| &f.text)
+        )));
+    }
+    if !json {
+        let also = if warnings > 0 { format!(", {}", number(warnings, "warning")) } else { String::new() };
+        output::text(&format!(
+            "{}: {worlds} worlds, {tasks} tasks, all valid{also}; hash {hash}\n",
+            suite.dir().display()
+        ));
+    }
+    Ok(())
+}
+
+fn number(n: usize, what: &str) -> String {
+    let s = if n == 1 { "" } else { "s" };
+    format!("{n} {what}{s}")
+}

@@ -1,0 +1,189 @@
+//! A world as SVG in metres: pictures of the ground, footprints, paths, starts and goals.
+
+use super::html::escape;
+use super::picture::Pictures;
+use std::fmt::Write as _;
+use vb_math::{hypot, sin_cos};
+use vb_world::{ObstacleKind, Task, World};
+
+/// How far waypoints may lie from the drawn line, m: less than one sees.
+const FLAT: f64 = 0.02;
+
+/// A world's map, north up. y is turned, since SVG counts downwards.
+pub(super) fn map(world: &World, pictures: &Pictures) -> String {
+    let (x, y) = (world.heightfield.half_x(), world.heightfield.half_y());
+    // Sizes of signs in metres on the original's worlds, and in proportion on others.
+    let unit = x.max(y) / 64.0;
+    let mut s = String::new();
+    let _ = write!(
+        s,
+        "<svg class=\"map\" viewBox=\"{:.3} {:.3} {:.3} {:.3}\" style=\"--u:{unit:.4}px\" role=\"img\" \
+         aria-label=\"Map of {}\">",
+        -x,
+        -y,
+        2.0 * x,
+        2.0 * y,
+        escape(&world.id),
+    );
+    let mut image = |class: &str, uri: &str| {
+        let _ = write!(
+            s,
+            "<image class=\"{class}\" x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\" preserveAspectRatio=\"none\" \
+             href=\"{uri}\"/>",
+            -x,
+            -y,
+            2.0 * x,
+            2.0 * y,
+        );
+    };
+    image("shade", &pictures.shade);
+    image("layer classes", &pictures.classes);
+    image("layer heights", &pictures.heights);
+    image("layer slopes", &pictures.slopes);
+    image("layer friction", &pictures.friction);
+    obstacles(&mut s, world);
+    s.push_str("<g class=\"tasks\">");
+    // Lines first: no path runs over the sign of a start.
+    for task in &world.tasks {
+        let line = line(&task.path);
+        let id = escape(&task.id);
+        let _ = write!(
+            s,
+            "<g data-task=\"{id}\"><path class=\"casing\" d=\"{line}\"/><path class=\"line\" d=\"{line}\"/></g>"
+        );
+    }
+    for task in &world.tasks {
+        ends(&mut s, task, [x, y], unit);
+    }
+    s.push_str("</g>");
+    scale_bar(&mut s, x, y, unit);
+    s.push_str("</svg>");
+    s
+}
+
+fn obstacles(s: &mut String, world: &World) {
+    let outlines = |trunks: bool| {
+        let mut d = String::new();
+        let chosen =
+            world.obstacles.iter().filter(|o| matches!(o.kind, ObstacleKind::Trunk { .. }) == trunks);
+        for o in chosen {
+            d.push_str(&polygon(&o.footprint()));
+        }
+        d
+    };
+    let _ = write!(
+        s,
+        "<g class=\"obstacles\"><path class=\"boulder\" d=\"{}\"/><path class=\"trunk\" d=\"{}\"/></g>",
+        outlines(false),
+        outlines(true)
+    );
+}
+
+/// Start, goal and name of a task. `half` is the half extent of the map.
+fn ends(s: &mut String, task: &Task, half: [f64; 2], unit: f64) {
+    let ([x, y], (sin, cos)) = ([task.start.x, task.start.y], sin_cos(task.start.yaw));
+    let at = |ahead: f64, left: f64| {
+        [x + unit * (ahead * cos - left * sin), y + unit * (ahead * sin + left * cos)]
+    };
+    let arrow = polygon(&[at(2.6, 0.0), at(-1.4, 1.4), at(-0.7, 0.0), at(-1.4, -1.4)]);
+    // The name stands beside the way to the goal, where no path runs; a line of text is wider than high.
+    let [dx, dy] = [task.goal[0] - x, task.goal[1] - y];
+    let along = hypot(dx, dy).max(1e-9);
+    let name = [
+        within(x - 5.4 * unit * dy / along, half[0] - 4.0 * unit),
+        within(y + 4.0 * unit * dx / along, half[1] - 2.5 * unit),
+    ];
+    let id = escape(&task.id);
+    let _ = write!(
+        s,
+        "<g data-task=\"{id}\"><circle class=\"goal\" cx=\"{:.2}\" cy=\"{:.2}\" r=\"{:.2}\"/><path class=\"start\" d=\"{arrow}\"/>\
+         <text x=\"{:.2}\" y=\"{:.2}\">{id}</text></g>",
+        task.goal[0],
+        -task.goal[1],
+        1.9 * unit,
+        name[0],
+        -name[1],
+    );
+}
+
+/// The value in [-limit, limit]; 0 on a map too narrow for that.
+fn within(value: f64, limit: f64) -> f64 {
+    let limit = limit.max(0.0);
+    value.clamp(-limit, limit)
+}
+
+fn scale_bar(s: &mut String, x: f64, y: f64, unit: f64) {
+    // A round length of about a sixth of the side.
+    let mut length = 1e-3;
+    let steps = [2.0, 2.5, 2.0];
+    for step in steps.iter().cycle() {
+        if length * step > x / 3.0 {
+            break;
+        }
+        length *= step;
+    }
+    let (left, base) = (-x + 4.0 * unit, y - 4.0 * unit);
+    let _ = write!(
+        s,
+        "<g class=\"bar\"><path d=\"M{left:.2} {:.2}v{:.2}h{length:.3}v{:.2}\"/><text x=\"{:.2}\" y=\"{:.2}\">{} m</text></g>",
+        base - 1.6 * unit,
+        1.6 * unit,
+        -1.6 * unit,
+        left + 0.5 * length,
+        base - 3.6 * unit,
+        (length * 1000.0).round() / 1000.0,
+    );
+}
+
+fn polygon(outline: &[[f64; 2]]) -> String {
+    let mut d = String::new();
+    for (k, p) in outline.iter().enumerate() {
+        let _ = write!(d, "{}{:.2} {:.2}", if k == 0 { 'M' } else { 'L' }, p[0], -p[1]);
+    }
+    d.push('Z');
+    d
+}
+
+/// A path as a line without the waypoints that lie on it.
+fn line(path: &[[f64; 2]]) -> String {
+    let mut d = String::new();
+    for (k, p) in simplified(path).iter().enumerate() {
+        let _ = write!(d, "{}{:.2} {:.2}", if k == 0 { 'M' } else { 'L' }, p[0], -p[1]);
+    }
+    d
+}
+
+/// The first and the last point, and between them those that keep every point within [`FLAT`] of the line.
+fn simplified(path: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut kept: Vec<[f64; 2]> = path.first().copied().into_iter().collect();
+    let mut from = 0;
+    while from + 1 < path.len() {
+        let straight = |to: usize| {
+            path[from + 1..to]
+                .iter()
+                .all(|&p| vb_world::geometry::point_to_segment(p, path[from], path[to]) <= FLAT)
+        };
+        let mut to = from + 1;
+        while to + 1 < path.len() && straight(to + 1) {
+            to += 1;
+        }
+        kept.push(path[to]);
+        from = to;
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawn_path_has_its_corners_and_nothing_between() {
+        let mut path: Vec<[f64; 2]> = (0..=60).map(|k| [f64::from(k), 0.0]).collect();
+        path.extend((1..=30).map(|k| [60.0, f64::from(k)]));
+        assert_eq!(simplified(&path), [[0.0, 0.0], [60.0, 0.0], [60.0, 30.0]]);
+        assert_eq!(line(&path), "M0.00 -0.00L60.00 -0.00L60.00 -30.00");
+        assert_eq!(simplified(&path[..1]), [[0.0, 0.0]]);
+        assert!(simplified(&[]).is_empty());
+    }
+}
