@@ -125,8 +125,8 @@ pub(crate) fn weights(network: &Network) -> Result<Weights, TrainError> {
 }
 
 /// The header of a model with these weights: what it draws is measured.
-pub(crate) fn header(weights: &Weights, pitch: f64, relief: f64) -> Result<Header, TrainError> {
-    let plain = Header { schema: 1, pitch, relief: 1.0, mean: 0.0, std: 1.0 };
+pub(crate) fn header(weights: &Weights, pitch: f64, relief: f64, detail: f64) -> Result<Header, TrainError> {
+    let plain = Header { schema: 1, pitch, relief: 1.0, detail, mean: 0.0, std: 1.0 };
     let all: Vec<f64> = drawn(&plain, weights)?.into_iter().flatten().collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     Ok(Header { relief, mean, std: deviation(&all), ..plain })

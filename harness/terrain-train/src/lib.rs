@@ -37,6 +37,8 @@ pub struct Options {
     pub meaning: Meaning,
     /// Standard deviation of height at full relief, m; without, that of the data.
     pub relief: Option<f64>,
+    /// Share of the noise that surfaces are drawn with, from 0 to 1.
+    pub detail: f64,
     /// Where the model goes; its card goes beside it as `.json`.
     pub out: PathBuf,
     /// What training depends on.
@@ -82,7 +84,7 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     }
     let (losses, seconds) = trainer.run(options.end, |p| tell(Event::Progress(p)))?;
     let weights = card::weights(&trainer.network)?;
-    let header = card::header(&weights, data.pitch, options.relief.unwrap_or(data.std))?;
+    let header = card::header(&weights, data.pitch, options.relief.unwrap_or(data.std), options.detail)?;
     let bytes = Model::encode(header, &weights).map_err(TrainError::Internal)?;
     let any = data.scans.iter().any(|s| s.held_out);
     let test = data.scans.iter().filter(|s| s.held_out == any);

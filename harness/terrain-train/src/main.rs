@@ -38,8 +38,11 @@ struct Args {
     /// Standard deviation of height at full relief, in metres; default: that of the data
     #[arg(long, value_name = "METRES", value_parser = length)]
     relief: Option<f64>,
+    /// Share of the noise that details are drawn from, from 0 to 1: less where the data's finest details are a sensor's noise
+    #[arg(long, value_name = "SHARE", default_value = "0.5", value_parser = detail)]
+    detail: f64,
     /// Passes over the data
-    #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 55, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     epochs: u64,
     /// Train for so long instead; the model then depends on the machine
     #[arg(long, value_name = "N", conflicts_with = "epochs", value_parser = length)]
@@ -55,6 +58,11 @@ struct Args {
 fn length(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0 && *v <= 1e6);
     value.ok_or_else(|| "want a number above 0".into())
+}
+
+fn detail(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v));
+    value.ok_or_else(|| "want a number from 0 to 1".into())
 }
 
 fn main() -> ExitCode {
@@ -78,6 +86,7 @@ fn main() -> ExitCode {
         selection: args.selection,
         meaning: Meaning { pitch: args.pitch, reduce: usize::from(args.reduce) },
         relief: args.relief,
+        detail: args.detail,
         out: args.out,
         settings: Settings { seed: args.seed, ..Settings::default() },
         end: args.minutes.map_or(End::Epochs(args.epochs), |m| End::Time(Duration::from_secs_f64(60.0 * m))),

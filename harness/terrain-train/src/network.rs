@@ -152,7 +152,7 @@ mod tests {
                 v.set(&Tensor::from_vec(values, v.shape(), &Device::Cpu).unwrap()).unwrap();
             }
         }
-        let header = Header { schema: 1, pitch: 1.0, relief: 1.0, mean: 0.0, std: 1.0 };
+        let header = Header { schema: 1, pitch: 1.0, relief: 1.0, detail: 1.0, mean: 0.0, std: 1.0 };
         let model = Model::new(header, &weights(&network).unwrap()).unwrap();
         let n = 3;
         let side = n + 2 * HALO;

@@ -196,7 +196,7 @@ impl<'a> Trainer<'a> {
             End::Epochs(n) => step as f64 / (n * epoch).max(1) as f64,
             End::Time(limit) => seconds / limit.as_secs_f64().max(1e-9),
         };
-        let mut sum = [0.0; 5];
+        let (mut sum, mut steps) = ([0.0; 5], 0.0);
         let mut last = Losses::default();
         let (mut kept, mut told) = (now(), now());
         loop {
@@ -207,16 +207,17 @@ impl<'a> Trainer<'a> {
             for (sum, value) in sum.iter_mut().zip(self.once(done)?) {
                 *sum += value;
             }
+            steps += 1.0;
             if self.step % TELL == 0 {
-                let [reconstruction, latent, patches, responses, features] = sum.map(|s| s / TELL as f64);
+                let [reconstruction, latent, patches, responses, features] = sum.map(|s| s / steps);
                 last = Losses { reconstruction, latent, patches, responses, features };
                 if !last.reconstruction.is_finite() {
                     return Err(TrainError::Internal("the losses are no numbers any more: lower --rate".into()));
                 }
-                let pace = told.elapsed().as_secs_f64() / TELL as f64;
+                let pace = told.elapsed().as_secs_f64() / steps;
                 let share = share(self.step, self.epoch(), spent(self.before)).min(1.0);
                 tell(&Progress { step: self.step, share, pace, losses: last });
-                (sum, told) = ([0.0; 5], now());
+                (sum, steps, told) = ([0.0; 5], 0.0, now());
             }
             if kept.elapsed() >= KEEP {
                 self.keep(spent(self.before))?;

@@ -11,7 +11,7 @@ use vb_math::rng::Stream;
 use vb_world::{Elevation, Heightfield};
 
 use crate::model::Model;
-use crate::shape::{CELL, HALO, NUMBERS};
+use crate::shape::{CELL, CHANNELS, HALO, NUMBERS};
 
 /// Cells along a block that is decoded at a time.
 const CHUNK: usize = 8;
@@ -131,7 +131,7 @@ impl Model {
                     first[0] + (i / blocks[1] * CHUNK) as i64,
                     first[1] + (i % blocks[1] * CHUNK) as i64,
                 ];
-                done.push((corner, self.decoder.run(&cells(seed, corner), CHUNK)));
+                done.push((corner, self.decoder.run(&self.cells(seed, corner), CHUNK)));
             }
         };
         // Who makes a block changes none of its bits.
@@ -153,19 +153,23 @@ impl Model {
         });
         field
     }
-}
 
-/// The numbers of a block of [`CHUNK`]² cells and of its margin. They are normal, and each cell's depend on seed and place
-/// alone.
-fn cells(seed: u64, corner: [i64; 2]) -> Vec<f32> {
-    let side = CHUNK + 2 * HALO;
-    let mut values = Vec::with_capacity(NUMBERS * side * side);
-    for i in 0..side * side {
-        let [row, col] = [corner[0] + (i / side) as i64, corner[1] + (i % side) as i64].map(|c| c - HALO as i64);
-        let mut stream = Stream::new(seed, &["terrain", "cell", &row.to_string(), &col.to_string()]);
-        values.extend((0..NUMBERS).map(|_| stream.normal(0.0, 1.0) as f32));
+    /// The numbers of a block of [`CHUNK`]² cells and of its margin. They are normal, and each cell's depend on seed and place
+    /// alone.
+    fn cells(&self, seed: u64, corner: [i64; 2]) -> Vec<f32> {
+        let side = CHUNK + 2 * HALO;
+        let mut values = Vec::with_capacity(NUMBERS * side * side);
+        for i in 0..side * side {
+            let [row, col] = [i / side, i % side].map(|n| n as i64 - HALO as i64);
+            let place = [corner[0] + row, corner[1] + col].map(|n| n.to_string());
+            let mut stream = Stream::new(seed, &["terrain", "cell", &place[0], &place[1]]);
+            for n in 0..NUMBERS {
+                let share = if n < CHANNELS { 1.0 } else { self.header.detail };
+                values.push((share * stream.normal(0.0, 1.0)) as f32);
+            }
+        }
+        values
     }
-    values
 }
 
 /// A rectangle of the decoder's samples.

@@ -46,6 +46,8 @@ pub struct Header {
     pub pitch: f64,
     /// Standard deviation of height at full relief (level `high`), m.
     pub relief: f64,
+    /// Share of the noise that details are drawn from: 1 as in training, 0 none.
+    pub detail: f64,
     /// Mean of what the decoder makes.
     pub mean: f64,
     /// Standard deviation of what the decoder makes.
@@ -79,6 +81,9 @@ impl Model {
         }
         if !header.mean.is_finite() {
             return Err(format!("mean is {}: must be a number", header.mean));
+        }
+        if !(0.0..=1.0).contains(&header.detail) {
+            return Err(format!("detail is {}: must be from 0 to 1", header.detail));
         }
         if weights.len() != DECODER.len() {
             return Err(format!("{} layers: must be {}", weights.len(), DECODER.len()));
