@@ -44,9 +44,8 @@ pub(crate) fn train(args: &TrainArgs) -> Result<(), CliError> {
 
 /// Draws a surface and writes it.
 pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
-    let kind = Kind::of(&args.out).ok_or_else(|| {
-        CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display()))
-    })?;
+    let kind = Kind::of(&args.out)
+        .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
     let path = match &args.model {
         Some(path) => path.clone(),
         None => places::terrain_model()?,
@@ -84,7 +83,8 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
 
 /// Tells heights and slopes of elevation files.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
-    let head = ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99"].map(str::to_owned).to_vec();
+    let head =
+        ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99"].map(str::to_owned).to_vec();
     let mut rows = vec![head];
     let (mut steep, mut deviations) = (Vec::new(), Vec::new());
     let row = |name: String, size: String, pitch: f64, std: f64, steep: &mut [f64]| {

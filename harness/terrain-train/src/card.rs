@@ -124,12 +124,48 @@ pub(crate) fn weights(network: &Network) -> Result<Weights, TrainError> {
     Ok(of("decoder.", ".weight")?.into_iter().zip(of("decoder.", ".bias")?).collect())
 }
 
-/// The header of a model with these weights: what it draws is measured.
-pub(crate) fn header(weights: &Weights, pitch: f64, relief: f64, detail: f64) -> Result<Header, TrainError> {
-    let plain = Header { schema: 1, pitch, relief: 1.0, detail, mean: 0.0, std: 1.0 };
-    let all: Vec<f64> = drawn(&plain, weights)?.into_iter().flatten().collect();
+/// The header of a model with these weights. What it draws is measured: the swell is what waves of half a tile and longer lack
+/// beside the tiles of training, and mean and standard deviation are those of surfaces with it.
+pub(crate) fn header(
+    weights: &Weights,
+    tiles: &Tiles,
+    pitch: f64,
+    relief: f64,
+    detail: f64,
+) -> Result<Header, TrainError> {
+    /// Waves in a window that the swell is fitted at: one, of its whole side.
+    const WAVE: usize = 1;
+    let plain = Header { schema: 1, pitch, relief: 1.0, detail, swell: 0.0, mean: 0.0, std: 1.0 };
+    let mut real = Spectrum::new(SIDE);
+    for i in 0..tiles.len() {
+        real.add(&tiles.get(i).heights);
+    }
+    let without = drawn(&plain, weights)?;
+    let with = drawn(&Header { swell: 1.0, ..plain }, weights)?;
+    let mut swell = with.clone();
+    for (swell, without) in swell.iter_mut().flatten().zip(without.iter().flatten()) {
+        *swell -= without;
+    }
+    let power = |surfaces: &[Vec<f64>]| spectrum(surfaces).radial()[WAVE];
+    let lacking = real.radial()[WAVE] - power(&without);
+    let swell = rounded((lacking / power(&swell)).max(0.0).sqrt());
+    let all: Vec<f64> = drawn(&Header { swell, ..plain }, weights)?.into_iter().flatten().collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
-    Ok(Header { relief, mean, std: deviation(&all), ..plain })
+    Ok(Header { relief, swell, mean: rounded(mean), std: rounded(deviation(&all)), ..plain })
+}
+
+/// The spectrum of surfaces in windows as large as a tile.
+fn spectrum(surfaces: &[Vec<f64>]) -> Spectrum {
+    let mut made = Spectrum::new(SIDE);
+    for surface in surfaces {
+        for i in 0..(DRAWN / SIDE) * (DRAWN / SIDE) {
+            let corner = (i / (DRAWN / SIDE) * SIDE) * DRAWN + i % (DRAWN / SIDE) * SIDE;
+            let window: Vec<f64> =
+                (0..SIDE).flat_map(|r| surface[corner + r * DRAWN..][..SIDE].iter().copied()).collect();
+            made.add(&window);
+        }
+    }
+    made
 }
 
 /// Surfaces at the model's own pitch.
@@ -154,7 +190,9 @@ pub(crate) fn measure<'a>(
     let tiles = Tiles::cut(scans, CUT);
     let all: Vec<Tile> = (0..tiles.len()).map(|i| tiles.get(i)).collect();
     if all.is_empty() {
-        return Err(TrainError::TooLittle(format!("no held-out file has a whole tile of {SIDE} x {SIDE} samples")));
+        return Err(TrainError::TooLittle(format!(
+            "no held-out file has a whole tile of {SIDE} x {SIDE} samples"
+        )));
     }
     let device = Device::Cpu;
     let (mut error, mut power) = (0.0, 0.0);
@@ -185,22 +223,15 @@ pub(crate) fn measure<'a>(
         real.add(&heights);
         of_real.push((heights, SIDE));
     }
-    let mut made = Spectrum::new(SIDE);
     let surfaces = drawn(header, weights)?;
-    for surface in &surfaces {
-        for i in 0..(DRAWN / SIDE) * (DRAWN / SIDE) {
-            let corner = (i / (DRAWN / SIDE) * SIDE) * DRAWN + i % (DRAWN / SIDE) * SIDE;
-            let window: Vec<f64> =
-                (0..SIDE).flat_map(|r| surface[corner + r * DRAWN..][..SIDE].iter().copied()).collect();
-            made.add(&window);
-        }
-    }
+    let made = spectrum(&surfaces);
     let (real, made) = (real.radial(), made.radial());
-    // A window of a wave or two says little of their power.
-    const FIRST: usize = 2;
+    /// The mean is taken away.
+    const FIRST: usize = 1;
     let decibels = |k: usize| 10.0 / std::f64::consts::LN_10 * vb_math::ln(made[k] / real[k]);
     let wavelength = |k: usize| SIDE as f64 * header.pitch / k as f64;
-    let spectrum = [2, 3, 4, 6, 8, 12, 16, 24, 32].map(|k| (rounded(wavelength(k)), rounded(decibels(k)))).to_vec();
+    let spectrum =
+        [1, 2, 3, 4, 6, 8, 12, 16, 24, 32].map(|k| (rounded(wavelength(k)), rounded(decibels(k)))).to_vec();
     Ok(Metrics {
         tiles: all.len(),
         reconstruction_error: rounded((error / power).sqrt()),

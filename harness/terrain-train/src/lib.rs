@@ -84,7 +84,8 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     }
     let (losses, seconds) = trainer.run(options.end, |p| tell(Event::Progress(p)))?;
     let weights = card::weights(&trainer.network)?;
-    let header = card::header(&weights, data.pitch, options.relief.unwrap_or(data.std), options.detail)?;
+    let header =
+        card::header(&weights, &tiles, data.pitch, options.relief.unwrap_or(data.std), options.detail)?;
     let bytes = Model::encode(header, &weights).map_err(TrainError::Internal)?;
     let any = data.scans.iter().any(|s| s.held_out);
     let test = data.scans.iter().filter(|s| s.held_out == any);

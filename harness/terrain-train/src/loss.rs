@@ -29,9 +29,8 @@ fn directions(size: usize, count: usize, rng: &mut Stream, device: &Device) -> R
 /// sliced Wasserstein distance of order 2 (Kolouri et al. 2018, eq. 8).
 pub(crate) fn sliced(a: &Tensor, b: &Tensor, count: usize, rng: &mut Stream) -> Result<Tensor> {
     let d = directions(a.dim(1)?, count, rng, a.device())?;
-    let sorted = |x: &Tensor| -> Result<Tensor> {
-        Ok(x.matmul(&d)?.t()?.contiguous()?.sort_last_dim(true)?.0)
-    };
+    let sorted =
+        |x: &Tensor| -> Result<Tensor> { Ok(x.matmul(&d)?.t()?.contiguous()?.sort_last_dim(true)?.0) };
     (sorted(a)? - sorted(b)?)?.sqr()?.mean_all()
 }
 
@@ -146,7 +145,8 @@ impl Patches {
             if i > 0 {
                 mask = least(&mask)?;
             }
-            let whole = |mask: &Tensor| windows(mask, PATCH, false)?.min(D::Minus1)?.flatten_all()?.to_vec1::<f32>();
+            let whole =
+                |mask: &Tensor| windows(mask, PATCH, false)?.min(D::Minus1)?.flatten_all()?.to_vec1::<f32>();
             let filters = directions(PATCH * PATCH, FILTERS, rng, tiles.device())?;
             let places = whole(&mask)?;
             let plain = Kind::new(&patches(level)?, &places, most, rng)?;
@@ -191,7 +191,11 @@ impl Patches {
         for (real, made) in self.features.iter().zip(features) {
             third = (third + real.distance(&rows(made)?, slices, rng)?)?;
         }
-        Ok([(plain / f64::max(n, 1.0))?, (second / f64::max(m, 1.0))?, (third / self.features.len().max(1) as f64)?])
+        Ok([
+            (plain / f64::max(n, 1.0))?,
+            (second / f64::max(m, 1.0))?,
+            (third / self.features.len().max(1) as f64)?,
+        ])
     }
 }
 
@@ -222,7 +226,8 @@ fn responses(level: &Tensor, filters: &Tensor) -> Result<Option<Tensor>> {
     }
     let r = patches(level)?.matmul(filters)?.relu()?.reshape((b, h, w, FILTERS))?;
     let (h, w) = (h / 2, w / 2);
-    let r = r.narrow(1, 0, 2 * h)?.narrow(2, 0, 2 * w)?.reshape((b, h, 2, w, 2, FILTERS))?.mean(4)?.mean(2)?;
+    let r =
+        r.narrow(1, 0, 2 * h)?.narrow(2, 0, 2 * w)?.reshape((b, h, 2, w, 2, FILTERS))?.mean(4)?.mean(2)?;
     Ok(Some(patches(&r)?))
 }
 

@@ -39,7 +39,7 @@ struct Args {
     #[arg(long, value_name = "METRES", value_parser = length)]
     relief: Option<f64>,
     /// Share of the noise that details are drawn from, from 0 to 1: less where the data's finest details are a sensor's noise
-    #[arg(long, value_name = "SHARE", default_value = "0.5", value_parser = detail)]
+    #[arg(long, value_name = "SHARE", default_value = "0.6", value_parser = detail)]
     detail: f64,
     /// Passes over the data
     #[arg(long, value_name = "N", default_value_t = 55, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

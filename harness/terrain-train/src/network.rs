@@ -45,7 +45,11 @@ impl Convolution {
     fn forward(&self, x: &Tensor, fixed: bool) -> Result<Tensor> {
         let of = |v: &Var| if fixed { v.as_tensor().detach() } else { v.as_tensor().clone() };
         let (weight, bias) = (of(&self.weight), of(&self.bias));
-        let x = if self.layer.kernel == 1 { x.clone() } else { windows(x, self.layer.kernel, self.layer.doubled)? };
+        let x = if self.layer.kernel == 1 {
+            x.clone()
+        } else {
+            windows(x, self.layer.kernel, self.layer.doubled)?
+        };
         let (b, h, w, c) = x.dims4()?;
         let y = x.reshape((b * h * w, c))?.matmul(&weight)?;
         let y = if self.layer.active { activated(&y, &bias, LEAK)? } else { y.broadcast_add(&bias)? };
@@ -125,7 +129,10 @@ impl Network {
             all.iter()
                 .enumerate()
                 .flat_map(|(i, c)| {
-                    [(format!("{name}.{i}.weight"), c.weight.clone()), (format!("{name}.{i}.bias"), c.bias.clone())]
+                    [
+                        (format!("{name}.{i}.weight"), c.weight.clone()),
+                        (format!("{name}.{i}.bias"), c.bias.clone()),
+                    ]
                 })
                 .collect::<Vec<_>>()
         };
@@ -152,7 +159,8 @@ mod tests {
                 v.set(&Tensor::from_vec(values, v.shape(), &Device::Cpu).unwrap()).unwrap();
             }
         }
-        let header = Header { schema: 1, pitch: 1.0, relief: 1.0, detail: 1.0, mean: 0.0, std: 1.0 };
+        let header =
+            Header { schema: 1, pitch: 1.0, relief: 1.0, detail: 1.0, swell: 0.0, mean: 0.0, std: 1.0 };
         let model = Model::new(header, &weights(&network).unwrap()).unwrap();
         let n = 3;
         let side = n + 2 * HALO;

@@ -135,7 +135,13 @@ impl CustomOp2 for Activate {
         Ok((CpuStorage::F32(out), l.shape().clone()))
     }
 
-    fn bwd(&self, _: &Tensor, _: &Tensor, res: &Tensor, grad: &Tensor) -> Result<(Option<Tensor>, Option<Tensor>)> {
+    fn bwd(
+        &self,
+        _: &Tensor,
+        _: &Tensor,
+        res: &Tensor,
+        grad: &Tensor,
+    ) -> Result<(Option<Tensor>, Option<Tensor>)> {
         let g = res.detach().apply_op2_no_bwd(&grad.contiguous()?, &Slope { leak: self.leak })?;
         let bias = g.sum(0)?;
         Ok((Some(g), Some(bias)))
@@ -205,7 +211,11 @@ mod tests {
                         y.to_scalar::<f32>().unwrap()
                     };
                     let numeric = (at(1e-3) - at(-1e-3)) / 2e-3;
-                    assert!((numeric - analytic[i]).abs() < 0.03 * analytic[i].abs() + 0.15, "{numeric} {}", analytic[i]);
+                    assert!(
+                        (numeric - analytic[i]).abs() < 0.03 * analytic[i].abs() + 0.15,
+                        "{numeric} {}",
+                        analytic[i]
+                    );
                 }
             }
         }

@@ -60,7 +60,7 @@ pub enum End {
 }
 
 /// Mean losses of some steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Losses {
     /// Mean absolute plus mean squared error of reconstruction, in standard deviations of height.
     pub reconstruction: f64,
@@ -96,6 +96,7 @@ struct Mark {
     settings: Settings,
     step: u64,
     seconds: f64,
+    losses: Losses,
 }
 
 /// A training in progress.
@@ -110,6 +111,8 @@ pub(crate) struct Trainer<'a> {
     pub(crate) step: u64,
     /// Time spent by runs before.
     before: f64,
+    /// Mean losses when they were told last.
+    losses: Losses,
     checkpoint: PathBuf,
 }
 
@@ -123,7 +126,18 @@ impl<'a> Trainer<'a> {
         let device = Device::Cpu;
         let network = Network::new(settings.seed, &device)?;
         let optimiser = Adam::new(network.variables())?;
-        Ok(Self { network, optimiser, tiles, data, settings, device, step: 0, before: 0.0, checkpoint })
+        Ok(Self {
+            network,
+            optimiser,
+            tiles,
+            data,
+            settings,
+            device,
+            step: 0,
+            before: 0.0,
+            losses: Losses::default(),
+            checkpoint,
+        })
     }
 
     /// Takes up a training where its last checkpoint was.
@@ -131,7 +145,9 @@ impl<'a> Trainer<'a> {
         let path = self.checkpoint.clone();
         let problem = |problem: String| TrainError::Checkpoint { path: path.clone(), problem };
         let bytes = std::fs::read(&path).map_err(|e| problem(format!("can't be read: {e}")))?;
-        let damaged = |e: &dyn std::fmt::Display| problem(format!("is no whole checkpoint ({e}): start again without --resume"));
+        let damaged = |e: &dyn std::fmt::Display| {
+            problem(format!("is no whole checkpoint ({e}): start again without --resume"))
+        };
         let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| damaged(&e))?;
         let mark = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
         let mark: Mark = serde_json::from_str(mark.map_or("", String::as_str)).map_err(|e| damaged(&e))?;
@@ -139,10 +155,14 @@ impl<'a> Trainer<'a> {
             return Err(damaged(&format!("schema {}", mark.schema)));
         }
         if mark.data != self.data {
-            return Err(problem("was trained on other data: give the same --data, or start again without --resume".into()));
+            return Err(problem(
+                "was trained on other data: give the same --data, or start again without --resume".into(),
+            ));
         }
         if mark.settings != self.settings {
-            return Err(problem("was trained with other settings: give the same ones, or start again without --resume".into()));
+            return Err(problem(
+                "was trained with other settings: give the same ones, or start again without --resume".into(),
+            ));
         }
         let tensors = SafeTensors::deserialize(&bytes).map_err(|e| damaged(&e))?;
         let device = &self.device;
@@ -156,14 +176,20 @@ impl<'a> Trainer<'a> {
                 Tensor::from_vec(values.collect(), t.shape(), device)
             })
             .map_err(|e| damaged(&e))?;
-        (self.step, self.before) = (mark.step, mark.seconds);
+        (self.step, self.before, self.losses) = (mark.step, mark.seconds, mark.losses);
         Ok(())
     }
 
     /// Writes the state to disk.
     fn keep(&self, seconds: f64) -> Result<(), TrainError> {
-        let mark =
-            Mark { schema: 1, data: self.data.into(), settings: self.settings, step: self.step, seconds };
+        let mark = Mark {
+            schema: 1,
+            data: self.data.into(),
+            settings: self.settings,
+            step: self.step,
+            seconds,
+            losses: self.losses,
+        };
         let internal = |e: &dyn std::fmt::Display| TrainError::Internal(e.to_string());
         let metadata = serde_json::to_string(&mark).map_err(|e| internal(&e))?;
         let mut parts = Vec::new();
@@ -175,7 +201,10 @@ impl<'a> Trainer<'a> {
         let views = parts
             .iter()
             .map(|(name, shape, bytes)| {
-                Ok((name.as_str(), TensorView::new(Dtype::F32, shape.clone(), bytes).map_err(|e| internal(&e))?))
+                Ok((
+                    name.as_str(),
+                    TensorView::new(Dtype::F32, shape.clone(), bytes).map_err(|e| internal(&e))?,
+                ))
             })
             .collect::<Result<Vec<_>, TrainError>>()?;
         let metadata = [(KEY.to_owned(), metadata)].into_iter().collect();
@@ -189,7 +218,11 @@ impl<'a> Trainer<'a> {
     }
 
     /// Trains to the end; tells how it goes from time to time. Returns the last mean losses and the seconds spent.
-    pub(crate) fn run(&mut self, end: End, mut tell: impl FnMut(&Progress)) -> Result<(Losses, f64), TrainError> {
+    pub(crate) fn run(
+        &mut self,
+        end: End,
+        mut tell: impl FnMut(&Progress),
+    ) -> Result<(Losses, f64), TrainError> {
         let since = now();
         let spent = |before: f64| before + since.elapsed().as_secs_f64();
         let share = |step: u64, epoch: u64, seconds: f64| match end {
@@ -197,7 +230,6 @@ impl<'a> Trainer<'a> {
             End::Time(limit) => seconds / limit.as_secs_f64().max(1e-9),
         };
         let (mut sum, mut steps) = ([0.0; 5], 0.0);
-        let mut last = Losses::default();
         let (mut kept, mut told) = (now(), now());
         loop {
             let done = share(self.step, self.epoch(), spent(self.before));
@@ -210,13 +242,15 @@ impl<'a> Trainer<'a> {
             steps += 1.0;
             if self.step % TELL == 0 {
                 let [reconstruction, latent, patches, responses, features] = sum.map(|s| s / steps);
-                last = Losses { reconstruction, latent, patches, responses, features };
-                if !last.reconstruction.is_finite() {
-                    return Err(TrainError::Internal("the losses are no numbers any more: lower --rate".into()));
+                self.losses = Losses { reconstruction, latent, patches, responses, features };
+                if !self.losses.reconstruction.is_finite() {
+                    return Err(TrainError::Internal(
+                        "the losses are no numbers any more: lower --rate".into(),
+                    ));
                 }
                 let pace = told.elapsed().as_secs_f64() / steps;
                 let share = share(self.step, self.epoch(), spent(self.before)).min(1.0);
-                tell(&Progress { step: self.step, share, pace, losses: last });
+                tell(&Progress { step: self.step, share, pace, losses: self.losses });
                 (sum, steps, told) = ([0.0; 5], 0.0, now());
             }
             if kept.elapsed() >= KEEP {
@@ -226,7 +260,7 @@ impl<'a> Trainer<'a> {
         }
         let seconds = spent(self.before);
         self.keep(seconds)?;
-        Ok((last, seconds))
+        Ok((self.losses, seconds))
     }
 
     /// One step at a share of the whole: its losses.
@@ -235,7 +269,8 @@ impl<'a> Trainer<'a> {
         self.step += 1;
         // A stream of its own: a training that was broken off and resumed draws the same.
         let mut rng = Stream::new(s.seed, &["terrain", "step", &self.step.to_string()]);
-        let (tiles, measured) = tensors(&(0..s.batch).map(|_| self.tiles.draw(&mut rng)).collect::<Vec<_>>(), &self.device)?;
+        let (tiles, measured) =
+            tensors(&(0..s.batch).map(|_| self.tiles.draw(&mut rng)).collect::<Vec<_>>(), &self.device)?;
         let (latent, seen) = self.network.encode(&tiles, false)?;
         let made = self.network.decode(&latent, |_| Ok(None))?;
         let reconstruction = loss::reconstruction(&made, &middle(&tiles)?, &middle(&measured)?)?;
@@ -260,7 +295,9 @@ impl<'a> Trainer<'a> {
         let cosine = 0.5 + 0.5 * vb_math::cos(std::f64::consts::PI * share);
         self.optimiser.step(&gradients, self.step, s.rate * warm * cosine.max(0.02))?;
         let mut values = [0.0; 5];
-        for (value, loss) in values.iter_mut().zip([&reconstruction, &distance, &patches, &responses, &features]) {
+        for (value, loss) in
+            values.iter_mut().zip([&reconstruction, &distance, &patches, &responses, &features])
+        {
             *value = f64::from(loss.to_scalar::<f32>()?);
         }
         Ok(values)
@@ -271,7 +308,8 @@ impl<'a> Trainer<'a> {
 pub(crate) fn tensors(tiles: &[Tile], device: &Device) -> Result<(Tensor, Tensor), TrainError> {
     let shape = (tiles.len(), SIDE, SIDE, 1);
     let heights = tiles.iter().flat_map(|t| t.heights.iter().map(|v| *v as f32)).collect::<Vec<_>>();
-    let measured = tiles.iter().flat_map(|t| t.measured.iter().map(|m| f32::from(u8::from(*m)))).collect::<Vec<_>>();
+    let measured =
+        tiles.iter().flat_map(|t| t.measured.iter().map(|m| f32::from(u8::from(*m)))).collect::<Vec<_>>();
     Ok((Tensor::from_vec(heights, shape, device)?, Tensor::from_vec(measured, shape, device)?))
 }
 
@@ -286,7 +324,10 @@ pub(crate) fn checkpoint_of(model: &Path) -> PathBuf {
     model.with_extension("checkpoint")
 }
 
-#[allow(clippy::disallowed_methods, reason = "paces messages and checkpoints, and ends a training that has a time limit")]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "paces messages and checkpoints, and ends a training that has a time limit"
+)]
 fn now() -> Instant {
     Instant::now()
 }

@@ -8,9 +8,9 @@ use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
+use crate::Raster;
 use crate::read::{self, Holes, ReadError};
 use crate::repair::{Repaired, fill, repair};
-use crate::Raster;
 
 /// Name of the file in a folder of data that says which parts of it to use.
 pub const SELECTION: &str = "terrain.yaml";
@@ -151,7 +151,9 @@ impl Data {
                 Some(p) => {
                     return Err(folder(
                         &path,
-                        format!("samples are {own} m apart, those of files before {p} m: resample them to one pitch"),
+                        format!(
+                            "samples are {own} m apart, those of files before {p} m: resample them to one pitch"
+                        ),
                     ));
                 }
             }

@@ -46,7 +46,12 @@ struct Target {
 
 impl Convolution {
     /// `weight(row, column, from, to)` for a kernel of this side.
-    fn new(layer: Layer, side: usize, bias: &[f32], weight: impl Fn(usize, usize, usize, usize) -> f32) -> Self {
+    fn new(
+        layer: Layer,
+        side: usize,
+        bias: &[f32],
+        weight: impl Fn(usize, usize, usize, usize) -> f32,
+    ) -> Self {
         let groups = layer.to.div_ceil(LANES);
         let lanes = |g: usize, value: &dyn Fn(usize) -> f32| {
             let lane = |l: usize| if g * LANES + l < layer.to { value(g * LANES + l) } else { 0.0 };
@@ -275,8 +280,7 @@ mod tests {
         let weights = random_weights(1);
         let mut rng = Stream::new(2, &["cells"]);
         let n = 3;
-        let cells: Vec<f32> =
-            (0..NUMBERS * (n + 4) * (n + 4)).map(|_| rng.normal(0.0, 1.0) as f32).collect();
+        let cells: Vec<f32> = (0..NUMBERS * (n + 4) * (n + 4)).map(|_| rng.normal(0.0, 1.0) as f32).collect();
         let made = Decoder::new(&weights).run(&cells, n);
         let plain = plainly(&weights, &cells, n);
         assert_eq!(made.len(), (CELL * n) * (CELL * n));

@@ -2,7 +2,8 @@
 //!
 //! The plane is covered by cells of the latent field, each with its own random stream, named by seed and place. The
 //! decoder makes each sample from the cells about it, so a surface is a window on an endless terrain: a wider one with the
-//! same seed holds the narrower one, bit for bit.
+//! same seed holds the narrower one, bit for bit. What is longer than the decoder reaches, the swell, is a smooth random field
+//! beside it; and the cells' lattice is warped by another.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,10 +12,15 @@ use vb_math::rng::Stream;
 use vb_world::{Elevation, Heightfield};
 
 use crate::model::Model;
-use crate::shape::{CELL, CHANNELS, HALO, NUMBERS};
+use crate::shape::{CELL, CHANNELS, HALO, NUMBERS, SWELL};
 
 /// Cells along a block that is decoded at a time.
 const CHUNK: usize = 8;
+/// Samples from one node of the warp to the next, its standard deviation in samples along rows and columns, and its bound. Three
+/// eighths of a cell take away 94 % of a pattern with the cells' period, and more of shorter ones.
+const WARP: usize = 32;
+const WARP_STD: f64 = 3.0;
+const WARP_REACH: i64 = 12;
 /// Most samples of the decoder that one surface may take.
 const MAX_SAMPLES: f64 = (1u64 << 27) as f64;
 /// Least and largest number of nodes along a side.
@@ -64,7 +70,9 @@ pub enum GenerateError {
         own: f64,
     },
     /// The surface is larger than memory should be taken for.
-    #[error("{extent_m} m along a side at the model's own pitch of {own} m are too many samples: make it smaller")]
+    #[error(
+        "{extent_m} m along a side at the model's own pitch of {own} m are too many samples: make it smaller"
+    )]
     Extent {
         /// The longer side, m.
         extent_m: f64,
@@ -114,6 +122,20 @@ impl Model {
 
     /// The decoder's samples whose row and column numbers lie in these spans (first, one after the last).
     fn field(&self, seed: u64, rows: [i64; 2], cols: [i64; 2]) -> Field {
+        // Wider by what the warp may move a sample and by the kernel's reach.
+        let wider = |span: [i64; 2]| [span[0] - WARP_REACH - 2, span[1] + WARP_REACH + 2];
+        let mut field = self.decoded(seed, wider(rows), wider(cols)).warped(seed, rows, cols);
+        if self.header.swell > 0.0 {
+            let swell = Waves::new(seed, "swell", SWELL, self.header.swell, rows, cols).heights();
+            for (value, swell) in field.values.iter_mut().zip(swell) {
+                *value = (f64::from(*value) + swell) as f32;
+            }
+        }
+        field
+    }
+
+    /// The samples as the decoder makes them.
+    fn decoded(&self, seed: u64, rows: [i64; 2], cols: [i64; 2]) -> Field {
         let cell = CELL as i64;
         let first = [rows[0].div_euclid(cell), cols[0].div_euclid(cell)];
         let blocks = [(rows, first[0]), (cols, first[1])]
@@ -127,10 +149,8 @@ impl Model {
                 if i >= blocks[0] * blocks[1] {
                     return done;
                 }
-                let corner = [
-                    first[0] + (i / blocks[1] * CHUNK) as i64,
-                    first[1] + (i % blocks[1] * CHUNK) as i64,
-                ];
+                let corner =
+                    [first[0] + (i / blocks[1] * CHUNK) as i64, first[1] + (i % blocks[1] * CHUNK) as i64];
                 done.push((corner, self.decoder.run(&self.cells(seed, corner), CHUNK)));
             }
         };
@@ -203,6 +223,34 @@ impl Field {
         }
     }
 
+    /// The samples of this rectangle, each taken from a place a little off, by a smooth random field: cells don't lie on a lattice
+    /// any more, and what little differs between the places within a cell makes no pattern.
+    fn warped(&self, seed: u64, rows: [i64; 2], cols: [i64; 2]) -> Self {
+        let moved = |name| Waves::new(seed, name, WARP, WARP_STD, rows, cols).heights();
+        let (down, along) = (moved("warp-rows"), moved("warp-cols"));
+        let (width, own) = ((cols[1] - cols[0]) as usize, (self.cols[1] - self.cols[0]) as usize);
+        let mut out = Self::new(rows, cols);
+        for (i, value) in out.values.iter_mut().enumerate() {
+            let at = |first: i64, n: usize, by: f64| {
+                let place = (first + n as i64) as f64 + by.clamp(-(WARP_REACH as f64), WARP_REACH as f64);
+                let floor = place.floor();
+                let t = place - floor;
+                (floor as i64 - 1, [cubic(t + 1.0), cubic(t), cubic(1.0 - t), cubic(2.0 - t)])
+            };
+            let (row, by_row) = at(rows[0], i / width, down[i]);
+            let (col, by_col) = at(cols[0], i % width, along[i]);
+            let start = (row - self.rows[0]) as usize * own + (col - self.cols[0]) as usize;
+            let mut sum = 0.0;
+            for (k, w) in by_row.iter().enumerate() {
+                let line = &self.values[start + k * own..start + k * own + 4];
+                let parts = line.iter().zip(&by_col).map(|(v, w)| w * f64::from(*v));
+                sum += w * parts.sum::<f64>();
+            }
+            *value = sum as f32;
+        }
+        out
+    }
+
     /// The field at nodes that each take these samples along rows and columns.
     fn resampled(&self, rows: &[Taps], cols: &[Taps]) -> Vec<f64> {
         let width = (self.cols[1] - self.cols[0]) as usize;
@@ -226,22 +274,83 @@ impl Field {
     }
 }
 
+/// A smooth normal random field over a rectangle of samples: a cubic B-spline over nodes of independent normal height. Each node's
+/// depends on seed, name and place alone.
+struct Waves {
+    /// Heights of the nodes that reach the rectangle, row by row.
+    nodes: Vec<f64>,
+    /// Nodes in a row.
+    width: usize,
+    /// For each row and column of samples, the first of its four nodes, counted from the first of all, and their weights.
+    lines: [Vec<(usize, [f64; 4])>; 2],
+}
+
+impl Waves {
+    /// With nodes every `step` samples, and this standard deviation.
+    fn new(seed: u64, name: &str, step: usize, std: f64, rows: [i64; 2], cols: [i64; 2]) -> Self {
+        let step = step as i64;
+        let reach = |span: [i64; 2]| span[0].div_euclid(step) - 1..(span[1] - 1).div_euclid(step) + 3;
+        let [by_row, by_col] = [reach(rows), reach(cols)];
+        let mut nodes = Vec::new();
+        for row in by_row.clone() {
+            for col in by_col.clone() {
+                let labels = ["terrain", name, &row.to_string(), &col.to_string()];
+                nodes.push(Stream::new(seed, &labels).normal(0.0, std));
+            }
+        }
+        let line = |span: [i64; 2], first: i64| {
+            let sample =
+                |s: i64| ((s.div_euclid(step) - 1 - first) as usize, spline(s.rem_euclid(step), step));
+            (span[0]..span[1]).map(sample).collect()
+        };
+        let lines = [line(rows, by_row.start), line(cols, by_col.start)];
+        Self { nodes, width: (by_col.end - by_col.start) as usize, lines }
+    }
+
+    /// The field's heights, row by row.
+    fn heights(&self) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.lines[0].len() * self.lines[1].len());
+        for (row, by_row) in &self.lines[0] {
+            // Along the columns first: one height for each column of nodes.
+            let column = |c: usize| -> f64 {
+                by_row.iter().enumerate().map(|(k, w)| w * self.nodes[(row + k) * self.width + c]).sum()
+            };
+            let down: Vec<f64> = (0..self.width).map(column).collect();
+            for (col, by_col) in &self.lines[1] {
+                out.push(by_col.iter().zip(&down[*col..]).map(|(w, z)| w * z).sum());
+            }
+        }
+        out
+    }
+}
+
+/// The weights of the four nodes about a sample: those of a cubic B-spline, scaled so that independent normal nodes give samples
+/// of their standard deviation everywhere.
+fn spline(sample: i64, step: i64) -> [f64; 4] {
+    let t = sample as f64 / step as f64;
+    let u = 1.0 - t;
+    let weights =
+        [u * u * u, 3.0 * t * t * t - 6.0 * t * t + 4.0, 3.0 * u * u * u - 6.0 * u * u + 4.0, t * t * t];
+    let length = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+    weights.map(|w| w / length)
+}
+
 /// The samples along a line that a node takes, and their weights.
 struct Taps {
     first: i64,
     weights: Vec<f64>,
 }
 
-/// The taps of `n` nodes about the origin, `ratio` samples apart.
+/// The taps of `n` nodes, `ratio` samples apart, of which the middle one, or the first of the two, lies on the origin's sample: at
+/// the model's own pitch nodes are samples, whatever their number.
 fn taps(n: usize, ratio: f64) -> Vec<Taps> {
     let stretch = ratio.max(1.0);
     (0..n)
         .map(|i| {
-            let at = (i as f64 - 0.5 * (n - 1) as f64) * ratio;
+            let at = (i as f64 - ((n - 1) / 2) as f64) * ratio;
             let first = (at - 2.0 * stretch).floor() as i64 + 1;
             let last = (at + 2.0 * stretch).ceil() as i64 - 1;
-            let mut weights: Vec<f64> =
-                (first..=last).map(|k| cubic((k as f64 - at) / stretch)).collect();
+            let mut weights: Vec<f64> = (first..=last).map(|k| cubic((k as f64 - at) / stretch)).collect();
             let sum: f64 = weights.iter().sum();
             for w in &mut weights {
                 *w /= sum;

@@ -48,9 +48,11 @@ pub struct Header {
     pub relief: f64,
     /// Share of the noise that details are drawn from: 1 as in training, 0 none.
     pub detail: f64,
-    /// Mean of what the decoder makes.
+    /// Standard deviation of the swell, waves longer than the decoder makes, in its units.
+    pub swell: f64,
+    /// Mean of what decoder and swell make.
     pub mean: f64,
-    /// Standard deviation of what the decoder makes.
+    /// Standard deviation of what decoder and swell make.
     pub std: f64,
 }
 
@@ -85,13 +87,21 @@ impl Model {
         if !(0.0..=1.0).contains(&header.detail) {
             return Err(format!("detail is {}: must be from 0 to 1", header.detail));
         }
+        if !(header.swell.is_finite() && header.swell >= 0.0) {
+            return Err(format!("swell is {}: must be from 0", header.swell));
+        }
         if weights.len() != DECODER.len() {
             return Err(format!("{} layers: must be {}", weights.len(), DECODER.len()));
         }
         for (i, ((weight, bias), layer)) in weights.iter().zip(DECODER).enumerate() {
             let wanted = layer.kernel * layer.kernel * layer.from * layer.to;
             if (weight.len(), bias.len()) != (wanted, layer.to) {
-                return Err(format!("layer {i} has {} weights and {} biases: must be {wanted} and {}", weight.len(), bias.len(), layer.to));
+                return Err(format!(
+                    "layer {i} has {} weights and {} biases: must be {wanted} and {}",
+                    weight.len(),
+                    bias.len(),
+                    layer.to
+                ));
             }
             if weight.iter().chain(bias).any(|v| !v.is_finite()) {
                 return Err(format!("layer {i} has weights that are no numbers"));
@@ -154,7 +164,10 @@ impl Model {
         let views = tensors
             .iter()
             .map(|(name, (shape, data))| {
-                Ok((name.as_str(), TensorView::new(Dtype::F32, shape.clone(), data).map_err(|e| e.to_string())?))
+                Ok((
+                    name.as_str(),
+                    TensorView::new(Dtype::F32, shape.clone(), data).map_err(|e| e.to_string())?,
+                ))
             })
             .collect::<Result<Vec<_>, String>>()?;
         let header = serde_json::to_string(&header).map_err(|e| e.to_string())?;

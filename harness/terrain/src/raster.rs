@@ -177,7 +177,8 @@ mod tests {
     #[test]
     fn reduction_averages_what_is_measured_and_needs_half_of_it() {
         let n = f64::NAN;
-        let r = Raster::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0]).with_pitch(Some(0.5));
+        let r =
+            Raster::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0]).with_pitch(Some(0.5));
         let half = r.reduced(2);
         assert_eq!((half.rows(), half.cols(), half.pitch()), (1, 3, Some(1.0)));
         assert_eq!(half.values()[..2], [3.0, 2.0]);

@@ -126,9 +126,8 @@ mod tests {
 
     /// Gentle waves, with a little of everything.
     fn hills(rows: usize, cols: usize) -> Raster {
-        let z = |r: usize, c: usize| {
-            vb_math::sin(0.3 * r as f64) + vb_math::cos(0.2 * c as f64 + 0.1 * r as f64)
-        };
+        let z =
+            |r: usize, c: usize| vb_math::sin(0.3 * r as f64) + vb_math::cos(0.2 * c as f64 + 0.1 * r as f64);
         Raster::new(rows, cols, (0..rows * cols).map(|i| z(i / cols, i % cols)).collect())
     }
 

@@ -14,6 +14,8 @@ pub const LATENT: usize = BLOCK * BLOCK * CHANNELS;
 pub const HALO: usize = 2;
 /// Normal numbers that a cell takes in all: the latent ones, and noise for 4 × 4 and 8 × 8 places.
 pub const NUMBERS: usize = CHANNELS + 16 + 64;
+/// Samples from one node of the swell to the next.
+pub const SWELL: usize = 16;
 /// Slope of the activation below zero.
 pub const LEAK: f32 = 0.2;
 

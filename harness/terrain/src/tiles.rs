@@ -204,9 +204,8 @@ mod tests {
     #[test]
     fn the_symmetries_are_the_eight_of_the_square() {
         let tile = Tile { heights: (0..9).map(f64::from).collect(), measured: vec![true; 9] };
-        let all: BTreeSet<Vec<u64>> = (0..8)
-            .map(|s| tile.turned(3, s).heights.iter().map(|v| v.to_bits()).collect())
-            .collect();
+        let all: BTreeSet<Vec<u64>> =
+            (0..8).map(|s| tile.turned(3, s).heights.iter().map(|v| v.to_bits()).collect()).collect();
         assert_eq!(all.len(), 8);
         // Each keeps the centre and which samples are next to each other.
         for s in 0..8 {

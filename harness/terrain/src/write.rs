@@ -51,8 +51,10 @@ fn shades(surface: &Heightfield) -> Vec<u8> {
             let (r, c) = (i / cols, i % cols);
             let (south, north) = (r.saturating_sub(1), (r + 1).min(rows - 1));
             let (west, east) = (c.saturating_sub(1), (c + 1).min(cols - 1));
-            let dx = (surface.node(r, east) - surface.node(r, west)) / ((east - west) as f64 * surface.pitch());
-            let dy = (surface.node(north, c) - surface.node(south, c)) / ((north - south) as f64 * surface.pitch());
+            let dx =
+                (surface.node(r, east) - surface.node(r, west)) / ((east - west) as f64 * surface.pitch());
+            let dy = (surface.node(north, c) - surface.node(south, c))
+                / ((north - south) as f64 * surface.pitch());
             let length = (dx * dx + dy * dy + 1.0).sqrt();
             let light = (-dx * sun[0] - dy * sun[1] + sun[2]) / length;
             (255.0 * light.max(0.0)).round() as u8

@@ -58,8 +58,13 @@ fn grey_png(depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
 
 fn array<T: npyz::AutoSerialize + Copy>(shape: &[u64], order: npyz::Order, values: &[T]) -> Vec<u8> {
     let mut out = Vec::new();
-    let mut w =
-        npyz::WriteOptions::new().default_dtype().shape(shape).order(order).writer(&mut out).begin_nd().unwrap();
+    let mut w = npyz::WriteOptions::new()
+        .default_dtype()
+        .shape(shape)
+        .order(order)
+        .writer(&mut out)
+        .begin_nd()
+        .unwrap();
     w.extend(values.iter().copied()).unwrap();
     w.finish().unwrap();
     out
@@ -134,7 +139,12 @@ fn arrays_of_every_kind_of_number_and_order_are_read() {
     ];
     for file in files {
         let r = values(&file);
-        assert_eq!((r.rows(), r.cols(), r.values(), r.pitch()), (2, 3, &want[..], None), "{}", file.display());
+        assert_eq!(
+            (r.rows(), r.cols(), r.values(), r.pitch()),
+            (2, 3, &want[..], None),
+            "{}",
+            file.display()
+        );
     }
 }
 
@@ -179,7 +189,8 @@ fn holes_and_nan_are_told_with_their_place_or_kept_as_nan() {
     lowest[0] = f32::MIN;
     let tif = f.file("lowest.tif", geotiff(&lowest, None, &metric(), Some("-3.4028234663852886e+38")));
     assert!(matches!(flaw(&tif), Flaw::NoData { count: 1, row: 0, col: 0 }));
-    let npy = f.file("nan.npy", array(&[2, 3], npyz::Order::C, &[1.0, 2.0, f64::NAN, 4.0, f64::INFINITY, 6.0]));
+    let npy =
+        f.file("nan.npy", array(&[2, 3], npyz::Order::C, &[1.0, 2.0, f64::NAN, 4.0, f64::INFINITY, 6.0]));
     assert!(matches!(flaw(&npy), Flaw::NotFinite { count: 2, row: 0, col: 2 }));
     assert_eq!(read(&npy, Holes::Keep).unwrap().holes(), 2);
 }
@@ -235,7 +246,10 @@ fn files_that_were_cut_short_or_are_something_else_are_told_apart() {
             let flaw = flaw(&cut);
             assert!(matches!(flaw, Flaw::Truncated(_) | Flaw::Damaged(_)), "{name} at {share}: {flaw:?}");
         }
-        assert!(matches!(flaw(&f.file(name, b"elevation of a mountain")), Flaw::Damaged(_) | Flaw::Truncated(_)));
+        assert!(matches!(
+            flaw(&f.file(name, b"elevation of a mountain")),
+            Flaw::Damaged(_) | Flaw::Truncated(_)
+        ));
     }
     assert!(matches!(
         flaw(&f.file("b.npy", &array(&[2, 3], npyz::Order::C, &[1.0f64; 6])[..150])),

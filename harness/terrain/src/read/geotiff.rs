@@ -36,16 +36,17 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
         return Err(Flaw::Rank(format!("{n} bands")));
     }
     let places = Places::read(&mut tiff)?;
-    let mark = match tiff.find_tag(GDAL_NO_DATA).map_err(flaw)? {
-        Some(value) => {
-            let text = value.into_string().map_err(flaw)?;
-            let text = text.trim().trim_end_matches('\0').trim();
-            Some(text.parse::<f64>().map_err(|_| {
-                Flaw::Damaged(format!("the mark of no data is {text:?}, which is no number"))
-            })?)
-        }
-        None => None,
-    };
+    let mark =
+        match tiff.find_tag(GDAL_NO_DATA).map_err(flaw)? {
+            Some(value) => {
+                let text = value.into_string().map_err(flaw)?;
+                let text = text.trim().trim_end_matches('\0').trim();
+                Some(text.parse::<f64>().map_err(|_| {
+                    Flaw::Damaged(format!("the mark of no data is {text:?}, which is no number"))
+                })?)
+            }
+            None => None,
+        };
     let samples = tiff.read_image().map_err(flaw)?;
     // GDAL writes the mark in full precision whatever the samples are.
     let single = matches!(samples, DecodingResult::F32(_));
@@ -92,7 +93,8 @@ impl Places {
             Some(2) => return Err(Flaw::Degrees),
             Some(3) => {
                 return Err(Flaw::Coordinates(
-                    "coordinates are geocentric: reproject it to a system in metres, such as its UTM zone".into(),
+                    "coordinates are geocentric: reproject it to a system in metres, such as its UTM zone"
+                        .into(),
                 ));
             }
             _ => {}
@@ -103,11 +105,15 @@ impl Places {
             None => Some(1.0),
         };
         let unit = unit.ok_or_else(|| {
-            Flaw::Coordinates("the unit of its coordinates is unknown: reproject it to a system in metres".into())
+            Flaw::Coordinates(
+                "the unit of its coordinates is unknown: reproject it to a system in metres".into(),
+            )
         })?;
         let vertical_unit = match keys.short(VERTICAL_UNITS) {
             Some(code) => metres(code).ok_or_else(|| {
-                Flaw::Coordinates(format!("the unit of its heights (EPSG {code}) is unknown: convert them to metres"))
+                Flaw::Coordinates(format!(
+                    "the unit of its heights (EPSG {code}) is unknown: convert them to metres"
+                ))
             })?,
             None => 1.0,
         };
@@ -122,7 +128,9 @@ impl Places {
             None => None,
             Some([x, y]) => {
                 if !(x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0) {
-                    return Err(Flaw::Coordinates(format!("pixels of {x} x {y} are no size: restore the file")));
+                    return Err(Flaw::Coordinates(format!(
+                        "pixels of {x} x {y} are no size: restore the file"
+                    )));
                 }
                 if (x - y).abs() > 1e-3 * x.max(y) {
                     return Err(Flaw::Coordinates(format!(

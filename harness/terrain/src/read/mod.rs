@@ -81,7 +81,9 @@ pub enum Flaw {
         cols: u64,
     },
     /// Some places are marked as not measured.
-    #[error("{count} samples are marked as no data (first at row {row}, column {col}): fill the holes or cut a part without")]
+    #[error(
+        "{count} samples are marked as no data (first at row {row}, column {col}): fill the holes or cut a part without"
+    )]
     NoData {
         /// How many.
         count: usize,
@@ -91,7 +93,9 @@ pub enum Flaw {
         col: usize,
     },
     /// Some heights are no numbers.
-    #[error("{count} samples are NaN or infinite (first at row {row}, column {col}): fill the holes or mark them as no data")]
+    #[error(
+        "{count} samples are NaN or infinite (first at row {row}, column {col}): fill the holes or mark them as no data"
+    )]
     NotFinite {
         /// How many.
         count: usize,
@@ -101,7 +105,9 @@ pub enum Flaw {
         col: usize,
     },
     /// Its places are longitudes and latitudes.
-    #[error("coordinates are degrees (geographic coordinate system): reproject it to one in metres, such as its UTM zone")]
+    #[error(
+        "coordinates are degrees (geographic coordinate system): reproject it to one in metres, such as its UTM zone"
+    )]
     Degrees,
     /// Its coordinate system or pixel size can't be used.
     #[error("{0}")]

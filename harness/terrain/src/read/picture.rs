@@ -23,7 +23,10 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
             p.pixels().map(|p| f64::from(p.0[0])).collect()
         }
         _ => {
-            return Err(Flaw::Type { found: format!("colours ({found:?})"), wanted: "greys of 8 or 16 bits" });
+            return Err(Flaw::Type {
+                found: format!("colours ({found:?})"),
+                wanted: "greys of 8 or 16 bits",
+            });
         }
     };
     Ok(Found { raster: Raster::new(rows as usize, cols as usize, values), no_data: Vec::new() })
@@ -33,11 +36,14 @@ fn flaw(e: ImageError) -> Flaw {
     match e {
         ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Flaw::Truncated(line(&e)),
         ImageError::IoError(e) => Flaw::Unreadable(e),
-        ImageError::Limits(_) => Flaw::TooLarge { found: MAX_SAMPLES + 1, limit: MAX_SAMPLES, unit: "samples (or more)" },
+        ImageError::Limits(_) => {
+            Flaw::TooLarge { found: MAX_SAMPLES + 1, limit: MAX_SAMPLES, unit: "samples (or more)" }
+        }
         other => {
             let text = line(&other);
             // The PNG decoder tells the end of a file as a format error.
-            if text.contains("unexpected end") || text.contains("UnexpectedEof") || text.contains("too short") {
+            if text.contains("unexpected end") || text.contains("UnexpectedEof") || text.contains("too short")
+            {
                 Flaw::Truncated(text)
             } else {
                 Flaw::Damaged(text)
