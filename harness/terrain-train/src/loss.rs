@@ -276,7 +276,15 @@ mod tests {
         let mut rng = Stream::new(2, &["test"]);
         let rough = normal(&[4, 64, 64, 1], &mut rng, &Device::Cpu).unwrap();
         let other = normal(&[4, 64, 64, 1], &mut rng, &Device::Cpu).unwrap();
-        let smooth = rough.cumsum(1).unwrap().cumsum(2).unwrap();
+        // Sums along rows and columns: a random walk both ways.
+        let mut sums = rough.flatten_all().unwrap().to_vec1::<f32>().unwrap();
+        for i in 0..sums.len() {
+            let (row, col) = (i / 64 % 64, i % 64);
+            sums[i] += if col > 0 { sums[i - 1] } else { 0.0 };
+            sums[i] += if row > 0 { sums[i - 64] } else { 0.0 };
+            sums[i] -= if row > 0 && col > 0 { sums[i - 65] } else { 0.0 };
+        }
+        let smooth = Tensor::from_vec(sums, (4, 64, 64, 1), &Device::Cpu).unwrap();
         let smooth = (&smooth / value(&smooth.sqr().unwrap().mean_all().unwrap()).sqrt()).unwrap();
         let whole = rough.ones_like().unwrap();
         let real = Patches::real(&rough, &whole, &[], 500, &mut rng).unwrap();

@@ -240,7 +240,7 @@ impl<'a> Trainer<'a> {
                 *sum += value;
             }
             steps += 1.0;
-            if self.step % TELL == 0 {
+            if self.step.is_multiple_of(TELL) {
                 let [reconstruction, latent, patches, responses, features] = sum.map(|s| s / steps);
                 self.losses = Losses { reconstruction, latent, patches, responses, features };
                 if !self.losses.reconstruction.is_finite() {

@@ -169,8 +169,8 @@ impl Decoder {
         debug_assert_eq!(cells.len(), side * side * NUMBERS);
         let mut planes = Planes::new(CHANNELS, side, side);
         for (i, cell) in cells.chunks_exact(NUMBERS).enumerate() {
-            for channel in 0..CHANNELS {
-                planes.values[channel * side * side + i] = cell[channel];
+            for (channel, value) in cell[..CHANNELS].iter().enumerate() {
+                planes.values[channel * side * side + i] = *value;
             }
         }
         // Places along a cell, and where the next noise begins in a cell's numbers.

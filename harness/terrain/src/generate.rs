@@ -16,10 +16,11 @@ use crate::shape::{CELL, CHANNELS, HALO, NUMBERS, SWELL};
 
 /// Cells along a block that is decoded at a time.
 const CHUNK: usize = 8;
-/// Samples from one node of the warp to the next, its standard deviation in samples along rows and columns, and its bound. Three
-/// eighths of a cell take away 94 % of a pattern with the cells' period, and more of shorter ones.
-const WARP: usize = 32;
-const WARP_STD: f64 = 3.0;
+/// Samples from one node of the warp to the next, its standard deviation in samples along rows and columns, and its bound. A
+/// standard deviation of 2.5/8 of a cell takes away 85 % of a pattern with the cells' period (1 − exp(−(2π·2.5/8)²/2)), and more
+/// of shorter ones.
+const WARP: usize = 48;
+const WARP_STD: f64 = 2.5;
 const WARP_REACH: i64 = 12;
 /// Most samples of the decoder that one surface may take.
 const MAX_SAMPLES: f64 = (1u64 << 27) as f64;
