@@ -1,5 +1,8 @@
 //! Folders of elevation data.
 
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use vb_terrain::data::{Data, Meaning};

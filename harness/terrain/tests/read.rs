@@ -1,5 +1,8 @@
 //! Elevation files: each kind is read, and whatever is wrong with one is told in one line.
 
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
 use std::path::PathBuf;
 
 use npyz::WriterBuilder as _;
