@@ -73,6 +73,16 @@ impl CliError {
         Self::new(INTERRUPTED, message)
     }
 
+    /// Another program failed with this code and said why.
+    pub(crate) fn told(code: u8) -> Self {
+        Self::new(code, "")
+    }
+
+    /// Whether people know already what is wrong.
+    pub(crate) fn is_told(&self) -> bool {
+        self.message.is_empty()
+    }
+
     pub(crate) fn code(&self) -> u8 {
         self.code
     }

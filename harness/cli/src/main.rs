@@ -13,6 +13,7 @@ mod run;
 mod score;
 mod site;
 mod suite;
+mod terrain;
 mod vehicle;
 
 use std::process::ExitCode;
@@ -56,6 +57,9 @@ fn main() -> ExitCode {
         Some(args::Command::Vehicle(args::VehicleCommand::Show(args))) => vehicle::show(&args),
         Some(args::Command::Vehicle(args::VehicleCommand::Validate(args))) => vehicle::validate(&args),
         Some(args::Command::Vehicle(args::VehicleCommand::Test(args))) => vehicle::test(&args),
+        Some(args::Command::Terrain(args::TerrainCommand::Train(args))) => terrain::train(&args),
+        Some(args::Command::Terrain(args::TerrainCommand::Generate(args))) => terrain::generate(&args),
+        Some(args::Command::Terrain(args::TerrainCommand::Measure(args))) => terrain::measure(&args),
     };
     match result {
         Ok(()) => ExitCode::from(error::DONE),
@@ -64,7 +68,9 @@ fn main() -> ExitCode {
 }
 
 fn failed(e: &error::CliError) -> ExitCode {
-    output::error(e);
+    if !e.is_told() {
+        output::error(e);
+    }
     ExitCode::from(e.code())
 }
 

@@ -71,6 +71,11 @@ pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     Ok(wanted.to_owned())
 }
 
+/// The terrain model that comes with the harness.
+pub(crate) fn terrain_model() -> Result<PathBuf, CliError> {
+    Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join("terrain").join("rocks.safetensors"))
+}
+
 /// A kind of data file that comes with the harness.
 #[derive(Clone, Copy)]
 pub(crate) enum Data {

@@ -182,7 +182,7 @@ impl Data {
             raw.push((name.clone(), part.held_out, repaired, raster));
         }
         let std = spread(raw.iter().filter(|(_, held_out, ..)| !held_out).map(|(.., r)| r), meaning.reduce);
-        if !(std > 0.0) {
+        if std <= 0.0 || !std.is_finite() {
             return Err(folder(dir, "heights don't vary: there is nothing to learn"));
         }
         let scans = raw

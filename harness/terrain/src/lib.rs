@@ -1,9 +1,17 @@
 //! Elevation data, a model learned from it, and surfaces drawn from the model.
 
 pub mod data;
+mod decoder;
+pub mod generate;
+pub mod model;
 pub mod raster;
 pub mod read;
 pub mod repair;
+pub mod shape;
+pub mod stats;
 pub mod tiles;
+pub mod write;
 
+pub use generate::{GenerateError, Request, share};
+pub use model::{Header, Model, ModelError};
 pub use raster::Raster;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageReader};
 
-use super::{Flaw, Found, check_size, line};
+use super::{Flaw, Found, MAX_SAMPLES, check_size, line};
 use crate::Raster;
 
 /// Reads the grey levels of a picture.
@@ -36,6 +36,9 @@ fn flaw(e: ImageError) -> Flaw {
     match e {
         ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Flaw::Truncated(line(&e)),
         ImageError::IoError(e) => Flaw::Unreadable(e),
+        ImageError::Limits(_) => {
+            Flaw::TooLarge { found: MAX_SAMPLES + 1, limit: MAX_SAMPLES, unit: "samples (or more)" }
+        }
         other => {
             let text = line(&other);
             // The PNG decoder tells the end of a file as a format error.

@@ -1,0 +1,115 @@
+//! `vb-harness terrain`.
+
+use std::path::Path;
+use std::process::Command;
+
+use vb_terrain::read::{Holes, read};
+use vb_terrain::stats::{deviation, percentile, slopes};
+use vb_terrain::write::{Kind, shaded};
+use vb_terrain::{Model, Request, share};
+use vb_world::Elevation;
+
+use crate::args::{MeasureArgs, SurfaceArgs, TrainArgs};
+use crate::error::{self, CliError};
+use crate::{output, places};
+
+/// The program that trains.
+const TRAINER: &str = "vb-terrain-train";
+
+/// Runs the program that trains, which lies beside this one: what it computes with takes longer to build than the harness.
+pub(crate) fn train(args: &TrainArgs) -> Result<(), CliError> {
+    let name = format!("{TRAINER}{}", std::env::consts::EXE_SUFFIX);
+    let beside = std::env::current_exe().ok().and_then(|p| Some(p.parent()?.join(&name)));
+    let Some(program) = beside.filter(|p| p.is_file()) else {
+        return Err(CliError::input(format!(
+            "{name} is not beside vb-harness (build it with: cargo build --release --package {TRAINER})"
+        )));
+    };
+    let mut command = Command::new(&program);
+    command.args(&args.args);
+    // Blocks of memory as large as its tensors come and go: kept by the allocator they are much faster.
+    for (key, value) in [("MALLOC_MMAP_THRESHOLD_", "1073741824"), ("MALLOC_TRIM_THRESHOLD_", "8589934592")] {
+        if std::env::var_os(key).is_none() {
+            command.env(key, value);
+        }
+    }
+    let status = command.status().map_err(|e| CliError::input(format!("{}: {e}", program.display())))?;
+    match status.code() {
+        Some(0) => Ok(()),
+        // It said what is wrong.
+        Some(code) => Err(CliError::told(u8::try_from(code).unwrap_or(error::INTERNAL))),
+        None => Err(CliError::interrupted("the training was stopped; go on with --resume")),
+    }
+}
+
+/// Draws a surface and writes it.
+pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
+    let kind = Kind::of(&args.out)
+        .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
+    let path = match &args.model {
+        Some(path) => path.clone(),
+        None => places::terrain_model()?,
+    };
+    let model = Model::read(&path).map_err(CliError::input)?;
+    let level = Elevation::from(args.level);
+    let request = Request {
+        seed: args.seed,
+        rows: args.size.1,
+        cols: args.size.0,
+        pitch: args.pitch,
+        share: share(level),
+    };
+    let surface = model.surface(&request).map_err(CliError::usage)?;
+    let put = |path: &Path, bytes: std::io::Result<Vec<u8>>| {
+        bytes
+            .and_then(|bytes| std::fs::write(path, bytes))
+            .map_err(|e| CliError::output(format!("{}: {e}", path.display())))
+    };
+    put(&args.out, kind.encode(&surface))?;
+    if let Some(preview) = &args.preview {
+        put(preview, shaded(&surface))?;
+    }
+    let (low, high) = surface.range();
+    output::text(&format!(
+        "{}: {} x {} nodes, {} m apart, heights {low:.3} to {high:.3} m, standard deviation {:.3} m\n",
+        args.out.display(),
+        surface.cols(),
+        surface.rows(),
+        surface.pitch(),
+        deviation(surface.heights())
+    ));
+    Ok(())
+}
+
+/// Tells heights and slopes of elevation files.
+pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
+    let head =
+        ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99"].map(str::to_owned).to_vec();
+    let mut rows = vec![head];
+    let (mut steep, mut deviations) = (Vec::new(), Vec::new());
+    let row = |name: String, size: String, pitch: f64, std: f64, steep: &mut [f64]| {
+        let degrees = [0.5, 0.9, 0.95, 0.99].map(|s| format!("{:.1}", percentile(steep, s)));
+        let start = [name, size, format!("{pitch} m"), format!("{std:.3} m")];
+        start.into_iter().chain(degrees).collect::<Vec<_>>()
+    };
+    for path in &args.files {
+        let raster = read(path, Holes::Refuse).map_err(CliError::input)?;
+        let pitch = args.pitch.or(raster.pitch()).unwrap_or(1.0);
+        let heights: Vec<f64> = raster.values().iter().map(|v| v * args.height_unit).collect();
+        let mut own = slopes(&heights, raster.cols(), pitch);
+        let std = deviation(&heights);
+        let size = format!("{} x {}", raster.cols(), raster.rows());
+        if !args.summary {
+            rows.push(row(path.display().to_string(), size, pitch, std, &mut own));
+        }
+        steep.append(&mut own);
+        deviations.push(std);
+    }
+    let mean = deviations.iter().sum::<f64>() / deviations.len().max(1) as f64;
+    if args.summary || args.files.len() > 1 {
+        let pitch = args.pitch.unwrap_or(1.0);
+        rows.push(row(format!("all {}", args.files.len()), "-".into(), pitch, mean, &mut steep));
+    }
+    output::text(&output::columns(&rows));
+    Ok(())
+}

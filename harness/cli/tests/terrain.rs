@@ -1,0 +1,71 @@
+//! `vb-harness terrain` with the model that comes with the harness.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn harness(dir: &TempDir, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_vb-harness"))
+        .args(args)
+        .current_dir(dir.path())
+        .env("VB_TASKS", Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks"))
+        .output()
+        .unwrap()
+}
+
+/// Exit code and the error's one line.
+fn failure(dir: &TempDir, args: &[&str]) -> (Option<i32>, String) {
+    let output = harness(dir, args);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.starts_with("error: ") && text.lines().count() == 1, "{text}");
+    (output.status.code(), text)
+}
+
+#[test]
+fn a_surface_is_drawn_to_a_file_with_a_picture_and_measured() {
+    let dir = tempfile::tempdir().unwrap();
+    let draw = |out: &str, more: &[&str]| {
+        let args = [&["terrain", "generate", "--seed", "5", "--size", "40x30", "--out", out], more].concat();
+        let output = harness(&dir, &args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let told = String::from_utf8(output.stdout).unwrap();
+        assert!(told.starts_with(&format!("{out}: 40 x 30 nodes, ")), "{told}");
+        std::fs::read(dir.path().join(out)).unwrap()
+    };
+    let first = draw("a.npy", &["--preview", "a.png"]);
+    assert_eq!(first, draw("b.npy", &[]));
+    assert_ne!(first, draw("c.npy", &["--level", "low"]));
+    // NumPy's header (NEP 1): shape of rows and columns.
+    assert!(String::from_utf8_lossy(&first[..100]).contains("(30, 40"));
+    assert!(std::fs::read(dir.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
+    draw("d.png", &["--pitch", "0.5"]);
+    let measured = harness(&dir, &["terrain", "measure", "a.npy", "c.npy"]);
+    let table = String::from_utf8(measured.stdout).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split_whitespace().collect()).collect();
+    assert_eq!(rows.len(), 4, "{table}");
+    let std = |row: usize| rows[row][6].parse::<f64>().unwrap();
+    // 30 % of the relief.
+    assert!((std(2) / std(1) - 0.3).abs() < 0.01, "{table}");
+}
+
+#[test]
+fn what_can_not_be_done_ends_with_its_code() {
+    let dir = tempfile::tempdir().unwrap();
+    let generate = |more: &[&str]| failure(&dir, &[&["terrain", "generate", "--seed", "1"], more].concat());
+    let (code, text) = generate(&["--out", "a.txt"]);
+    assert!(code == Some(2) && text.contains(".npy or .png"), "{text}");
+    let (code, text) = generate(&["--out", "a.npy", "--size", "1"]);
+    assert!(code == Some(2) && text.contains("1 nodes"), "{text}");
+    let (code, text) = generate(&["--out", "a.npy", "--pitch", "0"]);
+    assert!(code == Some(2) && text.contains("pitch"), "{text}");
+    let (code, text) = generate(&["--out", "a.npy", "--model", "none.safetensors"]);
+    assert!(code == Some(3) && text.contains("none.safetensors"), "{text}");
+    let (code, text) = generate(&["--out", "no/folder/a.npy"]);
+    assert!(code == Some(4) && text.contains("no/folder/a.npy"), "{text}");
+    let (code, text) = failure(&dir, &["terrain", "measure", "none.tif"]);
+    assert!(code == Some(3) && text.contains("none.tif"), "{text}");
+    assert!(!dir.path().join("a.npy").exists());
+}

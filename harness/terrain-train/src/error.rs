@@ -1,0 +1,52 @@
+//! Why a training ends without a model.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+use vb_terrain::data::DataError;
+
+/// Why there is no model.
+#[derive(Debug, Error)]
+pub enum TrainError {
+    /// The data can't be used.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// There is too little to learn from.
+    #[error("{0}: give more or larger elevation data")]
+    TooLittle(String),
+    /// A checkpoint can't be gone on from.
+    #[error("{}: {problem}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A file can't be written.
+    #[error("{}: can't be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A fault of this program or of the library it computes with.
+    #[error("training failed: {0}")]
+    Internal(String),
+}
+
+impl From<candle_core::Error> for TrainError {
+    fn from(e: candle_core::Error) -> Self {
+        Self::Internal(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
+    }
+}
+
+/// Writes a file as a whole or not at all.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    std::fs::write(&part, bytes)
+        .and_then(|()| std::fs::rename(&part, path))
+        .map_err(|source| TrainError::Write { path: path.to_owned(), source })
+}

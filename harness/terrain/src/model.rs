@@ -1,0 +1,194 @@
+//! The model on disk: safetensors with the decoder's weights and, as metadata, what one needs to make a surface.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::decoder::Decoder;
+use crate::shape::DECODER;
+
+/// Largest file that is taken for a model, bytes.
+const MAX_BYTES: u64 = 64 << 20;
+/// The metadata's key.
+const KEY: &str = "vb-terrain";
+
+/// Why a file is no model.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// It can't be read.
+    #[error("{}: can't be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It holds something else, or a part is missing or damaged.
+    #[error("{}: {problem}: restore the file, or train the model again", path.display())]
+    NoModel {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+/// What a model says of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Version of this format: 1.
+    pub schema: u32,
+    /// Distance between the decoder's samples, m.
+    pub pitch: f64,
+    /// Standard deviation of height at full relief (level `high`), m.
+    pub relief: f64,
+    /// Share of the noise that details are drawn from: 1 as in training, 0 none.
+    pub detail: f64,
+    /// Standard deviation of the swell, waves longer than the decoder makes, in its units.
+    pub swell: f64,
+    /// Mean of what decoder and swell make.
+    pub mean: f64,
+    /// Standard deviation of what decoder and swell make.
+    pub std: f64,
+}
+
+/// A trained model: draws surfaces.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub(crate) header: Header,
+    pub(crate) decoder: Decoder,
+}
+
+/// Weight and bias of each layer of the decoder.
+pub type Weights = Vec<(Vec<f32>, Vec<f32>)>;
+
+impl Model {
+    /// A model of these weights: for each layer of [`DECODER`] the kernel, (row, column, from, to) in this order, and the
+    /// bias.
+    ///
+    /// # Errors
+    /// What is wrong with the header or a layer's size, in words.
+    pub fn new(header: Header, weights: &Weights) -> Result<Self, String> {
+        if header.schema != 1 {
+            return Err(format!("schema {}: must be 1", header.schema));
+        }
+        for (name, value) in [("pitch", header.pitch), ("relief", header.relief), ("std", header.std)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("{name} is {value}: must be above 0"));
+            }
+        }
+        if !header.mean.is_finite() {
+            return Err(format!("mean is {}: must be a number", header.mean));
+        }
+        if !(0.0..=1.0).contains(&header.detail) {
+            return Err(format!("detail is {}: must be from 0 to 1", header.detail));
+        }
+        if !(header.swell.is_finite() && header.swell >= 0.0) {
+            return Err(format!("swell is {}: must be from 0", header.swell));
+        }
+        if weights.len() != DECODER.len() {
+            return Err(format!("{} layers: must be {}", weights.len(), DECODER.len()));
+        }
+        for (i, ((weight, bias), layer)) in weights.iter().zip(DECODER).enumerate() {
+            let wanted = layer.kernel * layer.kernel * layer.from * layer.to;
+            if (weight.len(), bias.len()) != (wanted, layer.to) {
+                return Err(format!(
+                    "layer {i} has {} weights and {} biases: must be {wanted} and {}",
+                    weight.len(),
+                    bias.len(),
+                    layer.to
+                ));
+            }
+            if weight.iter().chain(bias).any(|v| !v.is_finite()) {
+                return Err(format!("layer {i} has weights that are no numbers"));
+            }
+        }
+        Ok(Self { header, decoder: Decoder::new(weights) })
+    }
+
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError`] if it can't be read or is no model.
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
+        let unreadable = |source| ModelError::Unreadable { path: path.to_owned(), source };
+        let size = std::fs::metadata(path).map_err(unreadable)?.len();
+        let problem = |problem| ModelError::NoModel { path: path.to_owned(), problem };
+        if size > MAX_BYTES {
+            return Err(problem(format!("{size} bytes are more than the {MAX_BYTES} of a model")));
+        }
+        Self::decode(&std::fs::read(path).map_err(unreadable)?).map_err(problem)
+    }
+
+    /// Reads a model from a file's bytes.
+    ///
+    /// # Errors
+    /// What is wrong with them, in words.
+    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let damaged = |e: &dyn std::fmt::Display| format!("is no whole safetensors file ({e})");
+        let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(&e))?;
+        let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
+        let text = text.ok_or_else(|| format!("has no {KEY} metadata"))?;
+        let header: Header = serde_json::from_str(text).map_err(|e| format!("metadata: {e}"))?;
+        let tensors = SafeTensors::deserialize(bytes).map_err(|e| damaged(&e))?;
+        let numbers = |name: String| -> Result<Vec<f32>, String> {
+            let t = tensors.tensor(&name).map_err(|_| format!("has no tensor {name}"))?;
+            if t.dtype() != Dtype::F32 {
+                return Err(format!("tensor {name} is {:?}: must be F32", t.dtype()));
+            }
+            Ok(t.data().chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+        };
+        let weights = (0..DECODER.len())
+            .map(|i| Ok((numbers(format!("decoder.{i}.weight"))?, numbers(format!("decoder.{i}.bias"))?)))
+            .collect::<Result<Weights, String>>()?;
+        Self::new(header, &weights)
+    }
+
+    /// The bytes of a model file. The same header and weights give the same bytes.
+    ///
+    /// # Errors
+    /// What is wrong with header or weights, in words.
+    pub fn encode(header: Header, weights: &Weights) -> Result<Vec<u8>, String> {
+        Self::new(header, weights)?;
+        let mut tensors = BTreeMap::new();
+        let bytes = |v: &[f32]| v.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+        for (i, ((weight, bias), layer)) in weights.iter().zip(DECODER).enumerate() {
+            let shape = vec![layer.kernel, layer.kernel, layer.from, layer.to];
+            tensors.insert(format!("decoder.{i}.weight"), (shape, bytes(weight)));
+            tensors.insert(format!("decoder.{i}.bias"), (vec![layer.to], bytes(bias)));
+        }
+        let views = tensors
+            .iter()
+            .map(|(name, (shape, data))| {
+                Ok((
+                    name.as_str(),
+                    TensorView::new(Dtype::F32, shape.clone(), data).map_err(|e| e.to_string())?,
+                ))
+            })
+            .collect::<Result<Vec<_>, String>>()?;
+        let header = serde_json::to_string(&header).map_err(|e| e.to_string())?;
+        // One entry: its order can't vary.
+        let metadata = [(KEY.to_owned(), header)].into_iter().collect();
+        safetensors::serialize(views, Some(metadata)).map_err(|e| e.to_string())
+    }
+
+    /// What the decoder makes of the numbers of (n + 4)² cells, [`NUMBERS`](crate::shape::NUMBERS) each, row by row: the n × n in the middle, as
+    /// (8 n)² samples, row by row.
+    ///
+    /// # Panics
+    /// If there are too few numbers.
+    #[must_use]
+    pub fn block(&self, cells: &[f32], n: usize) -> Vec<f32> {
+        self.decoder.run(cells, n)
+    }
+
+    /// What the model says of itself.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+}
