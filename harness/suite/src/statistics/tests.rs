@@ -49,8 +49,8 @@ fn a_plane_has_one_slope_and_the_spread_of_its_steps() {
 
 #[test]
 fn slopes_are_taken_over_a_metre_whatever_the_pitch() {
-    // Waves of 0.5 m and 0.1 m amplitude on a grid of 0.25 m: over a metre to each side they cancel.
-    let heights = (0..81 * 81).map(|i| if i % 81 % 2 == 0 { 0.1 } else { -0.1 }).collect();
+    // Ridges 2 m apart on a grid of 0.25 m: from 1 m west to 1 m east the ground is level, from node to node it is not.
+    let heights = (0..81 * 81).map(|i| if i % 81 % 8 < 4 { 0.1 } else { -0.1 }).collect();
     let ripples = World::uniform("w001", Heightfield::new(81, 81, 0.25, heights), TerrainClass::Clay, 0.6);
     assert_eq!(WorldStatistics::of(&ripples).slopes.max, 0.0);
 }
