@@ -92,9 +92,9 @@ fn encode(
 /// What a file for a surface is, by the ending of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// [`npy`].
+    /// As [`npy()`] writes it.
     Npy,
-    /// [`png`].
+    /// As [`png()`] writes it.
     Png,
 }
 
