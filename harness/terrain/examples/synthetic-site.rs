@@ -4,6 +4,7 @@
 
 #![allow(clippy::expect_used, reason = "a tool for developers")]
 
+use std::f64::consts::TAU;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ fn main() {
     let waves: Vec<[f64; 4]> = (0..24)
         .map(|_| {
             let length = noise.uniform(8.0, 60.0);
-            let (direction, phase) = (noise.uniform(0.0, 6.28), noise.uniform(0.0, 6.28));
+            let (direction, phase) = (noise.uniform(0.0, TAU), noise.uniform(0.0, TAU));
             [cos(direction) / length, sin(direction) / length, phase, 0.004 * length]
         })
         .collect();
@@ -38,9 +39,8 @@ fn main() {
             let stream = y - 20.0 * sin(x / 45.0);
             let hill = 9.0 * exp(-((x - 80.0) * (x - 80.0) + (y - 70.0) * (y - 70.0)) / 1800.0);
             let scarp = if x > 60.0 && y > 58.0 && y < 61.0 { 1.5 } else { 0.0 };
-            let rough: f64 = waves.iter().map(|[kx, ky, p, a]| a * sin(6.28 * (kx * x + ky * y) + p)).sum();
-            let z = 412.0 + 0.004 * stream.abs() * 10.0 + hill + scarp + rough
-                - 1.2 * exp(-stream * stream / 30.0);
+            let rough: f64 = waves.iter().map(|[kx, ky, p, a]| a * sin(TAU * (kx * x + ky * y) + p)).sum();
+            let z = 412.0 + 0.04 * stream.abs() + hill + scarp + rough - 1.2 * exp(-stream * stream / 30.0);
             // Whole centimetres.
             heights.push(((z * 100.0).round() / 100.0) as f32);
             labels.push(match stream.abs() {
