@@ -7,7 +7,7 @@
 //!
 //! What makes it fast in WASM under all that determinism asks for: all arithmetic on blocks of samples in arrays of fixed
 //! size, which the compiler turns into SIMD, no function of a library in the inner loops, and the network in 16-bit
-//! integers ([`network`] says why).
+//! integers (`network.rs` says why).
 
 mod network;
 

@@ -138,7 +138,7 @@ struct FixedLayer<const IN: usize, const OUT: usize> {
     /// Of each unit, the weights of two inputs in one number.
     weights: Vec<[i32; 32]>,
     /// With the bits of a product.
-    biases: [i32; OUT],
+    biases: Box<[i32; OUT]>,
 }
 
 impl<const IN: usize, const OUT: usize> FixedLayer<IN, OUT> {
@@ -151,7 +151,7 @@ impl<const IN: usize, const OUT: usize> FixedLayer<IN, OUT> {
             }
         }
         let scale = (1 << (ACTIVATION_BITS + WEIGHT_BITS)) as f32;
-        Self { weights, biases: layer.biases.map(|b| (b * scale) as i32) }
+        Self { weights, biases: Box::new(layer.biases.map(|b| (b * scale) as i32)) }
     }
 
     /// Sums of every unit, for both halves of the block. Two units at a time, so that each input is loaded half as often.

@@ -31,7 +31,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
 fn bmp() -> Vec<u8> {
     let mut bytes = b"BM".to_vec();
     let number = |bytes: &mut Vec<u8>, n: u32| bytes.extend(n.to_le_bytes());
-    for n in [1086, 0, 1078, 40, 2, 2, 1 | 8 << 16, 0, 8, 3780, 3780, 256, 0] {
+    for n in [1086, 0, 1078, 40, 2, 2, 1 | (8 << 16), 0, 8, 3780, 3780, 256, 0] {
         number(&mut bytes, n);
     }
     for grey in 0..=255u8 {
@@ -45,7 +45,7 @@ fn bmp() -> Vec<u8> {
 /// A 2 × 3 array of 32-bit floats (NumPy's format, version 1.0).
 fn npy() -> Vec<u8> {
     let mut header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }".to_owned();
-    while (10 + header.len() + 1) % 64 != 0 {
+    while !(10 + header.len() + 1).is_multiple_of(64) {
         header.push(' ');
     }
     header.push('\n');

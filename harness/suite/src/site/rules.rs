@@ -28,7 +28,7 @@ pub struct SiteParams {
     pub side: f64,
     /// What the ground is made of.
     pub ground: SiteGround,
-    /// Steepest ground within [`STAND`] of a start or goal, degrees.
+    /// Steepest ground within 3 m of a start or goal, degrees.
     pub start_slope: f64,
 }
 

@@ -1,10 +1,16 @@
 //! The command line.
 
+mod suite;
+mod terrain;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use vb_record::TraceMode;
 use vb_runner::SAMPLE_PERIOD;
+
+pub(crate) use suite::{GenerateArgs, ImportArgs, ShowArgs, SiteArgs, SuiteCommand, ValidateArgs};
+pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -64,38 +70,11 @@ pub(crate) enum Command {
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum TerrainCommand {
-    /// Train a model on a folder of elevation data; train --help tells its options
-    #[command(disable_help_flag = true)]
-    Train(TrainArgs),
-    /// Draw a surface from a model
-    Generate(SurfaceArgs),
-    /// Tell heights and slopes of elevation files
-    Measure(MeasureArgs),
-}
-
-#[derive(Debug, Subcommand)]
 pub(crate) enum PluginCommand {
     /// Make a project for a planner: source, build, README and CI
     New(NewArgs),
     /// Write a planner's name, version and parameters into its WASM file; Rust's export_planner! does it by itself
     Stamp(StampArgs),
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum SuiteCommand {
-    /// List the suites that come with the harness
-    List,
-    /// Show what a suite holds, in figures and as a page with a map of every world
-    Show(ShowArgs),
-    /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
-    Validate(ValidateArgs),
-    /// Make a suite of the original's data (its BenchMaps folder)
-    Import(ImportArgs),
-    /// Make a suite from a seed
-    Generate(GenerateArgs),
-    /// Make a suite of a real place, from a raster of its heights
-    Site(SiteArgs),
 }
 
 #[derive(Debug, Subcommand)]
@@ -301,128 +280,6 @@ impl FormatArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct ShowArgs {
-    /// The suite: a directory, or the name of one that comes with the harness
-    #[arg(value_name = "DIR")]
-    pub(crate) suite: PathBuf,
-    /// Directory for index.html, a page with a map of every world, and statistics.json
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ValidateArgs {
-    /// The suite: a directory, or the name of one that comes with the harness
-    #[arg(value_name = "DIR")]
-    pub(crate) suite: PathBuf,
-    /// Vehicle that must have room at starts and goals and along paths: a name, or a file; default: hmmwv
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(crate) vehicle: Option<String>,
-    /// Distance from a path to obstacles in metres below which it is warned of; default: that of the generator's rules
-    #[arg(long, value_name = "METRES", value_parser = length)]
-    pub(crate) clearance: Option<f64>,
-    /// Tilt of the ground under the vehicle in degrees that is warned of along paths and refused at starts and goals;
-    /// default: 45
-    #[arg(long, value_name = "DEGREES", value_parser = tilt)]
-    pub(crate) max_tilt: Option<f64>,
-    /// Take warnings for errors
-    #[arg(long)]
-    pub(crate) strict: bool,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ImportArgs {
-    /// The original's BenchMaps folder, or one of its parents
-    #[arg(value_name = "DIR")]
-    pub(crate) from: PathBuf,
-    /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// Which ground to make: as paper and labels describe it, or as the original's simulator builds it
-    #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
-    pub(crate) ground: Ground,
-}
-
-/// Which ground an import makes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Ground {
-    /// Friction and soil per patch, obstacles on the ground.
-    #[default]
-    AsDescribed,
-    /// Friction per merged section, soil in bands and rectangles, obstacles as boxes at their stored height.
-    AsSimulated,
-}
-
-impl From<Ground> for vb_suite::import::Ground {
-    fn from(ground: Ground) -> Self {
-        match ground {
-            Ground::AsDescribed => Self::AsDescribed,
-            Ground::AsSimulated => Self::AsSimulated,
-        }
-    }
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct GenerateArgs {
-    /// The same seed makes the same bytes
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: u64,
-    /// Number of worlds
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
-    pub(crate) worlds: u32,
-    /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// Parameters of the generator; default: tasks/generator/default.yaml
-    #[arg(long, value_name = "FILE")]
-    pub(crate) params: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct SiteArgs {
-    /// Heights: GeoTIFF, .npy, PNG or BMP, first row in the north
-    #[arg(value_name = "RASTER")]
-    pub(crate) raster: PathBuf,
-    /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// Distance between the raster's samples, m; default: what the file says
-    #[arg(long, value_name = "M", value_parser = positive)]
-    pub(crate) sample_pitch: Option<f64>,
-    /// Metres that one unit of the raster's values is high, such as a grey level of a picture
-    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
-    pub(crate) unit: f64,
-    /// Middle of the one world that is made, m east and north of the raster's middle; default: 0,0
-    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
-    pub(crate) at: Option<[f64; 2]>,
-    /// Make as many worlds side by side as fit
-    #[arg(long, conflicts_with = "at")]
-    pub(crate) tiles: bool,
-    /// Labels of the ground over the same rectangle; the site rules' legend says what they mean
-    #[arg(long, value_name = "RASTER")]
-    pub(crate) labels: Option<PathBuf>,
-    /// Obstacles as in a world's obstacles.yaml, from the raster's middle; default: drawn
-    #[arg(long, value_name = "FILE")]
-    pub(crate) obstacles: Option<PathBuf>,
-    /// Number of drawn obstacles: sparse, medium or dense; with --obstacles, what the suite calls them
-    #[arg(long, value_name = "DENSITY", default_value = "sparse", value_parser = density)]
-    pub(crate) density: vb_world::Density,
-    /// Rules for grid, ground and starts; default: tasks/generator/site.yaml
-    #[arg(long, value_name = "FILE")]
-    pub(crate) site: Option<PathBuf>,
-    /// Rules for friction, obstacles, tasks and paths; default: tasks/generator/default.yaml
-    #[arg(long, value_name = "FILE")]
-    pub(crate) params: Option<PathBuf>,
-    /// The same seed makes the same bytes
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
     /// The suite: a directory, or the name of one that comes with the harness; default: vb-mini
     #[arg(long, value_name = "DIR")]
@@ -473,90 +330,10 @@ pub(crate) struct VehicleTestArgs {
     pub(crate) message_format: MessageFormat,
 }
 
-#[derive(Debug, Args)]
-pub(crate) struct TrainArgs {
-    /// Options of the training program
-    #[arg(value_name = "OPTIONS", trailing_var_arg = true, allow_hyphen_values = true)]
-    pub(crate) args: Vec<std::ffi::OsString>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct SurfaceArgs {
-    /// The model; default: the one that comes with the harness
-    #[arg(long, value_name = "MODEL")]
-    pub(crate) model: Option<PathBuf>,
-    /// Names the terrain
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: u64,
-    /// Nodes along the sides: one number, or COLUMNSxROWS
-    #[arg(long, value_name = "N", default_value = "129", value_parser = nodes)]
-    pub(crate) size: (usize, usize),
-    /// Distance between nodes in metres
-    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
-    pub(crate) pitch: f64,
-    /// Relief: 30, 60 or 100 % of the model's
-    #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
-    pub(crate) level: Level,
-    /// Where the heights go: a NumPy array (.npy) in metres, or a 16-bit picture (.png) over their range
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
-    /// Where a hill-shaded picture goes
-    #[arg(long, value_name = "PNG")]
-    pub(crate) preview: Option<PathBuf>,
-}
-
-/// The relief of a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Level {
-    /// 30 %.
-    Low,
-    /// 60 %.
-    Medium,
-    /// 100 %.
-    #[default]
-    High,
-}
-
-impl From<Level> for vb_world::Elevation {
-    fn from(level: Level) -> Self {
-        match level {
-            Level::Low => Self::Low,
-            Level::Medium => Self::Medium,
-            Level::High => Self::High,
-        }
-    }
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct MeasureArgs {
-    /// Elevation files: BMP, PNG, NumPy arrays or GeoTIFF
-    #[arg(value_name = "FILE", required = true)]
-    pub(crate) files: Vec<PathBuf>,
-    /// Distance between samples in metres; default: as the file says, else 1
-    #[arg(long, value_name = "METRES", value_parser = positive)]
-    pub(crate) pitch: Option<f64>,
-    /// Metres that one unit of the file's values stands for
-    #[arg(long, value_name = "METRES", default_value = "1", value_parser = positive)]
-    pub(crate) height_unit: f64,
-    /// Only the figures of all files together: their mean standard deviation, and their slopes in one set
-    #[arg(long)]
-    pub(crate) summary: bool,
-}
-
 /// A number above 0.
 fn positive(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
     value.ok_or_else(|| "want a number above 0".into())
-}
-
-/// Nodes along two sides: columns, rows.
-fn nodes(text: &str) -> Result<(usize, usize), String> {
-    let number = |s: &str| s.trim().parse::<usize>().ok();
-    let sides = match text.split_once('x') {
-        Some((a, b)) => number(a).zip(number(b)),
-        None => number(text).map(|n| (n, n)),
-    };
-    sides.ok_or_else(|| "want a number of nodes, e.g. 129 or 200x100".into())
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {
@@ -600,18 +377,6 @@ fn soil_pitch(text: &str) -> Result<f64, String> {
     value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
 }
 
-/// A length in metres, 0 or more.
-fn length(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok();
-    value.filter(|v| (0.0..=1e3).contains(v)).ok_or_else(|| "want metres from 0 to 1000, e.g. 3.5".into())
-}
-
-/// An angle of the ground in degrees.
-fn tilt(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok();
-    value.filter(|v| (0.0..=90.0).contains(v)).ok_or_else(|| "want degrees from 0 to 90, e.g. 31".into())
-}
-
 /// A number of bytes with an optional binary suffix.
 fn bytes(text: &str) -> Result<u64, String> {
     let (digits, shift) = match text.chars().last() {
@@ -630,6 +395,7 @@ fn bytes(text: &str) -> Result<u64, String> {
 
 #[cfg(test)]
 mod tests {
+    use super::terrain::nodes;
     use super::*;
     use clap::CommandFactory as _;
 
@@ -691,15 +457,4 @@ mod tests {
         assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
         assert!(trace_mode("20hz").is_err());
     }
-}
-
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-    let both = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
-    both.ok_or_else(|| format!("{text:?} is not two numbers, such as 120,-35.5"))
-}
-
-fn density(text: &str) -> Result<vb_world::Density, String> {
-    let found = vb_world::Density::ALL.into_iter().find(|d| d.name() == text);
-    found.ok_or_else(|| "want sparse, medium or dense".to_owned())
 }

@@ -1,0 +1,170 @@
+//! `vb-harness suite`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{FormatArgs, positive};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SuiteCommand {
+    /// List the suites that come with the harness
+    List,
+    /// Show what a suite holds, in figures and as a page with a map of every world
+    Show(ShowArgs),
+    /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
+    Validate(ValidateArgs),
+    /// Make a suite of the original's data (its BenchMaps folder)
+    Import(ImportArgs),
+    /// Make a suite from a seed
+    Generate(GenerateArgs),
+    /// Make a suite of a real place, from a raster of its heights
+    Site(SiteArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShowArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(value_name = "DIR")]
+    pub(crate) suite: PathBuf,
+    /// Directory for index.html, a page with a map of every world, and statistics.json
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ValidateArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(value_name = "DIR")]
+    pub(crate) suite: PathBuf,
+    /// Vehicle that must have room at starts and goals and along paths: a name, or a file; default: hmmwv
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    /// Distance from a path to obstacles in metres below which it is warned of; default: that of the generator's rules
+    #[arg(long, value_name = "METRES", value_parser = length)]
+    pub(crate) clearance: Option<f64>,
+    /// Tilt of the ground under the vehicle in degrees that is warned of along paths and refused at starts and goals;
+    /// default: 45
+    #[arg(long, value_name = "DEGREES", value_parser = tilt)]
+    pub(crate) max_tilt: Option<f64>,
+    /// Take warnings for errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// The original's BenchMaps folder, or one of its parents
+    #[arg(value_name = "DIR")]
+    pub(crate) from: PathBuf,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Which ground to make: as paper and labels describe it, or as the original's simulator builds it
+    #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
+    pub(crate) ground: Ground,
+}
+
+/// Which ground an import makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Ground {
+    /// Friction and soil per patch, obstacles on the ground.
+    #[default]
+    AsDescribed,
+    /// Friction per merged section, soil in bands and rectangles, obstacles as boxes at their stored height.
+    AsSimulated,
+}
+
+impl From<Ground> for vb_suite::import::Ground {
+    fn from(ground: Ground) -> Self {
+        match ground {
+            Ground::AsDescribed => Self::AsDescribed,
+            Ground::AsSimulated => Self::AsSimulated,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    /// The same seed makes the same bytes
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: u64,
+    /// Number of worlds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
+    pub(crate) worlds: u32,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Parameters of the generator; default: tasks/generator/default.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SiteArgs {
+    /// Heights: GeoTIFF, .npy, PNG or BMP, first row in the north
+    #[arg(value_name = "RASTER")]
+    pub(crate) raster: PathBuf,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Distance between the raster's samples, m; default: what the file says
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) sample_pitch: Option<f64>,
+    /// Metres that one unit of the raster's values is high, such as a grey level of a picture
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
+    pub(crate) unit: f64,
+    /// Middle of the one world that is made, m east and north of the raster's middle; default: 0,0
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) at: Option<[f64; 2]>,
+    /// Make as many worlds side by side as fit
+    #[arg(long, conflicts_with = "at")]
+    pub(crate) tiles: bool,
+    /// Labels of the ground over the same rectangle; the site rules' legend says what they mean
+    #[arg(long, value_name = "RASTER")]
+    pub(crate) labels: Option<PathBuf>,
+    /// Obstacles as in a world's obstacles.yaml, from the raster's middle; default: drawn
+    #[arg(long, value_name = "FILE")]
+    pub(crate) obstacles: Option<PathBuf>,
+    /// Number of drawn obstacles: sparse, medium or dense; with --obstacles, what the suite calls them
+    #[arg(long, value_name = "DENSITY", default_value = "sparse", value_parser = density)]
+    pub(crate) density: vb_world::Density,
+    /// Rules for grid, ground and starts; default: tasks/generator/site.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) site: Option<PathBuf>,
+    /// Rules for friction, obstacles, tasks and paths; default: tasks/generator/default.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
+    /// The same seed makes the same bytes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+}
+
+/// Two numbers, x and y.
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let both = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
+    both.ok_or_else(|| format!("{text:?} is not two numbers, such as 120,-35.5"))
+}
+
+/// The name of a density.
+fn density(text: &str) -> Result<vb_world::Density, String> {
+    let found = vb_world::Density::ALL.into_iter().find(|d| d.name() == text);
+    found.ok_or_else(|| "want sparse, medium or dense".to_owned())
+}
+
+/// A length in metres, 0 or more.
+fn length(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.0..=1e3).contains(v)).ok_or_else(|| "want metres from 0 to 1000, e.g. 3.5".into())
+}
+
+/// An angle of the ground in degrees.
+fn tilt(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.0..=90.0).contains(v)).ok_or_else(|| "want degrees from 0 to 90, e.g. 31".into())
+}

@@ -1,0 +1,98 @@
+//! `vb-harness terrain`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::positive;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum TerrainCommand {
+    /// Train a model on a folder of elevation data; train --help tells its options
+    #[command(disable_help_flag = true)]
+    Train(TrainArgs),
+    /// Draw a surface from a model
+    Generate(SurfaceArgs),
+    /// Tell heights and slopes of elevation files
+    Measure(MeasureArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TrainArgs {
+    /// Options of the training program
+    #[arg(value_name = "OPTIONS", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub(crate) args: Vec<std::ffi::OsString>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SurfaceArgs {
+    /// The model; default: the one that comes with the harness
+    #[arg(long, value_name = "MODEL")]
+    pub(crate) model: Option<PathBuf>,
+    /// Names the terrain
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: u64,
+    /// Nodes along the sides: one number, or COLUMNSxROWS
+    #[arg(long, value_name = "N", default_value = "129", value_parser = nodes)]
+    pub(crate) size: (usize, usize),
+    /// Distance between nodes in metres
+    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
+    pub(crate) pitch: f64,
+    /// Relief: 30, 60 or 100 % of the model's
+    #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
+    pub(crate) level: Level,
+    /// Where the heights go: a NumPy array (.npy) in metres, or a 16-bit picture (.png) over their range
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Where a hill-shaded picture goes
+    #[arg(long, value_name = "PNG")]
+    pub(crate) preview: Option<PathBuf>,
+}
+
+/// The relief of a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Level {
+    /// 30 %.
+    Low,
+    /// 60 %.
+    Medium,
+    /// 100 %.
+    #[default]
+    High,
+}
+
+impl From<Level> for vb_world::Elevation {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Low => Self::Low,
+            Level::Medium => Self::Medium,
+            Level::High => Self::High,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MeasureArgs {
+    /// Elevation files: BMP, PNG, NumPy arrays or GeoTIFF
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Distance between samples in metres; default: as the file says, else 1
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub(crate) pitch: Option<f64>,
+    /// Metres that one unit of the file's values stands for
+    #[arg(long, value_name = "METRES", default_value = "1", value_parser = positive)]
+    pub(crate) height_unit: f64,
+    /// Only the figures of all files together: their mean standard deviation, and their slopes in one set
+    #[arg(long)]
+    pub(crate) summary: bool,
+}
+
+/// Nodes along two sides: columns, rows.
+pub(super) fn nodes(text: &str) -> Result<(usize, usize), String> {
+    let number = |s: &str| s.trim().parse::<usize>().ok();
+    let sides = match text.split_once('x') {
+        Some((a, b)) => number(a).zip(number(b)),
+        None => number(text).map(|n| (n, n)),
+    };
+    sides.ok_or_else(|| "want a number of nodes, e.g. 129 or 200x100".into())
+}
