@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{Pid, Signal};
+#[cfg(target_os = "linux")]
+use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
 use vb_sdk::LogLevel;
 use vb_worker::protocol::{self, FrameError, HEADER, Reply, Request, WireLevel};
 
@@ -131,10 +133,16 @@ impl Process {
         if let Some(reply) = self.next_reply(log)? {
             return Err(Trouble::Unasked(reply.name()));
         }
-        self.stay_beside();
         let mut outbox = std::mem::take(&mut self.outbox);
         protocol::encode(request, &mut outbox).map_err(Trouble::Nonsense)?;
+        #[cfg(target_os = "linux")]
+        let home = self.stay_together();
         let result = self.exchange(&outbox, limit, log);
+        #[cfg(target_os = "linux")]
+        if let Some(home) = home {
+            // It was allowed before.
+            let _ = sched_setaffinity(None, &home);
+        }
         self.outbox = outbox;
         result
     }
@@ -168,20 +176,28 @@ impl Process {
         }
     }
 
-    /// Has a worker run on the processor that this thread is on: the two take turns, and to wake a sleeping processor
-    /// takes longer than a planner's step. Commands are left alone: they may have threads.
-    fn stay_beside(&mut self) {
-        #[cfg(target_os = "linux")]
-        if self.role == Role::Worker {
-            let here = rustix::thread::sched_getcpu();
-            if self.place != Some(here) && here < rustix::thread::CpuSet::MAX_CPU {
-                let mut set = rustix::thread::CpuSet::new();
-                set.set(here);
-                // Where the system doesn't allow it a step takes longer.
-                let _ = rustix::thread::sched_setaffinity(Some(self.pid), &set);
-                self.place = Some(here);
-            }
+    /// Keeps a worker and this thread on one processor until the answer is there: the two take turns, and to wake a
+    /// sleeping processor takes longer than a planner's step. Commands are left alone: they may have threads. Returns
+    /// where this thread may run, to be given back to it.
+    #[cfg(target_os = "linux")]
+    fn stay_together(&mut self) -> Option<CpuSet> {
+        if self.role == Role::Command {
+            return None;
         }
+        let home = sched_getaffinity(None).ok()?;
+        let here = sched_getcpu();
+        if here >= CpuSet::MAX_CPU {
+            return None;
+        }
+        let mut set = CpuSet::new();
+        set.set(here);
+        if self.place != Some(here) {
+            // Where the system doesn't allow it a step takes longer.
+            sched_setaffinity(Some(self.pid), &set).ok()?;
+            self.place = Some(here);
+        }
+        sched_setaffinity(None, &set).ok()?;
+        Some(home)
     }
 
     /// Writes what the pipe takes of `rest`.
