@@ -89,6 +89,13 @@ pub fn table() -> Vec<Case> {
             "its name is `../..`",
         ),
         script("a command of a period below 0", "exec cat hasty", Load, NotAPlugin, "-0.1"),
+        script(
+            "a command that closes its output and stays",
+            "cat hello; exec sleep 1000 >&-",
+            Init,
+            Crashed,
+            "had to be ended",
+        ),
         script("a command that leaves after its name", "exec cat hello", Init, Crashed, "code 0"),
         script("a command that never is ready", &format!("cat hello; {rest}"), Init, Hung, "1500"),
         script(
