@@ -136,7 +136,7 @@ const HALF_HIDDEN: usize = HIDDEN / 2;
 
 struct FixedLayer<const IN: usize, const OUT: usize> {
     /// Of each unit, the weights of two inputs in one number.
-    weights: Vec<[i32; 32]>,
+    weights: Vec<[i32; HALF_HIDDEN]>,
     /// With the bits of a product.
     biases: Box<[i32; OUT]>,
 }
@@ -144,7 +144,7 @@ struct FixedLayer<const IN: usize, const OUT: usize> {
 impl<const IN: usize, const OUT: usize> FixedLayer<IN, OUT> {
     fn of(layer: &Layer<IN, OUT>) -> Self {
         let fixed = |w: f32| (w * (1 << WEIGHT_BITS) as f32).round_ties_even() as i16;
-        let mut weights = vec![[0; 32]; OUT];
+        let mut weights = vec![[0; HALF_HIDDEN]; OUT];
         for (pairs, row) in weights.iter_mut().zip(layer.weights.iter()) {
             for (pair, two) in pairs.iter_mut().zip(row.chunks_exact(2)) {
                 *pair = cast([fixed(two[0]), fixed(two[1])]);
@@ -156,7 +156,7 @@ impl<const IN: usize, const OUT: usize> FixedLayer<IN, OUT> {
 
     /// Sums of every unit, for both halves of the block. Two units at a time, so that each input is loaded half as often.
     fn forward<const PAIRS: usize>(&self, input: &[Pair; PAIRS]) -> [[i32x4; 2]; OUT] {
-        const { assert!(2 * PAIRS == IN && PAIRS <= 32) };
+        const { assert!(2 * PAIRS == IN && PAIRS <= HALF_HIDDEN) };
         let mut out = [[i32x4::ZERO; 2]; OUT];
         for (two, (rows, biases)) in
             out.chunks_exact_mut(2).zip(self.weights.chunks_exact(2).zip(self.biases.chunks_exact(2)))

@@ -85,6 +85,18 @@ fn ground_follows_the_labels_and_most_of_a_patch_decides() {
 }
 
 #[test]
+fn labels_of_another_rectangle_are_refused() {
+    let heights = raster(140, 140, 1.0, hills);
+    let labels = raster(100, 140, 1.0, |_, _| 2.0);
+    let survey = Survey { labels: Some(&labels), ..survey(&heights, 1.0) };
+    let error = make(&survey, Cut::At([0.0; 2]), 1).unwrap_err().to_string();
+    assert!(
+        error.contains("labels of 140 by 100 samples can't cover the survey's 140 m by 140 m"),
+        "{error}"
+    );
+}
+
+#[test]
 fn without_labels_steep_ground_is_what_the_rules_say() {
     // A wall of 45 degrees along x = 20.
     let heights = raster(140, 140, 1.0, |x, _| (x - 20.0).clamp(0.0, 4.0));

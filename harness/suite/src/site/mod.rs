@@ -72,6 +72,16 @@ pub enum SiteError {
         /// Where, m.
         at: [f64; 2],
     },
+    /// The labels cover another rectangle.
+    #[error(
+        "labels of {} by {} samples can't cover the survey's {} m by {} m with square ones: cut them to the same rectangle", samples[0], samples[1], extents[0], extents[1]
+    )]
+    Labels {
+        /// Samples of the labels along x and y.
+        samples: [usize; 2],
+        /// Of the survey along x and y, m.
+        extents: [f64; 2],
+    },
     /// There is no ground for a start.
     #[error(
         "{world}: no start and goal {distance:.0} m apart about the middle stand on ground below {slope}° and free of obstacles: raise start_slope, thin out the obstacles, or take another place"
@@ -122,8 +132,13 @@ pub fn worlds(
     let heights = Layout::new(survey.heights, survey.pitch, site.pitch);
     let labels = survey.labels.map(|l| {
         let pitch = size[0] / l.cols() as f64;
-        Layout::new(l, pitch, pitch)
+        // The number of rows may be rounded.
+        if (l.rows() as f64 * pitch - size[1]).abs() > pitch {
+            return Err(SiteError::Labels { samples: [l.cols(), l.rows()], extents: size });
+        }
+        Ok(Layout::new(l, pitch, pitch))
     });
+    let labels = labels.transpose()?;
     let mut worlds = Vec::with_capacity(centres.len());
     for (k, &at) in centres.iter().enumerate() {
         // Rounding must not push a world that just fits over the edge.
