@@ -17,6 +17,7 @@ pub mod log;
 pub mod map;
 pub mod math;
 pub mod metadata;
+pub mod mppi;
 #[cfg(not(target_family = "wasm"))]
 pub mod native;
 pub mod path;

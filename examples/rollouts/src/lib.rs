@@ -1,5 +1,5 @@
 //! A sampling planner whose model of the vehicle is a small network, to start from and to measure: 1000 roll-outs of 20
-//! steps each through a network of 6-64-64-6 units (`cargo bench -p vb-host --bench rollouts`).
+//! steps each through a network of 6-64-64-6 units (`cargo bench -p vb-host --bench planners`).
 //!
 //! It steers by model predictive path integral control (Williams et al., "Information theoretic MPC for model-based
 //! reinforcement learning", ICRA 2017). A kinematic bicycle gives the motion and the network what is to be added to it.

@@ -1,0 +1,91 @@
+//! The kinematic bicycle: steering and speed follow their commands at limited rates.
+
+use super::{LANES, Lanes, Model};
+use crate::{Observation, Vehicle, math};
+
+/// States of [`LANES`] bicycles in the plane. The reference point lies halfway between the axles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BicycleState {
+    /// East, m.
+    pub x: Lanes,
+    /// North, m.
+    pub y: Lanes,
+    /// Cosine of the heading.
+    pub cos: Lanes,
+    /// Sine of the heading.
+    pub sin: Lanes,
+    /// Forward speed, m/s.
+    pub speed: Lanes,
+    /// Steering that the wheels have, −1 to 1.
+    pub steering: Lanes,
+}
+
+impl BicycleState {
+    /// All where the vehicle is.
+    #[must_use]
+    pub fn of(o: &Observation) -> Self {
+        let (sin, cos) = math::sin_cos(o.yaw);
+        let all = |v: f64| [v as f32; LANES];
+        Self {
+            x: all(o.position.x),
+            y: all(o.position.y),
+            cos: all(cos),
+            sin: all(sin),
+            speed: all(o.linear_velocity.x),
+            steering: all(o.last_steering),
+        }
+    }
+}
+
+/// A kinematic bicycle with the commands steering (−1 to 1, positive to the left) and speed (m/s).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bicycle {
+    /// Curvature of the reference point's path at full lock, 1/m.
+    pub curvature: f32,
+    /// Greatest rate of the steering, 1/s.
+    pub steer_rate: f32,
+    /// Time in which the speed nears its command, s.
+    pub lag: f32,
+    /// Greatest acceleration and deceleration, m/s².
+    pub acceleration: f32,
+}
+
+impl Bicycle {
+    /// The bicycle of a vehicle: its turning radius and steering rate. The vehicle's lag of half a second and 3 m/s² are
+    /// typical of a speed controller with a gain of 1 s/m; both scale with the vehicle by Froude's rule.
+    #[must_use]
+    pub fn of(vehicle: &Vehicle) -> Self {
+        Self {
+            curvature: (1.0 / vehicle.min_turn_radius) as f32,
+            steer_rate: vehicle.max_steer_rate as f32,
+            lag: (0.5 * vehicle.scale.sqrt()) as f32,
+            acceleration: 3.0,
+        }
+    }
+}
+
+impl Model<2> for Bicycle {
+    type State = BicycleState;
+
+    fn step(&self, s: &mut BicycleState, [steering, speed]: &[Lanes; 2], dt: f32) {
+        let most = self.steer_rate * dt;
+        let gain = (dt / self.lag).min(1.0);
+        let change = self.acceleration * dt;
+        for l in 0..LANES {
+            s.steering[l] += (steering[l] - s.steering[l]).clamp(-most, most);
+            s.speed[l] += (gain * (speed[l] - s.speed[l])).clamp(-change, change);
+            let way = s.speed[l] * dt;
+            let turn = way * self.curvature * s.steering[l];
+            // The heading turns as a vector, by a small angle to the third order, and is brought back to length 1 by one
+            // step of Newton's; the vehicle moves along the heading of the middle of the step.
+            let (half, square) = (0.5 * turn, turn * turn);
+            let (c, n) = (s.cos[l], s.sin[l]);
+            s.x[l] += way * (c - half * n);
+            s.y[l] += way * (n + half * c);
+            let (a, b) = (1.0 - 0.5 * square, turn * (1.0 - square / 6.0));
+            let (c, n) = (c * a - n * b, n * a + c * b);
+            let length = 1.5 - 0.5 * (c * c + n * n);
+            (s.cos[l], s.sin[l]) = (c * length, n * length);
+        }
+    }
+}

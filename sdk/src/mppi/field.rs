@@ -1,0 +1,83 @@
+//! A map of distances or costs that roll-outs look up.
+
+use super::{LANES, Lanes};
+use crate::{GridFrame, Task, math};
+
+/// Values on a square grid, looked up between four samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    values: Vec<f32>,
+    rows: usize,
+    cols: usize,
+    per_metre: f32,
+    origin: [f32; 2],
+}
+
+impl Field {
+    /// The field value(x, y) on a frame of at least 2 × 2 samples; `None` if it is smaller.
+    #[must_use]
+    pub fn new(frame: GridFrame, mut value: impl FnMut(f64, f64) -> f64) -> Option<Self> {
+        let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+        if rows < 2 || cols < 2 {
+            return None;
+        }
+        let mut values = Vec::with_capacity(rows * cols);
+        for row in 0..frame.rows {
+            for col in 0..frame.cols {
+                let (x, y) = frame.position(row, col);
+                values.push(value(x, y) as f32);
+            }
+        }
+        let origin = [frame.origin_x as f32, frame.origin_y as f32];
+        Some(Self { values, rows, cols, per_metre: (1.0 / frame.resolution) as f32, origin })
+    }
+
+    /// Distance to the nearest obstacle or to the edge of the world, up to `reach`, m; negative beyond the edge.
+    #[must_use]
+    pub fn clearance(task: &Task, reach: f64) -> Option<Self> {
+        let (occupied, ground) = (&task.occupancy, task.elevation.frame);
+        let frame = occupied.frame;
+        let (low, high) =
+            (ground.position(0, 0), ground.position(ground.rows.max(1) - 1, ground.cols.max(1) - 1));
+        let mut field =
+            Self::new(frame, |x, y| (x - low.0).min(high.0 - x).min(y - low.1).min(high.1 - y).min(reach))?;
+        let span = (reach / frame.resolution) as i64 + 1;
+        let range =
+            |i: u32, n: u32| (i64::from(i) - span).max(0)..(i64::from(i) + span + 1).min(i64::from(n));
+        for orow in 0..frame.rows {
+            for ocol in 0..frame.cols {
+                if occupied.at(orow, ocol) == 0 {
+                    continue;
+                }
+                for row in range(orow, frame.rows) {
+                    for col in range(ocol, frame.cols) {
+                        // From the edge of the occupied square, whatever its side.
+                        let gap = |a: i64, b: u32| ((a - i64::from(b)).abs() as f64 - 0.5).max(0.0);
+                        let d = (math::hypot(gap(row, orow), gap(col, ocol)) * frame.resolution) as f32;
+                        let value = &mut field.values[row as usize * field.cols + col as usize];
+                        *value = value.min(d);
+                    }
+                }
+            }
+        }
+        Some(field)
+    }
+
+    /// The values at places (m), between the four samples about each; beyond the edge those of the edge.
+    #[must_use]
+    pub fn at(&self, x: &Lanes, y: &Lanes) -> Lanes {
+        std::array::from_fn::<f32, LANES, _>(|l| {
+            let most = |n: usize| (n - 1) as f32;
+            let c = ((x[l] - self.origin[0]) * self.per_metre).clamp(0.0, most(self.cols));
+            let r = ((y[l] - self.origin[1]) * self.per_metre).clamp(0.0, most(self.rows));
+            // What is no number becomes 0 here, and stays no number below.
+            let (col, row) = ((c as usize).min(self.cols - 2), (r as usize).min(self.rows - 2));
+            let (u, v) = (c - col as f32, r - row as f32);
+            let i = row * self.cols + col;
+            let low = self.values[i] + u * (self.values[i + 1] - self.values[i]);
+            let j = i + self.cols;
+            let high = self.values[j] + u * (self.values[j + 1] - self.values[j]);
+            low + v * (high - low)
+        })
+    }
+}

@@ -1,0 +1,284 @@
+//! Model predictive path integral control (MPPI), for planners that sample.
+//!
+//! Commands for the next seconds are drawn about a plan, each draw is rolled out through a model of the vehicle, and the
+//! plan becomes the mean of the draws, weighted by their costs (Williams et al., *Information theoretic MPC for
+//! model-based reinforcement learning*, ICRA 2017). Model, cost and sampling are separate: [`Model`] and [`Cost`] are
+//! traits, [`Mppi`] draws and weighs, [`Bicycle`] and [`Field`] are a model and a cost map to start from.
+//!
+//! What makes it work well and fast:
+//! - Commands are lines between *knots* some steps apart, so that draws are smooth, few random numbers are needed and the
+//!   plan can be moved on by any time that has passed ([`Mppi::advance`]).
+//! - Draws come in pairs, one the other's mirror image about the plan; the plan itself is among them.
+//! - Costs are measured from the least one, in units of the draws' mean, and the temperature follows the effective number
+//!   of draws: neither one draw nor all of them make the plan, whatever the cost's scale.
+//! - All arithmetic is on [`LANES`] draws side by side in arrays of fixed size, which compilers turn into SIMD, with the
+//!   same bits natively and in WASM.
+
+mod bicycle;
+mod field;
+#[cfg(test)]
+mod tests;
+
+pub use bicycle::{Bicycle, BicycleState};
+pub use field::Field;
+
+use crate::math;
+use crate::rng::Rng;
+
+/// Draws that are rolled out side by side.
+pub const LANES: usize = 8;
+/// One number of each of [`LANES`] draws.
+pub type Lanes = [f32; LANES];
+
+/// How a vehicle moves.
+pub trait Model<const C: usize> {
+    /// The states of [`LANES`] vehicles.
+    type State: Clone;
+
+    /// Moves the states on by one step of `dt` seconds under these commands.
+    fn step(&self, state: &mut Self::State, command: &[Lanes; C], dt: f32);
+}
+
+/// What a plan costs. Units are the cost's own; only differences between draws count.
+pub trait Cost<State, const C: usize> {
+    /// Cost of being in these states after step `index` (from 0) with these commands.
+    fn running(&self, state: &State, command: &[Lanes; C], index: usize) -> Lanes;
+
+    /// Cost of ending there.
+    fn terminal(&self, state: &State) -> Lanes;
+}
+
+/// How commands are drawn and weighed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings<const C: usize> {
+    /// Draws; rounded up to a multiple of [`LANES`].
+    pub samples: usize,
+    /// Steps of a roll-out.
+    pub horizon: usize,
+    /// Time of a step, s.
+    pub dt: f32,
+    /// Steps from one knot to the next.
+    pub spacing: usize,
+    /// Standard deviation of each command at the knots.
+    pub spread: [f32; C],
+    /// Least value of each command.
+    pub low: [f32; C],
+    /// Greatest value of each command.
+    pub high: [f32; C],
+    /// Share of the draws that the effective number of draws is led to, in (0, 1).
+    pub effective: f64,
+}
+
+/// What came out of weighing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Weighing {
+    /// The least cost of a draw.
+    pub least: f64,
+    /// The mean cost of the draws.
+    pub mean: f64,
+    /// Effective number of draws: (Σ w)² / Σ w² (Kish 1965).
+    pub effective: f64,
+    /// Temperature, in units of the mean cost above the least.
+    pub temperature: f64,
+}
+
+/// The planner's memory: the plan, and the draws about it.
+#[derive(Clone, Debug)]
+pub struct Mppi<const C: usize> {
+    settings: Settings<C>,
+    rng: Rng,
+    /// The plan: each command at each knot.
+    plan: Vec<[f32; C]>,
+    /// Commands of all draws: by block of [`LANES`], knot, command.
+    draws: Vec<[Lanes; C]>,
+    costs: Vec<f32>,
+    weights: Vec<f32>,
+    temperature: f64,
+    weighing: Weighing,
+}
+
+/// The temperature's bounds, in units of the mean cost above the least.
+const TEMPERATURE: [f64; 2] = [1e-3, 1e3];
+/// Exponent by which the temperature follows the effective number of draws from one call to the next.
+const FOLLOW: f64 = 0.5;
+
+impl<const C: usize> Mppi<C> {
+    /// A planner whose plan is `command` throughout.
+    #[must_use]
+    pub fn new(settings: Settings<C>, command: [f32; C], seed: u64) -> Self {
+        let blocks = settings.samples.div_ceil(LANES).max(1);
+        let knots = settings.horizon.max(1).div_ceil(settings.spacing.max(1)) + 1;
+        Self {
+            rng: Rng::new(seed),
+            plan: vec![command; knots],
+            draws: vec![[[0.0; LANES]; C]; blocks * knots],
+            costs: vec![0.0; blocks * LANES],
+            weights: vec![0.0; blocks * LANES],
+            temperature: 0.2,
+            weighing: Weighing::default(),
+            settings,
+        }
+    }
+
+    /// The plan after `time` seconds.
+    #[must_use]
+    pub fn command(&self, time: f64) -> [f64; C] {
+        let at = (time / (f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64)).max(0.0);
+        let last = self.plan.len() - 1;
+        // The cast saturates.
+        let knot = (at as usize).min(last);
+        let part = if knot == last { 0.0 } else { at - knot as f64 };
+        let (from, to) = (self.plan[knot], self.plan[(knot + 1).min(last)]);
+        std::array::from_fn(|c| f64::from(from[c]) + part * f64::from(to[c] - from[c]))
+    }
+
+    /// Moves the plan on by the time that has passed, s: what was planned for then is now. Its end stays.
+    pub fn advance(&mut self, elapsed: f64) {
+        let spacing = f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64;
+        let plan = (0..self.plan.len()).map(|k| self.command(k as f64 * spacing + elapsed).map(|v| v as f32));
+        self.plan = plan.collect();
+    }
+
+    /// Draws commands, rolls them out from `start`, and moves the plan to their weighted mean.
+    pub fn improve<M, K>(&mut self, model: &M, cost: &K, start: &M::State) -> Weighing
+    where
+        M: Model<C>,
+        K: Cost<M::State, C>,
+    {
+        self.draw();
+        for block in 0..self.costs.len() / LANES {
+            let costs = self.roll_out(block, model, cost, start);
+            self.costs[block * LANES..][..LANES].copy_from_slice(&costs);
+        }
+        self.weigh();
+        self.average();
+        self.weighing
+    }
+
+    /// The last roll-outs' costs, in the draws' order.
+    #[must_use]
+    pub fn costs(&self) -> &[f32] {
+        &self.costs
+    }
+
+    /// Rolls a block of the last draws out once more and tells every state: for pictures.
+    pub fn replay<M: Model<C>>(
+        &self,
+        block: usize,
+        model: &M,
+        start: &M::State,
+        mut see: impl FnMut(&M::State),
+    ) {
+        let mut state = start.clone();
+        see(&state);
+        for index in 0..self.settings.horizon {
+            model.step(&mut state, &self.drawn(block, index), self.settings.dt);
+            see(&state);
+        }
+    }
+
+    fn draw(&mut self) {
+        let knots = self.plan.len();
+        let Settings { spread, low, high, .. } = self.settings;
+        for (i, draw) in self.draws.iter_mut().enumerate() {
+            let mean = self.plan[i % knots];
+            for c in 0..C {
+                for lane in 0..LANES / 2 {
+                    // The first pair is the plan itself.
+                    let noise = if i < knots && lane == 0 { 0.0 } else { spread[c] * normal(&mut self.rng) };
+                    draw[c][lane] = (mean[c] + noise).clamp(low[c], high[c]);
+                    draw[c][lane + LANES / 2] = (mean[c] - noise).clamp(low[c], high[c]);
+                }
+            }
+        }
+    }
+
+    /// The commands of a block at a step: a line between two knots.
+    fn drawn(&self, block: usize, index: usize) -> [Lanes; C] {
+        let (knots, spacing) = (self.plan.len(), self.settings.spacing.max(1));
+        let (knot, part) = (index / spacing, (index % spacing) as f32 / spacing as f32);
+        let from = &self.draws[block * knots + knot];
+        let to = &self.draws[block * knots + knot + 1];
+        std::array::from_fn(|c| std::array::from_fn(|l| from[c][l] + part * (to[c][l] - from[c][l])))
+    }
+
+    fn roll_out<M, K>(&self, block: usize, model: &M, cost: &K, start: &M::State) -> Lanes
+    where
+        M: Model<C>,
+        K: Cost<M::State, C>,
+    {
+        let mut state = start.clone();
+        let mut total = [0.0; LANES];
+        for index in 0..self.settings.horizon {
+            let command = self.drawn(block, index);
+            model.step(&mut state, &command, self.settings.dt);
+            let running = cost.running(&state, &command, index);
+            for l in 0..LANES {
+                total[l] += running[l];
+            }
+        }
+        let terminal = cost.terminal(&state);
+        std::array::from_fn(|l| total[l] + terminal[l])
+    }
+
+    /// Weights by cost. A draw whose cost is no number has none.
+    fn weigh(&mut self) {
+        let known = || self.costs.iter().copied().filter(|c| c.is_finite());
+        let least = known().fold(f32::INFINITY, f32::min);
+        let count = known().count();
+        if count == 0 {
+            // Nothing can be told apart: the plan stays.
+            self.weights.fill(0.0);
+            self.weighing = Weighing { temperature: self.temperature, ..Weighing::default() };
+            return;
+        }
+        let mean = known().map(|c| f64::from(c - least)).sum::<f64>() / count as f64;
+        let scale = 1.0 / (self.temperature * mean).max(1e-12);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (weight, cost) in self.weights.iter_mut().zip(&self.costs) {
+            *weight = if cost.is_finite() { math::exp(-f64::from(cost - least) * scale) as f32 } else { 0.0 };
+            let w = f64::from(*weight);
+            sum += w;
+            squares += w * w;
+        }
+        let effective = sum * sum / squares;
+        self.weighing = Weighing {
+            least: f64::from(least),
+            mean: f64::from(least) + mean,
+            effective,
+            temperature: self.temperature,
+        };
+        let wanted = self.settings.effective * self.costs.len() as f64;
+        let factor = math::pow(wanted / effective, FOLLOW).clamp(0.5, 2.0);
+        self.temperature = (self.temperature * factor).clamp(TEMPERATURE[0], TEMPERATURE[1]);
+    }
+
+    /// Moves the plan to the weighted mean of the draws.
+    fn average(&mut self) {
+        let total: f32 = self.weights.iter().sum();
+        if total <= 0.0 {
+            return;
+        }
+        let knots = self.plan.len();
+        for (k, plan) in self.plan.iter_mut().enumerate() {
+            for (c, mean) in plan.iter_mut().enumerate() {
+                let mut sums = [0.0; LANES];
+                for (block, weights) in self.weights.chunks_exact(LANES).enumerate() {
+                    let draw = &self.draws[block * knots + k][c];
+                    for l in 0..LANES {
+                        sums[l] += weights[l] * draw[l];
+                    }
+                }
+                *mean = sums.iter().sum::<f32>() / total;
+            }
+        }
+    }
+}
+
+/// Nearly normal, mean 0 and standard deviation 1: the sum of four uniform numbers of 16 bits, which takes no logarithm.
+fn normal(rng: &mut Rng) -> f32 {
+    let bits = rng.next_u64();
+    let sum: u64 = (0..4).map(|i| (bits >> (16 * i)) & 0xffff).sum();
+    // Each has mean 65535/2 and variance (65536² − 1)/12.
+    (sum as f32 - 2.0 * 65535.0) * (1.0 / (65536.0 * 0.577_350_27))
+}
