@@ -5,7 +5,10 @@ mod convergence;
 mod examples;
 mod fuzz;
 mod plugins;
+mod prove;
 mod run;
+mod suites;
+mod tune;
 mod wasm_target;
 
 use std::path::{Path, PathBuf};
@@ -17,13 +20,17 @@ const USAGE: &str = "\
 Usage: cargo xtask <TASK>
 
 Tasks:
-  demo                  Build everything, drive the PID planner over the built-in suite and print the results
+  demo                  Build everything, drive the PID planner over the small suite and print the results
   test                  Build everything the tests need and run them all
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
   examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
                         npm into ~/.cache/verti-bench [default DIR: target/plugins]
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
+  suites                Write the suites in tasks/ anew, as the generator makes them now
+  suites --check        Say whether they are what it makes
+  prove SUITE           Let the expert drive the tasks of a suite, and write who did which as its proof.json
+  tune eh|mppi          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
   compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
@@ -45,6 +52,10 @@ fn main() -> ExitCode {
         ["lint"] => lint(),
         ["convergence"] => convergence::convergence(),
         ["compare-chrono"] => compare::compare_chrono(),
+        ["suites"] => build_harness().and_then(|()| suites::write()),
+        ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
+        ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
+        ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["fuzz"] => fuzz::fuzz(None, FUZZ_MINUTES),
         ["fuzz", target] if !target.starts_with('-') => fuzz::fuzz(Some(target), FUZZ_MINUTES),
         ["fuzz", "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(None, n)),
@@ -120,20 +131,12 @@ fn demo() -> Result<(), Failure> {
         std::fs::remove_dir_all(&out)
             .map_err(|e| Failure::new(format!("can't remove {}: {e}", out.display())))?;
     }
-    let suite = built_in_suite(&root().join("tasks/suites"))?;
+    let suite = root().join("tasks").join("smoke");
     step(&format!("driving the PID planner over {}", suite.display()));
     let mut command = std::process::Command::new(harness);
     command.arg("--plugin").arg(default_plugin_dir().join("pid.wasm"));
     command.arg("--suite").arg(suite).arg("--out").arg(out);
     run::run(&mut command)
-}
-
-/// The first suite in the folder of those that come with the harness.
-fn built_in_suite(folder: &Path) -> Result<PathBuf, Failure> {
-    let entries =
-        std::fs::read_dir(folder).map_err(|e| Failure::new(format!("{}: {e}", folder.display())))?;
-    let suites = entries.flatten().map(|e| e.path()).filter(|p| p.is_dir());
-    suites.min().ok_or_else(|| Failure::new(format!("there is no suite in {}", folder.display())))
 }
 
 fn test() -> Result<(), Failure> {
@@ -148,20 +151,4 @@ fn lint() -> Result<(), Failure> {
     cargo(&["fmt", "--all", "--check"])?;
     cargo(&["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
     cargo(&["doc", "--quiet", "--workspace", "--no-deps"])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_built_in_suite_is_the_first_folder() {
-        let dir = tempfile::tempdir().unwrap();
-        assert!(built_in_suite(dir.path()).is_err());
-        std::fs::write(dir.path().join("README.md"), "").unwrap();
-        std::fs::create_dir(dir.path().join("b")).unwrap();
-        std::fs::create_dir(dir.path().join("a")).unwrap();
-        assert_eq!(built_in_suite(dir.path()).unwrap(), dir.path().join("a"));
-        assert!(built_in_suite(&dir.path().join("nowhere")).is_err());
-    }
 }

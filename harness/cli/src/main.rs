@@ -49,6 +49,7 @@ fn main() -> ExitCode {
         Some(args::Command::Suite(args::SuiteCommand::List)) => suite::list(),
         Some(args::Command::Suite(args::SuiteCommand::Show(args))) => suite::show(&args),
         Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Prove(args))) => suite::prove(&args),
         Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
         Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
         Some(args::Command::Suite(args::SuiteCommand::Site(args))) => site::make(&args),

@@ -18,7 +18,7 @@ fn tasks_dir() -> Option<PathBuf> {
     }
     let roots = [std::env::current_exe().ok(), std::env::current_dir().ok().map(|d| d.join("."))];
     roots.into_iter().flatten().find_map(|root| {
-        root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("suites").is_dir())
+        root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("vehicles").is_dir())
     })
 }
 
@@ -40,7 +40,7 @@ fn no_tasks_dir() -> CliError {
 
 /// The built-in suites, by name.
 pub(crate) fn suites() -> Result<Vec<PathBuf>, CliError> {
-    let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join("suites");
+    let dir = tasks_dir().ok_or_else(no_tasks_dir)?;
     let entries = std::fs::read_dir(&dir).map_err(|e| CliError::input(format!("{}: {e}", dir.display())))?;
     let mut found: Vec<PathBuf> =
         entries.flatten().map(|e| e.path()).filter(|p| p.join("suite.yaml").is_file()).collect();
@@ -49,12 +49,12 @@ pub(crate) fn suites() -> Result<Vec<PathBuf>, CliError> {
 }
 
 /// The suite that is run where none is named.
-const DEFAULT_SUITE: &str = "vb-mini";
+const DEFAULT_SUITE: &str = "vb-100";
 
 /// The suite that the user means: a directory, or the name of one that comes with the harness.
 pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     let Some(wanted) = wanted else {
-        return Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join("suites").join(DEFAULT_SUITE));
+        return Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join(DEFAULT_SUITE));
     };
     if !wanted.exists() && is_name(wanted.as_os_str()) {
         let all = suites()?;
@@ -71,9 +71,9 @@ pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     Ok(wanted.to_owned())
 }
 
-/// The terrain model that comes with the harness.
-pub(crate) fn terrain_model() -> Result<PathBuf, CliError> {
-    Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join("terrain").join("rocks.safetensors"))
+/// The terrain model of this name that comes with the harness.
+pub(crate) fn terrain_model(name: &str) -> Result<PathBuf, CliError> {
+    Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join("terrain").join(format!("{name}.safetensors")))
 }
 
 /// A kind of data file that comes with the harness.
@@ -139,7 +139,7 @@ pub(crate) fn references(vehicle: &str) -> Option<PathBuf> {
 }
 
 /// Whether this is a bare name rather than a path.
-fn is_name(text: &OsStr) -> bool {
+pub(crate) fn is_name(text: &OsStr) -> bool {
     !text.to_string_lossy().contains(['/', '\\', '.'])
 }
 

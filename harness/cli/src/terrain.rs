@@ -13,6 +13,8 @@ use crate::args::{MeasureArgs, SurfaceArgs, TrainArgs};
 use crate::error::{self, CliError};
 use crate::{output, places};
 
+/// The model that surfaces are drawn from where none is named.
+const DEFAULT_MODEL: &str = "rocks";
 /// The program that trains.
 const TRAINER: &str = "vb-terrain-train";
 
@@ -48,7 +50,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
         .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
     let path = match &args.model {
         Some(path) => path.clone(),
-        None => places::terrain_model()?,
+        None => places::terrain_model(DEFAULT_MODEL)?,
     };
     let model = Model::read(&path).map_err(CliError::input)?;
     let level = Elevation::from(args.level);

@@ -57,17 +57,19 @@ fn an_error_of_the_command_line_is_one_line() {
 #[test]
 fn the_built_in_suites_are_listed_shown_and_valid() {
     let dir = tempfile::tempdir().unwrap();
-    assert!(succeed(&dir, &["suite", "list"]).starts_with("vb-mini"));
-    assert!(succeed(&dir, &["suite", "validate", "vb-mini"]).contains("10 worlds, 100 tasks, all valid"));
-    let shown = succeed(&dir, &["suite", "show", "vb-mini"]);
+    assert!(succeed(&dir, &["suite", "list"]).starts_with("smoke"));
+    assert!(succeed(&dir, &["suite", "validate", "smoke"]).contains("10 worlds, 100 tasks, all valid"));
+    let shown = succeed(&dir, &["suite", "show", "smoke"]);
     assert!(shown.contains("w001") && shown.contains("w010"), "{shown}");
-    assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 100);
+    assert_eq!(succeed(&dir, &["tasks", "list", "--suite", "smoke"]).lines().count(), 100);
+    assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 1000, "vb-100 is the default");
+    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100  100 worlds, 1000 tasks"));
 }
 
 #[test]
 fn a_suite_is_shown_in_figures_as_events_and_as_a_page() {
     let dir = tempfile::tempdir().unwrap();
-    let shown = succeed(&dir, &["suite", "show", "vb-mini"]);
+    let shown = succeed(&dir, &["suite", "show", "smoke"]);
     // Six rigid, three deformable, one mixed world (docs/worlds.md): the choices without a world show as dashes.
     for part in [
         "Worlds by label",
@@ -79,10 +81,10 @@ fn a_suite_is_shown_in_figures_as_events_and_as_a_page() {
         assert!(shown.contains(part), "{part:?} is not in {shown}");
     }
     assert!(!dir.path().join("index.html").exists());
-    let events = succeed(&dir, &["suite", "show", "vb-mini", "--json", "--out", "page"]);
+    let events = succeed(&dir, &["suite", "show", "smoke", "--json", "--out", "page"]);
     assert_eq!(
         events,
-        succeed(&dir, &["suite", "show", "vb-mini", "--message-format", "json", "--out", "page"]),
+        succeed(&dir, &["suite", "show", "smoke", "--message-format", "json", "--out", "page"]),
         "two names for one format"
     );
     let events: Vec<serde_json::Value> = events.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
@@ -102,7 +104,7 @@ fn a_suite_is_shown_in_figures_as_events_and_as_a_page() {
     assert_eq!(file["worlds"][0]["id"], "w001");
     // What can't be written is an error of output, docs/results.md.
     std::fs::write(dir.path().join("taken"), "").unwrap();
-    let output = harness(&dir, &["suite", "show", "vb-mini", "--out", "taken"]);
+    let output = harness(&dir, &["suite", "show", "smoke", "--out", "taken"]);
     assert_eq!(output.status.code(), Some(4), "{output:?}");
 }
 

@@ -6,6 +6,8 @@ mod clearance;
 pub mod generate;
 pub mod import;
 pub mod path;
+pub mod proof;
 pub mod site;
 pub mod statistics;
+mod surface;
 pub mod validate;

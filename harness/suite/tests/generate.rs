@@ -5,12 +5,14 @@ mod common;
 
 use common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
-use vb_math::{angle::degrees, atan, hypot};
-use vb_suite::generate::{self, GenerateError, GeneratorParams};
+use vb_math::angle::{degrees, radians};
+use vb_math::{atan, atan2, hypot};
+use vb_suite::generate::{GenerateError, Generator, GeneratorParams};
+use vb_terrain::Model;
 use vb_world::{Density, Elevation, ObstacleKind, Suite, Terrain, TerrainClass, World, geometry};
 
-/// Seed, number of worlds and name of the suite in `tasks/suites/vb-mini`.
-const BUILTIN: (u64, usize, &str) = (2025, 10, "vb-mini");
+/// Seed, number of worlds and name of the suites in `tasks`, all of the built-in rules.
+const BUILT_IN: [(u64, usize, &str); 2] = [(2025, 10, "smoke"), (2026, 100, "vb-100")];
 
 fn params(changes: &[(&str, &str)]) -> GeneratorParams {
     let mut text = GeneratorParams::DEFAULT_YAML.to_owned();
@@ -19,6 +21,17 @@ fn params(changes: &[(&str, &str)]) -> GeneratorParams {
         text = text.replacen(from, to, 1);
     }
     GeneratorParams::parse(&text).unwrap()
+}
+
+/// The terrain model of the built-in rules.
+fn model() -> Model {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tasks/terrain/rocks.safetensors");
+    Model::read(Path::new(file)).unwrap()
+}
+
+fn generate(rules: &GeneratorParams, seed: u64, worlds: usize) -> Vec<World> {
+    let generator = Generator { rules, model: &model(), seed, worlds };
+    (0..worlds).map(|index| generator.world(index).unwrap()).collect()
 }
 
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -45,61 +58,51 @@ fn near(what: &str, value: f64, expected: f64, tolerance: f64) {
     assert!((value / expected - 1.0).abs() <= tolerance, "{what}: {value}, measured {expected}");
 }
 
-/// Facts §2.3 give for each level: the mean height and its spread within a world, and percentiles of slope. A dozen
-/// worlds, whose spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. The far tail, which is the
-/// edges of pits, is 5 to 16 % short: the original's pits have sharper edges.
+/// Facts §2.3 give for each level the spread of heights within a world and percentiles of slope. A dozen worlds, whose
+/// spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. Single facets are some 10 % gentler, since the
+/// original's bitmaps have noise from node to node, and the far tail is shorter: in the original it is made of isolated
+/// black pixels, which are no terrain (docs/worlds.md).
 #[test]
 fn heights_and_slopes_are_those_of_the_original_at_every_level() {
-    let worlds = generate::generate(
-        &params(&[(
-            "boulders: {sparse: 10, medium: 20, dense: 40}",
-            "boulders: {sparse: 0, medium: 0, dense: 0}",
-        )]),
-        11,
-        36,
-    )
-    .unwrap();
+    let no_boulders =
+        ("boulders: {sparse: 10, medium: 20, dense: 40}", "boulders: {sparse: 0, medium: 0, dense: 0}");
+    let worlds = generate(&params(&[no_boulders, ("count: 10", "count: 1")]), 11, 36);
     let levels = [
-        (Elevation::Low, 1.355, 0.166, [4.6, 9.6, 11.8, 19.1], [5.8, 12.7, 15.8, 25.9]),
-        (Elevation::Medium, 2.717, 0.322, [9.1, 18.2, 22.1, 33.4], [11.5, 23.2, 28.5, 42.5]),
-        (Elevation::High, 4.508, 0.547, [14.9, 29.0, 34.5, 48.5], [17.7, 36.2, 42.4, 57.5]),
+        (Elevation::Low, 0.166, [4.6, 9.6, 11.8, 19.1], [5.8, 12.7, 15.8, 25.9]),
+        (Elevation::Medium, 0.322, [9.1, 18.2, 22.1, 33.4], [11.5, 23.2, 28.5, 42.5]),
+        (Elevation::High, 0.547, [14.9, 29.0, 34.5, 48.5], [17.7, 36.2, 42.4, 57.5]),
     ];
-    for (level, mean_height, std, central, facets) in levels {
+    for (level, std, central, facets) in levels {
         let of_level: Vec<_> = worlds.iter().filter(|w| w.elevation == level).collect();
         assert_eq!(of_level.len(), 12);
         let name = level.name();
-        let heights = |w: &&World| w.heightfield.heights().to_vec();
-        near(&format!("{name} mean"), mean(of_level.iter().flat_map(heights)), mean_height, 0.01);
         let spread = mean(of_level.iter().map(|w| {
-            let m = mean(heights(w));
-            mean(heights(w).iter().map(|z| (z - m) * (z - m))).sqrt()
+            let heights = w.heightfield.heights();
+            let m = mean(heights.iter().copied());
+            mean(heights.iter().map(|z| (z - m) * (z - m))).sqrt()
         }));
         near(&format!("{name} std"), spread, std, 0.1);
         for (kind, expected) in [("central", central), ("facet", facets)] {
             let of = if kind == "facet" { facet_slopes } else { central_slopes };
             let mut all: Vec<_> = of_level.iter().flat_map(|w| of(w)).collect();
             all.sort_by(f64::total_cmp);
-            for (p, e) in [50.0, 90.0, 95.0, 99.0].into_iter().zip(expected) {
-                let tolerance = if p == 99.0 { 0.18 } else { 0.08 };
+            let tolerance = if kind == "facet" { 0.2 } else { 0.12 };
+            for (p, e) in [50.0, 90.0, 95.0].into_iter().zip(expected) {
                 near(&format!("{name} {kind} slope p{p}"), percentile(&all, p), e, tolerance);
             }
+            let tail = percentile(&all, 99.0);
+            assert!((0.6..1.0).contains(&(tail / expected[3])), "{name} {kind} slope p99: {tail}");
         }
-        let max = if level == Elevation::High {
-            16.0
-        } else if level == Elevation::Medium {
-            9.6
-        } else {
-            4.8
-        };
-        assert!(of_level.iter().all(|w| w.heightfield.to_levels().0 == [0.0, max]));
+        assert!(of_level.iter().all(|w| w.heightfield.range().0 == 0.0));
     }
 }
 
 /// Facts §2.3: the horizontal autocorrelation falls to 1/e at 3.6 m (single worlds of the original: 2.7 to 3.4 m by
-/// level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in 128 m.
+/// level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in 128 m. Ours falls faster, without the
+/// noise of single nodes.
 #[test]
 fn roughness_has_the_wavelengths_of_the_original() {
-    let worlds = generate::generate(&params(&[("tasks: {count: 10", "tasks: {count: 1")]), 12, 6).unwrap();
+    let worlds = generate(&params(&[("count: 10", "count: 1")]), 12, 6);
     let n = 128;
     let mut correlation = [0.0; 8];
     let mut power = vec![(0.0, 0usize); n];
@@ -149,13 +152,13 @@ fn roughness_has_the_wavelengths_of_the_original() {
     let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
         / points.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum::<f64>();
     eprintln!("power ~ k^{slope:.2}");
-    assert!((slope + 2.0).abs() < 0.25, "{slope}");
+    assert!((-2.6..-1.8).contains(&slope), "{slope}");
 }
 
 #[test]
 fn obstacles_starts_goals_and_paths_keep_the_rules() {
     // Facts §3.5: 10/20/40 boulders and 1/2/3 trees, 10 m apart, 12 m from every start and goal; §1.8: the circle.
-    let worlds = generate::generate(&params(&[]), 13, 9).unwrap();
+    let worlds = generate(&params(&[]), 13, 9);
     let pairs: std::collections::BTreeSet<_> = worlds.iter().map(|w| (w.elevation, w.density)).collect();
     assert_eq!(pairs.len(), 9, "nine worlds have all pairs of level and density");
     for w in &worlds {
@@ -175,24 +178,37 @@ fn obstacles_starts_goals_and_paths_keep_the_rules() {
                 assert!(hypot(o.x - t.start.x, o.y - t.start.y) >= 12.0);
                 assert!(hypot(o.x - t.goal[0], o.y - t.goal[1]) >= 12.0);
             }
-            if let ObstacleKind::Boulder { size, .. } = o.kind {
-                let scale = size[0] / 4.4;
-                assert!((0.699..=1.201).contains(&scale));
-                assert!((size[2] / 3.8 - scale).abs() < 1e-3 && (o.buried - 0.5 * size[2]).abs() < 1e-3);
-            }
+            let (sizes, buried) = match o.kind {
+                // Scale 0.7 to 1.2, and 0.8 to 1.2 of it along each axis.
+                ObstacleKind::Boulder { size, .. } => (
+                    vec![size[0] / 4.4, size[1] / 4.4, size[2] / 3.8]
+                        .into_iter()
+                        .map(|v| (v, 0.559, 1.441))
+                        .collect(),
+                    0.5 * size[2],
+                ),
+                ObstacleKind::Trunk { radius, height } => {
+                    (vec![(radius, 0.299, 0.601), (height, 3.999, 8.001)], 0.5 * height)
+                }
+                ObstacleKind::Box { .. } => panic!("the generator makes no boxes"),
+            };
+            assert!(sizes.iter().all(|(v, low, high)| v > low && v < high), "{sizes:?}");
+            assert!((o.buried - buried).abs() < 1.1e-3);
         }
         let outlines: Vec<_> = w.obstacles.iter().map(vb_world::Obstacle::footprint).collect();
         assert_eq!(w.tasks.len(), 10);
         for (k, t) in w.tasks.iter().enumerate() {
-            let (s, c) = vb_math::sin_cos(vb_math::angle::radians(36.0 * k as f64));
-            assert!((t.start.x - 60.0 * c).abs() < 1e-3 && (t.start.y - 60.0 * s).abs() < 1e-3);
+            let (along, start) = (radians(36.0 * k as f64), atan2(t.start.y, t.start.x));
+            assert!(degrees(vb_math::angle::wrap(start - along)).abs() < 18.01, "{}/{}", w.id, t.id);
+            assert!((hypot(t.start.x, t.start.y) - 60.0).abs() < 1e-3);
             assert_eq!(t.goal, [-t.start.x, -t.start.y]);
-            let heading = vb_math::atan2(-t.start.y, -t.start.x);
+            assert!(w.tasks[..k].iter().all(|u| u.goal != t.goal), "no two tasks are one");
+            let heading = atan2(-t.start.y, -t.start.x);
             assert!(vb_math::angle::wrap(t.start.yaw - heading).abs() < 1e-12);
             for leg in t.path.windows(2) {
                 let gap = outlines.iter().map(|o| geometry::segment_to_polygon(leg[0], leg[1], o));
                 // Waypoints are rounded to millimetres.
-                assert!(gap.fold(f64::INFINITY, f64::min) > 2.5 - 0.001, "{}/{}", w.id, t.id);
+                assert!(gap.fold(f64::INFINITY, f64::min) > 3.5 - 0.001, "{}/{}", w.id, t.id);
             }
         }
     }
@@ -201,14 +217,8 @@ fn obstacles_starts_goals_and_paths_keep_the_rules() {
 #[test]
 fn friction_follows_its_class_and_clusters_keep_to_their_ground() {
     // Facts §2.2: mean and standard deviation by class, clipped to [0.1, 1]; §3.3: 1 to 7 rigid, 1 to 3 deformable.
-    let mix = ("{rigid: 6, deformable: 3, mixed: 1}", "{rigid: 6, deformable: 3, mixed: 1}");
     // Paths take most of the time and do not matter here.
-    let few_tasks = ("tasks: {count: 10", "tasks: {count: 1");
-    let worlds = generate::generate(&params(&[mix, few_tasks]), 14, 60).unwrap();
-    let grounds: Vec<_> = worlds.iter().map(|w| w.terrain).collect();
-    assert!(grounds[..36].iter().all(|g| *g == Terrain::Rigid));
-    assert!(grounds[36..54].iter().all(|g| *g == Terrain::Deformable));
-    assert!(grounds[54..].iter().all(|g| *g == Terrain::Mixed));
+    let worlds = generate(&params(&[("count: 10", "count: 1")]), 14, 40);
     let mut values = vec![Vec::new(); 10];
     for w in &worlds {
         let classes: std::collections::BTreeSet<_> = w.semantics.classes.iter().copied().collect();
@@ -234,7 +244,7 @@ fn friction_follows_its_class_and_clusters_keep_to_their_ground() {
     ];
     for (class, expected_mean, expected_std) in table {
         let v = &values[usize::from(class.label())];
-        assert!(v.len() > 300, "{}: {}", class.name(), v.len());
+        assert!(v.len() > 200, "{}: {}", class.name(), v.len());
         let m = mean(v.iter().copied());
         near(class.name(), m, expected_mean, 0.03);
         near(class.name(), mean(v.iter().map(|x| (x - m) * (x - m))).sqrt(), expected_std, 0.12);
@@ -261,7 +271,9 @@ fn files(dir: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 fn write(seed: u64, worlds: usize, name: &str) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
-    generate::write_suite(dir.path(), &params(&[]), seed, worlds, name, |_, _| {}).unwrap();
+    let rules = params(&[]);
+    let generator = Generator { rules: &rules, model: &model(), seed, worlds };
+    generator.write(dir.path(), generator.meta(name, "1"), |_, _| {}).unwrap();
     dir
 }
 
@@ -271,52 +283,95 @@ fn a_seed_gives_the_same_bytes_and_another_gives_others() {
     assert_eq!(files(a.path()), files(b.path()));
     let hash = |d: &tempfile::TempDir| Suite::open(d.path()).unwrap().hash();
     assert_ne!(hash(&a), hash(&c));
-    // A world does not depend on how many follow it, but for its ground, of which each kind has its share.
+    // A world does not depend on how many follow it.
     let longer = Suite::open(write(5, 3, "a").path()).unwrap();
-    assert_eq!(Suite::open(a.path()).unwrap().worlds()[0], longer.worlds()[0]);
+    assert_eq!(Suite::open(a.path()).unwrap().worlds(), &longer.worlds()[..2]);
     // What was generated in memory is what is read back.
     let read = Suite::open(a.path()).unwrap().load_world("w002").unwrap();
-    assert_eq!(read, generate::generate_world(&params(&[]), 5, 1, 2).unwrap());
+    assert_eq!(read, generate(&params(&[]), 5, 2)[1]);
 }
 
-/// A snapshot: the committed suite is what this generator makes. It fails when the generator changes its mind; then
-/// run it with VB_UPDATE=1, commit the new suite, and say so in the change log, since all results change with it.
+/// A snapshot: the committed suites are what this generator makes. All of the small one and three worlds of the large
+/// one are made here, `cargo xtask suites --check` makes all. If it fails, the generator has changed its mind: then
+/// `cargo xtask suites` writes them anew; give them a new version and say so in the change log, since all results change
+/// with them.
 #[test]
-fn the_built_in_suite_is_what_the_generator_makes() {
-    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/suites/vb-mini");
-    let (seed, worlds, name) = BUILTIN;
-    let made = write(seed, worlds, name);
-    if std::env::var_os("VB_UPDATE").is_some() {
-        let _ = std::fs::remove_dir_all(&committed);
-        generate::write_suite(&committed, &params(&[]), seed, worlds, name, |_, _| {}).unwrap();
+fn the_built_in_suites_are_what_the_generator_makes() {
+    let model = model();
+    for (seed, worlds, name) in BUILT_IN {
+        let suite = built_in(name);
+        assert_eq!((suite.worlds().len(), suite.task_count()), (worlds, 10 * worlds));
+        assert_eq!(suite.meta().name, name);
+        let rules = params(&[]);
+        let generator = Generator { rules: &rules, model: &model, seed, worlds };
+        let made = generator.meta(name, &suite.meta().version);
+        assert_eq!(*suite.meta(), made);
+        for index in [0, worlds / 3, worlds - 1] {
+            let world = generator.world(index).unwrap();
+            assert!(suite.load_world(&world.id).unwrap() == world, "{name}/{}", world.id);
+        }
     }
-    let (found, expected) = (files(&committed), files(made.path()));
-    let names = |f: &[(PathBuf, Vec<u8>)]| f.iter().map(|(p, _)| p.clone()).collect::<Vec<_>>();
-    assert_eq!(names(&found), names(&expected));
-    for ((path, a), (_, b)) in found.iter().zip(&expected) {
-        assert!(a == b, "{} differs from what the generator makes", path.display());
+}
+
+fn built_in(name: &str) -> Suite {
+    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks").join(name)).unwrap()
+}
+
+#[test]
+fn the_suite_has_every_choice_of_labels_in_proportion() {
+    let suite = built_in("vb-100");
+    let mut cells = std::collections::BTreeMap::new();
+    for w in suite.worlds() {
+        *cells.entry((w.terrain, w.elevation, w.density)).or_insert(0) += 1;
     }
-    let suite = Suite::open(&committed).unwrap();
-    assert!(suite.worlds().iter().all(|w| w.tasks.len() == 10));
-    let of = |ground| suite.worlds().iter().filter(|w| w.terrain == ground).count();
-    assert_eq!([Terrain::Rigid, Terrain::Deformable, Terrain::Mixed].map(of), [6, 3, 1]);
-    let size: usize = found.iter().map(|(_, b)| b.len()).sum();
-    assert!(size < 2_000_000, "{size} bytes");
+    assert_eq!(cells.len(), 27, "every cell is filled");
+    for ((terrain, ..), count) in &cells {
+        let range = match terrain {
+            Terrain::Rigid => 6..=7,
+            Terrain::Deformable => 3..=4,
+            Terrain::Mixed => 1..=2,
+        };
+        assert!(range.contains(count), "{cells:?}");
+    }
+    let total = |of: &dyn Fn(&vb_world::WorldInfo) -> bool| suite.worlds().iter().filter(|w| of(w)).count();
+    for level in Elevation::ALL {
+        assert!((33..=34).contains(&total(&|w| w.elevation == level)));
+    }
+    for density in Density::ALL {
+        assert!((33..=34).contains(&total(&|w| w.density == density)));
+    }
+    let grounds = Terrain::ALL.map(|terrain| total(&|w| w.terrain == terrain));
+    assert_eq!(grounds, [60, 30, 10], "as in the original (facts §2.1)");
+}
+
+#[test]
+fn built_in_suites_are_small() {
+    for (name, most) in [("smoke", 1_000_000), ("vb-100", 8_000_000)] {
+        let size: usize = files(built_in(name).dir()).iter().map(|(_, b)| b.len()).sum();
+        assert!(size < most, "{name}: {size} bytes");
+    }
 }
 
 #[test]
 fn rules_that_leave_no_room_or_no_way_say_so() {
-    let crowded = params(&[("spacing: 10.0", "spacing: 60.0")]);
-    let error = generate::generate_world(&crowded, 1, 0, 1).unwrap_err();
-    assert!(matches!(error, GenerateError::NoRoom { .. }));
-    assert!(
-        error.to_string().contains("w001: obstacle") && error.to_string().contains("obstacles.spacing"),
-        "{error}"
-    );
+    let model = model();
+    let error = |changes: &[(&str, &str)], index: usize| {
+        let rules = params(changes);
+        Generator { rules: &rules, model: &model, seed: 1, worlds: 3 }.world(index).unwrap_err()
+    };
+    let crowded = error(&[("spacing: 10.0", "spacing: 60.0")], 0);
+    assert!(matches!(crowded, GenerateError::NoRoom { .. }));
+    let text = crowded.to_string();
+    assert!(text.contains("w001: obstacle") && text.contains("obstacles.spacing"), "{text}");
 
     let wide =
-        params(&[("path: {clearance: 3.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")]);
-    let error = generate::generate_world(&wide, 1, 2, 3).unwrap_err();
-    assert!(error.to_string().contains("w003/t"), "{error}");
-    assert!(error.to_string().contains("obstacles were drawn 20 times"), "{error}");
+        error(&[("path: {clearance: 3.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")], 2);
+    let text = wide.to_string();
+    assert!(text.contains("w003/t") && text.contains("obstacles were drawn 20 times"), "{text}");
+
+    let level = error(&[("tilt: 15.0", "tilt: 0.5")], 2).to_string();
+    assert!(
+        level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),
+        "{level}"
+    );
 }

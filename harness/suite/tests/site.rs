@@ -157,7 +157,7 @@ fn starts_and_goals_stand_on_ground_that_is_not_too_steep() {
     }
     let steep = raster(140, 140, 1.0, |x, _| x);
     let error = make(&survey(&steep, 1.0), Cut::At([0.0; 2]), 1).unwrap_err().to_string();
-    assert!(error.contains("no start and goal 120 m apart") && error.contains("below 20°"), "{error}");
+    assert!(error.contains("no start and goal 120 m apart") && error.contains("tasks.stand.tilt"), "{error}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use vb_record::TraceMode;
 use vb_runner::SAMPLE_PERIOD;
 
-pub(crate) use suite::{GenerateArgs, ImportArgs, ShowArgs, SiteArgs, SuiteCommand, ValidateArgs};
+pub(crate) use suite::{GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, ValidateArgs};
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 
 const EXIT_CODES: &str = "\
@@ -113,7 +113,7 @@ pub(crate) struct RunArgs {
     /// Refuse a native planner where the system can't confine it in every way, and any command
     #[arg(long)]
     pub(crate) require_sandbox: bool,
-    /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-mini
+    /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-100
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Tasks to run, e.g. w001/t03 or w001-w004,elevation=high; default: all
@@ -209,7 +209,7 @@ pub(crate) struct CheckArgs {
     /// Parameter of the planner; may be repeated
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) params: Vec<(String, String)>,
-    /// Suite to take tasks from: a directory, or the name of one that comes with the harness; default: vb-mini
+    /// Suite to take tasks from: a directory, or the name of one that comes with the harness; default: vb-100
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Tasks of which three are driven: the first, the middle and the last; default: all
@@ -281,7 +281,7 @@ impl FormatArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// The suite: a directory, or the name of one that comes with the harness; default: vb-mini
+    /// The suite: a directory, or the name of one that comes with the harness; default: vb-100
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all

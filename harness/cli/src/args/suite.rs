@@ -14,6 +14,8 @@ pub(crate) enum SuiteCommand {
     Show(ShowArgs),
     /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
     Validate(ValidateArgs),
+    /// Collect from runs who has done which tasks, as proof that they can be done
+    Prove(ProveArgs),
     /// Make a suite of the original's data (its BenchMaps folder)
     Import(ImportArgs),
     /// Make a suite from a seed
@@ -52,6 +54,21 @@ pub(crate) struct ValidateArgs {
     /// Take warnings for errors
     #[arg(long)]
     pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ProveArgs {
+    /// The suite: a directory, or the name of one that comes with the harness
+    #[arg(value_name = "DIR")]
+    pub(crate) suite: PathBuf,
+    /// Run directories; of several that did a task the first proves it
+    #[arg(value_name = "RUN", required = true)]
+    pub(crate) runs: Vec<PathBuf>,
+    /// The file to write; default: proof.json in the suite's directory
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -99,6 +116,12 @@ pub(crate) struct GenerateArgs {
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// What the suite is called; default: the directory's name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// The suite's version
+    #[arg(long, value_name = "VERSION", default_value = "1")]
+    pub(crate) suite_version: String,
     /// Parameters of the generator; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,

@@ -1,14 +1,19 @@
 //! `vb-harness suite` and `vb-harness tasks`.
 
+mod prove;
 mod show;
 mod validate;
 
+pub(crate) use prove::prove;
 pub(crate) use show::show;
 pub(crate) use validate::validate;
 
+use std::path::Path;
+
 use serde::Serialize;
-use vb_suite::generate::{GenerateError, GeneratorParams, ParamsError, write_suite};
+use vb_suite::generate::{GenerateError, Generator, GeneratorParams, ParamsError};
 use vb_suite::import::Source;
+use vb_terrain::Model;
 use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
 
 use crate::args::{GenerateArgs, ImportArgs, MessageFormat, TasksArgs};
@@ -16,7 +21,7 @@ use crate::error::CliError;
 use crate::{output, places};
 
 /// A suite to be read.
-pub(crate) fn open(wanted: Option<&std::path::Path>) -> Result<Suite, CliError> {
+pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
     Suite::open(places::suite(wanted)?).map_err(CliError::input)
 }
 
@@ -78,7 +83,7 @@ pub(crate) fn done(suite: &Suite) {
 
 /// Rules in a file, or the built-in ones.
 pub(crate) fn rules<T: Default>(
-    file: Option<&std::path::Path>,
+    file: Option<&Path>,
     parse: impl Fn(&str) -> Result<T, ParamsError>,
 ) -> Result<T, CliError> {
     let Some(path) = file else { return Ok(T::default()) };
@@ -89,9 +94,12 @@ pub(crate) fn rules<T: Default>(
 
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let model = terrain_model(&params, args.params.as_deref())?;
     let name = args.out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned());
     let worlds = args.worlds as usize;
-    let suite = write_suite(&args.out, &params, args.seed, worlds, &name, |index, world| {
+    let generator = Generator { rules: &params, model: &model, seed: args.seed, worlds };
+    let meta = generator.meta(args.name.as_deref().unwrap_or(&name), &args.suite_version);
+    let suite = generator.write(&args.out, meta, |index, world| {
         output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
     });
     let suite = suite.map_err(|e| match e {
@@ -100,6 +108,17 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     })?;
     done(&suite);
     Ok(())
+}
+
+/// The terrain model that the rules name: one that comes with the harness, or a file beside the rules.
+fn terrain_model(params: &GeneratorParams, file: Option<&Path>) -> Result<Model, CliError> {
+    let wanted = Path::new(&params.elevation.model);
+    let path = if places::is_name(wanted.as_os_str()) {
+        places::terrain_model(&params.elevation.model)?
+    } else {
+        file.and_then(Path::parent).unwrap_or(Path::new("")).join(wanted)
+    };
+    Model::read(&path).map_err(|e| CliError::input(format!("elevation.model: {e}")))
 }
 
 #[derive(Serialize)]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_suite::album::Album;
+use vb_suite::proof::Proof;
 use vb_suite::statistics::{SuiteStatistics, Survey, Table, WorldStatistics};
 
 use crate::args::ShowArgs;
@@ -48,7 +49,8 @@ pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
             album.add(&world, figures);
         }
     }
-    let statistics = survey.finish(&suite);
+    let proof = Proof::read(&suite).map_err(CliError::input)?;
+    let statistics = survey.finish(&suite, proof.as_ref());
     let page = match args.out.as_ref().zip(album) {
         Some((out, album)) => Some(write(out, &album, &statistics)?),
         None => None,
@@ -88,8 +90,9 @@ fn text(s: &SuiteStatistics) -> String {
     }
     let [name, version, description, provenance] =
         [&s.name, &s.version, &s.description, &s.provenance].map(|text| plain(text));
+    let proof = s.proof.as_ref().map_or_else(String::new, |p| format!("tasks {}\n", plain(p)));
     out + &format!(
-        "{name} {version}: {description}\n{provenance}\nhash {}\n{} worlds, {} tasks\n",
+        "{name} {version}: {description}\n{provenance}\nhash {}\n{} worlds, {} tasks\n{proof}",
         s.hash, s.world_count, s.task_count
     )
 }

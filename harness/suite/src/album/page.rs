@@ -132,9 +132,13 @@ fn more(s: &mut String, w: &WorldStatistics) {
     );
     for t in &w.tasks {
         let id = escape(&t.id);
+        let unproven = match t.proven {
+            Some(false) => " <abbr title=\"nobody has done this task yet\">?</abbr>",
+            _ => "",
+        };
         let _ = write!(
             s,
-            "<tr data-task=\"{id}\" tabindex=\"0\"><td>{id}</td><td class=\"n\">{}</td><td class=\"n\">{} %</td><td class=\"n\">{}</td>\
+            "<tr data-task=\"{id}\" tabindex=\"0\"><td>{id}{unproven}</td><td class=\"n\">{}</td><td class=\"n\">{} %</td><td class=\"n\">{}</td>\
              <td class=\"n\">{}</td><td class=\"n\">{}°</td></tr>",
             number(t.length, 1),
             number(100.0 * (t.ratio - 1.0), 1),

@@ -1,31 +1,50 @@
-//! The seeded world generator: same seed and rules, same bytes.
+//! The seeded world generator: same seed, rules and terrain model, same bytes.
 //!
-//! Rules for ground, obstacles, starts and goals follow the original's generator (facts §3.3, §3.5); heights come
-//! from spectral synthesis matched to its worlds (§2.3). All rules are data: [`GeneratorParams`].
+//! Heights are drawn from a learned model of terrain (`vb-terrain`). Rules for ground, obstacles, starts and goals
+//! follow the original's generator (facts §3.3, §3.5). All rules are data: [`GeneratorParams`].
 
+mod ends;
 mod ground;
+mod obstacles;
 mod params;
-mod terrain;
 
+pub(crate) use ends::ends;
 pub(crate) use ground::friction;
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
-    GroundParams, Normal, ObstacleParams, ParamsError, PitParams, RoughnessParams, SpectrumParams,
-    TaskParams,
+    GroundParams, Normal, ObstacleParams, ParamsError, StandParams, TaskParams,
 };
 
 use crate::path::{PathError, PathParams, Planner};
+use crate::surface::counted_from_lowest;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 use vb_math::rng::Stream;
+use vb_terrain::{Model, Request};
 use vb_world::{
-    Density, Elevation, Flaw, Obstacle, ObstacleKind, Pose2, Provenance, Suite, SuiteError, SuiteMeta,
-    SuiteWriter, Task, Terrain, World, WorldInfo,
+    Density, Elevation, Flaw, Heightfield, Pose2, Provenance, Semantics, Suite, SuiteError, SuiteMeta,
+    SuiteWriter, Task, World, WorldInfo,
 };
 
 /// Why no suite was generated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
+    /// The terrain model can't draw such a surface.
+    #[error("grid or elevation: {0}")]
+    Surface(#[from] vb_terrain::GenerateError),
+    /// There is no ground for a start.
+    #[error(
+        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: raise tasks.stand.tilt or tasks.stand.unevenness, thin out the obstacles, or take another place"
+    )]
+    NoStart {
+        /// The world.
+        world: String,
+        /// Between start and goal, m.
+        distance: f64,
+    },
     /// The rules leave no room for the obstacles.
     #[error(
         "{world}: obstacle {index} found no place in {attempts} draws: lower obstacles.boulders, obstacles.spacing or obstacles.task_clearance, or raise obstacles.attempts"
@@ -63,79 +82,158 @@ pub enum GenerateError {
     Suite(#[from] SuiteError),
 }
 
+/// Surfaces drawn before giving up on starts and goals.
+const SURFACES: usize = 100;
 /// Obstacle layouts drawn before giving up on paths.
 const LAYOUTS: usize = 20;
 
-/// What a generated suite says about itself.
-#[must_use]
-pub fn meta(params: &GeneratorParams, seed: u64, worlds: usize, name: &str) -> SuiteMeta {
-    SuiteMeta {
-        name: name.into(),
-        version: "1".into(),
-        description: format!("{worlds} generated worlds with {} tasks each.", params.tasks.count),
-        provenance: Provenance::Generated { generator: format!("spectral 1, rules {}", params.name), seed },
+/// Between-world factors of the height spread lie within this many standard deviations of their logarithm.
+const SPREAD_LIMIT: f64 = 1.5;
+/// Version of the generator, which changes whenever the same inputs would give other worlds.
+const VERSION: u32 = 2;
+
+/// What a suite of generated worlds follows from.
+#[derive(Clone, Copy, Debug)]
+pub struct Generator<'a> {
+    /// The rules.
+    pub rules: &'a GeneratorParams,
+    /// The terrain model that [`ElevationParams::model`] names.
+    pub model: &'a Model,
+    /// The seed.
+    pub seed: u64,
+    /// Number of worlds.
+    pub worlds: usize,
+}
+
+impl Generator<'_> {
+    /// What the suite says about itself.
+    #[must_use]
+    pub fn meta(&self, name: &str, version: &str) -> SuiteMeta {
+        let (rules, seed) = (self.rules, self.seed);
+        SuiteMeta {
+            name: name.into(),
+            version: version.into(),
+            description: format!("{} generated worlds with {} tasks each.", self.worlds, rules.tasks.count),
+            provenance: Provenance::Generated {
+                generator: format!(
+                    "learned terrain {VERSION}, rules {}, model {}",
+                    rules.name, rules.elevation.model
+                ),
+                seed,
+            },
+        }
     }
-}
 
-/// Generates `worlds` worlds.
-///
-/// # Errors
-/// If the rules leave no room or no way.
-pub fn generate(params: &GeneratorParams, seed: u64, worlds: usize) -> Result<Vec<World>, GenerateError> {
-    (0..worlds).map(|index| generate_world(params, seed, index, worlds)).collect()
-}
-
-/// Generates a suite into `dir`, which must not exist or be empty. `progress` hears of each world once it is written.
-///
-/// # Errors
-/// If the rules leave no room or no way, or the suite cannot be written.
-pub fn write_suite(
-    dir: impl AsRef<Path>,
-    params: &GeneratorParams,
-    seed: u64,
-    worlds: usize,
-    name: &str,
-    mut progress: impl FnMut(usize, &WorldInfo),
-) -> Result<Suite, GenerateError> {
-    let mut writer = SuiteWriter::create(dir, meta(params, seed, worlds, name))?;
-    for index in 0..worlds {
-        progress(index, writer.add(&generate_world(params, seed, index, worlds)?)?);
+    /// Generates the suite into `dir`, which must not exist or be empty. `progress` hears of each world once it is
+    /// written. Worlds are made side by side on all processors and written in order.
+    ///
+    /// # Errors
+    /// If the rules leave no room or no way, or the suite cannot be written.
+    pub fn write(
+        &self,
+        dir: impl AsRef<Path>,
+        meta: SuiteMeta,
+        mut progress: impl FnMut(usize, &WorldInfo),
+    ) -> Result<Suite, GenerateError> {
+        let mut writer = SuiteWriter::create(dir, meta)?;
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(self.worlds.max(1));
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            // A full channel holds the makers back, so that only a few worlds are in memory.
+            let (sender, made) = mpsc::sync_channel(threads);
+            for _ in 0..threads {
+                let (sender, next) = (sender.clone(), &next);
+                scope.spawn(move || {
+                    loop {
+                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        // Nobody listens any more once a world has failed.
+                        if index >= self.worlds || sender.send((index, self.world(index))).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            let mut waiting = BTreeMap::new();
+            let mut written = 0;
+            for (index, world) in made {
+                waiting.insert(index, world);
+                while let Some(world) = waiting.remove(&written) {
+                    progress(written, writer.add(&world?)?);
+                    written += 1;
+                }
+            }
+            Ok::<_, GenerateError>(())
+        })?;
+        Ok(writer.finish()?)
     }
-    Ok(writer.finish()?)
-}
 
-/// Generates the world at `index` of a suite of `count` worlds. It depends on nothing but the arguments.
-///
-/// Levels and densities are dealt out evenly rather than drawn: nine consecutive worlds have all nine pairs.
-/// Grounds follow each other in blocks, rigid first, as in the original.
-///
-/// # Errors
-/// If the rules leave no room or no way.
-pub fn generate_world(
-    params: &GeneratorParams,
-    seed: u64,
-    index: usize,
-    count: usize,
-) -> Result<World, GenerateError> {
-    let id = format!("w{:03}", index + 1);
-    let stream = |part: &str| Stream::new(seed, &["generate", &id, part]);
-    let elevation = Elevation::ALL[index % 3];
-    let density = Density::ALL[(index + index / 3) % 3];
-    let ground = ground_of(params, index, count);
-    let ends = ends(&params.tasks);
-    let mut world = World {
-        elevation,
-        terrain: ground,
-        density,
-        scale: 1.0,
-        heightfield: terrain::surface(params, elevation, &ends, &mut stream("elevation")),
-        semantics: ground::semantics(&params.grid, &params.ground, ground, &mut stream("semantics")),
-        obstacles: Vec::new(),
-        tasks: Vec::new(),
-        id: id.clone(),
-    };
-    furnish(&mut world, &params.obstacles, &params.path, &ends, &mut stream("obstacles"))?;
-    Ok(world)
+    /// Generates the world at an index. It depends on rules, model, seed and index alone, so that a longer suite begins
+    /// with the worlds of a shorter one.
+    ///
+    /// Labels are dealt out rather than drawn: nine consecutive worlds have all nine pairs of level and density, and
+    /// grounds follow each other in the order that the rules give, again and again.
+    ///
+    /// # Errors
+    /// If the rules leave no room or no way.
+    pub fn world(&self, index: usize) -> Result<World, GenerateError> {
+        let rules = self.rules;
+        let id = format!("w{:03}", index + 1);
+        let stream = |part: &str| Stream::new(self.seed, &["generate", &id, part]);
+        let elevation = Elevation::ALL[index % 3];
+        let density = Density::ALL[(index + index / 3) % 3];
+        let ground = rules.ground.order[index % rules.ground.order.len()];
+        let semantics = ground::semantics(&rules.grid, &rules.ground, ground, &mut stream("semantics"));
+        let (heightfield, ends) =
+            self.ground_with_ends(&id, elevation, &semantics, &mut stream("elevation"))?;
+        let mut world = World {
+            elevation,
+            terrain: ground,
+            density,
+            scale: 1.0,
+            heightfield,
+            semantics,
+            obstacles: Vec::new(),
+            tasks: Vec::new(),
+            id: id.clone(),
+        };
+        furnish(&mut world, &rules.obstacles, &rules.path, &ends, &mut stream("obstacles"))?;
+        Ok(world)
+    }
+
+    /// Draws surfaces until one has starts and goals all around.
+    fn ground_with_ends(
+        &self,
+        id: &str,
+        level: Elevation,
+        semantics: &Semantics,
+        rng: &mut Stream,
+    ) -> Result<(Heightfield, Vec<[[f64; 2]; 2]>), GenerateError> {
+        let (rules, tasks) = (&self.rules.elevation, &self.rules.tasks);
+        // Drawn before the surfaces: flat ones, which have more room for starts, must not make a level flatter.
+        let spread = rng.normal(0.0, 1.0).clamp(-SPREAD_LIMIT, SPREAD_LIMIT);
+        let std = rules.std.get(level) * vb_math::exp(rules.std_spread * spread);
+        for _ in 0..SURFACES {
+            let ground = self.surface(std, rng.next_u64())?;
+            match ends(&ground, semantics, &[], self.rules.path.clearance, tasks.radius, tasks) {
+                Some(ends) if ends.spread => return Ok((ground, ends.pairs)),
+                _ => {}
+            }
+        }
+        Err(GenerateError::NoStart { world: id.into(), distance: 2.0 * tasks.radius })
+    }
+
+    fn surface(&self, std: f64, seed: u64) -> Result<Heightfield, GenerateError> {
+        let grid = self.rules.grid;
+        let request = Request {
+            seed,
+            rows: grid.nodes,
+            cols: grid.nodes,
+            pitch: grid.pitch,
+            share: std / self.model.header().relief,
+        };
+        Ok(counted_from_lowest(grid.nodes, grid.pitch, self.model.surface(&request)?.heights()))
+    }
 }
 
 /// Draws obstacles until there is a path from every start to its goal, and gives the world its tasks.
@@ -152,7 +250,7 @@ pub(crate) fn furnish(
     let id = world.id.clone();
     let mut layout = 1;
     world.tasks = loop {
-        world.obstacles = obstacles(params, world.density, ends, rng)
+        world.obstacles = obstacles::obstacles(params, world.density, ends, rng)
             .map_err(|index| GenerateError::NoRoom { world: id.clone(), index, attempts: params.attempts })?;
         match tasks(world, path, ends) {
             Ok(tasks) => break tasks,
@@ -182,71 +280,6 @@ pub(crate) fn plan_tasks(
         source,
     })?;
     world.check().map_err(|flaw| GenerateError::World { world: id, flaw })
-}
-
-/// The ground of a world: the mix's shares of the count, cumulatively rounded, rigid first.
-fn ground_of(params: &GeneratorParams, index: usize, count: usize) -> Terrain {
-    let mix = params.ground.mix;
-    let total = u128::from(mix.rigid) + u128::from(mix.deformable) + u128::from(mix.mixed);
-    let mut share = 0u128;
-    for ground in Terrain::ALL {
-        share += u128::from(mix.get(ground));
-        // index + ½ < count · share / total, in whole numbers.
-        if (2 * index as u128 + 1) * total < 2 * count as u128 * share {
-            return ground;
-        }
-    }
-    // Only rounding at the very end comes here: the last kind that has a share.
-    Terrain::ALL.into_iter().rev().find(|&g| mix.get(g) > 0).unwrap_or(Terrain::Rigid)
-}
-
-/// Start and goal of each task: opposite each other on the circle, in millimetres.
-fn ends(t: &TaskParams) -> Vec<[[f64; 2]; 2]> {
-    let millimetres = |v: f64| (v * 1000.0).round() / 1000.0 + 0.0;
-    (0..t.count)
-        .map(|k| {
-            let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * k as f64 / t.count as f64);
-            let p = [c, s].map(|v| millimetres(t.radius * v));
-            [p, p.map(|v| 0.0 - v)]
-        })
-        .collect()
-}
-
-/// Boulders, then trees, each drawn uniformly and kept if it is far enough from the others and from every start and
-/// goal. Distances are in plan. An error is the index of the obstacle that found no place.
-fn obstacles(
-    o: &ObstacleParams,
-    density: Density,
-    ends: &[[[f64; 2]; 2]],
-    rng: &mut Stream,
-) -> Result<Vec<Obstacle>, usize> {
-    let millimetres = |v: f64| (v * 1000.0).round() / 1000.0;
-    let boulders = o.boulders.get(density);
-    let mut out: Vec<Obstacle> = Vec::new();
-    for index in 0..boulders + o.trees.get(density) {
-        let kind = if index < boulders {
-            let scale = rng.uniform(o.boulder_scale[0], o.boulder_scale[1]);
-            let size = o.boulder_size.map(|l| millimetres(l * scale));
-            // A shape's name of at most ten digits is enough for shapes that differ, and can be read.
-            ObstacleKind::Boulder { size, seed: rng.below(1 << 32) }
-        } else {
-            ObstacleKind::Trunk { radius: o.trunk_radius, height: o.trunk_height }
-        };
-        let yaw = millimetres(rng.uniform(-std::f64::consts::PI, std::f64::consts::PI));
-        let free = |p: [f64; 2]| {
-            let far = |q: [f64; 2], least| vb_math::hypot(p[0] - q[0], p[1] - q[1]) >= least;
-            ends.iter().flatten().all(|&q| far(q, o.task_clearance))
-                && out.iter().all(|other| far([other.x, other.y], o.spacing))
-        };
-        let place = (0..o.attempts)
-            .map(|_| [0; 2].map(|_| millimetres(rng.uniform(-o.extent, o.extent))))
-            .find(|&p| free(p))
-            .ok_or(index)?;
-        let mut obstacle = Obstacle { x: place[0], y: place[1], yaw, buried: 0.0, kind };
-        obstacle.buried = millimetres(o.buried * obstacle.size()[2]);
-        out.push(obstacle);
-    }
-    Ok(out)
 }
 
 /// An error is the task without a path, and why.

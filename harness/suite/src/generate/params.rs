@@ -109,60 +109,16 @@ pub struct GridParams {
     pub pitch: f64,
 }
 
-/// The shape of the power spectrum over wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SpectrumParams {
-    /// Wavelength beyond which the power no longer grows, m.
-    pub corner: f64,
-    /// Power falls as the wavelength to this exponent below the corner.
-    pub exponent: f64,
-    /// Wavelength below which the power vanishes, m.
-    pub cutoff: f64,
-}
-
-/// How much rougher some places are than others.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RoughnessParams {
-    /// Strength of the modulation: standard deviation of the logarithm of the local amplitude.
-    pub strength: f64,
-    /// Shortest wavelength of the modulation, m.
-    pub length: f64,
-}
-
-/// Bell-shaped pits.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PitParams {
-    /// Least and largest number in a world.
-    pub count: [usize; 2],
-    /// Least and largest depth, in standard deviations of the surface.
-    pub depth: [f64; 2],
-    /// Least and largest radius: the standard deviation of the bell, m.
-    pub radius: [f64; 2],
-    /// Least distance from every start and goal, m.
-    pub task_clearance: f64,
-}
-
 /// Heights.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElevationParams {
-    /// Standard deviation of height within a world, m.
+    /// The terrain model: the name of one in `tasks/terrain`, or a file.
+    pub model: String,
+    /// Standard deviation of height, m: mean over many worlds of a level.
     pub std: ByElevation,
-    /// Standard deviation of its logarithm between worlds.
+    /// Standard deviation of its logarithm between worlds, but for what the model draws differently anyway.
     pub std_spread: f64,
-    /// Mean height, m.
-    pub mean: ByElevation,
-    /// Upper end of the elevation raster, m; the lower is 0.
-    pub max: ByElevation,
-    /// Power spectrum.
-    pub spectrum: SpectrumParams,
-    /// Local variation of roughness.
-    pub roughness: RoughnessParams,
-    /// Pits.
-    pub pits: PitParams,
 }
 
 /// A normal distribution.
@@ -215,11 +171,11 @@ impl FrictionParams {
 }
 
 /// Semantic patches.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundParams {
-    /// Relative numbers of worlds of each kind.
-    pub mix: ByGround<u32>,
+    /// Grounds of consecutive worlds, again and again.
+    pub order: Vec<Terrain>,
     /// Patches along each side.
     pub patches: usize,
     /// Least and largest number of clusters.
@@ -242,10 +198,12 @@ pub struct ObstacleParams {
     pub boulder_size: [f64; 3],
     /// Least and largest scale of a boulder.
     pub boulder_scale: [f64; 2],
-    /// Radius of a trunk, m.
-    pub trunk_radius: f64,
-    /// Length of a trunk, m.
-    pub trunk_height: f64,
+    /// Least and largest factor by which each extent of a boulder differs besides.
+    pub boulder_stretch: [f64; 2],
+    /// Least and largest radius of a trunk, m.
+    pub trunk_radius: [f64; 2],
+    /// Least and largest length of a trunk, m.
+    pub trunk_height: [f64; 2],
     /// Share of the height that is below the ground.
     pub buried: f64,
     /// Largest distance of a centre from the middle along x and y, m.
@@ -273,6 +231,28 @@ pub struct TaskParams {
     pub count: usize,
     /// Radius of the circle that starts and goals lie on, m.
     pub radius: f64,
+    /// The ground at starts and goals.
+    pub stand: StandParams,
+}
+
+/// Ground that a vehicle can stand on, on a disc about a start or goal, and start from, under its wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandParams {
+    /// Radius of the disc, m.
+    pub reach: f64,
+    /// Greatest tilt of the plane that fits it best, degrees.
+    pub tilt: f64,
+    /// Greatest height of the ground above or below that plane, m.
+    pub unevenness: f64,
+    /// Length and width of the rectangle of wheels that heads from the start to the goal, m.
+    pub wheels: [f64; 2],
+    /// Steepest rise at a start from the rear wheels to the front wheels, degrees.
+    pub climb: f64,
+    /// Greatest height at a start by which one pair of diagonal wheels stands above the other, m.
+    pub twist: f64,
+    /// Greatest share of the friction that the slope under the wheels takes at a start.
+    pub grip: f64,
 }
 
 /// Every rule of the generator.
@@ -330,6 +310,15 @@ impl GeneratorParams {
             return Err(flaw("tasks.count", format!("{} must lie in 1 to 1000", self.tasks.count)));
         }
         within("tasks.radius", self.tasks.radius, f64::MIN_POSITIVE, self.half())?;
+        let stand = self.tasks.stand;
+        within("tasks.stand.reach", stand.reach, 0.01, self.half())?;
+        within("tasks.stand.tilt", stand.tilt, 0.0, 90.0)?;
+        within("tasks.stand.unevenness", stand.unevenness, 0.0, 100.0)?;
+        within("tasks.stand.wheels[0]", stand.wheels[0], 0.01, 2.0 * stand.reach)?;
+        within("tasks.stand.wheels[1]", stand.wheels[1], 0.01, 2.0 * stand.reach)?;
+        within("tasks.stand.climb", stand.climb, 0.0, 90.0)?;
+        within("tasks.stand.twist", stand.twist, 0.0, 100.0)?;
+        within("tasks.stand.grip", stand.grip, 0.0, 1.0)?;
         within("path.clearance", self.path.clearance, 0.0, self.half())?;
         within("path.grid", self.path.grid, 0.01, self.half())?;
         within("path.spacing", self.path.spacing, 0.01, self.half())
@@ -347,29 +336,13 @@ impl GeneratorParams {
         }
         within("grid.pitch", grid.pitch, 1e-3, 1e3)?;
         for level in Elevation::ALL {
-            let name = level.name();
-            let max = e.max.get(level);
-            within(&format!("elevation.max.{name}"), max, 1e-3, 1e4)?;
-            within(&format!("elevation.std.{name}"), e.std.get(level), 0.0, max)?;
-            within(&format!("elevation.mean.{name}"), e.mean.get(level), 0.0, max)?;
+            within(&format!("elevation.std.{}", level.name()), e.std.get(level), 1e-3, 100.0)?;
         }
         within("elevation.std_spread", e.std_spread, 0.0, 1.0)?;
-        within("elevation.spectrum.corner", e.spectrum.corner, 1e-3, 1e6)?;
-        within("elevation.spectrum.exponent", e.spectrum.exponent, 0.0, 10.0)?;
-        within("elevation.spectrum.cutoff", e.spectrum.cutoff, 0.0, 1e6)?;
-        within("elevation.roughness.strength", e.roughness.strength, 0.0, 1.5)?;
-        within("elevation.roughness.length", e.roughness.length, 1e-3, 1e6)?;
-        let [low, high] = e.pits.count;
-        if low > high || high > 100_000 {
-            let problem = format!("[{low}, {high}] must be two numbers up to 100000, lower first");
-            return Err(flaw("elevation.pits.count", problem));
+        if e.model.is_empty() {
+            return Err(flaw("elevation.model", "is empty: name a terrain model"));
         }
-        for (name, [low, high], least) in [("depth", e.pits.depth, 0.0), ("radius", e.pits.radius, 1e-3)] {
-            within(&format!("elevation.pits.{name}[0]"), low, least, 1e3)?;
-            within(&format!("elevation.pits.{name}[1]"), high, low, 1e3)?;
-        }
-        // Beyond half the circle's radius there may be no place left to put a pit.
-        within("elevation.pits.task_clearance", e.pits.task_clearance, 0.0, 0.5 * self.tasks.radius)
+        Ok(())
     }
 
     fn check_ground(&self) -> Result<(), ParamsError> {
@@ -395,9 +368,8 @@ impl GeneratorParams {
                 return Err(flaw(format!("ground.clusters.{}", ground.name()), problem));
             }
         }
-        let mix = g.mix;
-        if u64::from(mix.rigid) + u64::from(mix.deformable) + u64::from(mix.mixed) == 0 {
-            return Err(flaw("ground.mix", "all are 0: at least one kind of ground is needed"));
+        if g.order.is_empty() {
+            return Err(flaw("ground.order", "is empty: at least one kind of ground is needed"));
         }
         within("ground.centre_spread", g.centre_spread, 1e-3, 10.0)?;
         let [low, high] = g.friction.clip;
@@ -425,10 +397,16 @@ impl GeneratorParams {
         for (k, &length) in o.boulder_size.iter().enumerate() {
             within(&format!("obstacles.boulder_size[{k}]"), length, 1e-2, 100.0)?;
         }
-        within("obstacles.boulder_scale[0]", o.boulder_scale[0], 1e-2, 100.0)?;
-        within("obstacles.boulder_scale[1]", o.boulder_scale[1], o.boulder_scale[0], 100.0)?;
-        within("obstacles.trunk_radius", o.trunk_radius, 1e-2, 100.0)?;
-        within("obstacles.trunk_height", o.trunk_height, 1e-2, 100.0)?;
+        let ranges = [
+            ("boulder_scale", o.boulder_scale),
+            ("boulder_stretch", o.boulder_stretch),
+            ("trunk_radius", o.trunk_radius),
+            ("trunk_height", o.trunk_height),
+        ];
+        for (name, [low, high]) in ranges {
+            within(&format!("obstacles.{name}[0]"), low, 1e-2, 100.0)?;
+            within(&format!("obstacles.{name}[1]"), high, low, 100.0)?;
+        }
         within("obstacles.buried", o.buried, 0.0, 0.99)?;
         within("obstacles.extent", o.extent, 0.0, self.half())?;
         within("obstacles.spacing", o.spacing, 0.0, 1e4)?;
@@ -453,7 +431,7 @@ mod tests {
 
     #[test]
     fn the_built_in_rules_are_those_of_the_original() {
-        // Counts and distances of facts §3.5, friction of §2.2, relief of §1.2.
+        // Counts and distances of facts §3.5, friction of §2.2, shares of the relief of §1.2.
         let p = GeneratorParams::default();
         assert_eq!(
             [p.obstacles.boulders.sparse, p.obstacles.boulders.medium, p.obstacles.boulders.dense],
@@ -463,7 +441,7 @@ mod tests {
         assert_eq!(p.ground.friction.get(TerrainClass::Grass), Some(Normal { mean: 0.36, std: 0.07 }));
         assert_eq!(p.ground.friction.get(TerrainClass::Snow), None);
         for (level, share) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
-            assert!((p.elevation.max.get(level) - 16.0 * share).abs() < 1e-12);
+            assert!((p.elevation.std.get(level) - p.elevation.std.high * share).abs() < 1e-12);
         }
         assert_eq!(p.path, PathParams::default());
     }
@@ -474,16 +452,19 @@ mod tests {
             ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
             ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
             ("pitch: 1.0", "pitch: .nan", "grid.pitch: NaN must lie in"),
-            ("exponent: 2.4", "exponent: steep", "elevation.spectrum.exponent: \"steep\""),
-            ("medium: 0.322", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0 to 9.6"),
-            ("depth: [3.0, 10.0]", "depth: [30.0, 10.0]", "elevation.pits.depth[1]: 10 must lie in 30"),
+            ("medium: 0.33", "medium: steep", "elevation.std.medium: \"steep\""),
+            ("medium: 0.33", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
+            ("model: rocks", "model: ''", "elevation.model: is empty"),
+            ("tilt: 15.0", "tilt: -1.0", "tasks.stand.tilt: -1 must lie in 0 to 90"),
+            (
+                "trunk_radius: [0.3, 0.6]",
+                "trunk_radius: [0.3, 0.2]",
+                "obstacles.trunk_radius[1]: 0.2 must lie in 0.3",
+            ),
             ("patches: 16", "patches: 15", "ground.patches: 15 does not divide the 128 cells"),
             ("rigid: [1, 7]", "rigid: [1, 8]", "ground.clusters.rigid: [1, 8] must be two numbers in 1 to 7"),
-            (
-                "{rigid: 6, deformable: 3, mixed: 1}",
-                "{rigid: 0, deformable: 0, mixed: 0}",
-                "ground.mix: all are 0",
-            ),
+            ("  order: [rigid, rigid,", "  order: [] #", "ground.order: is empty"),
+            ("  order: [rigid, rigid,", "  order: [rigid, frozen,", "ground.order[1]"),
             ("spacing: 10.0", "spacings: 10.0", "spacings"),
             (
                 "boulder_scale: [0.7, 1.2]",
@@ -491,7 +472,7 @@ mod tests {
                 "obstacles.boulder_scale[1]: 1.2 must lie in 1.3",
             ),
             ("radius: 60.0", "radius: 65.0", "tasks.radius: 65 must lie in"),
-            ("count: 10,", "count: 0,", "tasks.count: 0 must lie in 1 to 1000"),
+            ("count: 10", "count: 0", "tasks.count: 0 must lie in 1 to 1000"),
         ];
         for (from, to, expected) in cases {
             assert!(GeneratorParams::DEFAULT_YAML.contains(from), "{from}");

@@ -12,7 +12,7 @@ use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, Te
 pub use rules::{GroundRule, SiteGround, SiteParams};
 
 use crate::generate::{self, GenerateError, GeneratorParams, ObstacleParams};
-use rules::STAND;
+use crate::surface::counted_from_lowest;
 use survey::{Layout, extents};
 
 /// What is known of a place.
@@ -82,25 +82,11 @@ pub enum SiteError {
         /// Of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// There is no ground for a start.
-    #[error(
-        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground below {slope}° and free of obstacles: raise start_slope, thin out the obstacles, or take another place"
-    )]
-    NoStart {
-        /// The world.
-        world: String,
-        /// Between start and goal, m.
-        distance: f64,
-        /// As the rules have it, degrees.
-        slope: f64,
-    },
-    /// Obstacles or paths found no place.
+    /// Starts, obstacles or paths found no place.
     #[error(transparent)]
     Generate(#[from] GenerateError),
 }
 
-/// Directions in which a pair of start and goal is looked for.
-const DIRECTIONS: usize = 360;
 /// Room between a start and the edge of the world, m.
 const MARGIN: f64 = 4.0;
 
@@ -204,7 +190,16 @@ fn world(
     if let Some(all) = obstacles {
         world.obstacles = within(all, place.at, half);
     }
-    let ends = ends(&world, radius, site, rules)?;
+    let ends = generate::ends(
+        &world.heightfield,
+        &world.semantics,
+        &world.obstacles,
+        rules.path.clearance,
+        radius,
+        &rules.tasks,
+    )
+    .ok_or_else(|| GenerateError::NoStart { world: world.id.clone(), distance: 2.0 * radius })?
+    .pairs;
     if obstacles.is_some() {
         generate::plan_tasks(&mut world, &rules.path, &ends)?;
     } else {
@@ -228,13 +223,7 @@ fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteErro
             heights.push(z);
         }
     }
-    let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // A range of nothing can't be divided into levels.
-    let range = (high - low).max(1e-3);
-    let levels: Vec<u16> =
-        heights.iter().map(|z| ((z - low) / range * f64::from(u16::MAX)).round() as u16).collect();
-    Ok(Heightfield::from_levels(nodes, nodes, site.pitch, [0.0, range], &levels))
+    Ok(counted_from_lowest(nodes, site.pitch, &heights))
 }
 
 /// Classes by labels or by rules, friction by class as the generator draws it.
@@ -331,62 +320,4 @@ fn level(surface: &Heightfield, rules: &GeneratorParams) -> Elevation {
 fn within(all: &[Obstacle], middle: [f64; 2], half: f64) -> Vec<Obstacle> {
     let moved = |o: &Obstacle| Obstacle { x: o.x - middle[0], y: o.y - middle[1], ..*o };
     all.iter().map(moved).filter(|o| o.x.abs() <= half && o.y.abs() <= half).collect()
-}
-
-/// Starts and goals, opposite each other on a circle: each as near to where the generator would have it as the ground
-/// and the obstacles allow.
-fn ends(
-    world: &World,
-    radius: f64,
-    site: &SiteParams,
-    rules: &GeneratorParams,
-) -> Result<Vec<[[f64; 2]; 2]>, SiteError> {
-    let millimetres = |v: f64| (v * 1000.0).round() / 1000.0 + 0.0;
-    let at = |turn: f64| {
-        let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * turn);
-        [c, s].map(|v| millimetres(radius * v))
-    };
-    let stands = |p: [f64; 2]| {
-        let level = ring(p).all(|[x, y]| {
-            world.heightfield.contains(x, y) && slope(&world.heightfield, [x, y]) <= site.start_slope
-        });
-        let clear = |o: &Obstacle| {
-            let [a, b, _] = o.size();
-            let reach = 0.5 * vb_math::hypot(a, b) + rules.path.clearance;
-            vb_math::hypot(o.x - p[0], o.y - p[1]) > reach
-        };
-        level && world.obstacles.iter().all(clear)
-    };
-    let free: Vec<bool> = (0..DIRECTIONS).map(|k| stands(at(k as f64 / DIRECTIONS as f64))).collect();
-    let half = DIRECTIONS / 2;
-    let usable: Vec<usize> = (0..DIRECTIONS).filter(|&k| free[k] && free[(k + half) % DIRECTIONS]).collect();
-    if usable.is_empty() {
-        let world = world.id.clone();
-        return Err(SiteError::NoStart { world, distance: 2.0 * radius, slope: site.start_slope });
-    }
-    // Where fewer directions are free than there are tasks, some tasks share one.
-    let count = rules.tasks.count;
-    Ok((0..count)
-        .map(|k| {
-            let wanted = k * DIRECTIONS / count;
-            let away = |u: &usize| {
-                let d = u.abs_diff(wanted);
-                d.min(DIRECTIONS - d)
-            };
-            let nearest = usable.iter().copied().min_by_key(away).unwrap_or(wanted);
-            let start = at(nearest as f64 / DIRECTIONS as f64);
-            [start, start.map(|v| 0.0 - v)]
-        })
-        .collect())
-}
-
-/// Points on and within a circle of [`STAND`] about a point.
-fn ring([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-    let steps = -6..=6;
-    let points = steps.clone().flat_map(move |i| steps.clone().map(move |j| [i, j]));
-    let offset = |k: i32| f64::from(k) / 6.0 * STAND;
-    points
-        .map(move |[i, j]| [offset(i), offset(j)])
-        .filter(|[a, b]| a * a + b * b <= STAND * STAND)
-        .map(move |[a, b]| [x + a, y + b])
 }

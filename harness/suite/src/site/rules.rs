@@ -28,12 +28,7 @@ pub struct SiteParams {
     pub side: f64,
     /// What the ground is made of.
     pub ground: SiteGround,
-    /// Steepest ground within 3 m of a start or goal, degrees.
-    pub start_slope: f64,
 }
-
-/// Around a start or goal the ground is looked at within this distance, m.
-pub(crate) const STAND: f64 = 3.0;
 
 /// What the ground of a site is made of.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -123,10 +118,6 @@ impl SiteParams {
             let problem = "the last rule must hold always: give it neither slope nor height".into();
             return Err(flaw("ground.rules", problem));
         }
-        if !(0.0..=90.0).contains(&params.start_slope) {
-            let problem = format!("{} must lie in 0 to 90", params.start_slope);
-            return Err(flaw("start_slope", problem));
-        }
         Ok(params)
     }
 
@@ -167,8 +158,7 @@ mod tests {
             ),
             ("- {class: grass}", "- {class: grass, height: [0.0, 3.0]}", "the last rule must hold always"),
             ("legend: {}", "legend: {1: swamp}", "ground.legend"),
-            ("start_slope: 20.0", "start_slope: -1", "start_slope: -1 must lie in 0 to 90"),
-            ("start_slope", "start_slopes", "start_slopes"),
+            ("side: 128.0", "sides: 128.0", "sides"),
         ];
         for (from, to, expected) in cases {
             assert!(SiteParams::DEFAULT_YAML.contains(from), "{from}");

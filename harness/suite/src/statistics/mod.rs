@@ -11,6 +11,7 @@ pub use summary::{Histogram, Summary};
 pub use tables::Table;
 pub use world::{ClassShare, Kinds, Slopes, TaskStatistics, WorldStatistics};
 
+use crate::proof::Proof;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use summary::Tally;
@@ -141,6 +142,9 @@ pub struct SuiteStatistics {
     pub tasks: Option<TaskFigures>,
     /// By density, those that occur and have tasks.
     pub tasks_by_density: Vec<(Density, TaskFigures)>,
+    /// Who has proven tasks, for people; none without a proof.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proof: Option<String>,
     /// Each world, in the suite's order.
     #[serde(skip)]
     pub worlds: Vec<WorldStatistics>,
@@ -156,7 +160,7 @@ impl SuiteStatistics {
         for info in suite.worlds() {
             survey.add(&suite.load_world(&info.id)?);
         }
-        Ok(survey.finish(suite))
+        Ok(survey.finish(suite, None))
     }
 }
 
@@ -195,9 +199,14 @@ impl Survey {
         &self.worlds[self.worlds.len() - 1]
     }
 
-    /// The figures of all worlds that were added, which are those of `suite`.
+    /// The figures of all worlds that were added, which are those of `suite`, with its proof if there is one.
     #[must_use]
-    pub fn finish(self, suite: &Suite) -> SuiteStatistics {
+    pub fn finish(mut self, suite: &Suite, proof: Option<&Proof>) -> SuiteStatistics {
+        for world in &mut self.worlds {
+            for task in &mut world.tasks {
+                task.proven = proof.map(|p| p.tasks.contains_key(&format!("{}/{}", world.id, task.id)));
+            }
+        }
         let meta = suite.meta();
         let tasks = |of: &dyn Fn(&WorldStatistics) -> bool| {
             let tasks: Vec<_> = self.worlds.iter().filter(|w| of(w)).flat_map(|w| &w.tasks).collect();
@@ -220,6 +229,13 @@ impl Survey {
                 .into_iter()
                 .filter_map(|d| tasks(&|w| w.density == d).map(|t| (d, t)))
                 .collect(),
+            proof: proof.map(|p| {
+                let mut planners: Vec<_> =
+                    p.provers.iter().map(|w| format!("{} {}", w.planner, w.version)).collect();
+                planners.dedup();
+                let (vehicle, rules) = (&p.conditions.vehicle.name, &p.conditions.rules.name);
+                format!("done by {} in a {vehicle} under the rules {rules}", planners.join(", "))
+            }),
             worlds: self.worlds,
         }
     }

@@ -45,6 +45,7 @@ impl SuiteStatistics {
         if !self.tasks_by_density.is_empty() {
             tables.push(self.paths());
         }
+        tables.extend(self.proof.as_ref().map(|_| self.proven()));
         tables
     }
 
@@ -93,6 +94,30 @@ impl SuiteStatistics {
             title: "Worlds by label",
             about: "Number of worlds of each elevation, terrain and obstacle density; a dash is a choice that no world has.",
             head: vec!["elevation", "terrain", "sparse", "medium", "dense", "all"],
+            rows,
+        }
+    }
+
+    fn proven(&self) -> Table {
+        let cell = |of: &dyn Fn(&WorldStatistics) -> bool| {
+            let tasks = || self.worlds.iter().filter(|w| of(w)).flat_map(|w| &w.tasks);
+            match tasks().count() {
+                0 => EMPTY.to_owned(),
+                n => format!("{}/{n}", tasks().filter(|t| t.proven == Some(true)).count()),
+            }
+        };
+        let row = |name: &str, level: &dyn Fn(&WorldStatistics) -> bool| {
+            let mut row = vec![name.to_owned()];
+            row.extend(Terrain::ALL.map(|t| cell(&|w| level(w) && w.terrain == t)));
+            row.push(cell(level));
+            row
+        };
+        let mut rows: Vec<_> = Elevation::ALL.iter().map(|e| row(e.name(), &|w| w.elevation == *e)).collect();
+        rows.push(row("all", &|_| true));
+        Table {
+            title: "Proven tasks",
+            about: "Tasks that somebody has done, of all, by elevation and terrain; the others may be impossible.",
+            head: vec!["elevation", "rigid", "deformable", "mixed", "all"],
             rows,
         }
     }

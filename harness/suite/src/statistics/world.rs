@@ -95,6 +95,9 @@ pub struct TaskStatistics {
     pub ascent: f64,
     /// Greatest grade up or down between two waypoints, degrees.
     pub steepest: f64,
+    /// Whether somebody has done it; none where the suite has no proof.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proven: Option<bool>,
 }
 
 impl TaskStatistics {
@@ -118,6 +121,7 @@ impl TaskStatistics {
             clearance: footprints.closest(&task.path).map(|(_, n)| n.distance),
             ascent,
             steepest,
+            proven: None,
         }
     }
 }

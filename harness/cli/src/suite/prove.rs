@@ -1,0 +1,93 @@
+//! `vb-harness suite prove`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use vb_record::{RunHeader, RunReader};
+use vb_score::{Outcome, TaskRecord};
+use vb_suite::proof::{Conditions, Named, Proof, ProofError, Prover};
+
+use crate::args::ProveArgs;
+use crate::error::CliError;
+use crate::output;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Run { run: &'a Path, planner: &'a str, proven: usize },
+    Proof { path: &'a Path, proven: usize, tasks: usize, unproven: &'a [String] },
+}
+
+/// Collects from runs which tasks of a suite have been done.
+pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
+    let suite = super::open(Some(&args.suite))?;
+    let hash = suite.hash();
+    let mut proof: Option<Proof> = None;
+    for dir in &args.runs {
+        let run = RunReader::open(dir).map_err(CliError::input)?;
+        let header = run.header();
+        let wrong =
+            |problem: String| CliError::input(format!("{}: {problem}", dir.join("run.json").display()));
+        if header.suite.hash != hash {
+            return Err(wrong(format!(
+                "is a run of a suite with hash {}, and {} has {hash}: run the planner on this suite",
+                header.suite.hash,
+                suite.dir().display()
+            )));
+        }
+        let conditions = conditions(header);
+        let proof = proof.get_or_insert_with(|| Proof::new(&suite, conditions.clone()));
+        if proof.conditions != conditions {
+            return Err(wrong(
+                "differs from the first run in harness, vehicle, soils, rules, scale or step: prove them in files of their own (--out)"
+                    .into(),
+            ));
+        }
+        let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
+        let done = records.into_iter().filter(|r| r.outcome == Outcome::Success);
+        let proven = proof.add(prover(header), done.map(|r| (r.task, r.time_s, r.state_hash)));
+        if args.format.json() {
+            output::json(&Message::Run { run: dir, planner: &header.plugin.name, proven });
+        } else {
+            output::text(&format!("{}: {proven} more by {}\n", dir.display(), header.plugin.name));
+        }
+    }
+    // The arguments demand a run.
+    let Some(proof) = proof else { return Ok(()) };
+    let path = args.out.clone().unwrap_or_else(|| Proof::path(&suite));
+    proof.write(&path).map_err(|e| match e {
+        ProofError::File { .. } => CliError::output(e),
+        other => CliError::input(other),
+    })?;
+    let (proven, tasks) = (proof.tasks.len(), suite.task_count());
+    if args.format.json() {
+        output::json(&Message::Proof { path: &path, proven, tasks, unproven: &proof.unproven });
+    } else {
+        output::text(&format!("{}: {proven} of {tasks} tasks are proven\n", path.display()));
+    }
+    Ok(())
+}
+
+fn conditions(header: &RunHeader) -> Conditions {
+    let named = |name: &str, hash: &str| Named { name: name.into(), hash: hash.into() };
+    Conditions {
+        harness_version: header.harness_version.clone(),
+        vehicle: named(&header.vehicle.name, &header.vehicle.hash),
+        soils: named(&header.soils.name, &header.soils.hash),
+        rules: named(&header.rules.name, &header.rules.hash),
+        scale: header.scale,
+        time_step: header.time_step,
+        soil_pitch: header.soil_pitch,
+    }
+}
+
+fn prover(header: &RunHeader) -> Prover {
+    let plugin = &header.plugin;
+    Prover {
+        planner: plugin.name.clone(),
+        version: plugin.version.clone(),
+        sha256: plugin.sha256.clone(),
+        params: header.params.clone(),
+        seed: header.seed,
+    }
+}

@@ -1,0 +1,104 @@
+//! A planner that takes its time before the start: it searches the whole map for a way that the vehicle can stand,
+//! climb and straddle, and follows it.
+//!
+//! It is no system of the paper. It shows which tasks can be done (`vb-harness suite prove`): run with several
+//! variants and speeds, each of which makes other choices.
+
+mod ground;
+mod route;
+
+use ground::Ground;
+use vb_sdk::path::{Follower, Path};
+use vb_sdk::rng::Rng;
+use vb_sdk::speed::SpeedController;
+use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
+
+vb_sdk::export_planner! {
+    planner: Expert,
+    name: "expert",
+    about: "Plans a way over the terrain before it starts, and follows it",
+    control_period: 0.1,
+    params: {
+        speed: 3.0 => "target speed, m/s at full scale",
+        lookahead: 5.0 => "distance of the point that is steered to, m at full scale",
+        caution: 1.0 => "weight of tilt, climbs, twist and the belly's clearance against the length of the way",
+        variant: 0 => "0: the best way; others draw the ground's costs a little differently and so find other ways",
+        ki: 0.3 => "integral gain of the speed controller, 1/m",
+    }
+}
+
+/// How much the costs of a variant differ.
+const SPREAD: f64 = 0.5;
+/// A vehicle that has gone less than this, m at full scale, in [`PATIENCE`] seconds wriggles.
+const PROGRESS: f64 = 0.5;
+const PATIENCE: f64 = 3.0;
+/// Time from left to right while wriggling, s, and how far it steers.
+const WRIGGLE: f64 = 0.8;
+const SWING: f64 = 0.7;
+
+struct Expert {
+    follower: Follower,
+    vehicle: Vehicle,
+    lookahead: f64,
+    target: f64,
+    speed: SpeedController,
+    period: f64,
+    /// Where it was last seen to get on, and when.
+    anchor: (f64, f64, f64),
+}
+
+impl Planner for Expert {
+    fn init(task: &Task) -> Result<Self, PlannerError> {
+        let scale = task.vehicle.scale;
+        let positive = |key: &str| match task.param_f64(key)? {
+            value if value > 0.0 => Ok(value),
+            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is not above 0"))),
+        };
+        let caution = positive("caution")?;
+        let variant: u64 = task.param_as("variant")?;
+        let mut ground = Ground::new(task, caution);
+        if variant > 0 {
+            ground.perturb(&mut Rng::new(task.seed ^ variant), SPREAD);
+        }
+        // Without a way of its own it has the global path.
+        let way = route::route(task, &ground).unwrap_or_else(|| task.path.clone());
+        let lookahead = positive("lookahead")? * scale;
+        Ok(Self {
+            follower: Follower::new(Path::new(&way)?, 2.0 * lookahead),
+            lookahead,
+            target: positive("speed")? * scale.sqrt(),
+            speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
+            period: task.control_period,
+            anchor: (task.start.x, task.start.y, 0.0),
+            vehicle: task.vehicle.clone(),
+        })
+    }
+
+    fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        let (x, y) = (o.position.x, o.position.y);
+        self.follower.update(x, y);
+        let goal = self.follower.look_ahead(self.lookahead);
+        let (dx, dy) = (goal.x - x, goal.y - y);
+        let bearing = math::turn(o.yaw, math::atan2(dy, dx));
+        // Pure pursuit (Coulter 1992): the arc through the point, on a bicycle.
+        let distance = math::hypot(dx, dy).max(0.1 * self.lookahead);
+        let angle = math::atan(2.0 * self.vehicle.wheelbase * math::sin(bearing) / distance);
+        let mut steering = (angle / self.vehicle.max_steer_angle).clamp(-1.0, 1.0);
+        if bearing.abs() > 1.57 {
+            steering = bearing.signum();
+        }
+        let gone = math::hypot(x - self.anchor.0, y - self.anchor.1);
+        if gone > PROGRESS * self.vehicle.scale {
+            self.anchor = (x, y, o.time);
+        }
+        let waited = o.time - self.anchor.2;
+        if waited > PATIENCE {
+            let left = ((waited - PATIENCE) / WRIGGLE) as u64 % 2 == 0;
+            steering = (steering + if left { SWING } else { -SWING }).clamp(-1.0, 1.0);
+        }
+        // Slower in bends.
+        let target = self.target * (1.0 - 0.4 * steering.abs());
+        let (throttle, brake) = self.speed.update(target, o.linear_velocity.x, self.period);
+        Ok(Command { steering, throttle, brake, ..Command::default() })
+    }
+}

@@ -1,0 +1,84 @@
+//! Proof that tasks can be done is collected from runs, and anybody can do them again.
+
+use std::path::Path;
+
+use vb_tests::{Bench, Carrier, plugin, root};
+
+const BAD_INPUT: i32 = 3;
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("paths of tests are text")
+}
+
+#[test]
+fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
+    let bench = Bench::new();
+    let [pid, expert] = ["pid", "expert"].map(|name| plugin(name, Carrier::Wasm));
+    let run = |plugin: &Path, tasks: &str, out: &str| {
+        bench.ok(&["--plugin", text(plugin), "--suite", "smoke", "--tasks", tasks, "--out", out]);
+    };
+    run(&pid, "w001/t00-t01", "a");
+    run(&expert, "w001/t01-t02", "b");
+    let told = bench.ok(&["suite", "prove", "smoke", "a", "b", "--out", "proof.json", "--json"]);
+    let proof = bench.json("proof.json");
+    let by = |task: &str| proof["tasks"][task]["prover"].as_u64();
+    assert_eq!([by("w001/t00"), by("w001/t01"), by("w001/t02")], [Some(0), Some(0), Some(1)]);
+    assert_eq!(proof["provers"][1]["planner"], "expert");
+    assert_eq!(proof["tasks"]["w001/t02"]["state_hash"], bench.records("b")["w001/t02"]["state_hash"]);
+    assert_eq!(proof["unproven"].as_array().map(Vec::len), Some(97));
+    let last: serde_json::Value = serde_json::from_str(told.lines().last().expect("a line")).expect("JSON");
+    assert_eq!((&last["event"], &last["proven"]), (&"proof".into(), &3.into()));
+
+    // Runs that say nothing of this suite, or drove under other conditions, prove nothing.
+    bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--out", "other"]);
+    let error = bench.run(&["suite", "prove", "smoke", "other", "--out", "p.json"]).error(BAD_INPUT);
+    assert!(error.contains("is a run of a suite with hash"), "{error}");
+    bench.ok(&[
+        "--plugin",
+        text(&pid),
+        "--suite",
+        "smoke",
+        "--tasks",
+        "w001/t00",
+        "--rules",
+        "dev",
+        "--out",
+        "dev",
+    ]);
+    let error = bench.run(&["suite", "prove", "smoke", "a", "dev", "--out", "p.json"]).error(BAD_INPUT);
+    assert!(error.contains("differs from the first run"), "{error}");
+    assert!(!bench.path("p.json").exists());
+}
+
+/// A snapshot: the proof of the small suite is of today's physics. If it fails, drive anew with `cargo xtask prove`, also
+/// `vb-100`, and say so in the change log, since all results change.
+#[test]
+fn tasks_that_are_said_to_be_proven_are_done_again_with_the_same_states() {
+    let bench = Bench::new();
+    let expert = plugin("expert", Carrier::Wasm);
+    for suite in ["smoke", "vb-100"] {
+        let file = root().join("tasks").join(suite).join("proof.json");
+        let proof: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(file).expect("a proof")).expect("JSON");
+        let tasks = proof["tasks"].as_object().expect("tasks");
+        assert!(tasks.len() * 10 >= 9 * (tasks.len() + proof["unproven"].as_array().map_or(0, Vec::len)));
+        // The first task of the first two provers.
+        for prover in 0..2 {
+            let (task, drive) =
+                tasks.iter().find(|(_, d)| d["prover"] == prover).expect("it proved something");
+            let params = proof["provers"][prover]["params"].as_object().expect("parameters");
+            let params: Vec<String> =
+                params.iter().map(|(k, v)| format!("{k}={}", v.as_str().unwrap_or_default())).collect();
+            let out = format!("{suite}-{prover}");
+            let mut args = vec!["--plugin", text(&expert), "--suite", suite, "--tasks", task, "--out", &out];
+            params.iter().for_each(|p| args.extend(["--param", p.as_str()]));
+            bench.ok(&args);
+            let record = &bench.records(&out)[task];
+            assert_eq!(
+                (&record["outcome"], &record["state_hash"]),
+                (&"success".into(), &drive["state_hash"]),
+                "{task}"
+            );
+        }
+    }
+}

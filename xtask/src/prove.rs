@@ -1,0 +1,72 @@
+//! Proof that the tasks of a suite can be done: the expert drives them, one variant after the other, until all are done
+//! or no variant is left.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::run::{Failure, run, step};
+use crate::{built, default_plugin_dir, root, target_dir};
+
+/// Parameters of the expert: the usual ones, then faster, slower and more cautious, then other ways.
+const VARIANTS: [&[&str]; 12] = [
+    &[],
+    &["speed=4.5"],
+    &["speed=6", "caution=2"],
+    &["variant=1", "speed=4"],
+    &["variant=2", "speed=5", "caution=3"],
+    &["variant=3", "speed=7"],
+    &["speed=2"],
+    &["variant=4", "speed=5", "lookahead=8"],
+    &["caution=3"],
+    &["variant=5"],
+    &["variant=6", "speed=6", "caution=4"],
+    &["variant=7", "speed=4", "lookahead=3"],
+];
+
+/// Drives the tasks of a suite and writes its `proof.json`.
+pub(crate) fn prove(suite: &Path) -> Result<(), Failure> {
+    let suite = if suite.is_dir() { suite.to_owned() } else { root().join("tasks").join(suite) };
+    let runs = target_dir().join("proof").join(suite.file_name().unwrap_or_default());
+    if runs.exists() {
+        std::fs::remove_dir_all(&runs)
+            .map_err(|e| Failure::new(format!("can't remove {}: {e}", runs.display())))?;
+    }
+    let mut left: Option<String> = None;
+    let mut done = Vec::new();
+    for (k, params) in VARIANTS.iter().enumerate() {
+        step(&format!("expert {}", if params.is_empty() { "as it is".to_owned() } else { params.join(" ") }));
+        let out = runs.join(k.to_string());
+        let mut drive = Command::new(built("vb-harness"));
+        drive.arg("--plugin").arg(default_plugin_dir().join("expert.wasm"));
+        drive.arg("--suite").arg(&suite).arg("--out").arg(&out).args(["--trace", "none"]);
+        for param in *params {
+            drive.args(["--param", param]);
+        }
+        if let Some(tasks) = &left {
+            drive.args(["--tasks", tasks]);
+        }
+        run(&mut drive)?;
+        done.push(out);
+        let unproven = collect(&suite, &done)?;
+        step(&format!("{} tasks are left", unproven.len()));
+        if unproven.is_empty() {
+            break;
+        }
+        left = Some(unproven.join(","));
+    }
+    Ok(())
+}
+
+/// Writes the proof of these runs; the tasks that are left.
+fn collect(suite: &Path, runs: &[std::path::PathBuf]) -> Result<Vec<String>, Failure> {
+    let mut command = Command::new(built("vb-harness"));
+    command.args(["suite", "prove", "--json"]).arg(suite).args(runs).stderr(Stdio::inherit());
+    let output = command.output().map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let last: Option<Value> = text.lines().last().and_then(|line| serde_json::from_str(line).ok());
+    let unproven = last.as_ref().and_then(|message| message["unproven"].as_array());
+    let names = |tasks: &Vec<Value>| tasks.iter().filter_map(Value::as_str).map(str::to_owned).collect();
+    unproven.map(names).ok_or_else(|| Failure::new("`vb-harness suite prove` failed"))
+}
