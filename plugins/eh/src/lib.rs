@@ -21,13 +21,13 @@ vb_sdk::export_planner! {
     about: "Steers between the global path and the evenest of five regions of the elevation map in front",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s",
+        speed: 3.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         region: 6.4 => "side of a region, m at full scale",
         terrain: 0.2 => "share of the region's bearing in the steering error, 0 to 1",
         roughness: 1.0 => "weight of a region's standard deviation against its difference in mean height",
         kp: 1.0 => "proportional gain of the steering, 1/rad",
-        speed_kp: 1.0 => "proportional gain of the speed controller, s/m",
+        speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "1: record the regions with their scores and the local goal beside the trajectory",
     }
 }
@@ -127,8 +127,9 @@ impl Planner for Eh {
             terrain,
             roughness: task.param_f64("roughness")?,
             kp: task.param_f64("kp")?,
-            target_speed: positive("speed")?,
-            speed: SpeedController::new(task.param_f64("speed_kp")?, 0.0),
+            // Speeds scale by the root of the lengths (Froude).
+            target_speed: positive("speed")? * scale.sqrt(),
+            speed: SpeedController::new(task.param_f64("speed_kp")? / scale.sqrt(), 0.0),
             period: task.control_period,
             explain: task.param_as::<u32>("explain")? != 0,
         })

@@ -25,21 +25,21 @@ vb_sdk::export_planner! {
     about: "Samples steering and speed for a bicycle in the plane, around obstacles towards a point on the global path",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s",
+        speed: 3.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         samples: 1000 => "courses drawn every control period",
         horizon: 20 => "steps of a course",
         dt: 0.15 => "time of a step, s at full scale",
         spacing: 5 => "steps from one drawn command to the next; those between lie on a line",
         steer_spread: 0.4 => "standard deviation of drawn steering, of full steering",
-        speed_spread: 0.5 => "standard deviation of drawn speed, m/s",
+        speed_spread: 0.5 => "standard deviation of drawn speed, m/s at full scale",
         effective: 0.1 => "share of the courses that the temperature gives a say",
         goal: 1.0 => "weight of the distance from the local goal",
         obstacle: 10.0 => "weight of obstacles and edges",
         margin: 1.0 => "distance between vehicle and obstacle that costs nothing, m at full scale",
         pace: 3.0 => "weight of the deviation from the target speed",
         effort: 0.02 => "weight of steering",
-        speed_kp: 1.0 => "proportional gain of the speed controller, s/m",
+        speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
     }
 }
@@ -77,7 +77,9 @@ impl Planner for MppiPlanner {
         if effective >= 1.0 {
             return Err(PlannerError::new(format!("parameter `effective`: {effective} is not below 1")));
         }
-        let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")?);
+        // Speeds and times scale by the root of the lengths (Froude).
+        let root = scale.sqrt();
+        let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")? * root);
         let margin = positive("margin")? * scale;
         let radius = 0.5 * vehicle.width;
         let clearance = Field::clearance(task, radius + margin)
@@ -85,10 +87,9 @@ impl Planner for MppiPlanner {
         let settings = Settings {
             samples: count("samples")?,
             horizon: count("horizon")?,
-            // What is driven in a step scales with the vehicle and its speed (Froude).
-            dt: (positive("dt")? * scale.sqrt()) as f32,
+            dt: (positive("dt")? * root) as f32,
             spacing: count("spacing")?,
-            spread: [positive("steer_spread")? as f32, positive("speed_spread")? as f32],
+            spread: [positive("steer_spread")? as f32, (positive("speed_spread")? * root) as f32],
             low: [-1.0, 0.0],
             high: [1.0, vehicle.max_speed.min(2.0 * target) as f32],
             effective,
@@ -115,7 +116,7 @@ impl Planner for MppiPlanner {
             model: Bicycle::of(vehicle),
             objective,
             mppi: Mppi::new(settings, [0.0, target as f32], task.seed),
-            speed: SpeedController::new(task.param_f64("speed_kp")?, 0.0),
+            speed: SpeedController::new(task.param_f64("speed_kp")? / root, 0.0),
             period: task.control_period,
             explain: task.param_as("explain")?,
         })

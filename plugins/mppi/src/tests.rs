@@ -127,12 +127,7 @@ fn a_tenth_of_the_scale_is_driven_alike() {
             (0.1 * map.resolution, 0.1 * map.origin_x, 0.1 * map.origin_y);
     }
     small.path.iter_mut().for_each(|p| *p = Point2 { x: 0.1 * p.x, y: 0.1 * p.y });
-    let set = |task: &mut Task, key: &str, value: f64| {
-        task.params.iter_mut().filter(|p| p.key == key).for_each(|p| p.value = value.to_string());
-    };
     // Speeds scale by the root of the length.
-    set(&mut small, "speed", 3.0 * 0.1_f64.sqrt());
-    set(&mut small, "speed_spread", 0.5 * 0.1_f64.sqrt());
     let at = |task: &Task, s: f64| {
         let mut planner = MppiPlanner::init(task).unwrap();
         let position = Vec3 { x: -8.0 * s, y: 0.0, z: 0.0 };

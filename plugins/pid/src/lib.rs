@@ -17,12 +17,12 @@ vb_sdk::export_planner! {
     about: "Steers by the heading error to a point on the global path and holds a target speed",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s",
+        speed: 3.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         kp: 1.0 => "proportional gain of the steering, 1/rad",
         ki: 0.0 => "integral gain of the steering, 1/(rad s)",
         kd: 0.0 => "derivative gain of the steering, s/rad",
-        speed_kp: 1.0 => "proportional gain of the speed controller, s/m",
+        speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
     }
 }
 
@@ -75,8 +75,9 @@ impl Planner for Pid {
                 integral: 0.0,
                 last: None,
             },
-            target_speed: positive("speed")?,
-            speed: SpeedController::new(task.param_f64("speed_kp")?, 0.0),
+            // Speeds scale by the root of the lengths (Froude).
+            target_speed: positive("speed")? * task.vehicle.scale.sqrt(),
+            speed: SpeedController::new(task.param_f64("speed_kp")? / task.vehicle.scale.sqrt(), 0.0),
             period: task.control_period,
         })
     }
@@ -143,6 +144,15 @@ mod tests {
         assert!((steering(&task(&[("kp", "0.5")]), &at(5.0, 2.0, 0.0, 3.0)) + 0.5 * e).abs() < 1e-12);
         let near = task(&[("lookahead", "4")]);
         assert!((steering(&near, &at(5.0, 2.0, 0.0, 3.0)) + ATAN_HALF).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_speed_scales_by_the_root_of_the_vehicle() {
+        // At 1/4 of the scale 3 m/s become 1.5 m/s, and 0.25 m/s too slow is what 0.5 m/s is at full scale.
+        let mut t = task(&[]);
+        t.vehicle.scale = 0.25;
+        let c = Pid::init(&t).unwrap().step(&at(0.0, 0.0, 0.0, 1.25)).unwrap();
+        assert_eq!((c.throttle, c.brake), (0.5, 0.0));
     }
 
     #[test]
