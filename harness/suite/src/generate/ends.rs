@@ -176,13 +176,15 @@ mod tests {
         let ends = ends(&ground(|x, _| 0.0875 * x), &firm(0.5), &[], 3.5, 20.0, &climb).unwrap();
         assert!(ends.pairs.iter().all(|[s, _]| s[0] > -16.0), "cos(angle) tan 5° <= tan 4° {:?}", ends.pairs);
         assert!(ends.pairs[2][0][1].abs() > 11.9, "the third can't start due west: {:?}", ends.pairs);
-        // A saddle z = a x y lifts the diagonals of wheels that head along x or y by a times half length and half width.
-        let twist = TaskParams { stand: StandParams { twist: 0.04, ..STAND }, ..TASKS };
-        let saddle =
-            |a: f64| super::ends(&ground(move |x, y| a * (x * y)), &firm(0.5), &[], 3.5, 20.0, &twist);
-        assert!(saddle(0.003).is_some_and(|e| e.pairs[0][0] == [20.0, 0.0]), "0.003 * 3 * 2 = 0.018");
-        let turned = saddle(0.007).unwrap().pairs[0][0];
-        assert!(turned[1].abs() > 0.1, "on the axis 0.007 * 3 * 2 = 0.042: {turned:?}");
+        // A saddle z = a x y lifts one pair of diagonal wheels that head along x above the other by 2 a · 1.5 m · 1 m.
+        let stand = StandParams { twist: 0.04, tilt: 45.0, unevenness: 1.0, ..STAND };
+        let twist = TaskParams { stand, ..TASKS };
+        let first = |a: f64| {
+            let saddle = ground(move |x, y| a * (x * y));
+            super::ends(&saddle, &firm(0.9), &[], 3.5, 20.0, &twist).unwrap().pairs[0][0]
+        };
+        assert_eq!(first(0.012), [20.0, 0.0], "0.036 m");
+        assert!(first(0.015)[1].abs() > 0.1, "0.045 m on the axis, nothing on the diagonals");
     }
 
     #[test]

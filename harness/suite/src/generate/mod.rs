@@ -82,6 +82,9 @@ pub enum GenerateError {
     Suite(#[from] SuiteError),
 }
 
+/// Start and goal of each task, m.
+type Pairs = Vec<[[f64; 2]; 2]>;
+
 /// Surfaces drawn before giving up on starts and goals.
 const SURFACES: usize = 100;
 /// Obstacle layouts drawn before giving up on paths.
@@ -208,7 +211,7 @@ impl Generator<'_> {
         level: Elevation,
         semantics: &Semantics,
         rng: &mut Stream,
-    ) -> Result<(Heightfield, Vec<[[f64; 2]; 2]>), GenerateError> {
+    ) -> Result<(Heightfield, Pairs), GenerateError> {
         let (rules, tasks) = (&self.rules.elevation, &self.rules.tasks);
         // Drawn before the surfaces: flat ones, which have more room for starts, must not make a level flatter.
         let spread = rng.normal(0.0, 1.0).clamp(-SPREAD_LIMIT, SPREAD_LIMIT);
