@@ -6,7 +6,7 @@ use vb_math::rng::Stream;
 /// Number of resamples. The ends of a 95 % interval move by about a hundredth of its width with another seed.
 const RESAMPLES: usize = 10_000;
 /// Number of clusters drawn for an interval at most: with very many clusters fewer resamples do.
-const DRAWS: usize = 20_000_000;
+const DRAWS: usize = 5_000_000;
 /// Least number of resamples.
 const FEWEST: usize = 1_000;
 
