@@ -8,7 +8,8 @@ use vb_report::{Report, ReportError, Runs, write_csv, write_parquet};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
-use crate::output;
+use crate::replay::Player;
+use crate::{output, suite};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -41,7 +42,11 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
     if let Some(out) = &args.out {
         // Only what lies beside the page can be linked wherever it is copied to.
         let beside = files.iter().filter(|f| f.parent() == Some(out)).filter_map(|f| f.file_name()?.to_str());
-        let page = report.page(&BTreeSet::new(), &beside.collect::<Vec<_>>());
+        let replays = match &args.replays {
+            Some(selector) => replays(&report, args, selector, out)?,
+            None => BTreeSet::new(),
+        };
+        let page = report.page(&replays, &beside.collect::<Vec<_>>());
         let path = out.join("index.html");
         write(&path, &page)?;
         files.push(path);
@@ -58,6 +63,31 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
         output::note(&format!("wrote {}", file.display()));
     }
     Ok(())
+}
+
+/// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html`, and returns their names.
+fn replays(
+    report: &Report,
+    args: &ReportArgs,
+    selector: &str,
+    out: &Path,
+) -> Result<BTreeSet<String>, CliError> {
+    let player = Player::new(report.runs(), &args.data, &BTreeSet::new())?;
+    let chosen = suite::select(player.suite(), Some(selector))?;
+    let chosen: BTreeSet<String> = chosen.iter().map(ToString::to_string).collect();
+    let mut player = Player::new(report.runs(), &args.data, &chosen)?;
+    let mut made = BTreeSet::new();
+    for task in chosen {
+        let Some(replay) = player.replay(&task)? else { continue };
+        let path = out.join("replays").join(format!("{task}.html"));
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)
+                .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
+        }
+        write(&path, &vb_replay::page(&replay))?;
+        made.insert(task);
+    }
+    Ok(made)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {

@@ -1,0 +1,213 @@
+// One run in the world: vehicle, trail, ruts, what its planner intends, how it ended.
+import * as THREE from 'three';
+import { bodies, band } from './ground.js';
+import { locate, position, scale, signal } from './data.js';
+
+const WHEEL = 7; // hub, axis, angle
+const UP = new THREE.Vector3(0, 1, 0);
+
+function wheel(radius, width, ghost) {
+  const group = new THREE.Group();
+  const paint = (color) => new THREE.MeshLambertMaterial({ color, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+  const tyre = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, width, 36), paint(0x232325));
+  const rim = new THREE.Mesh(new THREE.CylinderGeometry(0.58 * radius, 0.58 * radius, 1.02 * width, 24), paint(0x8b8d90));
+  group.add(tyre, rim);
+  // Treads and spokes, by which one sees it turn.
+  for (let k = 0; k < 18; k += 1) {
+    const angle = (k * Math.PI) / 9;
+    const tread = new THREE.Mesh(new THREE.BoxGeometry(0.09 * radius, 0.94 * width, 0.1 * radius), paint(0x131314));
+    tread.position.set(0.985 * radius * Math.sin(angle), 0, 0.985 * radius * Math.cos(angle));
+    tread.rotation.y = angle;
+    group.add(tread);
+  }
+  for (let k = 0; k < 5; k += 1) {
+    const angle = (k * 2 * Math.PI) / 5;
+    const spoke = new THREE.Mesh(new THREE.BoxGeometry(0.13 * radius, 1.05 * width, 0.44 * radius), paint(k === 0 ? 0xe7c64a : 0x4a4c50));
+    spoke.position.set(0.3 * radius * Math.sin(angle), 0, 0.3 * radius * Math.cos(angle));
+    spoke.rotation.y = angle;
+    group.add(spoke);
+  }
+  for (const part of group.children) part.castShadow = !ghost;
+  return group;
+}
+
+function label(text, colour, unit) {
+  const canvas = document.createElement('canvas');
+  const context = canvas.getContext('2d');
+  const font = '600 44px system-ui, sans-serif';
+  context.font = font;
+  canvas.width = Math.ceil(context.measureText(text).width) + 44;
+  canvas.height = 72;
+  context.font = font;
+  context.fillStyle = colour;
+  context.beginPath();
+  context.roundRect(0, 0, canvas.width, canvas.height, 18);
+  context.fill();
+  context.fillStyle = '#fff';
+  context.textBaseline = 'middle';
+  context.fillText(text, 22, 38);
+  const map = new THREE.CanvasTexture(canvas);
+  map.colorSpace = THREE.SRGBColorSpace;
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map, depthTest: false }));
+  sprite.scale.set((canvas.width / canvas.height) * 1.1 * unit, 1.1 * unit, 1);
+  sprite.renderOrder = 10;
+  return sprite;
+}
+
+function ruts(run, height, pitch) {
+  const n = run.ruts.length / 5;
+  const vertices = new Float32Array(12 * n);
+  const colour = new Float32Array(12 * n);
+  const index = new Uint32Array(6 * n);
+  const half = 0.5 * pitch;
+  for (let k = 0; k < n; k += 1) {
+    const [, x, y, depth, raised] = run.ruts.subarray(5 * k, 5 * k + 5);
+    [[-half, -half], [half, -half], [half, half], [-half, half]].forEach(([u, v], i) => {
+      vertices.set([x + u, y + v, height(x + u, y + v) + 0.02 * pitch * 10 + Math.min(raised, 0.3) * 0.6], 12 * k + 3 * i);
+    });
+    // Deep ruts are dark, heaps are bright.
+    const shade = depth > raised ? Math.max(0.1, 0.42 - 2.2 * depth) : Math.min(0.85, 0.5 + 2 * raised);
+    for (let i = 0; i < 4; i += 1) colour.set([shade, shade * 0.88, shade * 0.74], 12 * k + 3 * i);
+    index.set([0, 1, 2, 0, 2, 3].map((i) => 4 * k + i), 6 * k);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(vertices, 3));
+  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 3));
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  const mesh = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({
+    vertexColors: true, transparent: true, opacity: 0.8, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+  }));
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+export class Run {
+  constructor(run, ghost, world, unit, pitch) {
+    Object.assign(this, { run, ghost, world, unit });
+    this.group = new THREE.Group();
+    this.body = new THREE.Group();
+    const paint = new THREE.MeshLambertMaterial({
+      color: run.colour, flatShading: true, transparent: ghost, opacity: ghost ? 0.4 : 1,
+    });
+    const hull = bodies(run.vehicle.parts, paint);
+    hull.castShadow = !ghost;
+    this.body.add(hull, new THREE.LineSegments(
+      new THREE.EdgesGeometry(hull.geometry, 12),
+      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
+    ));
+    this.wheels = Array.from({ length: run.wheel_count }, () => wheel(run.vehicle.radius, run.vehicle.width, ghost));
+    this.body.add(...this.wheels);
+    this.group.add(this.body);
+    this.makeTrail();
+    this.ruts = ruts(run, world.height, pitch);
+    this.group.add(this.ruts);
+    this.plans = Object.entries(run.series.lines).map(([name, steps]) => {
+      const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 });
+      const lines = new THREE.LineSegments(new THREE.BufferGeometry(), material);
+      lines.frustumCulled = false;
+      this.group.add(lines);
+      return { name, steps, times: steps.map((s) => s[0]), lines, shown: -1 };
+    });
+    const last = run.times.length - 1;
+    this.flag = label(run.outcome, run.success ? '#2f9463' : '#c0412b', unit);
+    const [x, y, z] = position(run, last);
+    this.flag.position.set(x, y, z + 3.4 * unit);
+    this.group.add(this.flag);
+  }
+
+  // A point of the trail about every tenth of a second, and the last.
+  makeTrail() {
+    const { run } = this;
+    this.trailFrames = [];
+    run.times.forEach((t, k) => {
+      const before = this.trailFrames.length ? run.times[this.trailFrames.at(-1)] : -1;
+      if (t - before > 0.099 || k === run.times.length - 1) this.trailFrames.push(k);
+    });
+    this.trailTimes = Float32Array.from(this.trailFrames, (k) => run.times[k]);
+    const points = this.trailFrames.map((k) => [...position(run, k).subarray(0, 2)]);
+    const colours = new Float32Array(6 * points.length);
+    this.trail = band(points, (this.ghost ? 0.25 : 0.4) * this.unit, 0.09 * this.unit, this.world.height, colours, {
+      transparent: true, opacity: this.ghost ? 0.6 : 0.95,
+    });
+    this.group.add(this.trail);
+  }
+
+  // By speed, by roll, or in the run's own colour; `most` is the end of the scale.
+  colourTrail(by, most) {
+    const own = new Float32Array([1, 3, 5].map((k) => (parseInt(this.run.colour.slice(k, k + 2), 16) / 255) ** 2.2));
+    const colours = this.trail.geometry.getAttribute('color');
+    this.trailFrames.forEach((k, i) => {
+      const value = by === 'speed' ? signal(this.run, k, 0) : Math.abs(signal(this.run, k, 1));
+      const c = by === 'run' ? own : scale(value / most).map((v) => v ** 2.2);
+      colours.array.set([...c, ...c], 6 * i);
+    });
+    colours.needsUpdate = true;
+  }
+
+  pose(t) {
+    const [k, share] = locate(this.run.times, t);
+    const next = Math.min(k + 1, this.run.times.length - 1);
+    const [a, b] = [k, next].map((i) => this.run.poses.subarray(7 * i, 7 * i + 7));
+    const at = new THREE.Vector3(...a.subarray(0, 3)).lerp(new THREE.Vector3(...b.subarray(0, 3)), share);
+    const turn = new THREE.Quaternion(...a.subarray(3)).slerp(new THREE.Quaternion(...b.subarray(3)), share);
+    return { k, next, share, at, turn };
+  }
+
+  show(t) {
+    const { k, next, share, at, turn } = this.pose(t);
+    this.body.position.copy(at);
+    this.body.quaternion.copy(turn);
+    const n = this.run.wheel_count;
+    this.wheels.forEach((mesh, w) => {
+      const [a, b] = [k, next].map((i) => this.run.wheels.subarray(WHEEL * (n * i + w), WHEEL * (n * i + w + 1)));
+      const mix = (i) => a[i] + share * (b[i] - a[i]);
+      mesh.position.set(mix(0), mix(1), mix(2));
+      const axis = new THREE.Vector3(mix(3), mix(4), mix(5)).normalize();
+      mesh.quaternion.setFromUnitVectors(UP, axis)
+        .multiply(new THREE.Quaternion().setFromAxisAngle(UP, mix(6)));
+    });
+    const [trail] = locate(this.trailTimes, t);
+    this.trail.geometry.setDrawRange(0, t <= 0 ? 0 : 6 * trail);
+    let cells = 0;
+    const total = this.run.ruts.length / 5;
+    for (let low = 0, high = total; low < high;) {
+      const middle = (low + high) >> 1;
+      if (this.run.ruts[5 * middle] <= t) { low = middle + 1; cells = low; } else high = middle;
+    }
+    this.ruts.geometry.setDrawRange(0, 6 * cells);
+    for (const plan of this.plans) this.showPlan(plan, t);
+    this.flag.visible = t >= this.run.end - 1e-3;
+  }
+
+  showPlan(plan, t) {
+    const step = plan.times.length && plan.times[0] <= t + 1e-6 ? locate(plan.times, t + 1e-6)[0] : -1;
+    if (step === plan.shown) return;
+    plan.shown = step;
+    const points = [];
+    const colours = [];
+    if (step >= 0) {
+      const [, dimensions, values, costs] = plan.steps[step];
+      const finite = (costs ?? []).filter((c) => c !== null);
+      const [low, high] = [Math.min(...finite), Math.max(...finite)];
+      let line = 0;
+      let last = null;
+      for (let i = 0; i + dimensions <= values.length; i += dimensions) {
+        const p = values.slice(i, i + dimensions);
+        if (p.includes(null)) { line += 1; last = null; continue; }
+        const z = dimensions === 3 ? p[2] : this.world.height(p[0], p[1]) + 0.35 * this.unit;
+        const here = [p[0], p[1], z];
+        if (last) {
+          const cost = costs?.[line];
+          const c = cost === null || cost === undefined ? [0.1, 0.85, 0.78] : scale(high > low ? (cost - low) / (high - low) : 0);
+          points.push(...last, ...here);
+          colours.push(...c, ...c);
+        }
+        last = here;
+      }
+    }
+    plan.lines.geometry.dispose();
+    plan.lines.geometry = new THREE.BufferGeometry();
+    plan.lines.geometry.setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
+    plan.lines.geometry.setAttribute('color', new THREE.Float32BufferAttribute(colours, 3));
+  }
+}
