@@ -53,12 +53,15 @@ fn program() -> Option<String> {
     if let Ok(program) = std::env::var("VB_BROWSER") {
         return Some(program);
     }
-    let runs = |p: &&str| {
+    let runs = |p: &str| {
         let mut command = Command::new(p);
         command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
         command.status().is_ok_and(|s| s.success())
     };
-    ["chromium", "chromium-browser", "google-chrome", "chrome"].iter().find(runs).map(|p| (*p).to_owned())
+    ["chromium", "chromium-browser", "google-chrome", "chrome"]
+        .into_iter()
+        .find(|p| runs(p))
+        .map(str::to_owned)
 }
 
 impl Browser {
@@ -100,8 +103,9 @@ impl Browser {
             loaded: false,
             _profile: profile,
         };
-        let target = browser.call("Target.createTarget", json!({"url": "about:blank", "width": width, "height": height}));
-        let session = browser.call("Target.attachToTarget", json!({"targetId": target["targetId"], "flatten": true}));
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let session =
+            browser.call("Target.attachToTarget", json!({"targetId": target["targetId"], "flatten": true}));
         browser.session = session["sessionId"].as_str().map(str::to_owned);
         for domain in ["Page", "Runtime", "Log"] {
             browser.call(&format!("{domain}.enable"), json!({}));
@@ -138,7 +142,9 @@ impl Browser {
         match message["method"].as_str() {
             Some("Page.loadEventFired") => self.loaded = true,
             Some("Runtime.exceptionThrown") => self.errors.push(p["exceptionDetails"].to_string()),
-            Some("Runtime.consoleAPICalled") if p["type"] == "error" => self.errors.push(p["args"].to_string()),
+            Some("Runtime.consoleAPICalled") if p["type"] == "error" => {
+                self.errors.push(p["args"].to_string())
+            }
             Some("Log.entryAdded") if p["entry"]["level"] == "error" => {
                 self.errors.push(p["entry"]["text"].to_string());
             }
@@ -179,7 +185,8 @@ impl Browser {
     /// Presses and releases the mouse at a point of the window.
     pub fn mouse(&mut self, x: f64, y: f64) {
         for kind in ["mousePressed", "mouseReleased"] {
-            let params = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+            let params =
+                json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
             self.call("Input.dispatchMouseEvent", params);
         }
     }

@@ -45,8 +45,7 @@ impl Drive {
         let start = Pose2 { x: -20.0, y: 0.0, yaw: 0.0 };
         let task = Task { id: "t00".into(), start, goal: [20.0, 0.0], path: vec![[-20.0, 0.0], [20.0, 0.0]] };
         let world = Arc::new(world);
-        let mut sim =
-            Simulation::new(world.clone(), &vehicle, &soils, start, SimOptions::default()).unwrap();
+        let mut sim = Simulation::new(world.clone(), &vehicle, &soils, start, SimOptions::default()).unwrap();
         let mut recorder = TraceRecorder::new(mode, 4);
         let mut hash = StateHash::default();
         let mut controls = Controls::default();
@@ -74,8 +73,11 @@ impl Drive {
                 throttle: controls.throttle,
                 ..Sample::default()
             };
-            let wheels: Vec<WheelSample> =
-                state.wheels.iter().map(|w| WheelSample { speed: w.speed, deflection: w.deflection }).collect();
+            let wheels: Vec<WheelSample> = state
+                .wheels
+                .iter()
+                .map(|w| WheelSample { speed: w.speed, deflection: w.deflection })
+                .collect();
             recorder.push(&sample, &wheels);
         }
         let trace = recorder
@@ -127,7 +129,11 @@ impl Drive {
             log: vec![label.into()],
             backtrace: Vec::new(),
         };
-        let entry = |time, name: &str, values: &[f32]| DebugEntry { time, name: name.into(), values: values.to_vec() };
+        let entry = |time, name: &str, values: &[f32]| DebugEntry {
+            time,
+            name: name.into(),
+            values: values.to_vec(),
+        };
         let series = PlannerSeries::new(vec![
             entry(0.0, "plan.xy", &[-20.0, 0.0, -10.0, 1.0, f32::NAN, f32::NAN, -20.0, 0.0, -10.0, -1.0]),
             entry(0.0, "plan.cost", &[1.0, 2.0]),
@@ -239,7 +245,10 @@ fn the_official_library_reads_the_mcap_file_back() {
         let message = message.unwrap();
         let schema = message.channel.schema.as_ref().unwrap();
         schemas.insert((schema.name.clone(), schema.encoding.clone()));
-        topics.entry(message.channel.topic.clone()).or_default().push((message.log_time, message.data.to_vec()));
+        topics
+            .entry(message.channel.topic.clone())
+            .or_default()
+            .push((message.log_time, message.data.to_vec()));
     }
     let expected = [
         ("foxglove.FrameTransforms", "protobuf"),

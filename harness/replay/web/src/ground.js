@@ -150,8 +150,11 @@ function dense(points, step) {
 export function world(data, unit) {
   const height = heightOf(data.ground);
   const group = new THREE.Group();
-  const maps = { coloured: texture(data.semantics, true), plain: texture(data.semantics, false) };
-  const ground = new THREE.Mesh(surface(data), new THREE.MeshLambertMaterial({ map: maps.coloured }));
+  let plain = null;
+  const coloured = texture(data.semantics, true);
+  // The one without classes when it is asked for.
+  const map = (classes) => (classes ? coloured : (plain ??= texture(data.semantics, false)));
+  const ground = new THREE.Mesh(surface(data), new THREE.MeshLambertMaterial({ map: coloured }));
   ground.receiveShadow = true;
   group.add(ground, skirt(data));
 
@@ -165,7 +168,7 @@ export function world(data, unit) {
   const path = new THREE.Group();
   const [sx, sy, yaw] = data.start;
   if (data.path.length > 1) {
-    path.add(band(dense(data.path, unit), 0.22 * unit, 0.05 * unit, height, null, { color: 0xffffff, transparent: true, opacity: 0.75 }));
+    path.add(band(dense(data.path, 0.5 * unit), 0.22 * unit, 0.1 * unit, height, null, { color: 0xffffff, transparent: true, opacity: 0.75 }));
   }
   const ring = (x, y, radius, width, colour) => {
     const points = Array.from({ length: 97 }, (_, k) => [x + radius * Math.cos((k * Math.PI) / 48), y + radius * Math.sin((k * Math.PI) / 48)]);
@@ -182,5 +185,5 @@ export function world(data, unit) {
   const ahead = [1.2, 3.2].map((d) => [sx + d * unit * Math.cos(yaw), sy + d * unit * Math.sin(yaw)]);
   path.add(band(dense(ahead, 0.5 * unit), 0.3 * unit, 0.07 * unit, height, null, { color: 0xffffff }));
   group.add(path);
-  return { group, ground, maps, obstacles, path, height };
+  return { group, ground, map, obstacles, path, height };
 }

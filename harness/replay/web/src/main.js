@@ -7,6 +7,7 @@ import { Plots } from './plots.js';
 import { Run } from './vehicle.js';
 
 const $ = (id) => document.getElementById(id);
+const begun = performance.now();
 const data = read();
 // Lengths of signs and cameras in those of the vehicle: worlds are scaled.
 const unit = data.runs[0].vehicle.length / 4.67;
@@ -194,7 +195,7 @@ $('speed').addEventListener('change', (e) => { speed = Number(e.target.value); }
 $('trail').addEventListener('change', (e) => colourTrails(e.target.value));
 $('camera').addEventListener('click', (e) => { const b = e.target.closest('button'); if (b) look(b.value); });
 const toggles = {
-  classes: (on) => { world.ground.material.map = world.maps[on ? 'coloured' : 'plain']; },
+  classes: (on) => { world.ground.material.map = world.map(on); },
   obstacles: (on) => { world.obstacles.visible = on; },
   path: (on) => { world.path.visible = on; },
   ruts: (on) => { for (const run of runs) run.ruts.visible = on; },
@@ -248,9 +249,12 @@ function frame(now) {
 colourTrails('speed');
 resize();
 follow(0);
-const asked = Number(new URLSearchParams(location.hash.slice(1)).get('t'));
-seek(Number.isFinite(asked) ? asked : 0);
+const asked = new URLSearchParams(location.hash.slice(1));
+const first = Number(asked.get('t'));
+seek(Number.isFinite(first) ? first : 0);
+if (['chase', 'cockpit', 'top', 'orbit'].includes(asked.get('camera'))) look(asked.get('camera'));
 requestAnimationFrame(frame);
+const made = performance.now() - begun;
 
 // For scripts and tests: where things are.
 window.replay = {
@@ -259,5 +263,6 @@ window.replay = {
   get end() { return data.end; },
   position: (k = 0) => runs[k].body.position.toArray(),
   wheel: (w = 0, k = 0) => runs[k].wheels[w]?.quaternion.toArray(),
+  made,
   info: () => ({ ...renderer.info.render }),
 };

@@ -20,7 +20,7 @@ export class Plots {
       ['speed', 'm/s', all(0)],
       ['roll', '°', all(1)],
       ['pitch', '°', all(2)],
-      ['commands', '', [
+      ['steering, throttle, brake', '', [
         { ...signalOf(own, 3), colour: '#8fb7ff', name: 'steering' },
         { ...signalOf(own, 4), colour: '#6bd09b', name: 'throttle' },
         { ...signalOf(own, 5), colour: '#f0856f', name: 'brake' },
@@ -34,7 +34,10 @@ export class Plots {
       const value = document.createElement('output');
       const canvas = document.createElement('canvas');
       caption.append(Object.assign(document.createElement('span'), { textContent: unit ? `${title}, ${unit}` : title }), value);
-      figure.append(caption, canvas);
+      const cursor = document.createElement('i');
+      const area = document.createElement('div');
+      area.append(canvas, cursor);
+      figure.append(caption, area);
       this.host.append(figure);
       let low = 0;
       let high = 0;
@@ -51,12 +54,12 @@ export class Plots {
       };
       canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); go(event); });
       canvas.addEventListener('pointermove', (event) => { if (event.buttons & 1) go(event); });
-      return { lines, low, high, canvas, value };
+      return { lines, low, high, canvas, cursor, value };
     });
     this.draw();
   }
 
-  // The curves, once; the cursor is drawn over a copy of them.
+  // The curves; the cursor is an element over them.
   draw() {
     for (const plot of this.plots) {
       const { canvas, lines, low, high } = plot;
@@ -86,23 +89,21 @@ export class Plots {
         c.stroke();
       }
       c.globalAlpha = 1;
-      plot.image = c.getImageData(0, 0, w, h);
     }
   }
 
   cursor(t, locate) {
     for (const plot of this.plots) {
-      if (!plot.image) continue;
-      const { canvas, lines } = plot;
-      const c = canvas.getContext('2d');
-      c.putImageData(plot.image, 0, 0);
-      const x = (t / this.data.end) * canvas.width;
-      c.fillStyle = '#fff';
-      c.fillRect(x - 0.5, 0, window.devicePixelRatio || 1, canvas.height);
-      plot.value.textContent = lines
-        .filter((l) => !l.faint && l.times.length)
-        .map((l) => `${l.name ? `${l.name} ` : ''}${l.value(locate(l.times, t)[0]).toFixed(l.name ? 2 : 1)}`)
-        .join('  ');
+      const { lines, cursor } = plot;
+      cursor.style.left = `${(100 * t) / this.data.end}%`;
+      const told = lines.filter((l) => !l.faint && l.times.length);
+      plot.value.replaceChildren(...told.map((l) => {
+        const span = document.createElement('span');
+        span.textContent = `${l.value(locate(l.times, t)[0]).toFixed(told.length > 1 ? 2 : 1)} `;
+        span.title = l.name ?? '';
+        if (told.length > 1) span.style.color = l.colour;
+        return span;
+      }));
     }
   }
 }

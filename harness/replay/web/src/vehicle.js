@@ -1,34 +1,30 @@
 // One run in the world: vehicle, trail, ruts, what its planner intends, how it ended.
 import * as THREE from 'three';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { bodies, band } from './ground.js';
 import { locate, position, scale, signal } from './data.js';
 
 const WHEEL = 7; // hub, axis, angle
 const UP = new THREE.Vector3(0, 1, 0);
 
-function wheel(radius, width, ghost) {
-  const group = new THREE.Group();
-  const paint = (color) => new THREE.MeshLambertMaterial({ color, transparent: ghost, opacity: ghost ? 0.45 : 1 });
-  const tyre = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, width, 36), paint(0x232325));
-  const rim = new THREE.Mesh(new THREE.CylinderGeometry(0.58 * radius, 0.58 * radius, 1.02 * width, 24), paint(0x8b8d90));
-  group.add(tyre, rim);
-  // Treads and spokes, by which one sees it turn.
-  for (let k = 0; k < 18; k += 1) {
-    const angle = (k * Math.PI) / 9;
-    const tread = new THREE.Mesh(new THREE.BoxGeometry(0.09 * radius, 0.94 * width, 0.1 * radius), paint(0x131314));
-    tread.position.set(0.985 * radius * Math.sin(angle), 0, 0.985 * radius * Math.cos(angle));
-    tread.rotation.y = angle;
-    group.add(tread);
-  }
-  for (let k = 0; k < 5; k += 1) {
-    const angle = (k * 2 * Math.PI) / 5;
-    const spoke = new THREE.Mesh(new THREE.BoxGeometry(0.13 * radius, 1.05 * width, 0.44 * radius), paint(k === 0 ? 0xe7c64a : 0x4a4c50));
-    spoke.position.set(0.3 * radius * Math.sin(angle), 0, 0.3 * radius * Math.cos(angle));
-    spoke.rotation.y = angle;
-    group.add(spoke);
-  }
-  for (const part of group.children) part.castShadow = !ghost;
-  return group;
+// One mesh a wheel, with treads and spokes by which one sees it turn.
+function wheelGeometry(radius, width) {
+  const parts = [];
+  const add = (geometry, colour, angle = 0, out = 0) => {
+    geometry.rotateY(angle);
+    geometry.translate(out * radius * Math.sin(angle), 0, out * radius * Math.cos(angle));
+    const paint = new THREE.Color(colour);
+    const count = geometry.getAttribute('position').count;
+    const colours = new Float32Array(3 * count);
+    for (let k = 0; k < count; k += 1) colours.set([paint.r, paint.g, paint.b], 3 * k);
+    geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
+    parts.push(geometry);
+  };
+  add(new THREE.CylinderGeometry(radius, radius, width, 36), 0x232325);
+  add(new THREE.CylinderGeometry(0.58 * radius, 0.58 * radius, 1.02 * width, 24), 0x8b8d90);
+  for (let k = 0; k < 18; k += 1) add(new THREE.BoxGeometry(0.09 * radius, 0.94 * width, 0.1 * radius), 0x131314, (k * Math.PI) / 9, 0.985);
+  for (let k = 0; k < 5; k += 1) add(new THREE.BoxGeometry(0.13 * radius, 1.05 * width, 0.44 * radius), k === 0 ? 0xe7c64a : 0x4a4c50, (k * 2 * Math.PI) / 5, 0.3);
+  return mergeGeometries(parts);
 }
 
 function label(text, colour, unit) {
@@ -57,25 +53,27 @@ function label(text, colour, unit) {
 function ruts(run, height, pitch) {
   const n = run.ruts.length / 5;
   const vertices = new Float32Array(12 * n);
-  const colour = new Float32Array(12 * n);
+  const colour = new Float32Array(16 * n);
   const index = new Uint32Array(6 * n);
   const half = 0.5 * pitch;
   for (let k = 0; k < n; k += 1) {
     const [, x, y, depth, raised] = run.ruts.subarray(5 * k, 5 * k + 5);
     [[-half, -half], [half, -half], [half, half], [-half, half]].forEach(([u, v], i) => {
-      vertices.set([x + u, y + v, height(x + u, y + v) + 0.02 * pitch * 10 + Math.min(raised, 0.3) * 0.6], 12 * k + 3 * i);
+      vertices.set([x + u, y + v, height(x + u, y + v) + 0.2 * pitch + 0.6 * Math.min(raised, 3 * pitch)], 12 * k + 3 * i);
     });
-    // Deep ruts are dark, heaps are bright.
-    const shade = depth > raised ? Math.max(0.1, 0.42 - 2.2 * depth) : Math.min(0.85, 0.5 + 2 * raised);
-    for (let i = 0; i < 4; i += 1) colour.set([shade, shade * 0.88, shade * 0.74], 12 * k + 3 * i);
+    // Ruts darken the ground, deep ones more; heaps brighten it.
+    const rut = depth >= raised;
+    const alpha = rut ? Math.min(0.62, 0.24 + 2.4 * depth) : Math.min(0.34, 0.12 + 1.5 * raised);
+    const shade = rut ? 0.015 : 0.9;
+    for (let i = 0; i < 4; i += 1) colour.set([shade, shade * 0.93, shade * 0.85, alpha], 16 * k + 4 * i);
     index.set([0, 1, 2, 0, 2, 3].map((i) => 4 * k + i), 6 * k);
   }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(vertices, 3));
-  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 3));
+  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 4));
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
   const mesh = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({
-    vertexColors: true, transparent: true, opacity: 0.8, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+    vertexColors: true, transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
   }));
   mesh.frustumCulled = false;
   return mesh;
@@ -95,7 +93,13 @@ export class Run {
       new THREE.EdgesGeometry(hull.geometry, 12),
       new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
     ));
-    this.wheels = Array.from({ length: run.wheel_count }, () => wheel(run.vehicle.radius, run.vehicle.width, ghost));
+    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    const geometry = wheelGeometry(run.vehicle.radius, run.vehicle.width);
+    this.wheels = Array.from({ length: run.wheel_count }, () => {
+      const mesh = new THREE.Mesh(geometry, rubber);
+      mesh.castShadow = !ghost;
+      return mesh;
+    });
     this.body.add(...this.wheels);
     this.group.add(this.body);
     this.makeTrail();

@@ -35,7 +35,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
          img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{own}'\"><title>{title} on {suite}</title><style>{STYLE}</style>\
-         </head><body><header><h1>{title} <small>on {suite}</small></h1><p class=\"meta\">{tasks} tasks of {worlds} worlds; suite hash \
+         </head><body><header><h1>{title} <small>on {suite}</small></h1><p class=\"meta\">{tasks} results in {worlds} worlds; suite hash \
          <code title=\"{hash}\">{}</code>; Verti-Bench in Rust {}</p><nav>",
         escape(first.suite.hash.get(..12).unwrap_or(&first.suite.hash)),
         env!("CARGO_PKG_VERSION"),

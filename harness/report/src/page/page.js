@@ -102,7 +102,7 @@
         if (name === 'replay') {
           const td = make('td');
           if (v) {
-            const a = make('a', 'replay');
+            const a = make('a', 'replay', 'replay');
             a.href = 'replays/' + r[1].split('/').map(encodeURIComponent).join('/') + '.html';
             td.append(a);
           }
