@@ -11,7 +11,7 @@ fn run(bench: &Bench, out: &str, speed: &str, tasks: &str) {
     let pid = pid();
     let plugin = pid.to_str().expect("paths of tests are text");
     let speed = format!("speed={speed}");
-    bench.ok(&["--plugin", plugin, "--param", &speed, "--tasks", tasks, "--out", out]);
+    bench.ok(&["--plugin", plugin, "--suite", "smoke", "--param", &speed, "--tasks", tasks, "--out", out]);
 }
 
 #[test]
@@ -76,11 +76,11 @@ fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     let Some(mut browser) = Browser::start(1280, 800) else { return };
     let bench = Bench::new();
     // Deformable ground, so that there are ruts.
-    run(&bench, "a", "5", "w003/t00");
-    run(&bench, "b", "3", "w003/t00");
-    bench.ok(&["replay", "a", "b", "--task", "w003/t00", "--out", "replay.html"]);
+    run(&bench, "a", "5", "w007/t02");
+    run(&bench, "b", "3", "w007/t02");
+    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
     browser.open(&bench.path("replay.html"));
-    assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w003/t00");
+    assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w007/t02");
     assert_eq!(browser.eval("document.querySelectorAll('#runs li').length"), 2);
     let position = "JSON.stringify(replay.position())";
     let wheel = "JSON.stringify(replay.wheel(0))";
@@ -100,7 +100,7 @@ fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     // The trace's own position at that time.
     let moved: Vec<f64> =
         serde_json::from_str(browser.eval(position).as_str().expect("text")).expect("numbers");
-    let rows = bench.parquet("a/traces/w003/t00.parquet");
+    let rows = bench.parquet("a/traces/w007/t02.parquet");
     let near = rows.iter().min_by(|p, q| {
         let far = |r: &serde_json::Value| (r["time"].as_f64().unwrap_or(f64::MAX) - time).abs();
         far(p).total_cmp(&far(q))
@@ -123,6 +123,9 @@ fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     }
     browser.eval("replay.seek(replay.end)");
     assert_eq!(browser.eval("document.querySelector('#banner').hidden"), false, "how it ended is said");
+    assert!(browser.eval("replay.ruts()").as_f64() > Some(100.0), "wheels left ruts");
+    browser.eval("replay.seek(0)");
+    assert_eq!(browser.eval("replay.ruts()"), 0, "which weren't there at the start");
     assert_eq!(browser.errors(), [] as [String; 0]);
 }
 

@@ -1,8 +1,10 @@
 //! What a planner sent to be looked at, by the names of its series.
 //!
 //! A series named `NAME.xy` or `NAME.xyz` is lines in the world frame: x0, y0, x1, y1, … in metres, lines parted by a point
-//! that is no number. `NAME.cost` gives each of these lines a cost. Any other series is a curve over time; of several values
-//! at a time the least is shown.
+//! that is no number; a line of one point is a place. `NAME.cost` gives each of these lines a cost; without a parting point, as
+//! many costs as there are lines of equal length part them. `trajectories`, `trajectory_costs` and `local_goal` are the names that
+//! the planners of this repository use for such lines, their costs and a place. Any other series is a curve over time; of
+//! several values at a time the least is shown.
 
 use std::collections::BTreeMap;
 
@@ -19,35 +21,61 @@ const CURVES: usize = 12;
 /// A point of a line: x, y and, if the planner gave it, z, m.
 pub(crate) type Point = (f64, f64, Option<f64>);
 
+/// What a series is, by its name.
+enum Role<'a> {
+    /// Lines of points of so many coordinates.
+    Lines(&'a str, usize),
+    /// Costs of the lines of this name.
+    Costs(&'a str),
+    Curve,
+}
+
+fn role(name: &str) -> Role<'_> {
+    match name {
+        "trajectories" | "local_goal" => Role::Lines(name, 2),
+        "trajectory_costs" => Role::Costs("trajectories"),
+        _ => match (name.strip_suffix(".xy"), name.strip_suffix(".xyz"), name.strip_suffix(".cost")) {
+            (Some(of), _, _) => Role::Lines(of, 2),
+            (_, Some(of), _) => Role::Lines(of, 3),
+            (_, _, Some(of)) => Role::Costs(of),
+            _ => Role::Curve,
+        },
+    }
+}
+
 /// Lines that a planner sent at one time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lines<'a> {
     /// Name of the series without its ending.
     pub(crate) name: &'a str,
-    /// 2 or 3.
-    pub(crate) dimensions: usize,
     /// s.
     pub(crate) time: f64,
-    /// Coordinates, m; points that are no number part the lines.
-    pub(crate) values: &'a [f32],
+    /// The points of each line, at least one.
+    pub(crate) lines: Vec<Vec<Point>>,
     /// A cost a line.
     pub(crate) costs: Option<&'a [f32]>,
 }
 
-impl Lines<'_> {
-    /// The points of each line: x, y and, if there is one, z.
-    pub(crate) fn each(&self) -> Vec<Vec<Point>> {
-        let mut all = vec![Vec::new()];
-        for p in self.values.chunks_exact(self.dimensions) {
-            if p.iter().any(|v| !v.is_finite()) {
-                all.push(Vec::new());
-            } else if let Some(line) = all.last_mut() {
-                line.push((p[0].into(), p[1].into(), p.get(2).map(|z| f64::from(*z))));
-            }
+/// The lines that these coordinates make.
+fn part(values: &[f32], dimensions: usize, costs: Option<&[f32]>) -> Vec<Vec<Point>> {
+    let points = values.chunks_exact(dimensions);
+    let count = points.len();
+    let whole = values.iter().all(|v| v.is_finite());
+    let each =
+        costs.map(<[f32]>::len).filter(|n| whole && *n > 1 && count.is_multiple_of(*n)).map(|n| count / n);
+    let mut all: Vec<Vec<Point>> = vec![Vec::new()];
+    for p in points {
+        let full = each.is_some_and(|n| all.last().is_some_and(|l| l.len() == n));
+        let parted = p.iter().any(|v| !v.is_finite());
+        if full || parted {
+            all.push(Vec::new());
         }
-        all.retain(|l| l.len() > 1);
-        all
+        if let Some(line) = all.last_mut().filter(|_| !parted) {
+            line.push((p[0].into(), p[1].into(), p.get(2).map(|z| f64::from(*z))));
+        }
     }
+    all.retain(|l| !l.is_empty());
+    all
 }
 
 /// The series of one trial.
@@ -83,16 +111,16 @@ impl PlannerSeries {
         Self { entries: kept, stride }
     }
 
-    /// The lines at each time: (name, dimensions, time, values, costs).
+    /// The lines at each time.
     pub(crate) fn lines(&self) -> Vec<Lines<'_>> {
-        let costs: BTreeMap<(u64, &str), &[f32]> = self
-            .entries
-            .iter()
-            .filter_map(|e| Some(((e.time.to_bits(), e.name.strip_suffix(".cost")?), e.values.as_slice())))
-            .collect();
-        let of = |e: &'_ DebugEntry| match (e.name.strip_suffix(".xy"), e.name.strip_suffix(".xyz")) {
-            (Some(name), _) => Some((name.len(), 2)),
-            (_, Some(name)) => Some((name.len(), 3)),
+        let mut costs: BTreeMap<(u64, &str), &[f32]> = BTreeMap::new();
+        for e in &self.entries {
+            if let Role::Costs(of) = role(&e.name) {
+                costs.insert((e.time.to_bits(), of), &e.values);
+            }
+        }
+        let of = |e: &'_ DebugEntry| match role(&e.name) {
+            Role::Lines(name, dimensions) => Some((name.len(), dimensions)),
             _ => None,
         };
         self.entries
@@ -101,7 +129,7 @@ impl PlannerSeries {
                 let (length, dimensions) = of(e)?;
                 let name = &e.name[..length];
                 let costs = costs.get(&(e.time.to_bits(), name)).copied();
-                Some(Lines { name, dimensions, time: e.time, values: &e.values, costs })
+                Some(Lines { name, time: e.time, lines: part(&e.values, dimensions, costs), costs })
             })
             .collect()
     }
@@ -109,7 +137,7 @@ impl PlannerSeries {
     /// Curves over time by name: (time, value).
     pub(crate) fn curves(&self) -> BTreeMap<&str, Vec<[f64; 2]>> {
         let mut curves: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
-        for e in self.entries.iter().filter(|e| !e.name.ends_with(".xy") && !e.name.ends_with(".xyz")) {
+        for e in self.entries.iter().filter(|e| !matches!(role(&e.name), Role::Lines(..))) {
             let least = e.values.iter().copied().filter(|v| v.is_finite()).fold(f32::INFINITY, f32::min);
             if least.is_finite() && (curves.len() < CURVES || curves.contains_key(e.name.as_str())) {
                 curves.entry(&e.name).or_default().push([e.time, f64::from(least)]);
@@ -125,14 +153,20 @@ impl PlannerSeries {
     /// For the page.
     pub(crate) fn json(&self) -> Value {
         let round = |v: f64| (v * 1000.0).round() / 1000.0;
-        // JSON has no NaN: a point that is none is null.
-        let values = |v: &[f32]| -> Vec<Option<f64>> {
-            v.iter().map(|x| x.is_finite().then(|| round(f64::from(*x)))).collect()
-        };
         let mut lines: BTreeMap<&str, Vec<Value>> = BTreeMap::new();
         for l in self.lines() {
-            let step = json!([round(l.time), l.dimensions, values(l.values), l.costs.map(values)]);
-            lines.entry(l.name).or_default().push(step);
+            let each: Vec<Vec<f64>> = l
+                .lines
+                .iter()
+                .map(|line| {
+                    // Three numbers a point; without a height it is null.
+                    line.iter()
+                        .flat_map(|&(x, y, z)| [round(x), round(y), z.map_or(f64::NAN, round)])
+                        .collect()
+                })
+                .collect();
+            let costs: Option<Vec<f64>> = l.costs.map(|c| c.iter().map(|v| f64::from(*v)).collect());
+            lines.entry(l.name).or_default().push(json!([round(l.time), each, costs]));
         }
         json!({"lines": lines, "curves": self.curves(), "stride": self.stride})
     }
@@ -156,13 +190,28 @@ mod tests {
         let lines = s.lines();
         assert_eq!(lines.len(), 1);
         assert_eq!((lines[0].name, lines[0].costs), ("plan", Some(&[2.0, 1.0][..])));
-        let each = lines[0].each();
-        assert_eq!(each, [vec![(0.0, 1.0, None), (2.0, 3.0, None)]], "a point is no line");
+        assert_eq!(lines[0].lines, [vec![(0.0, 1.0, None), (2.0, 3.0, None)], vec![(4.0, 5.0, None)]]);
         let curves = s.curves();
         assert_eq!(curves["plan.cost"], [[0.0, 1.0]], "of several values the least");
         assert_eq!(curves["error"], [[0.1, 0.5]]);
         let json = s.json().to_string();
         assert!(json.contains("null") && !json.contains("NaN"), "{json}");
+    }
+
+    #[test]
+    fn as_many_costs_as_lines_of_equal_length_part_them() {
+        let s = PlannerSeries::new(vec![
+            entry(0.0, "trajectories", &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            entry(0.0, "trajectory_costs", &[3.0, 4.0]),
+            entry(0.0, "local_goal", &[7.0, 8.0]),
+        ]);
+        let lines = s.lines();
+        assert_eq!(
+            lines[0].lines,
+            [[(0.0, 0.0, None), (1.0, 0.0, None)], [(0.0, 0.0, None), (0.0, 1.0, None)]]
+        );
+        assert_eq!((lines[1].name, &lines[1].lines[..]), ("local_goal", &[vec![(7.0, 8.0, None)]][..]));
+        assert_eq!(s.curves().keys().collect::<Vec<_>>(), [&"trajectory_costs"]);
     }
 
     #[test]

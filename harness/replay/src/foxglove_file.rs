@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use foxglove::messages::{
     Color, CylinderPrimitive, FrameTransform, FrameTransforms, KeyValuePair, LinePrimitive, Log, Odometry,
-    Point3, Pose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate, Timestamp,
+    Point3, Pose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp,
     TriangleListPrimitive, Vector3, line_primitive, log, scene_entity_deletion,
 };
 use foxglove::{Channel, ChannelBuilder, Context, McapWriteOptions, McapWriter, PartialMetadata, Schema};
@@ -296,12 +296,24 @@ fn vehicle_scene(run: &ReplayRun, k: usize, frame: &str, stamp: Timestamp) -> Sc
 /// The planner's lines of one name at one time, which replace those before.
 fn plan_scene(replay: &Replay, lines: &Lines<'_>, stamp: Timestamp) -> SceneUpdate {
     let mut own = entity(lines.name, WORLD, stamp);
-    for l in lines.each() {
-        let points = l.iter().map(|&(x, y, z)| match z {
-            Some(z) => point([x, y, z]),
-            None => above(&replay.world, x, y),
-        });
-        own.lines.push(line(points.collect(), 0.08, colour([64, 224, 208], 0.9)));
+    for l in &lines.lines {
+        let points: Vec<Point3> = l
+            .iter()
+            .map(|&(x, y, z)| match z {
+                Some(z) => point([x, y, z]),
+                None => above(&replay.world, x, y),
+            })
+            .collect();
+        let paint = colour([64, 224, 208], 0.9);
+        match &points[..] {
+            // A place.
+            [p] => own.spheres.push(SpherePrimitive {
+                pose: Some(pose([p.x, p.y, p.z])),
+                size: Some(vector([0.5; 3])),
+                color: Some(paint),
+            }),
+            _ => own.lines.push(line(points, 0.08, paint)),
+        }
     }
     let deletion = SceneEntityDeletion {
         timestamp: Some(stamp),

@@ -264,5 +264,6 @@ window.replay = {
   position: (k = 0) => runs[k].body.position.toArray(),
   wheel: (w = 0, k = 0) => runs[k].wheels[w]?.quaternion.toArray(),
   made,
+  ruts: (k = 0) => runs[k].ruts.geometry.drawRange.count / 6,
   info: () => ({ ...renderer.info.render }),
 };

@@ -190,24 +190,27 @@ export class Run {
     const points = [];
     const colours = [];
     if (step >= 0) {
-      const [, dimensions, values, costs] = plan.steps[step];
+      const [, lines, costs] = plan.steps[step];
       const finite = (costs ?? []).filter((c) => c !== null);
       const [low, high] = [Math.min(...finite), Math.max(...finite)];
-      let line = 0;
-      let last = null;
-      for (let i = 0; i + dimensions <= values.length; i += dimensions) {
-        const p = values.slice(i, i + dimensions);
-        if (p.includes(null)) { line += 1; last = null; continue; }
-        const z = dimensions === 3 ? p[2] : this.world.height(p[0], p[1]) + 0.35 * this.unit;
-        const here = [p[0], p[1], z];
-        if (last) {
-          const cost = costs?.[line];
-          const c = cost === null || cost === undefined ? [0.1, 0.85, 0.78] : scale(high > low ? (cost - low) / (high - low) : 0);
-          points.push(...last, ...here);
-          colours.push(...c, ...c);
+      lines.forEach((line, i) => {
+        const cost = costs?.[i] ?? null;
+        const c = cost === null ? [0.1, 0.9, 0.82] : scale(high > low ? (cost - low) / (high - low) : 0);
+        const at = (k) => {
+          const [x, y, z] = line.slice(3 * k, 3 * k + 3);
+          return [x, y, z ?? this.world.height(x, y) + 0.35 * this.unit];
+        };
+        const add = (a, b) => { points.push(...a, ...b); colours.push(...c, ...c); };
+        // A single point is a place: a pole with a cross.
+        if (line.length === 3) {
+          const [x, y, z] = at(0);
+          const r = 0.6 * this.unit;
+          add([x, y, z - 0.3 * this.unit], [x, y, z + 3 * r]);
+          add([x - r, y, z + r], [x + r, y, z + r]);
+          add([x, y - r, z + r], [x, y + r, z + r]);
         }
-        last = here;
-      }
+        for (let k = 1; 3 * k < line.length; k += 1) add(at(k - 1), at(k));
+      });
     }
     plan.lines.geometry.dispose();
     plan.lines.geometry = new THREE.BufferGeometry();
