@@ -123,9 +123,11 @@ fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     }
     browser.eval("replay.seek(replay.end)");
     assert_eq!(browser.eval("document.querySelector('#banner').hidden"), false, "how it ended is said");
-    assert!(browser.eval("replay.ruts()").as_f64() > Some(100.0), "wheels left ruts");
+    // Where it stands at the start it has sunk in already.
+    let ruts = browser.eval("replay.ruts()").as_f64().expect("a number");
     browser.eval("replay.seek(0)");
-    assert_eq!(browser.eval("replay.ruts()"), 0, "which weren't there at the start");
+    let at_start = browser.eval("replay.ruts()").as_f64().expect("a number");
+    assert!(ruts > 500.0 && at_start < 0.2 * ruts, "wheels leave ruts: {at_start} {ruts}");
     assert_eq!(browser.errors(), [] as [String; 0]);
 }
 
@@ -155,4 +157,25 @@ fn texts_of_a_planner_never_run_in_a_page() {
         assert!(text.as_str().is_some_and(|t| t.contains("<img src=x")), "{page}: shown as it is");
     }
     assert_eq!(browser.errors(), [] as [String; 0]);
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_with_its_reason() {
+    let bench = Bench::new();
+    run(&bench, "r", "5", "w001/t00");
+    let done = bench.run(&["report", "r", "r", "--out", "page"]).error(2);
+    assert!(done.contains("given twice"), "{done}");
+    let done = bench.run(&["replay", "r", "--task", "w001/t09", "--out", "x.html"]).error(2);
+    assert!(
+        done.contains("w001/t09 is not among its 1 finished tasks") && done.contains("w001/t00"),
+        "{done}"
+    );
+    let elsewhere = ["replay", "r", "--task", "w001/t00", "--suite", "vb-100", "--out", "x.html"];
+    let done = bench.run(&elsewhere).error(3);
+    assert!(done.contains("suite smoke of the run") && done.contains("--suite"), "{done}");
+    let text = fs::read_to_string(bench.path("r/run.json")).expect("a header");
+    bench.write("r/run.json", text.replace("\"schema\": 2", "\"schema\": 3"));
+    let done = bench.run(&["report", "r", "--out", "page"]).error(3);
+    assert!(done.contains("schema 3 is not supported"), "{done}");
+    assert!(!bench.path("page/index.html").exists(), "nothing is left behind that looks like a report");
 }

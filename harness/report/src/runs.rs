@@ -61,7 +61,7 @@ pub struct Fuel {
     pub memory: u64,
 }
 
-/// A finished task: about 250 bytes, so that a million of them are no matter.
+/// A finished task: some hundred bytes, so that a million of them are no matter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the task.

@@ -191,11 +191,11 @@ export class Run {
     const colours = [];
     if (step >= 0) {
       const [, lines, costs] = plan.steps[step];
-      const finite = (costs ?? []).filter((c) => c !== null);
-      const [low, high] = [Math.min(...finite), Math.max(...finite)];
+      // Colours by rank: one very bad course must not make all others look alike.
+      const ranks = (costs ?? []).filter((c) => c !== null).sort((a, b) => a - b);
       lines.forEach((line, i) => {
         const cost = costs?.[i] ?? null;
-        const c = cost === null ? [0.1, 0.9, 0.82] : scale(high > low ? (cost - low) / (high - low) : 0);
+        const c = cost === null ? [0.1, 0.9, 0.82] : scale(ranks.indexOf(cost) / Math.max(1, ranks.length - 1));
         const at = (k) => {
           const [x, y, z] = line.slice(3 * k, 3 * k + 3);
           return [x, y, z ?? this.world.height(x, y) + 0.35 * this.unit];
