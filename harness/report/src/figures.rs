@@ -113,6 +113,10 @@ impl Figures {
             estimate(&clusters, Measure::ALL[k].name())
         });
         let found = sums.iter().filter(|s| s[0].weight > 0.0).count();
+        let mut means: [Option<Estimate>; Measure::ALL.len()] = means;
+        if let Some(success) = &mut means[Measure::Success as usize] {
+            success.interval = success.interval.map(|i| unspread(i, found as u64));
+        }
         Self { tasks, worlds: found, outcomes, wilson: wilson(outcomes[0], tasks), means }
     }
 
@@ -127,6 +131,19 @@ impl Figures {
     pub fn count(&self, outcome: Outcome) -> u64 {
         Outcome::ALL.iter().position(|o| *o == outcome).map_or(0, |k| self.outcomes[k])
     }
+}
+
+/// The interval of a rate of which all worlds are alike, all tasks or none: there is nothing to draw from, and an interval
+/// without width would claim certainty. Wilson's then, with each world as one trial.
+fn unspread(i: Interval, worlds: u64) -> Interval {
+    let successes = if i.estimate == 0.0 {
+        0
+    } else if i.estimate == 1.0 {
+        worlds
+    } else {
+        return i;
+    };
+    wilson(successes, worlds).map_or(i, |(low, high)| Interval { low, high, ..i })
 }
 
 /// A mean over clusters with its interval.

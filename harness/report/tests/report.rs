@@ -220,6 +220,26 @@ fn a_half_written_run_is_reported_as_far_as_it_got() {
 }
 
 #[test]
+fn a_run_without_a_success_has_no_time_and_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = write(&dir.path().join("r"), &header("pid", 12), tasks(3, |_, _| false));
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    assert_eq!(report.figures()[0].all.mean(Measure::Time), None);
+    let success = report.figures()[0].all.mean(Measure::Success).unwrap();
+    // No success in three worlds: Wilson's upper end is z²/(n + z²) for n = 3, z = 1.95996.
+    let i = success.interval.unwrap();
+    assert_eq!((success.mean, i.low), (0.0, 0.0));
+    assert!((i.high - 3.841_458_8 / 6.841_458_8).abs() < 1e-7, "{i:?}");
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(page.contains("nothing to average") && !page.contains(">0.000<"), "an axis of nothing");
+    assert!(
+        !page.contains("\"NaN\"") && !page.contains(">NaN") && !page.contains(">inf"),
+        "no number that is none"
+    );
+    assert!(report.markdown().contains("| pid | 12 | 0.0 [0.0, 56.1] | – |"), "{}", report.markdown());
+}
+
+#[test]
 fn runs_that_cannot_be_reported_are_refused_with_one_line() {
     let dir = tempfile::tempdir().unwrap();
     let good = write(&dir.path().join("good"), &header("a", 4), tasks(1, |_, _| true));

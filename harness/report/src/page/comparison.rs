@@ -192,7 +192,7 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
             let _ = write!(
                 s,
                 "<td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>",
-                d.difference.map_or(f64::NAN, |e| e.mean),
+                d.difference.map_or_else(String::new, |e| e.mean.to_string()),
                 d.difference.map_or_else(|| "–".into(), |e| shown(e.mean)),
                 interval.map_or_else(|| "–".into(), |i| format!("{} to {}", shown(i.low), shown(i.high)))
             );

@@ -3,7 +3,7 @@
 use super::html::{escape, number};
 use super::plot::{Frame, colour};
 use crate::Report;
-use crate::figures::{Measure, Split};
+use crate::figures::{Estimate, Measure, Split};
 use std::fmt::Write as _;
 
 /// The grid of panels: a row a measure, a column a split.
@@ -24,11 +24,14 @@ fn scale(report: &Report, measure: Measure) -> f64 {
         return 100.0;
     }
     let figures = report.figures.iter().flat_map(|f| f.splits.iter().flatten());
-    let ends = figures.filter_map(|(_, f)| f.mean(measure)).map(|e| e.interval.map_or(e.mean, |i| i.high));
+    let means: Vec<Estimate> = figures.filter_map(|(_, f)| f.mean(measure)).collect();
+    let greatest = means.iter().fold(0.0, |m: f64, e| m.max(e.mean));
+    if greatest <= 0.0 {
+        return 1.0;
+    }
+    let ends = means.iter().map(|e| e.interval.map_or(e.mean, |i| i.high));
     // A wide interval of few worlds must not press the rest together.
-    let means = report.figures.iter().flat_map(|f| f.splits.iter().flatten());
-    let greatest = means.filter_map(|(_, f)| f.mean(measure)).fold(0.0, |m: f64, e| m.max(e.mean));
-    1.05 * ends.fold(1e-6, f64::max).min(2.0 * greatest.max(1e-6))
+    1.05 * ends.fold(greatest, f64::max).min(2.0 * greatest)
 }
 
 fn panel(s: &mut String, report: &Report, measure: Measure, split: Split, top: f64) {
