@@ -77,6 +77,8 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Vec<(&'static str, Cell<'a>)> {
         ("fuel_p50_step", fuel(|f| f.p50_step)),
         ("fuel_p99_step", fuel(|f| f.p99_step)),
         ("fuel_max_step", fuel(|f| f.max_step)),
+        ("fuel_init_share", share(|f| f.init_share)),
+        ("fuel_p99_share", share(|f| f.p99_share)),
         ("fuel_max_share", share(|f| f.max_share)),
         ("memory_bytes", fuel(|f| f.memory_bytes)),
     ]
