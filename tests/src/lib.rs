@@ -7,6 +7,8 @@
 // Helpers of tests panic as tests do.
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc)]
 
+mod browser;
+
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
@@ -17,6 +19,8 @@ use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::{Field, Row};
 use serde_json::Value;
+
+pub use browser::{Browser, Picture};
 
 /// The repository.
 #[must_use]

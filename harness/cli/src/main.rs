@@ -9,6 +9,8 @@ mod places;
 mod planner;
 mod plugin;
 mod progress;
+mod replay;
+mod report;
 mod run;
 mod score;
 mod site;
@@ -42,6 +44,8 @@ fn main() -> ExitCode {
         },
         Some(args::Command::Run(args)) => run::run(&args),
         Some(args::Command::Score(args)) => score::score(&args),
+        Some(args::Command::Report(args)) => report::report(&args),
+        Some(args::Command::Replay(args)) => replay::replay(&args),
         Some(args::Command::Inspect(args)) => inspect::inspect(&args),
         Some(args::Command::Check(args)) => check::check(&args),
         Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),

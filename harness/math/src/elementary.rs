@@ -25,6 +25,10 @@ unary! {
     ln => log;
     /// Hyperbolic tangent.
     tanh => tanh;
+    /// Complementary error function, 2/√π ∫ₓ^∞ exp(−t²) dt.
+    erfc => erfc;
+    /// Natural logarithm of |Γ(x)|.
+    ln_gamma => lgamma;
 }
 
 /// Angle of the vector (x, y) from the x axis, radians, in [-π, π].

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Seek as _, SeekFrom, Write as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 
 use crate::files::{is_temporary, sync_dir, write_atomic};
 use crate::header::OLDEST_SCHEMA;
-use crate::{DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
+use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
 
 const HEADER: &str = "run.json";
 const TASKS: &str = "tasks.jsonl";
@@ -225,6 +225,14 @@ impl RunReader {
         Ok(read_tasks(&self.dir.join(TASKS))?.0)
     }
 
+    /// Hands over the same records one by one, so that they need not all be in memory.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] or an error of the file system.
+    pub fn each_record<T: DeserializeOwned>(&self, take: impl FnMut(T)) -> Result<(), StoreError> {
+        each_task(&self.dir.join(TASKS), take).map(drop)
+    }
+
     /// Whether the run has a trace of this task.
     #[must_use]
     pub fn has_trace(&self, task: &str) -> bool {
@@ -237,6 +245,15 @@ impl RunReader {
     /// [`StoreError::TaskName`], or as [`Trace::read`].
     pub fn trace(&self, task: &str) -> Result<Trace, StoreError> {
         Trace::read(&trace_path(&self.dir, task)?)
+    }
+
+    /// The series that the planner sent in a task, in the order of time; empty if it sent none.
+    ///
+    /// # Errors
+    /// [`StoreError::TaskName`], or as [`DebugSeries::read`].
+    pub fn debug(&self, task: &str) -> Result<Vec<DebugEntry>, StoreError> {
+        let path = debug_path(&self.dir, task)?;
+        if path.exists() { DebugSeries::read(&path) } else { Ok(Vec::new()) }
     }
 }
 
@@ -328,36 +345,50 @@ struct Key {
     task: String,
 }
 
-/// The records in tasks.jsonl and the length of their lines. A last line that is not whole was torn when its
-/// process was killed; any other bad line is damage that nobody should overlook.
+/// The records in tasks.jsonl and the length of their lines.
 fn read_tasks<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), StoreError> {
-    let bytes = match fs::read(path) {
-        Ok(bytes) => bytes,
+    let mut records = Vec::new();
+    let len = each_task(path, |record| records.push(record))?;
+    Ok((records, len))
+}
+
+/// Hands over each record in tasks.jsonl and returns the length of their lines. A last line that is not whole was torn
+/// when its process was killed; any other bad line is damage that nobody should overlook.
+fn each_task<T: DeserializeOwned>(path: &Path, mut take: impl FnMut(T)) -> Result<u64, StoreError> {
+    let mut file = match File::open(path) {
+        Ok(file) => BufReader::new(file),
         // Killed between run.json and the first task.
-        Err(e) if e.kind() == ErrorKind::NotFound => return Ok((Vec::new(), 0)),
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(0),
         Err(e) => return Err(StoreError::io("read", path)(e)),
     };
-    let mut records = Vec::new();
     let mut seen = BTreeSet::new();
-    let mut len = 0;
-    for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
-        let last = len + line.len() == bytes.len();
+    let (mut len, mut number) = (0, 0);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        if file.read_until(b'\n', &mut line).map_err(StoreError::io("read", path))? == 0 {
+            return Ok(len);
+        }
+        number += 1;
         let damaged = |detail: String| StoreError::Damaged {
             path: path.to_owned(),
-            detail: format!("line {}: {detail}", number + 1),
+            detail: format!("line {number}: {detail}"),
             hint: "delete the line to have its task run again with --resume",
         };
         let parsed =
-            serde_json::from_slice::<Key>(line).and_then(|key| Ok((key, serde_json::from_slice(line)?)));
-        if last && (parsed.is_err() || !line.ends_with(b"\n")) {
-            break;
+            serde_json::from_slice::<Key>(&line).and_then(|key| Ok((key, serde_json::from_slice(&line)?)));
+        if parsed.is_err() || !line.ends_with(b"\n") {
+            let last = file.fill_buf().map_err(StoreError::io("read", path))?.is_empty();
+            if last {
+                return Ok(len);
+            }
         }
         let (key, record) = parsed.map_err(|e| damaged(e.to_string()))?;
-        if !seen.insert(key.task.clone()) {
+        if seen.contains(key.task.as_str()) {
             return Err(damaged(format!("task {} is there twice", key.task)));
         }
-        records.push(record);
-        len += line.len();
+        seen.insert(key.task.into_boxed_str());
+        take(record);
+        len += line.len() as u64;
     }
-    Ok((records, len as u64))
 }

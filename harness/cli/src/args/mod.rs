@@ -1,5 +1,6 @@
 //! The command line.
 
+mod results;
 mod suite;
 mod terrain;
 
@@ -9,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use vb_record::TraceMode;
 use vb_runner::SAMPLE_PERIOD;
 
+pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use suite::{GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, ValidateArgs};
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 
@@ -48,6 +50,10 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Score a finished run again from its traces, without simulating
     Score(ScoreArgs),
+    /// Make a page, and tables, of one or more runs
+    Report(ReportArgs),
+    /// Show a task of one or more runs in three dimensions, in the browser
+    Replay(ReplayArgs),
     /// Show what a plugin says of itself, without running it
     Inspect(InspectArgs),
     /// Check what planners promise: determinism, hygiene, head-room, and more

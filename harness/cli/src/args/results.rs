@@ -1,0 +1,69 @@
+//! The command line of what shows results.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::MessageFormat;
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// Directories of runs of one suite; several are compared task by task
+    #[arg(value_name = "RUN", required = true)]
+    pub(crate) runs: Vec<PathBuf>,
+    /// Directory for the page, index.html
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["markdown", "csv", "parquet"])]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the results as Markdown, for a paper or a pull request; - for stdout
+    #[arg(long, value_name = "FILE")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Write every task of every run as CSV
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write every task of every run as Parquet
+    #[arg(long, value_name = "FILE")]
+    pub(crate) parquet: Option<PathBuf>,
+    /// Make replays of these tasks, e.g. w001/t03 or elevation=high, and link them from the page
+    #[arg(long, value_name = "SELECTOR", requires = "out")]
+    pub(crate) replays: Option<String>,
+    #[command(flatten)]
+    pub(crate) data: ReplayData,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}
+
+/// Where the data of a run lie now, if not where they lay.
+#[derive(Debug, Args)]
+pub(crate) struct ReplayData {
+    /// For replays: the suite of the runs; default: where it was, or the one of its name that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// For replays: the vehicle of the runs, a name or a file; default: by its name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    /// For replays: the soils of the runs, a name or a file; default: by their name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) soils: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReplayArgs {
+    /// Directories of runs of one suite; the first is followed, others are ghosts
+    #[arg(value_name = "RUN", required = true)]
+    pub(crate) runs: Vec<PathBuf>,
+    /// The task, e.g. w012/t03
+    #[arg(long, value_name = "WORLD/TASK")]
+    pub(crate) task: String,
+    /// Write the page here; default: a temporary file, which is opened in the browser
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write an MCAP file with Foxglove's schemas, and no page unless --out is given
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) data: ReplayData,
+    /// How results are told
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(crate) message_format: MessageFormat,
+}

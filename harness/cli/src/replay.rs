@@ -1,0 +1,258 @@
+//! `vb-harness replay`, and the replays of a report.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::Serialize;
+use vb_record::{RunHeader, RunReader};
+use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Setting, page, write_mcap};
+use vb_report::Runs;
+use vb_runner::Soils;
+use vb_score::{Rules, StartRule, SuccessRule, TaskRecord};
+use vb_sim::{SimOptions, Start, VehicleModel, VehicleSpec};
+use vb_world::{Suite, World};
+
+use crate::args::{MessageFormat, ReplayArgs, ReplayData};
+use crate::error::CliError;
+use crate::{output, places, run};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Replay { task: &'a str, exact: Vec<bool>, page: Option<&'a Path>, mcap: Option<&'a Path> },
+}
+
+pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
+    let runs = Runs::read(&args.runs).map_err(CliError::input)?;
+    let tasks = BTreeSet::from([args.task.clone()]);
+    let mut player = Player::new(&runs, &args.data, &tasks)?;
+    let replay = player.replay(&args.task)?.ok_or_else(|| {
+        // A single task that some run lacks is a mistake; of many it is one that isn't done yet.
+        let without = runs.runs.iter().find(|r| r.rows.iter().all(|row| *row.task != *args.task));
+        let run = without.unwrap_or(&runs.runs[0]);
+        CliError::usage(ReplayError::NoTask {
+            dir: run.dir.clone(),
+            task: args.task.clone(),
+            done: run.rows.len(),
+            example: run.rows.first().map_or_else(String::new, |r| r.task.to_string()),
+        })
+    })?;
+    for r in replay.runs.iter().filter(|r| r.motion.repeat == Repeat::Samples) {
+        output::note(&format!(
+            "{}: shown from its samples, without ruts: the simulation can't be repeated by them with the data at hand (run with --trace \
+             full, with this version and these vehicle and soil files, to repeat it)",
+            r.label
+        ));
+    }
+    if let Some(path) = &args.mcap {
+        write_mcap(&replay, path).map_err(CliError::output)?;
+    }
+    let page_file = match (&args.out, &args.mcap) {
+        (Some(path), _) => {
+            write(path, &page(&replay))?;
+            Some(path.clone())
+        }
+        (None, Some(_)) => None,
+        (None, None) => {
+            let path = temporary(&page(&replay))?;
+            open(&path);
+            Some(path)
+        }
+    };
+    if args.message_format == MessageFormat::Json {
+        let exact = replay.runs.iter().map(|r| r.motion.repeat == Repeat::Exact).collect();
+        output::json(&Message::Replay {
+            task: &args.task,
+            exact,
+            page: page_file.as_deref(),
+            mcap: args.mcap.as_deref(),
+        });
+        return Ok(());
+    }
+    for path in page_file.iter().chain(&args.mcap) {
+        output::note(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    std::fs::write(path, text).map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
+}
+
+/// A page in the folder for temporary files, which stays: the browser reads it after we are gone.
+fn temporary(page: &str) -> Result<PathBuf, CliError> {
+    let fail = |e: &dyn std::fmt::Display| {
+        CliError::output(format!("cannot write a temporary file: {e} (give --out FILE)"))
+    };
+    let file =
+        tempfile::Builder::new().prefix("vb-replay-").suffix(".html").tempfile().map_err(|e| fail(&e))?;
+    std::fs::write(file.path(), page).map_err(|e| fail(&e))?;
+    file.into_temp_path().keep().map_err(|e| fail(&e))
+}
+
+/// Opens the page if there is a screen.
+fn open(path: &Path) {
+    let screen =
+        ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some_and(|v| !v.is_empty()));
+    if (cfg!(target_os = "linux") && !screen) || open::that_detached(path).is_err() {
+        output::note(&format!("no browser here: open {} in one", path.display()));
+    }
+}
+
+/// A run with what its simulations take.
+struct Part {
+    header: RunHeader,
+    label: String,
+    reader: RunReader,
+    records: BTreeMap<String, TaskRecord>,
+    rules: Option<Rules>,
+    vehicle: VehicleModel,
+    /// None where vehicle or soils at hand are not those of the run.
+    soils: Option<Soils>,
+}
+
+/// Makes replays of tasks.
+pub(crate) struct Player {
+    suite: Suite,
+    parts: Vec<Part>,
+    world: Option<Arc<World>>,
+}
+
+impl Player {
+    /// Opens what replays of `tasks` take.
+    pub(crate) fn new(runs: &Runs, data: &ReplayData, tasks: &BTreeSet<String>) -> Result<Self, CliError> {
+        let first = &runs.runs[0];
+        for other in &runs.runs[1..] {
+            if other.header.scale != first.header.scale {
+                return Err(CliError::usage(ReplayError::Differ {
+                    first: first.dir.clone(),
+                    second: other.dir.clone(),
+                    field: "scale",
+                }));
+            }
+        }
+        let suite = suite(&first.header, data.suite.as_deref())?;
+        let parts = runs.runs.iter().map(|r| part(r, data, tasks)).collect::<Result<_, CliError>>()?;
+        Ok(Self { suite, parts, world: None })
+    }
+
+    /// The suite of the runs.
+    pub(crate) fn suite(&self) -> &Suite {
+        &self.suite
+    }
+
+    /// The replay of one of the tasks; none if a run hasn't done it.
+    pub(crate) fn replay(&mut self, task: &str) -> Result<Option<Replay>, CliError> {
+        let Some((world_id, task_id)) = task.split_once('/') else { return Ok(None) };
+        if self.parts.iter().any(|p| !p.records.contains_key(task)) {
+            return Ok(None);
+        }
+        let scale = self.parts[0].header.scale;
+        // Tasks come world by world.
+        let world = match &self.world {
+            Some(world) if world.id == world_id => world.clone(),
+            _ => {
+                let world = self.suite.load_world(world_id).map_err(CliError::input)?;
+                Arc::new(if scale == 1.0 { world } else { world.scaled(scale) })
+            }
+        };
+        self.world = Some(world.clone());
+        let found = world.task(task_id).cloned().ok_or_else(|| {
+            CliError::input(ReplayError::OtherSuite { world: world_id.to_owned(), task: task_id.to_owned() })
+        })?;
+        let mut runs = Vec::new();
+        for part in &self.parts {
+            let Some(record) = part.records.get(task) else { return Ok(None) };
+            if !part.reader.has_trace(task) {
+                return Err(CliError::input(ReplayError::NoTrace {
+                    dir: part.reader.dir().to_owned(),
+                    task: task.to_owned(),
+                }));
+            }
+            let trace = part.reader.trace(task).map_err(CliError::input)?;
+            let repeated = part.soils.as_ref().zip(part.rules.as_ref()).and_then(|(soils, rules)| {
+                let start = match rules.start {
+                    StartRule::Settled => Start::Settled,
+                    StartRule::Dropped { height_m } => Start::Dropped { height: height_m * scale },
+                };
+                let header = &part.header;
+                let options = SimOptions {
+                    step: header.time_step,
+                    soil_pitch: header.soil_pitch,
+                    start,
+                    ..SimOptions::default()
+                };
+                let setting = Setting {
+                    world: &world,
+                    task: &found,
+                    vehicle: &part.vehicle,
+                    soils: &soils.set,
+                    options,
+                };
+                Motion::repeated(&trace, &setting, &record.state_hash)
+            });
+            let motion = repeated.unwrap_or_else(|| Motion::sampled(&trace, Some(&part.vehicle)));
+            runs.push(ReplayRun {
+                label: part.label.clone(),
+                record: record.clone(),
+                vehicle: Arc::new(part.vehicle.spec().clone()),
+                motion,
+                series: PlannerSeries::new(part.reader.debug(task).map_err(CliError::input)?),
+            });
+        }
+        let goal_radius = self.parts[0].rules.as_ref().map(|r| match r.success {
+            SuccessRule::Planar { radius_m } | SuccessRule::Marker { radius_m, .. } => radius_m * scale,
+        });
+        Ok(Some(Replay { world, task: found, suite: self.suite.meta().name.clone(), goal_radius, runs }))
+    }
+}
+
+/// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.
+fn suite(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
+    let places = match wanted {
+        Some(dir) => vec![places::suite(Some(dir))?],
+        None => {
+            let named = places::suites().unwrap_or_default();
+            let named = named.into_iter().filter(|p| p.file_name().is_some_and(|n| *n == *header.suite.name));
+            std::iter::once(PathBuf::from(&header.suite.path)).chain(named).collect()
+        }
+    };
+    let opened = places.iter().filter_map(|p| Suite::open(p).ok());
+    opened.into_iter().find(|s| s.hash() == header.suite.hash).ok_or_else(|| {
+        CliError::input(format!(
+            "suite {} of the run (hash {}) is not at {} (name its folder with --suite)",
+            header.suite.name,
+            header.suite.hash.get(..12).unwrap_or(&header.suite.hash),
+            places.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(" nor at ")
+        ))
+    })
+}
+
+fn part(r: &vb_report::Run, data: &ReplayData, tasks: &BTreeSet<String>) -> Result<Part, CliError> {
+    let header = r.header.clone();
+    let vehicle = run::vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
+        .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
+    let same_vehicle = vehicle.hash == header.vehicle.hash;
+    let soils = run::soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_pitch).ok();
+    let spec: VehicleSpec = vehicle.spec;
+    let vehicle = VehicleModel::new(spec).map_err(CliError::input)?;
+    let reader = RunReader::open(&r.dir).map_err(CliError::input)?;
+    let mut records = BTreeMap::new();
+    reader
+        .each_record(|record: TaskRecord| {
+            if tasks.contains(&record.task) {
+                records.insert(record.task.clone(), record);
+            }
+        })
+        .map_err(CliError::input)?;
+    Ok(Part {
+        soils: soils.filter(|s| same_vehicle && s.hash == header.soils.hash),
+        rules: serde_json::from_value(header.rules.profile.clone()).ok(),
+        label: r.label.clone(),
+        header,
+        reader,
+        records,
+        vehicle,
+    })
+}

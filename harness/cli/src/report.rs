@@ -1,0 +1,103 @@
+//! `vb-harness report`.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vb_report::{Report, ReportError, Runs, write_csv, write_parquet};
+
+use crate::args::{MessageFormat, ReportArgs};
+use crate::error::CliError;
+use crate::replay::Player;
+use crate::{output, suite};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Report { runs: Vec<&'a str>, files: &'a [PathBuf] },
+}
+
+pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
+    if let Some(out) = &args.out {
+        // What can't be written is said before all runs are read, not after.
+        std::fs::create_dir_all(out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
+    }
+    let runs = Runs::read(&args.runs).map_err(failed)?;
+    let report = Report::new(runs);
+    let mut files = Vec::new();
+    if let Some(path) = &args.csv {
+        write_csv(report.runs(), path).map_err(failed)?;
+        files.push(path.clone());
+    }
+    if let Some(path) = &args.parquet {
+        write_parquet(report.runs(), path).map_err(failed)?;
+        files.push(path.clone());
+    }
+    let markdown = report.markdown();
+    let to_stdout = args.markdown.as_deref() == Some(Path::new("-"));
+    if let Some(path) = args.markdown.as_ref().filter(|_| !to_stdout) {
+        write(path, &markdown)?;
+        files.push(path.clone());
+    }
+    if let Some(out) = &args.out {
+        // Only what lies beside the page can be linked wherever it is copied to.
+        let beside = files.iter().filter(|f| f.parent() == Some(out)).filter_map(|f| f.file_name()?.to_str());
+        let replays = match &args.replays {
+            Some(selector) => replays(&report, args, selector, out)?,
+            None => BTreeSet::new(),
+        };
+        let page = report.page(&replays, &beside.collect::<Vec<_>>());
+        let path = out.join("index.html");
+        write(&path, &page)?;
+        files.push(path);
+    }
+    if args.message_format == MessageFormat::Json {
+        let labels = report.runs().runs.iter().map(|r| r.label.as_str()).collect();
+        output::json(&Message::Report { runs: labels, files: &files });
+        return Ok(());
+    }
+    if to_stdout {
+        output::text(&markdown);
+    }
+    for file in files {
+        output::note(&format!("wrote {}", file.display()));
+    }
+    Ok(())
+}
+
+/// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html`, and returns their names.
+fn replays(
+    report: &Report,
+    args: &ReportArgs,
+    selector: &str,
+    out: &Path,
+) -> Result<BTreeSet<String>, CliError> {
+    let player = Player::new(report.runs(), &args.data, &BTreeSet::new())?;
+    let chosen = suite::select(player.suite(), Some(selector))?;
+    let chosen: BTreeSet<String> = chosen.iter().map(ToString::to_string).collect();
+    let mut player = Player::new(report.runs(), &args.data, &chosen)?;
+    let mut made = BTreeSet::new();
+    for task in chosen {
+        let Some(replay) = player.replay(&task)? else { continue };
+        let path = out.join("replays").join(format!("{task}.html"));
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)
+                .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
+        }
+        write(&path, &vb_replay::page(&replay))?;
+        made.insert(task);
+    }
+    Ok(made)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    std::fs::write(path, text).map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
+}
+
+fn failed(e: ReportError) -> CliError {
+    match e {
+        ReportError::Write { .. } => CliError::output(e),
+        ReportError::Twice(_) | ReportError::NoRuns => CliError::usage(e),
+        _ => CliError::input(e),
+    }
+}

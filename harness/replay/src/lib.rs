@@ -1,0 +1,20 @@
+//! A recorded task to look at: as a page in three dimensions that needs nothing else, and as an MCAP file.
+//!
+//! A trace holds samples of the vehicle, ten a second as a rule, and the commands that it was given. Simulations repeat
+//! bit for bit, so [`Motion`] drives the task again by those commands and takes whatever is to be seen from the simulation:
+//! fifty poses a second, each wheel, the ruts. The state hash of the record proves that it is the same drive. Where it can't be
+//! repeated – commands between samples are unknown, or the harness is another – the samples themselves are shown.
+
+mod debug;
+mod error;
+mod foxglove_file;
+mod motion;
+mod page;
+mod scene;
+
+pub use debug::PlannerSeries;
+pub use error::ReplayError;
+pub use foxglove_file::write_mcap;
+pub use motion::{Motion, Repeat, Rut, Setting, WheelFrame};
+pub use page::page;
+pub use scene::{Replay, ReplayRun};

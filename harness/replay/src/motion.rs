@@ -1,0 +1,233 @@
+//! How vehicle and wheels moved, from a simulation repeated by the recorded commands or from the samples alone.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use vb_record::{Sample, Trace};
+use vb_runner::StateHash;
+use vb_sim::{Controls, Side, SimOptions, Simulation, SoilSet, VehicleModel};
+use vb_world::{Task, World};
+
+/// Time between the frames of a repeated simulation, s.
+const FRAME_PERIOD: f64 = 0.02;
+/// Samples between two looks at the ruts.
+const LOOK_AT_RUTS: u64 = 10;
+/// A rut is told again when it is deeper by this, m.
+const DEEPER: f64 = 0.005;
+/// Ruts that are told at most.
+const RUTS: usize = 150_000;
+
+/// One wheel at one instant, in the frame of the chassis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelFrame {
+    /// Its centre, m.
+    pub hub: [f64; 3],
+    /// Its axis of spin, to the left.
+    pub axis: [f64; 3],
+    /// The angle that it has turned since the start, rad.
+    pub angle: f64,
+}
+
+/// A cell of the ground that yielded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rut {
+    /// When it was there, s.
+    pub time: f64,
+    /// Its centre, m.
+    pub at: [f64; 2],
+    /// Depth below the rim, m.
+    pub depth: f64,
+    /// Height of the heap, m.
+    pub raised: f64,
+}
+
+/// Where what is shown comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Repeat {
+    /// The simulation was repeated, and its state hash is that of the record.
+    Exact,
+    /// It can't be repeated: these are the recorded samples, with wheels placed by their travel.
+    Samples,
+}
+
+/// The motion of one trial.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Whether it is a repeated simulation.
+    pub repeat: Repeat,
+    /// The vehicle's state and commands, frame by frame.
+    pub frames: Vec<Sample>,
+    /// Number of wheels.
+    pub wheels: usize,
+    /// `frames.len() * wheels` entries: the wheels of the first frame, those of the second, …
+    pub wheel_frames: Vec<WheelFrame>,
+    /// Ruts in the order of time; none from samples.
+    pub ruts: Vec<Rut>,
+}
+
+/// What a simulation takes beside the trace.
+pub struct Setting<'a> {
+    /// The world, scaled.
+    pub world: &'a Arc<World>,
+    /// The task.
+    pub task: &'a Task,
+    /// The vehicle.
+    pub vehicle: &'a VehicleModel,
+    /// The soils.
+    pub soils: &'a SoilSet,
+    /// How the simulation was stepped.
+    pub options: SimOptions,
+}
+
+impl Motion {
+    /// The motion by the simulation repeated in `setting`; none if it doesn't come to the `state_hash` of the record.
+    #[must_use]
+    pub fn repeated(trace: &Trace, setting: &Setting<'_>, state_hash: &str) -> Option<Self> {
+        let period = trace.meta.sample_period;
+        let end = trace.samples.last()?.time;
+        let samples = (end / period).round() as u64;
+        let steps = (period / setting.options.step).round() as u64;
+        let every = ((FRAME_PERIOD / period).round() as u64).max(1);
+        let start = setting.task.start;
+        let mut sim =
+            Simulation::new(setting.world.clone(), setting.vehicle, setting.soils, start, setting.options)
+                .ok()?;
+        let mut hash = StateHash::default();
+        let mut motion = Self {
+            repeat: Repeat::Exact,
+            frames: Vec::new(),
+            wheels: 2 * setting.vehicle.axles().len(),
+            wheel_frames: Vec::new(),
+            ruts: Vec::new(),
+        };
+        let mut told = BTreeMap::new();
+        let mut angles = vec![0.0; motion.wheels];
+        let mut commands = trace.samples.iter().peekable();
+        let mut controls = Controls::default();
+        for k in 0..=samples {
+            if k > 0 {
+                // A sample carries the command that was applied up to it.
+                let now = k as f64 * period;
+                while commands.next_if(|s| s.time < now - 0.25 * period).is_some() {}
+                let s = commands.peek()?;
+                controls = Controls { steering: s.steering, throttle: s.throttle, brake: s.brake };
+                sim.advance(controls, steps).ok()?;
+            }
+            sim.visit_state(|x| hash.push(x));
+            let state = sim.state();
+            for (angle, wheel) in angles.iter_mut().zip(&state.wheels) {
+                *angle += wheel.speed * if k > 0 { period } else { 0.0 };
+            }
+            if k % every == 0 || k == samples {
+                let travels: Vec<f64> = state.wheels.iter().map(|w| w.deflection).collect();
+                motion.push(sample(&state, controls), setting.vehicle, &travels, &angles, state.steering);
+            }
+            if k % LOOK_AT_RUTS == 0 || k == samples {
+                motion.look_at_ruts(&sim, &mut told);
+            }
+        }
+        (hash.hex() == state_hash).then_some(motion)
+    }
+
+    /// The motion as it was sampled; of a vehicle with other wheels than the trace's, without wheels.
+    #[must_use]
+    pub fn sampled(trace: &Trace, vehicle: Option<&VehicleModel>) -> Self {
+        let vehicle = vehicle.filter(|v| 2 * v.axles().len() == trace.wheels);
+        let wheels = if vehicle.is_some() { trace.wheels } else { 0 };
+        let mut motion = Self {
+            repeat: Repeat::Samples,
+            frames: Vec::with_capacity(trace.samples.len()),
+            wheels,
+            wheel_frames: Vec::with_capacity(trace.samples.len() * wheels),
+            ruts: Vec::new(),
+        };
+        let mut angles = vec![0.0; trace.wheels];
+        let mut last = 0.0;
+        for (k, s) in trace.samples.iter().enumerate() {
+            let own = &trace.wheel_samples[k * trace.wheels..(k + 1) * trace.wheels];
+            for (angle, wheel) in angles.iter_mut().zip(own) {
+                *angle += wheel.speed * (s.time - last);
+            }
+            last = s.time;
+            match vehicle {
+                Some(vehicle) => {
+                    let travels: Vec<f64> = own.iter().map(|w| w.deflection).collect();
+                    motion.push(*s, vehicle, &travels, &angles, s.steering);
+                }
+                None => motion.frames.push(*s),
+            }
+        }
+        motion
+    }
+
+    fn push(&mut self, s: Sample, vehicle: &VehicleModel, travels: &[f64], angles: &[f64], steering: f64) {
+        self.frames.push(s);
+        for (a, (axle, solved)) in vehicle.spec().axles.iter().zip(vehicle.axles()).enumerate() {
+            let own = [travels[2 * a], travels[2 * a + 1]];
+            for (i, side) in [Side::Left, Side::Right].into_iter().enumerate() {
+                let pose = solved.wheel(side, own, steering);
+                let hub = Vector3::from(axle.position) + pose.hub;
+                let axis = pose.axis.normalize();
+                // To the left whatever side it is on, so that a positive angle rolls forward.
+                let axis = if axis.y < 0.0 { -axis } else { axis };
+                self.wheel_frames.push(WheelFrame {
+                    hub: hub.into(),
+                    axis: axis.into(),
+                    angle: angles[2 * a + i],
+                });
+            }
+        }
+    }
+
+    fn look_at_ruts(&mut self, sim: &Simulation, told: &mut BTreeMap<(i64, i64), f64>) {
+        let time = sim.time();
+        for (at, depth, raised) in sim.ruts() {
+            let key = ((at[0] * 1000.0).round() as i64, (at[1] * 1000.0).round() as i64);
+            let amount = depth.max(raised);
+            if amount < DEEPER
+                || told.get(&key).is_some_and(|t| amount < t + DEEPER)
+                || self.ruts.len() >= RUTS
+            {
+                continue;
+            }
+            told.insert(key, amount);
+            self.ruts.push(Rut { time, at, depth, raised });
+        }
+    }
+
+    /// Time of the last frame, s.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.frames.last().map_or(0.0, |f| f.time)
+    }
+}
+
+/// The attitude of a sample: body axes to world axes.
+pub(crate) fn attitude(s: &Sample) -> UnitQuaternion<f64> {
+    let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
+    about(Vector3::z_axis(), s.yaw) * about(Vector3::y_axis(), s.pitch) * about(Vector3::x_axis(), s.roll)
+}
+
+fn sample(state: &vb_sim::VehicleState, controls: Controls) -> Sample {
+    let (roll, pitch, yaw) = state.roll_pitch_yaw();
+    let (p, v, w) = (state.position, state.velocity, state.rates);
+    Sample {
+        time: state.time,
+        x: p.x,
+        y: p.y,
+        z: p.z,
+        roll,
+        pitch,
+        yaw,
+        vx: v.x,
+        vy: v.y,
+        vz: v.z,
+        wx: w.x,
+        wy: w.y,
+        wz: w.z,
+        steering: controls.steering,
+        throttle: controls.throttle,
+        brake: controls.brake,
+    }
+}

@@ -1,0 +1,230 @@
+//! What is shown: the world, and the runs of one of its tasks.
+
+use std::sync::Arc;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::{Rotation3, Vector3};
+use rapier3d_f64::parry;
+use serde_json::{Value, json};
+use vb_score::TaskRecord;
+use vb_sim::VehicleSpec;
+use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
+
+use crate::debug::PlannerSeries;
+use crate::motion::{Motion, Repeat, attitude};
+
+/// Nodes along a side of the ground as drawn; a finer one is thinned.
+const NODES: usize = 513;
+
+/// One run of the task.
+#[derive(Clone, Debug)]
+pub struct ReplayRun {
+    /// What the run is called.
+    pub label: String,
+    /// The line of tasks.jsonl.
+    pub record: TaskRecord,
+    /// The vehicle.
+    pub vehicle: Arc<VehicleSpec>,
+    /// How it moved.
+    pub motion: Motion,
+    /// What the planner sent.
+    pub series: PlannerSeries,
+}
+
+/// A task with its runs.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The world, scaled as it was simulated.
+    pub world: Arc<World>,
+    /// The task.
+    pub task: Task,
+    /// Name of the suite.
+    pub suite: String,
+    /// Distance from the goal in the plane within which the task is a success by the first run's rules, m, if they have one.
+    pub goal_radius: Option<f64>,
+    /// The runs, at least one; the first is the one that is followed.
+    pub runs: Vec<ReplayRun>,
+}
+
+/// Triangles of a convex body.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mesh {
+    /// m.
+    pub(crate) points: Vec<[f64; 3]>,
+    /// Counter-clockwise from outside.
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The hull of points; none if they lie in a plane.
+    pub(crate) fn hull(points: &[[f64; 3]]) -> Option<Self> {
+        let given: Vec<parry::math::Vector> =
+            points.iter().map(|p| parry::math::Vector::new(p[0], p[1], p[2])).collect();
+        let (points, triangles) = parry::transformation::try_convex_hull(&given).ok()?;
+        Some(Self { points: points.iter().map(|p| [p.x, p.y, p.z]).collect(), triangles })
+    }
+
+    /// Turned about z and moved.
+    fn placed(mut self, yaw: f64, to: [f64; 3]) -> Self {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+        for p in &mut self.points {
+            *p = (turn * Vector3::from(*p) + Vector3::from(to)).into();
+        }
+        self
+    }
+
+    fn json(&self) -> Value {
+        let points: Vec<f64> = self.points.iter().flatten().map(|v| round(*v, 1e3)).collect();
+        json!([points, self.triangles.concat()])
+    }
+}
+
+/// An obstacle where it stands.
+pub(crate) fn obstacles(world: &World) -> Vec<(bool, Mesh)> {
+    let mesh = |o: &vb_world::Obstacle| {
+        let trunk = matches!(o.kind, ObstacleKind::Trunk { .. });
+        Some((trunk, Mesh::hull(&o.hull())?.placed(o.yaw, [o.x, o.y, o.base_z(&world.heightfield)])))
+    };
+    world.obstacles.iter().filter_map(mesh).collect()
+}
+
+/// The convex parts of a vehicle's hull, in the frame of its chassis.
+pub(crate) fn parts(vehicle: &VehicleSpec) -> Vec<Mesh> {
+    vehicle.chassis.hull.iter().filter_map(|part| Mesh::hull(part)).collect()
+}
+
+/// Colour of a class, sRGB in [0, 255]: those of the albums.
+pub(crate) fn class_colour(class: TerrainClass) -> [u8; 3] {
+    match class {
+        TerrainClass::Clay => [207, 114, 76],
+        TerrainClass::Concrete => [190, 196, 204],
+        TerrainClass::Dirt => [150, 111, 74],
+        TerrainClass::Grass => [124, 179, 66],
+        TerrainClass::Gravel => [196, 176, 160],
+        TerrainClass::Rock => [116, 128, 150],
+        TerrainClass::Wood => [217, 160, 88],
+        TerrainClass::Mud => [104, 79, 66],
+        TerrainClass::Sand => [243, 213, 110],
+        TerrainClass::Snow => [236, 245, 255],
+    }
+}
+
+fn round(v: f64, per_unit: f64) -> f64 {
+    (v * per_unit).round() / per_unit
+}
+
+/// Numbers as base64 of little-endian f32, which a browser reads at once.
+fn floats(values: impl Iterator<Item = f64>) -> String {
+    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
+    STANDARD.encode(bytes)
+}
+
+/// The ground thinned to what is drawn: rows, columns, pitch (m) along x and y, heights.
+pub(crate) fn ground(world: &World) -> (usize, usize, [f64; 2], Vec<f64>) {
+    let h = &world.heightfield;
+    let stride = |n: usize| (n - 1).div_ceil(NODES - 1).max(1);
+    let (sr, sc) = (stride(h.rows()), stride(h.cols()));
+    // The last row and column are always drawn: the spacing is even, heights are asked for in between if need be.
+    let (rows, cols) = ((h.rows() - 1).div_ceil(sr) + 1, (h.cols() - 1).div_ceil(sc) + 1);
+    let pitch = [2.0 * h.half_x() / (cols - 1) as f64, 2.0 * h.half_y() / (rows - 1) as f64];
+    let mut heights = Vec::with_capacity(rows * cols);
+    for r in 0..rows {
+        for c in 0..cols {
+            heights.push(h.height(c as f64 * pitch[0] - h.half_x(), r as f64 * pitch[1] - h.half_y()));
+        }
+    }
+    (rows, cols, pitch, heights)
+}
+
+impl Replay {
+    /// Everything as JSON for the page's script.
+    pub(crate) fn json(&self) -> Value {
+        let world = &self.world;
+        let h = &world.heightfield;
+        let (rows, cols, pitch, heights) = ground(world);
+        let s = &world.semantics;
+        let classes: Vec<Value> = TerrainClass::ALL
+            .iter()
+            .map(|c| {
+                let soil = s.soil.of(*c).map(SoilLevel::name);
+                json!({"name": c.name(), "colour": class_colour(*c), "soil": soil, "there": s.classes.contains(c)})
+            })
+            .collect();
+        let task = &self.task;
+        let point = |p: &[f64; 2]| [round(p[0], 1e3), round(p[1], 1e3)];
+        json!({
+            "suite": self.suite,
+            "task": format!("{}/{}", world.id, task.id),
+            "labels": [world.elevation.name(), world.terrain.name(), world.density.name()],
+            "scale": world.scale,
+            "ground": {
+                "rows": rows,
+                "cols": cols,
+                "pitch": pitch,
+                "half": [h.half_x(), h.half_y()],
+                "heights": floats(heights.into_iter()),
+            },
+            "semantics": {
+                "rows": s.rows,
+                "cols": s.cols,
+                "patch": s.patch,
+                "labels": s.classes.iter().map(|c| char::from(b'0' + c.label())).collect::<String>(),
+                "classes": classes,
+            },
+            "obstacles": obstacles(world)
+                .iter()
+                .map(|(trunk, mesh)| json!([u8::from(*trunk), mesh.json()]))
+                .collect::<Vec<_>>(),
+            "start": [task.start.x, task.start.y, task.start.yaw],
+            "goal": task.goal,
+            "radius": self.goal_radius,
+            "path": task.path.iter().map(point).collect::<Vec<_>>(),
+            "runs": self.runs.iter().map(run).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn run(run: &ReplayRun) -> Value {
+    let m = &run.motion;
+    let r = &run.record;
+    let poses = m.frames.iter().flat_map(|f| {
+        let q = attitude(f);
+        [f.x, f.y, f.z, q.i, q.j, q.k, q.w]
+    });
+    let signals = m.frames.iter().flat_map(|f| {
+        let speed = (f.vx * f.vx + f.vy * f.vy + f.vz * f.vz).sqrt();
+        let degrees = vb_math::angle::degrees;
+        [speed, degrees(f.roll), degrees(f.pitch), f.steering, f.throttle, f.brake]
+    });
+    let wheels = m.wheel_frames.iter().flat_map(|w| {
+        let ([a, b, c], [d, e, f]) = (w.hub, w.axis);
+        [a, b, c, d, e, f, w.angle]
+    });
+    let ruts = m.ruts.iter().flat_map(|r| [r.time, r.at[0], r.at[1], r.depth, r.raised]);
+    let spec = &run.vehicle;
+    json!({
+        "label": run.label,
+        "outcome": r.outcome.name().replace('_', " "),
+        "success": r.outcome == vb_score::Outcome::Success,
+        "reason": r.reason,
+        "fault": r.fault,
+        "log": r.log,
+        "time": r.time_s,
+        "exact": m.repeat == Repeat::Exact,
+        "times": floats(m.frames.iter().map(|f| f.time)),
+        "poses": floats(poses),
+        "signals": floats(signals),
+        "wheel_count": m.wheels,
+        "wheels": floats(wheels),
+        "ruts": floats(ruts),
+        "vehicle": {
+            "name": spec.name,
+            "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
+            "radius": spec.tyre.radius(),
+            "width": spec.tyre.width(),
+            "length": spec.length,
+        },
+        "series": run.series.json(),
+    })
+}

@@ -1,0 +1,286 @@
+//! Replays of a drive that the test itself makes, on soil that yields.
+
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use foxglove::Decode as _;
+use foxglove::messages::{FrameTransforms, Log, Odometry, SceneUpdate};
+use sha2::{Digest as _, Sha256};
+use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
+use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayRun, Setting, page, write_mcap};
+use vb_runner::StateHash;
+use vb_score::{Outcome, TaskRecord};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_world::{Heightfield, Obstacle, ObstacleKind, Pose2, Task, TerrainClass, World};
+
+const HOSTILE: &str = "</script><script>document.title='owned'</script><img src=x onerror=alert(1)>";
+
+fn data(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks").join(file)
+}
+
+struct Drive {
+    world: Arc<World>,
+    task: Task,
+    vehicle: VehicleModel,
+    soils: SoilSet,
+    trace: Trace,
+    hash: String,
+}
+
+impl Drive {
+    /// Four seconds on mud, full throttle in a bend from the first second on.
+    fn new(mode: TraceMode) -> Self {
+        let text = std::fs::read_to_string(data("vehicles/hmmwv.yaml")).unwrap();
+        let vehicle = VehicleModel::new(VehicleSpec::parse(&text, "hmmwv").unwrap()).unwrap();
+        let text = std::fs::read_to_string(data("soils/default.yaml")).unwrap();
+        let soils = SoilSet::parse(&text, "default").unwrap();
+        let mut world = World::uniform("w001", Heightfield::flat(65, 65, 1.0, 0.0), TerrainClass::Mud, 0.5);
+        let kind = ObstacleKind::Boulder { size: [2.0, 2.0, 2.0], seed: 1 };
+        world.obstacles.push(Obstacle { x: 20.0, y: 20.0, yaw: 0.3, buried: 1.0, kind });
+        let start = Pose2 { x: -20.0, y: 0.0, yaw: 0.0 };
+        let task = Task { id: "t00".into(), start, goal: [20.0, 0.0], path: vec![[-20.0, 0.0], [20.0, 0.0]] };
+        let world = Arc::new(world);
+        let mut sim = Simulation::new(world.clone(), &vehicle, &soils, start, SimOptions::default()).unwrap();
+        let mut recorder = TraceRecorder::new(mode, 4);
+        let mut hash = StateHash::default();
+        let mut controls = Controls::default();
+        for k in 0..=400 {
+            if k > 0 {
+                if (k - 1) % 10 == 0 {
+                    let steering = if k > 100 { 0.1 + 0.001 * f64::from(k) } else { 0.0 };
+                    controls = Controls { steering, throttle: 1.0, brake: 0.0 };
+                }
+                sim.advance(controls, 10).unwrap();
+            }
+            sim.visit_state(|x| hash.push(x));
+            let state = sim.state();
+            let (roll, pitch, yaw) = state.roll_pitch_yaw();
+            let sample = Sample {
+                time: state.time,
+                x: state.position.x,
+                y: state.position.y,
+                z: state.position.z,
+                roll,
+                pitch,
+                yaw,
+                vx: state.velocity.x,
+                steering: controls.steering,
+                throttle: controls.throttle,
+                ..Sample::default()
+            };
+            let wheels: Vec<WheelSample> = state
+                .wheels
+                .iter()
+                .map(|w| WheelSample { speed: w.speed, deflection: w.deflection })
+                .collect();
+            recorder.push(&sample, &wheels);
+        }
+        let trace = recorder
+            .finish(TraceMeta {
+                schema: TRACE_SCHEMA,
+                task: "w001/t00".into(),
+                start: [start.x, start.y, start.yaw],
+                goal: task.goal,
+                goal_z: 0.0,
+                half_extent: [32.0, 32.0],
+                scale: 1.0,
+                time_step: 0.001,
+                sample_period: 0.01,
+                mode,
+            })
+            .unwrap();
+        Self { world, task, vehicle, soils, trace, hash: hash.hex() }
+    }
+
+    fn repeated(&self, hash: &str) -> Option<Motion> {
+        let setting = Setting {
+            world: &self.world,
+            task: &self.task,
+            vehicle: &self.vehicle,
+            soils: &self.soils,
+            options: SimOptions::default(),
+        };
+        Motion::repeated(&self.trace, &setting, hash)
+    }
+
+    fn replay(&self, label: &str) -> Replay {
+        let record = TaskRecord {
+            task: "w001/t00".into(),
+            world: "w001".into(),
+            elevation: self.world.elevation,
+            terrain: self.world.terrain,
+            density: self.world.density,
+            outcome: Outcome::Stuck,
+            three_way: Outcome::Stuck.three_way(false),
+            reason: format!("it sank {label}"),
+            fault: Some(label.into()),
+            time_s: 4.0,
+            state_hash: self.hash.clone(),
+            sim_steps: 4000,
+            planner_steps: 40,
+            clamped: 0,
+            fuel: None,
+            metrics: None,
+            log: vec![label.into()],
+            backtrace: Vec::new(),
+        };
+        let entry = |time, name: &str, values: &[f32]| DebugEntry {
+            time,
+            name: name.into(),
+            values: values.to_vec(),
+        };
+        let series = PlannerSeries::new(vec![
+            entry(0.0, "plan.xy", &[-20.0, 0.0, -10.0, 1.0, f32::NAN, f32::NAN, -20.0, 0.0, -10.0, -1.0]),
+            entry(0.0, "plan.cost", &[1.0, 2.0]),
+            entry(0.1, label, &[0.25]),
+        ]);
+        Replay {
+            world: self.world.clone(),
+            task: self.task.clone(),
+            suite: label.into(),
+            goal_radius: Some(10.0),
+            runs: vec![ReplayRun {
+                label: label.into(),
+                record,
+                vehicle: Arc::new(self.vehicle.spec().clone()),
+                motion: self.repeated(&self.hash).unwrap(),
+                series,
+            }],
+        }
+    }
+}
+
+#[test]
+fn ten_samples_a_second_repeat_the_simulation_to_the_bit() {
+    let drive = Drive::new(TraceMode::TenHz);
+    assert_eq!(drive.trace.samples.len(), 41);
+    let motion = drive.repeated(&drive.hash).expect("the same state hash");
+    assert_eq!(motion.repeat, Repeat::Exact);
+    assert_eq!(motion.frames.len(), 201, "fifty a second");
+    for sample in &drive.trace.samples {
+        let near = motion.frames.iter().find(|f| (f.time - sample.time).abs() < 1e-9).unwrap();
+        assert_eq!((near.x.to_bits(), near.yaw.to_bits()), (sample.x.to_bits(), sample.yaw.to_bits()));
+    }
+    assert!(motion.ruts.len() > 100, "wheels leave ruts in mud: {}", motion.ruts.len());
+    assert!(motion.ruts.is_sorted_by(|a, b| a.time <= b.time));
+    assert!(drive.repeated("0000000000000000").is_none(), "another hash is another drive");
+}
+
+#[test]
+fn a_drive_by_other_commands_is_not_taken_for_the_recorded_one() {
+    let mut drive = Drive::new(TraceMode::TenHz);
+    drive.trace.samples[20].throttle = 0.999;
+    assert!(drive.repeated(&drive.hash.clone()).is_none());
+}
+
+#[test]
+fn samples_alone_place_the_wheels_where_the_simulation_has_them() {
+    let drive = Drive::new(TraceMode::Full);
+    let exact = drive.repeated(&drive.hash).unwrap();
+    let sampled = Motion::sampled(&drive.trace, Some(&drive.vehicle));
+    assert_eq!((sampled.repeat, sampled.wheels, sampled.ruts.len()), (Repeat::Samples, 4, 0));
+    assert_eq!(sampled.frames.len(), 401);
+    for (k, frame) in exact.frames.iter().enumerate() {
+        let other = 2 * k;
+        assert_eq!(frame.time, sampled.frames[other].time);
+        for w in 0..4 {
+            let (a, b) = (exact.wheel_frames[4 * k + w], sampled.wheel_frames[4 * other + w]);
+            for i in 0..3 {
+                // The steering command is followed at a limited rate, which samples don't tell.
+                assert!((a.hub[i] - b.hub[i]).abs() < 0.02, "wheel {w}: {a:?} {b:?}");
+            }
+            assert!((a.angle - b.angle).abs() < 1e-9);
+        }
+    }
+    // Front wheels lie ahead of the rear ones, left ones to the left, and they have rolled forward.
+    let last = &exact.wheel_frames[exact.wheel_frames.len() - 4..];
+    assert!(last[0].hub[0] > last[2].hub[0] && last[0].hub[1] > last[1].hub[1]);
+    assert!(last.iter().all(|w| w.axis[1] > 0.8 && w.angle > 1.0), "{last:?}");
+}
+
+#[test]
+fn no_text_of_a_planner_becomes_markup() {
+    let page = page(&Drive::new(TraceMode::TenHz).replay(HOSTILE));
+    assert_eq!(page.matches("<script").count(), 2, "its own");
+    assert_eq!(page.matches("</script").count(), 2);
+    assert!(!page.contains("<img") && page.contains("script-src 'sha256-"));
+    assert!(!page.contains("http://") || page.matches("src=\"http").count() == 0, "no network");
+}
+
+#[test]
+fn the_bundle_is_made_of_the_sources_beside_it() {
+    let web = Path::new(env!("CARGO_MANIFEST_DIR")).join("web");
+    let mut sources: Vec<PathBuf> = std::fs::read_dir(web.join("src"))
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "js"))
+        .collect();
+    sources.sort();
+    sources.push(web.join("package-lock.json"));
+    let mut hash = Sha256::new();
+    sources.iter().for_each(|p| hash.update(std::fs::read(p).unwrap()));
+    let hash: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    let bundle = std::fs::read_to_string(web.join("../assets/replay.min.js")).unwrap();
+    let told = bundle.lines().next().unwrap();
+    assert_eq!(told, format!("/* sources {hash} */"), "run `npm ci && npm run build` in harness/replay/web");
+    assert!(bundle.contains("The MIT License") && bundle.contains("three.js authors"));
+}
+
+#[test]
+fn the_official_library_reads_the_mcap_file_back() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let replay = drive.replay("pid");
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("t.mcap");
+    write_mcap(&replay, &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
+    let mut schemas = BTreeSet::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.as_ref().unwrap();
+        schemas.insert((schema.name.clone(), schema.encoding.clone()));
+        topics
+            .entry(message.channel.topic.clone())
+            .or_default()
+            .push((message.log_time, message.data.to_vec()));
+    }
+    let expected = [
+        ("foxglove.FrameTransforms", "protobuf"),
+        ("foxglove.Log", "protobuf"),
+        ("foxglove.Odometry", "protobuf"),
+        ("foxglove.SceneUpdate", "protobuf"),
+        ("vb.Planner", "jsonschema"),
+        ("vb.State", "jsonschema"),
+    ];
+    let expected: BTreeSet<_> = expected.map(|(n, e)| (n.to_owned(), e.to_owned())).into();
+    assert_eq!(schemas, expected);
+    let motion = &replay.runs[0].motion;
+    for topic in ["/tf", "/run0/odometry", "/run0/state"] {
+        assert_eq!(topics[topic].len(), motion.frames.len(), "{topic}");
+    }
+    let (last, frame) = (topics["/run0/odometry"].last().unwrap(), motion.frames.last().unwrap());
+    assert_eq!(last.0, 4_000_000_000);
+    let odometry = Odometry::decode(&last.1[..]).unwrap();
+    let position = odometry.pose.unwrap().position.unwrap();
+    assert_eq!((position.x, position.y, position.z), (frame.x, frame.y, frame.z));
+    let tf = FrameTransforms::decode(&topics["/tf"][0].1[..]).unwrap();
+    let children: Vec<&str> = tf.transforms.iter().map(|t| t.child_frame_id.as_str()).collect();
+    assert_eq!(children, ["run0", "run0/wheel0", "run0/wheel1", "run0/wheel2", "run0/wheel3"]);
+    let world = SceneUpdate::decode(&topics["/world"][0].1[..]).unwrap();
+    let ids: Vec<&str> = world.entities.iter().map(|e| e.id.as_str()).collect();
+    assert_eq!(ids, ["ground", "obstacles", "global path", "goal"]);
+    assert_eq!(world.entities[0].triangles[0].points.len(), 65 * 65);
+    assert_eq!(world.entities[1].triangles.len(), 1);
+    let plan = SceneUpdate::decode(&topics["/run0/plan"][0].1[..]).unwrap();
+    assert_eq!(plan.entities[0].lines.len(), 2, "two sampled lines");
+    let log = Log::decode(&topics["/run0/outcome"][0].1[..]).unwrap();
+    assert!(log.message.starts_with("stuck: "), "{}", log.message);
+    let state: serde_json::Value = serde_json::from_slice(&topics["/run0/state"].last().unwrap().1).unwrap();
+    assert_eq!(state["throttle"], 1.0);
+}

@@ -1,0 +1,220 @@
+// One run in the world: vehicle, trail, ruts, what its planner intends, how it ended.
+import * as THREE from 'three';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { bodies, band } from './ground.js';
+import { locate, position, scale, signal } from './data.js';
+
+const WHEEL = 7; // hub, axis, angle
+const UP = new THREE.Vector3(0, 1, 0);
+
+// One mesh a wheel, with treads and spokes by which one sees it turn.
+function wheelGeometry(radius, width) {
+  const parts = [];
+  const add = (geometry, colour, angle = 0, out = 0) => {
+    geometry.rotateY(angle);
+    geometry.translate(out * radius * Math.sin(angle), 0, out * radius * Math.cos(angle));
+    const paint = new THREE.Color(colour);
+    const count = geometry.getAttribute('position').count;
+    const colours = new Float32Array(3 * count);
+    for (let k = 0; k < count; k += 1) colours.set([paint.r, paint.g, paint.b], 3 * k);
+    geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
+    parts.push(geometry);
+  };
+  add(new THREE.CylinderGeometry(radius, radius, width, 36), 0x232325);
+  add(new THREE.CylinderGeometry(0.58 * radius, 0.58 * radius, 1.02 * width, 24), 0x8b8d90);
+  for (let k = 0; k < 18; k += 1) add(new THREE.BoxGeometry(0.09 * radius, 0.94 * width, 0.1 * radius), 0x131314, (k * Math.PI) / 9, 0.985);
+  for (let k = 0; k < 5; k += 1) add(new THREE.BoxGeometry(0.13 * radius, 1.05 * width, 0.44 * radius), k === 0 ? 0xe7c64a : 0x4a4c50, (k * 2 * Math.PI) / 5, 0.3);
+  return mergeGeometries(parts);
+}
+
+function label(text, colour, unit) {
+  const canvas = document.createElement('canvas');
+  const context = canvas.getContext('2d');
+  const font = '600 44px system-ui, sans-serif';
+  context.font = font;
+  canvas.width = Math.ceil(context.measureText(text).width) + 44;
+  canvas.height = 72;
+  context.font = font;
+  context.fillStyle = colour;
+  context.beginPath();
+  context.roundRect(0, 0, canvas.width, canvas.height, 18);
+  context.fill();
+  context.fillStyle = '#fff';
+  context.textBaseline = 'middle';
+  context.fillText(text, 22, 38);
+  const map = new THREE.CanvasTexture(canvas);
+  map.colorSpace = THREE.SRGBColorSpace;
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map, depthTest: false }));
+  sprite.scale.set((canvas.width / canvas.height) * 1.1 * unit, 1.1 * unit, 1);
+  sprite.renderOrder = 10;
+  return sprite;
+}
+
+function ruts(run, height, pitch) {
+  const n = run.ruts.length / 5;
+  const vertices = new Float32Array(12 * n);
+  const colour = new Float32Array(16 * n);
+  const index = new Uint32Array(6 * n);
+  const half = 0.5 * pitch;
+  for (let k = 0; k < n; k += 1) {
+    const [, x, y, depth, raised] = run.ruts.subarray(5 * k, 5 * k + 5);
+    [[-half, -half], [half, -half], [half, half], [-half, half]].forEach(([u, v], i) => {
+      vertices.set([x + u, y + v, height(x + u, y + v) + 0.2 * pitch + 0.6 * Math.min(raised, 3 * pitch)], 12 * k + 3 * i);
+    });
+    // Ruts darken the ground, deep ones more; heaps brighten it.
+    const rut = depth >= raised;
+    const alpha = rut ? Math.min(0.62, 0.24 + 2.4 * depth) : Math.min(0.34, 0.12 + 1.5 * raised);
+    const shade = rut ? 0.015 : 0.9;
+    for (let i = 0; i < 4; i += 1) colour.set([shade, shade * 0.93, shade * 0.85, alpha], 16 * k + 4 * i);
+    index.set([0, 1, 2, 0, 2, 3].map((i) => 4 * k + i), 6 * k);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(vertices, 3));
+  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 4));
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  const mesh = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({
+    vertexColors: true, transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+  }));
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+export class Run {
+  constructor(run, ghost, world, unit, pitch) {
+    Object.assign(this, { run, ghost, world, unit });
+    this.group = new THREE.Group();
+    this.body = new THREE.Group();
+    const paint = new THREE.MeshLambertMaterial({
+      color: run.colour, flatShading: true, transparent: ghost, opacity: ghost ? 0.4 : 1,
+    });
+    const hull = bodies(run.vehicle.parts, paint);
+    hull.castShadow = !ghost;
+    this.body.add(hull, new THREE.LineSegments(
+      new THREE.EdgesGeometry(hull.geometry, 12),
+      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
+    ));
+    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    const geometry = wheelGeometry(run.vehicle.radius, run.vehicle.width);
+    this.wheels = Array.from({ length: run.wheel_count }, () => {
+      const mesh = new THREE.Mesh(geometry, rubber);
+      mesh.castShadow = !ghost;
+      return mesh;
+    });
+    this.body.add(...this.wheels);
+    this.group.add(this.body);
+    this.makeTrail();
+    this.ruts = ruts(run, world.height, pitch);
+    this.group.add(this.ruts);
+    this.plans = Object.entries(run.series.lines).map(([name, steps]) => {
+      const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 });
+      const lines = new THREE.LineSegments(new THREE.BufferGeometry(), material);
+      lines.frustumCulled = false;
+      this.group.add(lines);
+      return { name, steps, times: steps.map((s) => s[0]), lines, shown: -1 };
+    });
+    const last = run.times.length - 1;
+    this.flag = label(run.outcome, run.success ? '#2f9463' : '#c0412b', unit);
+    const [x, y, z] = position(run, last);
+    this.flag.position.set(x, y, z + 3.4 * unit);
+    this.group.add(this.flag);
+  }
+
+  // A point of the trail about every tenth of a second, and the last.
+  makeTrail() {
+    const { run } = this;
+    this.trailFrames = [];
+    run.times.forEach((t, k) => {
+      const before = this.trailFrames.length ? run.times[this.trailFrames.at(-1)] : -1;
+      if (t - before > 0.099 || k === run.times.length - 1) this.trailFrames.push(k);
+    });
+    this.trailTimes = Float32Array.from(this.trailFrames, (k) => run.times[k]);
+    const points = this.trailFrames.map((k) => [...position(run, k).subarray(0, 2)]);
+    const colours = new Float32Array(6 * points.length);
+    this.trail = band(points, (this.ghost ? 0.25 : 0.4) * this.unit, 0.09 * this.unit, this.world.height, colours, {
+      transparent: true, opacity: this.ghost ? 0.6 : 0.95,
+    });
+    this.group.add(this.trail);
+  }
+
+  // By speed, by roll, or in the run's own colour; `most` is the end of the scale.
+  colourTrail(by, most) {
+    const own = new Float32Array([1, 3, 5].map((k) => (parseInt(this.run.colour.slice(k, k + 2), 16) / 255) ** 2.2));
+    const colours = this.trail.geometry.getAttribute('color');
+    this.trailFrames.forEach((k, i) => {
+      const value = by === 'speed' ? signal(this.run, k, 0) : Math.abs(signal(this.run, k, 1));
+      const c = by === 'run' ? own : scale(value / most).map((v) => v ** 2.2);
+      colours.array.set([...c, ...c], 6 * i);
+    });
+    colours.needsUpdate = true;
+  }
+
+  pose(t) {
+    const [k, share] = locate(this.run.times, t);
+    const next = Math.min(k + 1, this.run.times.length - 1);
+    const [a, b] = [k, next].map((i) => this.run.poses.subarray(7 * i, 7 * i + 7));
+    const at = new THREE.Vector3(...a.subarray(0, 3)).lerp(new THREE.Vector3(...b.subarray(0, 3)), share);
+    const turn = new THREE.Quaternion(...a.subarray(3)).slerp(new THREE.Quaternion(...b.subarray(3)), share);
+    return { k, next, share, at, turn };
+  }
+
+  show(t) {
+    const { k, next, share, at, turn } = this.pose(t);
+    this.body.position.copy(at);
+    this.body.quaternion.copy(turn);
+    const n = this.run.wheel_count;
+    this.wheels.forEach((mesh, w) => {
+      const [a, b] = [k, next].map((i) => this.run.wheels.subarray(WHEEL * (n * i + w), WHEEL * (n * i + w + 1)));
+      const mix = (i) => a[i] + share * (b[i] - a[i]);
+      mesh.position.set(mix(0), mix(1), mix(2));
+      const axis = new THREE.Vector3(mix(3), mix(4), mix(5)).normalize();
+      mesh.quaternion.setFromUnitVectors(UP, axis)
+        .multiply(new THREE.Quaternion().setFromAxisAngle(UP, mix(6)));
+    });
+    const [trail] = locate(this.trailTimes, t);
+    this.trail.geometry.setDrawRange(0, t <= 0 ? 0 : 6 * trail);
+    let cells = 0;
+    const total = this.run.ruts.length / 5;
+    for (let low = 0, high = total; low < high;) {
+      const middle = (low + high) >> 1;
+      if (this.run.ruts[5 * middle] <= t) { low = middle + 1; cells = low; } else high = middle;
+    }
+    this.ruts.geometry.setDrawRange(0, 6 * cells);
+    for (const plan of this.plans) this.showPlan(plan, t);
+    this.flag.visible = t >= this.run.end - 1e-3;
+  }
+
+  showPlan(plan, t) {
+    const step = plan.times.length && plan.times[0] <= t + 1e-6 ? locate(plan.times, t + 1e-6)[0] : -1;
+    if (step === plan.shown) return;
+    plan.shown = step;
+    const points = [];
+    const colours = [];
+    if (step >= 0) {
+      const [, lines, costs] = plan.steps[step];
+      // Colours by rank: one very bad course must not make all others look alike.
+      const ranks = (costs ?? []).filter((c) => c !== null).sort((a, b) => a - b);
+      lines.forEach((line, i) => {
+        const cost = costs?.[i] ?? null;
+        const c = cost === null ? [0.1, 0.9, 0.82] : scale(ranks.indexOf(cost) / Math.max(1, ranks.length - 1));
+        const at = (k) => {
+          const [x, y, z] = line.slice(3 * k, 3 * k + 3);
+          return [x, y, z ?? this.world.height(x, y) + 0.35 * this.unit];
+        };
+        const add = (a, b) => { points.push(...a, ...b); colours.push(...c, ...c); };
+        // A single point is a place: a pole with a cross.
+        if (line.length === 3) {
+          const [x, y, z] = at(0);
+          const r = 0.6 * this.unit;
+          add([x, y, z - 0.3 * this.unit], [x, y, z + 3 * r]);
+          add([x - r, y, z + r], [x + r, y, z + r]);
+          add([x, y - r, z + r], [x, y + r, z + r]);
+        }
+        for (let k = 1; 3 * k < line.length; k += 1) add(at(k - 1), at(k));
+      });
+    }
+    plan.lines.geometry.dispose();
+    plan.lines.geometry = new THREE.BufferGeometry();
+    plan.lines.geometry.setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
+    plan.lines.geometry.setAttribute('color', new THREE.Float32BufferAttribute(colours, 3));
+  }
+}

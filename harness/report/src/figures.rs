@@ -1,0 +1,235 @@
+//! Figures of a run over some of its tasks.
+
+use vb_score::Outcome;
+
+use crate::runs::{Row, Run, Runs, WorldLabels};
+use crate::statistics::{Interval, Ratio, bootstrap_ratio, wilson};
+
+/// Seed of the resampling: a report of the same runs is the same report.
+pub(crate) const SEED: u64 = 0;
+
+/// A measure of which a report gives means and intervals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Measure {
+    /// Successes over tasks.
+    Success,
+    /// Traversal time of successful tasks, s.
+    Time,
+    /// |roll| over all samples of all tasks, degrees.
+    Roll,
+    /// |pitch| over the same, degrees.
+    Pitch,
+}
+
+impl Measure {
+    /// All, in the order of the paper's figure.
+    pub const ALL: [Self; 4] = [Self::Success, Self::Time, Self::Roll, Self::Pitch];
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Success => "success rate",
+            Self::Time => "traversal time",
+            Self::Roll => "|roll|",
+            Self::Pitch => "|pitch|",
+        }
+    }
+
+    /// The unit in which [`Measure::shown`] gives it.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Success => "%",
+            Self::Time => "s",
+            Self::Roll | Self::Pitch => "°",
+        }
+    }
+
+    /// A value in the unit that people read.
+    #[must_use]
+    pub fn shown(self, value: f64) -> f64 {
+        if self == Self::Success { 100.0 * value } else { value }
+    }
+
+    /// What a task adds to numerator and denominator of the mean.
+    #[must_use]
+    pub fn of(self, row: &Row) -> Ratio {
+        let pooled = |mean: f64, samples: u64| Ratio { sum: mean * samples as f64, weight: samples as f64 };
+        match (self, &row.measures) {
+            (Self::Success, _) => Ratio { sum: f64::from(u8::from(row.succeeded())), weight: 1.0 },
+            (Self::Time, _) if row.succeeded() => Ratio { sum: row.time, weight: 1.0 },
+            (Self::Roll, Some(m)) => pooled(m.roll.mean, m.samples),
+            (Self::Pitch, Some(m)) => pooled(m.pitch.mean, m.samples),
+            _ => Ratio::default(),
+        }
+    }
+}
+
+/// A mean, with its interval where there are two worlds or more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// Its 95 % interval by the bootstrap over worlds.
+    pub interval: Option<Interval>,
+}
+
+/// Figures over some tasks of one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// Number of tasks that count.
+    pub tasks: u64,
+    /// Number of worlds that they lie in.
+    pub worlds: usize,
+    /// Number by outcome, in the order of [`Outcome::ALL`].
+    pub outcomes: [u64; Outcome::ALL.len()],
+    /// 95 % score interval of the success rate, as if tasks were independent (as in summary.json).
+    pub wilson: Option<(f64, f64)>,
+    /// Means, in the order of [`Measure::ALL`]; none without anything to average.
+    pub means: [Option<Estimate>; Measure::ALL.len()],
+}
+
+impl Figures {
+    /// Figures over these rows of runs in `worlds`.
+    #[must_use]
+    pub fn new<'a>(rows: impl Iterator<Item = &'a Row>, worlds: usize) -> Self {
+        let mut sums = vec![[Ratio::default(); Measure::ALL.len()]; worlds];
+        let mut outcomes = [0; Outcome::ALL.len()];
+        let mut tasks = 0;
+        for row in rows.filter(|r| r.counts()) {
+            tasks += 1;
+            if let Some(k) = Outcome::ALL.iter().position(|o| *o == row.outcome) {
+                outcomes[k] += 1;
+            }
+            for (sum, measure) in sums[row.world as usize].iter_mut().zip(Measure::ALL) {
+                let own = measure.of(row);
+                sum.sum += own.sum;
+                sum.weight += own.weight;
+            }
+        }
+        let means = std::array::from_fn(|k| {
+            let clusters: Vec<Ratio> = sums.iter().map(|s| s[k]).collect();
+            estimate(&clusters, Measure::ALL[k].name())
+        });
+        let found = sums.iter().filter(|s| s[0].weight > 0.0).count();
+        let mut means: [Option<Estimate>; Measure::ALL.len()] = means;
+        if let Some(success) = &mut means[Measure::Success as usize] {
+            success.interval = success.interval.map(|i| unspread(i, found as u64));
+        }
+        Self { tasks, worlds: found, outcomes, wilson: wilson(outcomes[0], tasks), means }
+    }
+
+    /// A mean.
+    #[must_use]
+    pub fn mean(&self, measure: Measure) -> Option<Estimate> {
+        self.means[measure as usize]
+    }
+
+    /// How many tasks ended so.
+    #[must_use]
+    pub fn count(&self, outcome: Outcome) -> u64 {
+        Outcome::ALL.iter().position(|o| *o == outcome).map_or(0, |k| self.outcomes[k])
+    }
+}
+
+/// The interval of a rate of which all worlds are alike, all tasks or none: there is nothing to draw from, and an interval
+/// without width would claim certainty. Wilson's then, with each world as one trial.
+fn unspread(i: Interval, worlds: u64) -> Interval {
+    let successes = if i.estimate == 0.0 {
+        0
+    } else if i.estimate == 1.0 {
+        worlds
+    } else {
+        return i;
+    };
+    wilson(successes, worlds).map_or(i, |(low, high)| Interval { low, high, ..i })
+}
+
+/// A mean over clusters with its interval.
+pub(crate) fn estimate(clusters: &[Ratio], label: &str) -> Option<Estimate> {
+    let (sum, weight) = clusters.iter().fold((0.0, 0.0), |(s, w), c| (s + c.sum, w + c.weight));
+    (weight > 0.0).then(|| Estimate {
+        mean: sum / weight,
+        interval: bootstrap_ratio(clusters, SEED, &["report", label]),
+    })
+}
+
+/// A label of worlds by which figures are split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// By elevation level.
+    Elevation,
+    /// By kind of ground.
+    Terrain,
+    /// By obstacle density.
+    Density,
+}
+
+impl Split {
+    /// All, in the order of the paper's figure.
+    pub const ALL: [Self; 3] = [Self::Elevation, Self::Terrain, Self::Density];
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Elevation => "elevation",
+            Self::Terrain => "terrain",
+            Self::Density => "obstacle density",
+        }
+    }
+
+    /// The names of its levels.
+    #[must_use]
+    pub fn levels(self) -> Vec<&'static str> {
+        match self {
+            Self::Elevation => vb_world::Elevation::ALL.map(vb_world::Elevation::name).to_vec(),
+            Self::Terrain => vb_world::Terrain::ALL.map(vb_world::Terrain::name).to_vec(),
+            Self::Density => vb_world::Density::ALL.map(vb_world::Density::name).to_vec(),
+        }
+    }
+
+    /// A world's level.
+    #[must_use]
+    pub fn level(self, world: &WorldLabels) -> &'static str {
+        match self {
+            Self::Elevation => world.elevation.name(),
+            Self::Terrain => world.terrain.name(),
+            Self::Density => world.density.name(),
+        }
+    }
+}
+
+/// All figures of one run.
+#[derive(Clone, Debug)]
+pub struct RunFigures {
+    /// Over all tasks.
+    pub all: Figures,
+    /// By each split, its levels in order; levels without tasks have figures without means.
+    pub splits: [Vec<(&'static str, Figures)>; Split::ALL.len()],
+    /// (successes, tasks) by world.
+    pub worlds: Vec<(u64, u64)>,
+}
+
+impl RunFigures {
+    /// The figures of one of `runs`.
+    #[must_use]
+    pub fn new(runs: &Runs, run: &Run) -> Self {
+        let count = runs.worlds.len();
+        let splits = Split::ALL.map(|split| {
+            let of = |level: &'static str| {
+                let rows = run.rows.iter().filter(|r| split.level(&runs.worlds[r.world as usize]) == level);
+                (level, Figures::new(rows, count))
+            };
+            split.levels().into_iter().map(of).collect()
+        });
+        let mut worlds = vec![(0, 0); count];
+        for row in run.counted() {
+            let w = &mut worlds[row.world as usize];
+            w.0 += u64::from(row.succeeded());
+            w.1 += 1;
+        }
+        Self { all: Figures::new(run.rows.iter(), count), splits, worlds }
+    }
+}

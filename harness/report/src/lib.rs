@@ -1,0 +1,22 @@
+//! Runs as something to look at and to publish: statistics, one page, tables.
+//!
+//! [`Runs`] reads run directories line by line, [`Report`] computes everything that is told of them, and gives it as a page
+//! that needs nothing else, as Markdown, or writes every task as CSV or Parquet. Texts of planners – names, reasons – are
+//! foreign: they reach the page as text and never as markup.
+
+mod compare;
+mod error;
+mod figures;
+mod markdown;
+mod page;
+mod report;
+mod runs;
+pub mod statistics;
+mod table;
+
+pub use compare::{Comparison, Difference, Pair};
+pub use error::ReportError;
+pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
+pub use report::Report;
+pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels};
+pub use table::{write_csv, write_parquet};

@@ -1,0 +1,121 @@
+//! The paper's figure: success, time, roll and pitch by elevation level, kind of ground and obstacle density.
+
+use super::html::{escape, number};
+use super::plot::{Frame, colour};
+use crate::Report;
+use crate::figures::{Estimate, Measure, Split};
+use std::fmt::Write as _;
+
+/// The grid of panels: a row a measure, a column a split.
+pub(super) fn figure(s: &mut String, report: &Report) {
+    s.push_str("<div class=\"paper\">");
+    for measure in Measure::ALL {
+        let top = scale(report, measure);
+        for split in Split::ALL {
+            panel(s, report, measure, split, top);
+        }
+    }
+    s.push_str("</div>");
+}
+
+/// The end of a row's axis: the same for its panels, so that they can be compared.
+fn scale(report: &Report, measure: Measure) -> f64 {
+    if measure == Measure::Success {
+        return 100.0;
+    }
+    let figures = report.figures.iter().flat_map(|f| f.splits.iter().flatten());
+    let means: Vec<Estimate> = figures.filter_map(|(_, f)| f.mean(measure)).collect();
+    let greatest = means.iter().fold(0.0, |m: f64, e| m.max(e.mean));
+    if greatest <= 0.0 {
+        return 1.0;
+    }
+    let ends = means.iter().map(|e| e.interval.map_or(e.mean, |i| i.high));
+    // A wide interval of few worlds must not press the rest together.
+    1.05 * ends.fold(greatest, f64::max).min(2.0 * greatest)
+}
+
+fn panel(s: &mut String, report: &Report, measure: Measure, split: Split, top: f64) {
+    let runs = report.runs.runs.len();
+    let levels = split.levels();
+    let title = format!("{} by {}", measure.name(), split.name());
+    let f = Frame {
+        width: 360.0,
+        height: 190.0,
+        left: 46.0,
+        right: 8.0,
+        top: 12.0,
+        bottom: 26.0,
+        x: [0.0, levels.len() as f64],
+        y: [0.0, top],
+    };
+    let _ =
+        write!(s, "<figure><figcaption>{} <small>{}</small></figcaption>", escape(&title), measure.unit());
+    f.open(s, &title);
+    f.y_axis(s, 4.0);
+    // Bars of at most a quarter of a level's width, so that a single run is no wall.
+    let bar = (0.8 / runs as f64).min(0.26);
+    for (l, level) in levels.iter().enumerate() {
+        let x = f.sx(l as f64 + 0.5);
+        let _ = write!(
+            s,
+            "<text class=\"level\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{level}</text>",
+            f.height - f.bottom + 17.0
+        );
+        for (r, own) in report.figures.iter().enumerate() {
+            let Some((_, figures)) =
+                own.splits.get(split as usize).and_then(|levels| levels.get(l)).filter(|(_, f)| f.tasks > 0)
+            else {
+                continue;
+            };
+            let centre = l as f64 + 0.5 + bar * (r as f64 - 0.5 * (runs as f64 - 1.0));
+            let (left, right) = (f.sx(centre - 0.46 * bar), f.sx(centre + 0.46 * bar));
+            let name = escape(&report.runs.runs[r].label);
+            let Some(e) = figures.mean(measure) else {
+                let _ = write!(
+                    s,
+                    "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">–<title>{name}: nothing to average</title></text>",
+                    f.sx(centre),
+                    f.sy(0.0) - 3.0
+                );
+                continue;
+            };
+            let shown = |v: f64| number(measure.shown(v), 1);
+            let told = e.interval.map_or_else(String::new, |i| {
+                format!(", 95 % interval {} to {}", shown(i.low), shown(i.high))
+            });
+            let y = f.sy(measure.shown(e.mean));
+            let _ = write!(
+                s,
+                "<g><title>{name}, {level}: {} {}{told}; {} tasks in {} worlds</title>\
+                 <rect class=\"f{c} bar\" x=\"{left:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"1.5\"/>",
+                shown(e.mean),
+                measure.unit(),
+                figures.tasks,
+                figures.worlds,
+                right - left,
+                (f.sy(0.0) - y).max(0.8),
+                c = colour(r),
+            );
+            if let Some(i) = e.interval {
+                let (low, high) = (f.sy(measure.shown(i.low)), f.sy(measure.shown(i.high)));
+                let (x, cap) = (0.5 * (left + right), (0.22 * (right - left)).min(5.0));
+                let _ = write!(
+                    s,
+                    "<path class=\"whisker\" d=\"M{x:.1} {low:.1}V{high:.1}M{:.1} {low:.1}h{:.1}M{:.1} {high:.1}h{:.1}\"/>",
+                    x - cap,
+                    2.0 * cap,
+                    x - cap,
+                    2.0 * cap
+                );
+            }
+            s.push_str("</g>");
+        }
+    }
+    let base = f.sy(0.0);
+    let _ = write!(
+        s,
+        "<line class=\"base\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{base:.1}\" y2=\"{base:.1}\"/></svg></figure>",
+        f.left,
+        f.width - f.right
+    );
+}

@@ -1,0 +1,62 @@
+//! Text for a page.
+
+/// Text that is safe in HTML and SVG, between tags and in quoted attributes.
+pub(crate) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
+}
+
+/// JSON that is safe within a script element: no tag or comment can begin or end in it.
+pub(crate) fn json<T: serde::Serialize>(value: &T) -> String {
+    // What a page holds is lists of texts and numbers, which always convert; numbers that JSON lacks become null.
+    let text = serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned());
+    text.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+}
+
+/// A number with so many digits behind the point and a minus sign as people write it.
+pub(crate) fn number(v: f64, digits: usize) -> String {
+    let text = format!("{v:.digits$}");
+    let zero = text.trim_start_matches('-').bytes().all(|b| matches!(b, b'0' | b'.'));
+    if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
+}
+
+/// A whole number with thin spaces between thousands.
+pub(crate) fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (k, c) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push('\u{2009}');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// A p-value as it is printed.
+pub(crate) fn p_value(p: f64) -> String {
+    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_cannot_leave_its_script_element() {
+        let text = json(&["</script><script>alert(1)</script>", "<!--", "\u{2028}"]);
+        assert!(!text.contains('<') && !text.contains('\u{2028}'), "{text}");
+        let back: Vec<String> = serde_json::from_str(&text).unwrap();
+        assert_eq!(back[0], "</script><script>alert(1)</script>");
+    }
+
+    #[test]
+    fn numbers_are_written_as_people_read_them() {
+        assert_eq!((number(-1.25, 1).as_str(), number(-0.01, 1).as_str()), ("−1.2", "0.0"));
+        assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
+        assert_eq!((p_value(0.000_4).as_str(), p_value(0.0412).as_str()), ("< 0.001", "0.041"));
+    }
+}

@@ -1,0 +1,177 @@
+'use strict';
+(() => {
+  const $ = (q, of = document) => of.querySelector(q);
+  const $$ = (q, of = document) => [...of.querySelectorAll(q)];
+  // Texts come from planners: they are set as text, never as markup.
+  const make = (tag, text, className) => {
+    const e = document.createElement(tag);
+    if (text !== undefined && text !== null) e.textContent = text;
+    if (className) e.className = className;
+    return e;
+  };
+  const compare = (a, b) => {
+    if (typeof a === 'number' && typeof b === 'number') return a - b;
+    if (a === null || a === '') return b === null || b === '' ? 0 : 1;
+    if (b === null || b === '') return -1;
+    return String(a).localeCompare(String(b), 'en', { numeric: true });
+  };
+  const mark = (heads, on, up) => {
+    for (const h of heads) h.removeAttribute('aria-sort');
+    on.setAttribute('aria-sort', up ? 'ascending' : 'descending');
+  };
+  const button = (head, act) => {
+    head.tabIndex = 0;
+    head.addEventListener('click', act);
+    head.addEventListener('keydown', (e) => {
+      if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); act(); }
+    });
+  };
+
+  // Tables written out in the page.
+  for (const table of $$('table.sortable')) {
+    const heads = $$('thead th', table);
+    const body = $('tbody', table);
+    const rows = [...body.rows];
+    if (rows.length < 2) { table.classList.remove('sortable'); continue; }
+    const value = (row, k) => {
+      const cell = row.cells[k];
+      if (!cell) return null;
+      const text = cell.dataset.v ?? cell.textContent.trim().replace(/[\u2009]/g, '').replace('−', '-');
+      return text !== '' && !Number.isNaN(Number(text)) ? Number(text) : text;
+    };
+    heads.forEach((head, k) => button(head, () => {
+      const up = head.getAttribute('aria-sort') !== 'ascending';
+      mark(heads, head, up);
+      rows.sort((a, b) => (up ? 1 : -1) * compare(value(a, k), value(b, k)));
+      body.append(...rows);
+    }));
+  }
+
+  // The tasks.
+  const browser = $('#browser');
+  const data = JSON.parse($('#data').textContent);
+  const many = data.runs.length > 1;
+  const PAGE = 100;
+  const columns = [
+    ['run', (r) => data.runs[r[0]][0]],
+    ['task', (r) => r[1]],
+    ['elevation', (r) => data.worlds[r[2]][1]],
+    ['terrain', (r) => data.worlds[r[2]][2]],
+    ['density', (r) => data.worlds[r[2]][3]],
+    ['outcome', (r) => data.outcomes[r[3]]],
+    ['time s', (r) => r[4], 1],
+    ['|roll| °', (r) => r[5], 1],
+    ['most', (r) => r[6], 1],
+    ['|pitch| °', (r) => r[7], 1],
+    ['most', (r) => r[8], 1],
+    ['way m', (r) => r[9], 1],
+    ['to goal m', (r) => r[10], 1],
+    ['fuel 99 %', (r) => r[11], 1],
+    ['replay', (r) => r[13]],
+  ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
+    && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
+  const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
+  const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);
+  const form = $('form', browser);
+  const tbody = $('tbody', browser);
+  const option = (select, value, text) => {
+    const o = make('option', text);
+    o.value = value;
+    select.append(o);
+  };
+  option(form.run, '', 'all');
+  data.runs.forEach((r, k) => option(form.run, k, r[0]));
+  if (!many) form.run.parentElement.hidden = true;
+  option(form.outcome, '', 'all');
+  option(form.outcome, 'fail', 'failures');
+  data.outcomes.forEach((o, k) => {
+    if (data.rows.some((r) => r[3] === k)) option(form.outcome, k, o);
+  });
+  let sort = null;
+  let chosen = [];
+  let count = PAGE;
+  const key = (r) => [r[1], ...data.worlds[r[2]], data.runs[r[0]][0], data.outcomes[r[3]], r[12]].join(' ').toLowerCase();
+  const keys = data.rows.map(key);
+  const format = (v, n) => (v === null ? '–' : n === 'fuel 99 %' ? v.toLocaleString('en').replaceAll(',', '\u2009') : v.toFixed(1).replace('-', '−'));
+  function draw() {
+    tbody.replaceChildren(...chosen.slice(0, count).map((r) => {
+      const tr = make('tr');
+      tr.tabIndex = 0;
+      for (const [name, of, numeric] of columns) {
+        const v = of(r);
+        if (name === 'replay') {
+          const td = make('td');
+          if (v) {
+            const a = make('a', 'replay', 'replay');
+            a.href = 'replays/' + r[1].split('/').map(encodeURIComponent).join('/') + '.html';
+            td.append(a);
+          }
+          tr.append(td);
+        } else if (name === 'outcome') {
+          const td = make('td');
+          td.append(make('i', undefined, 'swatch o' + r[3]), v);
+          tr.append(td);
+        } else if (name === 'run') {
+          const td = make('td');
+          td.append(make('i', undefined, 'swatch b' + (r[0] % 8)), v);
+          tr.append(td);
+        } else {
+          tr.append(make('td', numeric ? format(v, name) : v, numeric ? 'n' : ''));
+        }
+      }
+      const toggle = () => {
+        const next = tr.nextElementSibling;
+        if (next && next.className === 'detail') return next.remove();
+        const detail = make('tr', undefined, 'detail');
+        const td = make('td');
+        td.colSpan = columns.length;
+        if (r[12]) td.append(make('p', r[12]));
+        td.append(make('code', `vb-harness replay ${data.runs[r[0]][1]} --task ${r[1]}`));
+        detail.append(td);
+        tr.after(detail);
+      };
+      tr.addEventListener('click', (e) => { if (!e.target.closest('a')) toggle(); });
+      tr.addEventListener('keydown', (e) => { if (e.key === 'Enter' && e.target === tr) toggle(); });
+      return tr;
+    }));
+    $('output', form).textContent = `${chosen.length} of ${data.rows.length}`;
+    $('.more', browser).hidden = chosen.length <= count;
+  }
+  function filter() {
+    const [run, outcome] = [form.run.value, form.outcome.value];
+    const words = form.text.value.toLowerCase().split(/\s+/).filter(Boolean);
+    chosen = data.rows.filter((r, k) => (run === '' || r[0] === Number(run))
+      && (outcome === '' || (outcome === 'fail' ? r[3] !== 0 : r[3] === Number(outcome)))
+      && words.every((w) => keys[k].includes(w)));
+    if (sort) chosen.sort((a, b) => sort.sign * compare(rank(sort.of(a)), rank(sort.of(b))));
+    count = PAGE;
+    draw();
+  }
+  const row = make('tr');
+  const heads = columns.map(([name, of, numeric]) => {
+    const th = make('th', name, numeric ? 'n' : '');
+    button(th, () => {
+      const sign = sort && sort.th === th ? -sort.sign : numeric ? -1 : 1;
+      sort = { th, of, sign };
+      mark(heads, th, sign > 0);
+      filter();
+    });
+    row.append(th);
+    return th;
+  });
+  $('thead', browser).append(row);
+  form.addEventListener('input', filter);
+  form.addEventListener('submit', (e) => e.preventDefault());
+  $('.more button', browser).addEventListener('click', () => { count += 5 * PAGE; draw(); });
+  addEventListener('beforeprint', () => $$('tr.detail', tbody).forEach((e) => e.remove()));
+  for (const w of $$('button[data-world]')) {
+    w.addEventListener('click', () => {
+      form.run.value = many ? w.dataset.run : '';
+      form.outcome.value = '';
+      form.text.value = w.dataset.world + '/';
+      filter();
+      $('#tasks').scrollIntoView({ behavior: 'smooth' });
+    });
+  }
+  filter();
+})();

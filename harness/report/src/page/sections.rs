@@ -1,0 +1,364 @@
+//! The sections of the page but figure, comparison and tasks.
+
+use super::html::{escape, grouped, number};
+use super::plot::{Histogram, colour};
+use crate::Report;
+use crate::figures::{Estimate, Measure};
+use crate::runs::{Row, Run};
+use std::fmt::Write as _;
+use vb_score::Outcome;
+use vb_world::{Density, Elevation, Terrain};
+
+/// Worlds beyond this number are not drawn one by one.
+const WORLDS: usize = 3000;
+
+/// What the reader should know before he looks at figures.
+pub(super) fn notes(s: &mut String, report: &Report) {
+    let mut notes = Vec::new();
+    for run in &report.runs.runs {
+        let name = escape(&run.label);
+        if run.missing() > 0 {
+            notes.push(format!(
+                "{name}: {} of {} tasks are not done yet; figures are over the others.",
+                grouped(run.missing()),
+                grouped(run.header.tasks)
+            ));
+        }
+        if run.host_errors() > 0 {
+            notes.push(format!(
+                "{name}: the harness or the machine failed {} tasks, which are in no figure (--resume runs them again).",
+                run.host_errors()
+            ));
+        }
+        let failed = run.rows.iter().filter(|r| r.outcome == Outcome::SimError).count();
+        if failed > 0 {
+            notes.push(format!("{name}: the simulation of {failed} tasks failed; they count as failures."));
+        }
+        if !run.header.plugin.eligible_for_ranking {
+            notes.push(format!("{name}: a command, whose results are not ranked."));
+        }
+    }
+    for (what, values) in report.runs.differences() {
+        let values: Vec<String> = values.iter().map(|v| escape(&crate::runs::one_line(v, 120))).collect();
+        notes.push(format!("The runs differ in {what}: {}.", values.join("; ")));
+    }
+    let sets: Vec<usize> = report.runs.runs.iter().map(|r| r.rows.len()).collect();
+    if let Some(c) = &report.comparison
+        && let Some(pair) = c.pairs.iter().find(|p| p.common < sets[p.a].max(sets[p.b]) as u64)
+    {
+        notes.push(format!(
+            "Not all runs have done the same tasks ({} are common to {} and {}): overview and figure are over each run's own, \
+             comparisons over the common ones.",
+            grouped(pair.common),
+            escape(&report.runs.runs[pair.a].label),
+            escape(&report.runs.runs[pair.b].label)
+        ));
+    }
+    if !notes.is_empty() {
+        let _ = write!(s, "<ul class=\"notes\"><li>{}</li></ul>", notes.join("</li><li>"));
+    }
+}
+
+/// The runs' names with their colours.
+pub(super) fn legend(s: &mut String, report: &Report) {
+    if report.runs.runs.len() < 2 {
+        return;
+    }
+    s.push_str("<ul class=\"legend\">");
+    for (k, run) in report.runs.runs.iter().enumerate() {
+        let _ = write!(s, "<li><i class=\"swatch b{}\"></i>{}</li>", colour(k), escape(&run.label));
+    }
+    s.push_str("</ul>");
+}
+
+/// A mean with its interval: `25.1 [24.0, 26.3]`.
+pub(super) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
+    let Some(e) = e else { return "–".into() };
+    let v = |v: f64| number(measure.shown(v), 1);
+    match e.interval {
+        Some(i) => format!("{} <small>[{}, {}]</small>", v(e.mean), v(i.low), v(i.high)),
+        None => v(e.mean),
+    }
+}
+
+pub(super) fn overview(s: &mut String, report: &Report) {
+    s.push_str("<div class=\"cards\">");
+    for (k, (run, f)) in report.runs.runs.iter().zip(&report.figures).enumerate() {
+        let h = &run.header;
+        let rate = f.all.mean(Measure::Success);
+        let _ = write!(
+            s,
+            "<article class=\"card\"><h3><i class=\"swatch b{}\"></i>{}</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">{} of {} \
+             tasks succeed{}</p>",
+            colour(k),
+            escape(&run.label),
+            rate.map_or_else(|| "–".into(), |e| number(100.0 * e.mean, 1)),
+            grouped(f.all.count(Outcome::Success)),
+            grouped(f.all.tasks),
+            rate.and_then(|e| e.interval).map_or_else(String::new, |i| format!(
+                "; 95 %: {} to {} %",
+                number(100.0 * i.low, 1),
+                number(100.0 * i.high, 1)
+            )),
+        );
+        stack(s, f.all.outcomes, f.all.tasks);
+        s.push_str("<dl>");
+        for measure in [Measure::Time, Measure::Roll, Measure::Pitch] {
+            let _ = write!(
+                s,
+                "<div><dt>{}, {}</dt><dd>{}</dd></div>",
+                measure.name(),
+                measure.unit(),
+                with_interval(f.all.mean(measure), measure)
+            );
+        }
+        let _ = write!(
+            s,
+            "</dl><p class=\"sub\">{} {}, {}{}; vehicle {}, rules {}{}</p></article>",
+            escape(&crate::runs::one_line(&h.plugin.name, 60)),
+            escape(&crate::runs::one_line(&h.plugin.version, 30)),
+            escape(&h.plugin.carrier),
+            params(run),
+            escape(&h.vehicle.name),
+            escape(&h.rules.name),
+            if h.scale == 1.0 { String::new() } else { format!(", scale {}", number(h.scale, 3)) },
+        );
+    }
+    s.push_str("</div>");
+}
+
+fn params(run: &Run) -> String {
+    let all: Vec<String> = run.header.params.iter().map(|(k, v)| format!("{k}={v}")).collect();
+    if all.is_empty() {
+        String::new()
+    } else {
+        format!(", {}", escape(&crate::runs::one_line(&all.join(" "), 160)))
+    }
+}
+
+/// Shares of the outcomes as a bar.
+fn stack(s: &mut String, outcomes: [u64; Outcome::ALL.len()], tasks: u64) {
+    s.push_str("<div class=\"stack\">");
+    for (k, n) in outcomes.iter().enumerate().filter(|(_, n)| **n > 0) {
+        let _ = write!(
+            s,
+            "<i class=\"o{k}\" style=\"flex:{n}\" title=\"{}: {n} ({} %)\"></i>",
+            label(Outcome::ALL[k]),
+            number(100.0 * *n as f64 / tasks as f64, 1)
+        );
+    }
+    s.push_str("</div>");
+}
+
+/// The name of an outcome for people.
+pub(super) fn label(outcome: Outcome) -> String {
+    outcome.name().replace('_', " ")
+}
+
+pub(super) fn outcomes(s: &mut String, report: &Report) {
+    let used: Vec<usize> = (0..Outcome::ALL.len())
+        .filter(|k| *k < 3 || report.figures.iter().any(|f| f.all.outcomes[*k] > 0))
+        .collect();
+    s.push_str(
+        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>run</th><th class=\"n\">tasks</th>",
+    );
+    for &k in &used {
+        let _ = write!(s, "<th class=\"n\"><i class=\"swatch o{k}\"></i>{}</th>", label(Outcome::ALL[k]));
+    }
+    s.push_str("<th class=\"n\">success % (Wilson 95 %)</th></tr></thead><tbody>");
+    for (run, f) in report.runs.runs.iter().zip(&report.figures) {
+        let _ = write!(s, "<tr><th>{}</th><td class=\"n\">{}</td>", escape(&run.label), grouped(f.all.tasks));
+        for &k in &used {
+            let n = f.all.outcomes[k];
+            let share = 100.0 * n as f64 / f.all.tasks.max(1) as f64;
+            let _ = write!(
+                s,
+                "<td class=\"n\" data-v=\"{n}\">{} <small>{} %</small></td>",
+                grouped(n),
+                number(share, 1)
+            );
+        }
+        let rate = f.all.mean(Measure::Success).map_or(0.0, |e| e.mean);
+        let (low, high) = f.all.wilson.unwrap_or((0.0, 1.0));
+        let _ = write!(
+            s,
+            "<td class=\"n\" data-v=\"{rate}\">{} <small>[{}, {}]</small></td></tr>",
+            number(100.0 * rate, 1),
+            number(100.0 * low, 1),
+            number(100.0 * high, 1)
+        );
+    }
+    s.push_str(
+        "</tbody></table></div><p class=\"about\">Wilson's interval takes tasks as independent, as summary.json does; the intervals \
+         elsewhere on this page don't. Errors of planner and simulation count as failures.</p>",
+    );
+}
+
+pub(super) fn worlds(s: &mut String, report: &Report) {
+    if report.runs.worlds.len() > WORLDS {
+        let _ = write!(s, "<p>{} worlds are too many to draw.</p>", grouped(report.runs.worlds.len() as u64));
+        return;
+    }
+    s.push_str("<div class=\"heats\">");
+    for (k, (run, f)) in report.runs.runs.iter().zip(&report.figures).enumerate() {
+        let _ = write!(
+            s,
+            "<div class=\"heat\"><h3><i class=\"swatch b{}\"></i>{}</h3><table><thead><tr><td></td>",
+            colour(k),
+            escape(&run.label)
+        );
+        for e in Elevation::ALL {
+            let _ = write!(s, "<th>{}</th>", e.name());
+        }
+        s.push_str("</tr></thead><tbody>");
+        for terrain in Terrain::ALL {
+            let _ = write!(s, "<tr><th>{}</th>", terrain.name());
+            for elevation in Elevation::ALL {
+                s.push_str("<td>");
+                for density in Density::ALL {
+                    for (w, (done, all)) in report.runs.worlds.iter().zip(&f.worlds) {
+                        let here = (w.elevation, w.terrain, w.density) == (elevation, terrain, density);
+                        if !here || *all == 0 {
+                            continue;
+                        }
+                        let share = *done as f64 / *all as f64;
+                        let name = escape(&w.name);
+                        let _ = write!(
+                            s,
+                            "<button type=\"button\" class=\"w h{} {}\" data-world=\"{name}\" data-run=\"{k}\" title=\"{name}, {}: {done} of \
+                             {all} tasks\">{done}</button>",
+                            (share * 5.999) as u32,
+                            density.name(),
+                            density.name()
+                        );
+                    }
+                }
+                s.push_str("</td>");
+            }
+            s.push_str("</tr>");
+        }
+        s.push_str("</tbody></table></div>");
+    }
+    s.push_str(
+        "</div><p class=\"about\">A square a world, with its number of successes. Columns: elevation level; rows: kind of ground; \
+         obstacles grow denser from left to right, as the bar below a square tells. A click shows a world's tasks.</p><p class=\"key\">no success",
+    );
+    for k in 0..6 {
+        let _ = write!(s, "<i class=\"w h{k}\"></i>");
+    }
+    s.push_str("all tasks</p>");
+}
+
+pub(super) fn distributions(s: &mut String, report: &Report) {
+    legend(s, report);
+    s.push_str("<div class=\"plots\">");
+    let labels: Vec<String> = report.runs.runs.iter().map(|r| r.label.clone()).collect();
+    let mut draw = |title: &str, axis: &str, value: fn(&Row) -> Option<f64>| {
+        let values: Vec<Vec<f64>> =
+            report.runs.runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
+        if let Some(h) = Histogram::new(&values) {
+            s.push_str(&h.draw(title, axis, &labels));
+        }
+    };
+    draw("Traversal time of successes", "s", |r| r.succeeded().then_some(r.time));
+    draw("Mean |roll| of a task", "degrees", |r| r.measures.map(|m| m.roll.mean));
+    draw("Greatest |roll| of a task", "degrees", |r| r.measures.map(|m| m.roll.max));
+    draw("Mean |pitch| of a task", "degrees", |r| r.measures.map(|m| m.pitch.mean));
+    draw("Greatest |pitch| of a task", "degrees", |r| r.measures.map(|m| m.pitch.max));
+    draw("Mean speed", "m/s", |r| r.measures.map(|m| m.speed));
+    draw("Way travelled", "m", |r| r.measures.map(|m| m.distance));
+    draw("Distance from the goal at the end of failures", "m", |r| {
+        r.measures.filter(|_| !r.succeeded()).map(|m| m.goal_distance)
+    });
+    s.push_str("</div>");
+}
+
+pub(super) fn fuel(s: &mut String, report: &Report) {
+    let metered = |run: &Run| run.counted().any(|r| r.fuel.is_some());
+    if !report.runs.runs.iter().any(metered) {
+        s.push_str("<p>No planner of these runs is metered: native planners and commands use no fuel.</p>");
+        return;
+    }
+    s.push_str(
+        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>run</th><th class=\"n\">init, most</th><th class=\"n\">step, median</th>\
+         <th class=\"n\">step, 99 %</th><th class=\"n\">step, most</th><th class=\"n\">% of the limit</th><th class=\"n\">memory, MiB</th>\
+         <th class=\"n\">clamped commands</th></tr></thead><tbody>",
+    );
+    for run in &report.runs.runs {
+        let used: Vec<_> = run.counted().filter_map(|r| r.fuel).collect();
+        let _ = write!(s, "<tr><th>{}</th>", escape(&run.label));
+        if used.is_empty() {
+            s.push_str("<td class=\"n\" colspan=\"6\">not metered</td>");
+        } else {
+            let mut medians: Vec<u64> = used.iter().map(|f| f.median).collect();
+            medians.sort_unstable();
+            let most = |f: fn(&crate::runs::Fuel) -> u64| used.iter().map(f).max().unwrap_or(0);
+            for v in [most(|f| f.init), medians[medians.len() / 2], most(|f| f.p99), most(|f| f.max)] {
+                let _ = write!(s, "<td class=\"n\" data-v=\"{v}\">{}</td>", grouped(v));
+            }
+            let share = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
+            let memory = most(|f| f.memory) as f64 / f64::from(1 << 20);
+            let _ = write!(
+                s,
+                "<td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                number(100.0 * share, 4),
+                number(memory, 1)
+            );
+        }
+        let clamped: u64 = run.counted().map(|r| r.clamped).sum();
+        let _ = write!(s, "<td class=\"n\" data-v=\"{clamped}\">{}</td></tr>", grouped(clamped));
+    }
+    s.push_str("</tbody></table></div><div class=\"plots\">");
+    let labels: Vec<String> = report.runs.runs.iter().map(|r| r.label.clone()).collect();
+    let mut draw = |title: &str, axis: &str, value: fn(&Row) -> Option<f64>| {
+        let values: Vec<Vec<f64>> =
+            report.runs.runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
+        if let Some(h) = Histogram::new(&values) {
+            s.push_str(&h.draw(title, axis, &labels));
+        }
+    };
+    draw("Fuel of a step, 99 % of a task's steps", "thousand units", |r| r.fuel.map(|f| f.p99 as f64 / 1e3));
+    draw("Simulated time of a task", "s", |r| Some(r.time));
+    s.push_str(
+        "</div><p class=\"about\">Fuel is about one unit an instruction and the same on every machine; it is the time of a step that can \
+         be compared. Seconds on the clock are not recorded: they differ from machine to machine.</p>",
+    );
+}
+
+pub(super) fn about(s: &mut String, report: &Report) {
+    s.push_str("<div class=\"scroll\"><table><thead><tr><th>run</th><th>directory</th><th>plugin</th><th>sha256</th><th>vehicle</th><th>rules</th><th>soils</th><th class=\"n\">scale</th><th class=\"n\">seed</th><th>trace</th><th>harness</th><th>started</th></tr></thead><tbody>");
+    for run in &report.runs.runs {
+        let h = &run.header;
+        let short = |t: &str| escape(t.get(..12).unwrap_or(t));
+        let text = |t: &str| escape(&crate::runs::one_line(t, 120));
+        let _ = write!(
+            s,
+            "<tr><th>{}</th><td>{}</td><td>{} {} ({}){}</td><td><code title=\"{}\">{}</code></td><td>{} <code>{}</code></td><td>{} <code>{}</code></td>\
+             <td>{} <code>{}</code></td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            escape(&run.label),
+            text(&run.dir.display().to_string()),
+            text(&h.plugin.name),
+            text(&h.plugin.version),
+            text(&h.plugin.carrier),
+            params(run),
+            escape(&h.plugin.sha256),
+            short(&h.plugin.sha256),
+            text(&h.vehicle.name),
+            short(&h.vehicle.hash),
+            text(&h.rules.name),
+            short(&h.rules.hash),
+            text(&h.soils.name),
+            short(&h.soils.hash),
+            h.scale,
+            h.seed,
+            h.trace.name(),
+            text(&h.harness_version),
+            text(&h.started_at),
+        );
+    }
+    s.push_str(
+        "</tbody></table></div><p class=\"about\">Intervals: bias-corrected and accelerated bootstrap (Efron 1987) that draws whole worlds, \
+         10 000 resamples, fixed seed. McNemar's exact test is over tasks; Wilcoxon's signed-rank test is over the means of worlds. Holm's \
+         correction holds for all tests of the comparison together. Performance profiles follow Dolan and Moré (2002).</p>",
+    );
+}

@@ -1,0 +1,84 @@
+//! The tasks, as data for the page's script.
+
+use super::html::{escape, grouped, json};
+use super::sections::label;
+use crate::Report;
+use crate::runs::Row;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use vb_score::Outcome;
+
+/// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
+const ROWS: usize = 20_000;
+
+pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>, files: &[&str]) {
+    let total: usize = report.runs.runs.iter().map(|r| r.rows.len()).sum();
+    let each = ROWS / report.runs.runs.len();
+    let mut shown = 0;
+    let mut rows = Vec::new();
+    for (k, run) in report.runs.runs.iter().enumerate() {
+        // Failures first where not all have room: they are what one looks for.
+        let mut chosen: Vec<&Row> = run.rows.iter().filter(|r| !r.succeeded()).take(each).collect();
+        let room = each - chosen.len();
+        chosen.extend(run.rows.iter().filter(|r| r.succeeded()).take(room));
+        chosen.sort_by(|a, b| a.task.cmp(&b.task));
+        shown += chosen.len();
+        rows.extend(chosen.into_iter().map(|r| row(k, r, replays)));
+    }
+    let worlds: Vec<Value> = report
+        .runs
+        .worlds
+        .iter()
+        .map(|w| json!([w.name, w.elevation.name(), w.terrain.name(), w.density.name()]))
+        .collect();
+    let runs: Vec<Value> =
+        report.runs.runs.iter().map(|r| json!([r.label, r.dir.display().to_string()])).collect();
+    let outcomes: Vec<String> = Outcome::ALL.map(label).into();
+    let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "rows": rows});
+    if !files.is_empty() {
+        let list: Vec<String> = files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
+        let _ = write!(s, "<p class=\"about\">All tasks as tables: {}.</p>", list.join(", "));
+    }
+    if shown < total {
+        let _ = write!(
+            s,
+            "<p class=\"about\">{} of {} tasks are listed, failures first; --csv and --parquet write all of them.</p>",
+            grouped(shown as u64),
+            grouped(total as u64)
+        );
+    }
+    let _ = write!(
+        s,
+        "<div id=\"browser\"><form class=\"bar\" autocomplete=\"off\"><label>run <select name=\"run\"></select></label><label>outcome \
+         <select name=\"outcome\"></select></label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
+         <output></output></form><div class=\"scroll\"><table><thead></thead><tbody></tbody></table></div>\
+         <p class=\"more\"><button type=\"button\">Show more</button></p><noscript>The list of tasks needs JavaScript.</noscript></div>\
+         <script type=\"application/json\" id=\"data\">{}</script>",
+        json(&data)
+    );
+}
+
+/// A task as the script reads it.
+fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
+    let outcome = Outcome::ALL.iter().position(|o| *o == r.outcome).unwrap_or(0);
+    let round = |v: f64| (v * 100.0).round() / 100.0;
+    let m = r.measures;
+    let of = |f: fn(&crate::runs::Measures) -> f64| m.as_ref().map(|m| round(f(m)));
+    json!([
+        run,
+        &*r.task,
+        r.world,
+        outcome,
+        round(r.time),
+        of(|m| m.roll.mean),
+        of(|m| m.roll.max),
+        of(|m| m.pitch.mean),
+        of(|m| m.pitch.max),
+        of(|m| m.distance),
+        of(|m| m.goal_distance),
+        r.fuel.map(|f| f.p99),
+        &*r.note,
+        u8::from(replays.contains(&*r.task)),
+    ])
+}

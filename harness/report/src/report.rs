@@ -1,0 +1,51 @@
+//! Everything that is told of some runs.
+
+use std::collections::BTreeSet;
+
+use crate::compare::Comparison;
+use crate::figures::RunFigures;
+use crate::page;
+use crate::runs::Runs;
+
+/// Runs with their figures and comparison.
+#[derive(Clone, Debug)]
+pub struct Report {
+    pub(crate) runs: Runs,
+    pub(crate) figures: Vec<RunFigures>,
+    pub(crate) comparison: Option<Comparison>,
+}
+
+impl Report {
+    /// Computes all figures.
+    #[must_use]
+    pub fn new(runs: Runs) -> Self {
+        let figures = runs.runs.iter().map(|run| RunFigures::new(&runs, run)).collect();
+        let comparison = Comparison::new(&runs);
+        Self { runs, figures, comparison }
+    }
+
+    /// The runs.
+    #[must_use]
+    pub fn runs(&self) -> &Runs {
+        &self.runs
+    }
+
+    /// Each run's figures, in the order of the runs.
+    #[must_use]
+    pub fn figures(&self) -> &[RunFigures] {
+        &self.figures
+    }
+
+    /// How the runs compare; none if there is but one.
+    #[must_use]
+    pub fn comparison(&self) -> Option<&Comparison> {
+        self.comparison.as_ref()
+    }
+
+    /// The page: one file that needs nothing else, no network either. `replays` are the tasks of which there is a page
+    /// `replays/WORLD/TASK.html` beside it, `files` the names of further files beside it.
+    #[must_use]
+    pub fn page(&self, replays: &BTreeSet<String>, files: &[&str]) -> String {
+        page::page(self, replays, files)
+    }
+}

@@ -1,0 +1,355 @@
+//! Runs as read for a report: of each task only what its figures need.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use vb_record::{RunHeader, RunReader};
+use vb_score::{Outcome, TaskRecord};
+use vb_world::{Density, Elevation, Terrain};
+
+use crate::ReportError;
+
+/// Tasks of a run for which the reason of a failure is kept.
+const NOTES: usize = 20_000;
+/// Characters of a reason that are kept.
+const NOTE_LENGTH: usize = 400;
+
+/// Angles of a trial, degrees, as in [`vb_score::Metrics`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angles {
+    /// Mean of the absolute value over the samples.
+    pub mean: f64,
+    /// Variance of it.
+    pub variance: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+/// What is kept of a trial's measures; units as in [`vb_score::Metrics`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measures {
+    /// Number of samples.
+    pub samples: u64,
+    /// Of |roll|.
+    pub roll: Angles,
+    /// Of |pitch|.
+    pub pitch: Angles,
+    /// Length of the way, m.
+    pub distance: f64,
+    /// Mean speed, m/s.
+    pub speed: f64,
+    /// Distance from the goal in the end, m.
+    pub goal_distance: f64,
+    /// Sum of the steering command's changes over time, 1/s.
+    pub steering_rate: f64,
+}
+
+/// What is kept of a planner's fuel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fuel {
+    /// For start-up and `init`.
+    pub init: u64,
+    /// For the median step.
+    pub median: u64,
+    /// That 99 % of the steps stay within.
+    pub p99: u64,
+    /// For the most costly step.
+    pub max: u64,
+    /// `max` as a share of the limit.
+    pub max_share: f64,
+    /// The most memory, bytes.
+    pub memory: u64,
+}
+
+/// A finished task: some hundred bytes, so that a million of them are no matter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name of the task.
+    pub task: Box<str>,
+    /// Its world, an index into [`Runs::worlds`].
+    pub world: u32,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Simulated time at its end, s.
+    pub time: f64,
+    /// Measures, if it had samples.
+    pub measures: Option<Measures>,
+    /// Fuel, of metered planners.
+    pub fuel: Option<Fuel>,
+    /// Number of clamped commands.
+    pub clamped: u64,
+    /// The reason of a failure, with its code in front, if it is kept.
+    pub note: Box<str>,
+}
+
+impl Row {
+    /// Whether the goal was reached in time.
+    #[must_use]
+    pub fn succeeded(&self) -> bool {
+        self.outcome == Outcome::Success
+    }
+
+    /// Whether it counts: what the harness or the machine failed says nothing of a planner.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        self.outcome != Outcome::HostError
+    }
+}
+
+/// A world with its labels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldLabels {
+    /// Its name.
+    pub name: String,
+    /// Elevation level.
+    pub elevation: Elevation,
+    /// Kind of ground.
+    pub terrain: Terrain,
+    /// Obstacle density.
+    pub density: Density,
+}
+
+/// One run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its directory.
+    pub dir: PathBuf,
+    /// What was run.
+    pub header: RunHeader,
+    /// What the run is called: the planner's name, with what it takes to tell it from the others.
+    pub label: String,
+    /// The finished tasks by name.
+    pub rows: Vec<Row>,
+}
+
+impl Run {
+    /// The rows that count.
+    pub fn counted(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|r| r.counts())
+    }
+
+    /// Number of tasks that are not done yet.
+    #[must_use]
+    pub fn missing(&self) -> u64 {
+        self.header.tasks.saturating_sub(self.rows.len() as u64)
+    }
+
+    /// Number of tasks that the harness or the machine failed.
+    #[must_use]
+    pub fn host_errors(&self) -> usize {
+        self.rows.iter().filter(|r| !r.counts()).count()
+    }
+}
+
+/// Runs of one suite, at least one.
+#[derive(Clone, Debug)]
+pub struct Runs {
+    /// The runs in the order given.
+    pub runs: Vec<Run>,
+    /// The worlds of all their tasks, by name.
+    pub worlds: Vec<WorldLabels>,
+}
+
+impl Runs {
+    /// Reads runs, each directory line by line. A run that goes on is read as far as it got; a torn last line is left out.
+    ///
+    /// # Errors
+    /// If a run can't be read, is of a newer version or without a finished task, or if the runs are not all of one suite.
+    pub fn read(dirs: &[PathBuf]) -> Result<Self, ReportError> {
+        let mut names: BTreeMap<String, u32> = BTreeMap::new();
+        let mut worlds = Vec::new();
+        let mut runs: Vec<Run> = Vec::with_capacity(dirs.len());
+        for dir in dirs {
+            let same = |other: &Run| {
+                let real = |p: &Path| std::fs::canonicalize(p).unwrap_or_else(|_| p.to_owned());
+                real(&other.dir) == real(dir)
+            };
+            if runs.iter().any(same) {
+                return Err(ReportError::Twice(dir.clone()));
+            }
+            let reader = RunReader::open(dir)?;
+            let header = reader.header().clone();
+            if let Some(first) = runs.first()
+                && first.header.suite.hash != header.suite.hash
+            {
+                let name = |h: &RunHeader| {
+                    format!("{} ({})", h.suite.name, h.suite.hash.get(..12).unwrap_or(&h.suite.hash))
+                };
+                return Err(ReportError::Suites {
+                    first: first.dir.clone(),
+                    second: dir.clone(),
+                    first_suite: name(&first.header),
+                    second_suite: name(&header),
+                });
+            }
+            let mut rows = Vec::new();
+            reader.each_record(|record: TaskRecord| {
+                let known = names.get(&record.world).copied();
+                let world = known.unwrap_or_else(|| {
+                    let index = u32::try_from(worlds.len()).unwrap_or(u32::MAX);
+                    worlds.push(WorldLabels {
+                        name: record.world.clone(),
+                        elevation: record.elevation,
+                        terrain: record.terrain,
+                        density: record.density,
+                    });
+                    names.insert(record.world.clone(), index);
+                    index
+                });
+                rows.push(row(&record, world, rows.len() < NOTES));
+            })?;
+            if rows.is_empty() {
+                return Err(ReportError::Empty(dir.clone()));
+            }
+            rows.sort_by(|a: &Row, b: &Row| a.task.cmp(&b.task));
+            runs.push(Run { dir: dir.clone(), header, label: String::new(), rows });
+        }
+        if runs.is_empty() {
+            return Err(ReportError::NoRuns);
+        }
+        let mut all = Self { runs, worlds };
+        all.sort_worlds(&names);
+        all.name();
+        Ok(all)
+    }
+
+    /// Puts the worlds in the order of their names.
+    fn sort_worlds(&mut self, names: &BTreeMap<String, u32>) {
+        let mut place = vec![0; self.worlds.len()];
+        for (new, (_, &old)) in names.iter().enumerate() {
+            place[old as usize] = new as u32;
+        }
+        self.worlds.sort_by(|a, b| a.name.cmp(&b.name));
+        for row in self.runs.iter_mut().flat_map(|r| &mut r.rows) {
+            row.world = place[row.world as usize];
+        }
+    }
+
+    /// Gives each run a label that no other has: the planner's name, its version where versions differ, what differs in
+    /// the settings, in the end the directory.
+    fn name(&mut self) {
+        let facts: Vec<_> =
+            self.runs.iter().map(|r| (r.header.plugin.name.clone(), settings(&r.header))).collect();
+        let labels: Vec<String> = facts
+            .iter()
+            .map(|(name, own)| {
+                let namesakes: Vec<_> = facts.iter().filter(|(n, _)| n == name).map(|(_, s)| s).collect();
+                let differ = |key: &str| namesakes.iter().any(|s| s.get(key) != own.get(key));
+                let keys: std::collections::BTreeSet<&String> =
+                    namesakes.iter().flat_map(|s| s.keys()).collect();
+                let told: Vec<String> = keys
+                    .into_iter()
+                    .filter(|key| differ(key))
+                    .map(|key| {
+                        let value = own.get(key).map_or("default", String::as_str);
+                        format!("{key} {value}")
+                    })
+                    .collect();
+                let name = one_line(name, 60);
+                if told.is_empty() { name } else { format!("{name} ({})", one_line(&told.join(", "), 80)) }
+            })
+            .collect();
+        for (k, run) in self.runs.iter_mut().enumerate() {
+            let unique = labels.iter().filter(|l| **l == labels[k]).count() == 1;
+            run.label = if unique {
+                labels[k].clone()
+            } else {
+                let dir = run.dir.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+                format!("{} [{}]", labels[k], one_line(&dir, 60))
+            };
+        }
+        // Directories of one name in different places.
+        for k in 0..self.runs.len() {
+            if self.runs.iter().filter(|r| r.label == self.runs[k].label).count() > 1 {
+                self.runs[k].label += &format!(" #{}", k + 1);
+            }
+        }
+    }
+
+    /// Settings in which the runs differ, by name with each run's value: whoever compares them should know.
+    #[must_use]
+    pub fn differences(&self) -> Vec<(String, Vec<String>)> {
+        let all: Vec<_> = self.runs.iter().map(|r| environment(&r.header)).collect();
+        let mut found = Vec::new();
+        for (k, (name, first)) in all[0].iter().enumerate() {
+            if all.iter().any(|s| s[k].1 != *first) {
+                found.push(((*name).to_owned(), all.iter().map(|s| s[k].1.clone()).collect()));
+            }
+        }
+        found
+    }
+}
+
+/// What the user chose of a planner and its surroundings, by name.
+fn settings(h: &RunHeader) -> BTreeMap<String, String> {
+    let mut s: BTreeMap<String, String> = h.params.clone();
+    s.insert("version".into(), h.plugin.version.clone());
+    s.insert("carrier".into(), h.plugin.carrier.clone());
+    s.extend(environment(h).into_iter().map(|(k, v)| (k.to_owned(), v)));
+    s
+}
+
+/// What should be the same where planners are compared.
+fn environment(h: &RunHeader) -> Vec<(&'static str, String)> {
+    let data = |name: &str, hash: &str| format!("{name} ({})", hash.get(..8).unwrap_or(hash));
+    vec![
+        ("vehicle", data(&h.vehicle.name, &h.vehicle.hash)),
+        ("rules", data(&h.rules.name, &h.rules.hash)),
+        ("soils", data(&h.soils.name, &h.soils.hash)),
+        ("scale", h.scale.to_string()),
+        ("seed", h.seed.to_string()),
+        ("time step", h.time_step.to_string()),
+        ("soil pitch", h.soil_pitch.to_string()),
+        ("harness", h.harness_version.clone()),
+        ("limits", h.limits.iter().map(|(k, v)| format!("{k} {v}")).collect::<Vec<_>>().join(", ")),
+    ]
+}
+
+fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
+    let measures = r.metrics.map(|m| Measures {
+        samples: m.samples,
+        roll: Angles { mean: m.roll_mean_deg, variance: m.roll_variance_deg2, max: m.roll_max_deg },
+        pitch: Angles { mean: m.pitch_mean_deg, variance: m.pitch_variance_deg2, max: m.pitch_max_deg },
+        distance: m.distance_m,
+        speed: m.speed_mean_m_per_s,
+        goal_distance: m.goal_distance_end_m,
+        steering_rate: m.steering_rate_per_s,
+    });
+    let fuel = r.fuel.map(|f| Fuel {
+        init: f.init,
+        median: f.p50_step,
+        p99: f.p99_step,
+        max: f.max_step,
+        max_share: f.max_share,
+        memory: f.memory_bytes,
+    });
+    let note = match &r.fault {
+        _ if !with_note || r.outcome == Outcome::Success => String::new(),
+        Some(code) => one_line(&format!("{code}: {}", r.reason), NOTE_LENGTH),
+        None => one_line(&r.reason, NOTE_LENGTH),
+    };
+    Row {
+        task: r.task.clone().into_boxed_str(),
+        world,
+        outcome: r.outcome,
+        time: r.time_s,
+        measures,
+        fuel,
+        clamped: r.clamped,
+        note: note.into_boxed_str(),
+    }
+}
+
+/// Foreign text on one line, without control characters (also those that turn the direction of writing), cut to `most`
+/// characters.
+pub(crate) fn one_line(text: &str, most: usize) -> String {
+    let odd = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let line = text.split(odd).map(str::trim).filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line,
+    }
+}

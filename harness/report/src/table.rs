@@ -1,0 +1,246 @@
+//! Every task of every run as a table for programs: CSV and Parquet.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use vb_record::RunReader;
+use vb_score::{FuelUse, Metrics, TaskRecord};
+
+use crate::ReportError;
+use crate::runs::Runs;
+
+/// Rows that are gathered before they are written: what is in memory at a time.
+const GROUP: usize = 20_000;
+
+/// A value of a row.
+enum Cell<'a> {
+    Text(Cow<'a, str>),
+    Number(Option<f64>),
+    Count(Option<u64>),
+}
+
+/// The columns of one task, with their names. Names and units are those of tasks.jsonl, with `fuel_` before those of fuel.
+fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Vec<(&'static str, Cell<'a>)> {
+    let text = |t: &'a str| Cell::Text(Cow::Borrowed(t));
+    let m = |f: fn(&Metrics) -> f64| Cell::Number(r.metrics.as_ref().map(f));
+    let fuel = |f: fn(&FuelUse) -> u64| Cell::Count(r.fuel.as_ref().map(f));
+    let share = |f: fn(&FuelUse) -> f64| Cell::Number(r.fuel.as_ref().map(f));
+    let class = match r.three_way {
+        vb_score::ThreeWay::Success => "success",
+        vb_score::ThreeWay::Rollover => "rollover",
+        vb_score::ThreeWay::Stuck => "stuck",
+    };
+    vec![
+        ("run", text(run)),
+        ("task", text(&r.task)),
+        ("world", text(&r.world)),
+        ("elevation", text(r.elevation.name())),
+        ("terrain", text(r.terrain.name())),
+        ("density", text(r.density.name())),
+        ("outcome", text(r.outcome.name())),
+        ("three_way", text(class)),
+        ("reason", text(&r.reason)),
+        ("fault", text(r.fault.as_deref().unwrap_or(""))),
+        ("time_s", Cell::Number(Some(r.time_s))),
+        ("state_hash", text(&r.state_hash)),
+        ("sim_steps", Cell::Count(Some(r.sim_steps))),
+        ("planner_steps", Cell::Count(Some(r.planner_steps))),
+        ("clamped", Cell::Count(Some(r.clamped))),
+        ("samples", Cell::Count(r.metrics.map(|m| m.samples))),
+        ("roll_mean_deg", m(|m| m.roll_mean_deg)),
+        ("roll_variance_deg2", m(|m| m.roll_variance_deg2)),
+        ("roll_max_deg", m(|m| m.roll_max_deg)),
+        ("roll_end_deg", m(|m| m.roll_end_deg)),
+        ("pitch_mean_deg", m(|m| m.pitch_mean_deg)),
+        ("pitch_variance_deg2", m(|m| m.pitch_variance_deg2)),
+        ("pitch_max_deg", m(|m| m.pitch_max_deg)),
+        ("distance_m", m(|m| m.distance_m)),
+        ("speed_mean_m_per_s", m(|m| m.speed_mean_m_per_s)),
+        ("speed_max_m_per_s", m(|m| m.speed_max_m_per_s)),
+        ("throttle_effort_s", m(|m| m.throttle_effort_s)),
+        ("brake_effort_s", m(|m| m.brake_effort_s)),
+        ("steering_effort_s", m(|m| m.steering_effort_s)),
+        ("steering_rate_per_s", m(|m| m.steering_rate_per_s)),
+        ("goal_distance_min_m", m(|m| m.goal_distance_min_m)),
+        ("goal_distance_end_m", m(|m| m.goal_distance_end_m)),
+        ("fuel_total", fuel(|f| f.total)),
+        ("fuel_init", fuel(|f| f.init)),
+        ("fuel_p50_step", fuel(|f| f.p50_step)),
+        ("fuel_p99_step", fuel(|f| f.p99_step)),
+        ("fuel_max_step", fuel(|f| f.max_step)),
+        ("fuel_init_share", share(|f| f.init_share)),
+        ("fuel_p99_share", share(|f| f.p99_share)),
+        ("fuel_max_share", share(|f| f.max_share)),
+        ("memory_bytes", fuel(|f| f.memory_bytes)),
+    ]
+}
+
+/// Hands over each task of each run, in the order in which they ended.
+fn each(
+    runs: &Runs,
+    mut take: impl FnMut(Vec<(&'static str, Cell<'_>)>) -> Result<(), ReportError>,
+) -> Result<(), ReportError> {
+    for run in &runs.runs {
+        let mut result = Ok(());
+        RunReader::open(&run.dir)?.each_record(|record: TaskRecord| {
+            if result.is_ok() {
+                result = take(cells(&run.label, &record));
+            }
+        })?;
+        result?;
+    }
+    Ok(())
+}
+
+/// Text that a spreadsheet would take for a formula, marked as text.
+fn no_formula(text: &str) -> Cow<'_, str> {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        Cow::Owned(format!("'{text}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Writes every task of every run as CSV (RFC 4180) with a header. What is missing is empty; texts that begin like a
+/// formula get an apostrophe in front.
+///
+/// # Errors
+/// If a run can't be read or the file can't be written.
+pub fn write_csv(runs: &Runs, path: &Path) -> Result<(), ReportError> {
+    let fail = ReportError::write::<csv::Error>(path);
+    let mut writer = csv::Writer::from_path(path).map_err(&fail)?;
+    let mut begun = false;
+    each(runs, |cells| {
+        if !begun {
+            begun = true;
+            writer.write_record(cells.iter().map(|(name, _)| *name)).map_err(&fail)?;
+        }
+        let texts = cells.iter().map(|(_, cell)| match cell {
+            Cell::Text(t) => no_formula(t).into_owned(),
+            Cell::Number(v) => v.map_or_else(String::new, |v| v.to_string()),
+            Cell::Count(v) => v.map_or_else(String::new, |v| v.to_string()),
+        });
+        writer.write_record(texts).map_err(&fail)
+    })?;
+    writer.flush().map_err(ReportError::write(path))
+}
+
+/// A column of a row group.
+enum Column {
+    Text(Vec<ByteArray>),
+    Number(Vec<f64>, Vec<i16>),
+    Count(Vec<i64>, Vec<i16>),
+}
+
+/// Writes every task of every run as a Parquet file (snappy): texts as strings, measures as DOUBLE and counts as INT64,
+/// null where they are missing.
+///
+/// # Errors
+/// If a run can't be read or the file can't be written.
+pub fn write_parquet(runs: &Runs, path: &Path) -> Result<(), ReportError> {
+    let fail = ReportError::write::<ParquetError>(path);
+    let file = File::create(path).map_err(ReportError::write(path))?;
+    let mut file = Some(BufWriter::new(file));
+    let mut writer: Option<SerializedFileWriter<BufWriter<File>>> = None;
+    let mut columns: Vec<Column> = Vec::new();
+    let mut rows = 0;
+    each(runs, |cells| {
+        if let Some(out) = file.take() {
+            writer = Some(open(out, &cells).map_err(&fail)?);
+        }
+        if columns.is_empty() {
+            columns = cells.iter().map(|(_, cell)| empty(cell)).collect();
+        }
+        for (column, (_, cell)) in columns.iter_mut().zip(cells) {
+            push(column, cell);
+        }
+        rows += 1;
+        if rows == GROUP
+            && let Some(writer) = &mut writer
+        {
+            rows = 0;
+            write_group(writer, std::mem::take(&mut columns)).map_err(&fail)?;
+        }
+        Ok(())
+    })?;
+    if let Some(mut writer) = writer {
+        if rows > 0 {
+            write_group(&mut writer, columns).map_err(&fail)?;
+        }
+        writer.close().map_err(&fail)?;
+    }
+    Ok(())
+}
+
+fn open(
+    out: BufWriter<File>,
+    cells: &[(&'static str, Cell<'_>)],
+) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
+    let mut fields = Vec::with_capacity(cells.len());
+    for (name, cell) in cells {
+        let (kind, repetition) = match cell {
+            Cell::Text(_) => (Physical::BYTE_ARRAY, Repetition::REQUIRED),
+            Cell::Number(_) => (Physical::DOUBLE, Repetition::OPTIONAL),
+            Cell::Count(_) => (Physical::INT64, Repetition::OPTIONAL),
+        };
+        let mut field = Type::primitive_type_builder(name, kind).with_repetition(repetition);
+        if kind == Physical::BYTE_ARRAY {
+            field = field.with_logical_type(Some(LogicalType::String));
+        }
+        fields.push(Arc::new(field.build()?));
+    }
+    let schema = Type::group_type_builder("vertibench_tasks").with_fields(fields).build()?;
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))
+}
+
+fn empty(cell: &Cell<'_>) -> Column {
+    match cell {
+        Cell::Text(_) => Column::Text(Vec::new()),
+        Cell::Number(_) => Column::Number(Vec::new(), Vec::new()),
+        Cell::Count(_) => Column::Count(Vec::new(), Vec::new()),
+    }
+}
+
+fn push(column: &mut Column, cell: Cell<'_>) {
+    match (column, cell) {
+        (Column::Text(values), Cell::Text(t)) => values.push(ByteArray::from(t.as_ref())),
+        (Column::Number(values, there), Cell::Number(v)) => {
+            values.extend(v);
+            there.push(i16::from(v.is_some()));
+        }
+        (Column::Count(values, there), Cell::Count(v)) => {
+            // Counts beyond i64 don't happen: a saturated one is as good as any.
+            values.extend(v.map(|v| i64::try_from(v).unwrap_or(i64::MAX)));
+            there.push(i16::from(v.is_some()));
+        }
+        // All rows have the same columns.
+        _ => {}
+    }
+}
+
+fn write_group(
+    writer: &mut SerializedFileWriter<BufWriter<File>>,
+    columns: Vec<Column>,
+) -> Result<(), ParquetError> {
+    let mut group = writer.next_row_group()?;
+    for column in columns {
+        let Some(mut out) = group.next_column()? else { break };
+        match column {
+            Column::Text(v) => out.typed::<ByteArrayType>().write_batch(&v, None, None)?,
+            Column::Number(v, there) => out.typed::<DoubleType>().write_batch(&v, Some(&there), None)?,
+            Column::Count(v, there) => out.typed::<Int64Type>().write_batch(&v, Some(&there), None)?,
+        };
+        out.close()?;
+    }
+    group.close().map(drop)
+}

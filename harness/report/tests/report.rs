@@ -1,0 +1,343 @@
+//! Reports of runs as they are found on disk: whole, half written, hostile, large.
+
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use vb_record::{
+    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, StoreError, SuiteHeader,
+    TraceMode,
+};
+use vb_report::{Measure, Report, ReportError, Runs, write_csv, write_parquet};
+use vb_score::{FuelUse, Metrics, Outcome, Rules, Summary, TaskRecord};
+use vb_world::{Density, Elevation, Terrain};
+
+const HOSTILE: &str =
+    "</script><script>document.title='owned'</script><img src=x onerror=\"document.title='owned'\">";
+
+fn header(name: &str, tasks: u64) -> RunHeader {
+    RunHeader {
+        schema: RUN_SCHEMA,
+        harness_version: "0.1.0".into(),
+        started_at: "2026-01-01T00:00:00Z".into(),
+        suite: SuiteHeader { name: "s".into(), hash: "aa".repeat(32), path: "tasks/s".into() },
+        selector: None,
+        tasks,
+        plugin: PluginHeader {
+            name: name.into(),
+            version: "1.0.0".into(),
+            sha256: "bb".repeat(32),
+            carrier: "wasm".into(),
+            path: "p.wasm".into(),
+            eligible_for_ranking: true,
+            sandbox: None,
+        },
+        params: BTreeMap::new(),
+        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".repeat(32) },
+        soils: DataHeader { name: "default".into(), hash: "dd".repeat(32) },
+        scale: 1.0,
+        seed: 0,
+        time_step: 0.001,
+        soil_pitch: 0.1,
+        sample_period: 0.01,
+        rules: RulesHeader { name: "paper".into(), hash: "ee".into(), profile: serde_json::json!({}) },
+        limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
+        trace: TraceMode::TenHz,
+    }
+}
+
+/// Task `t` of world `w`, which ends well if `success`.
+fn record(w: usize, t: usize, success: bool) -> TaskRecord {
+    let x = ((w * 7 + t * 3) % 11) as f64;
+    let outcome = if success { Outcome::Success } else { Outcome::Stuck };
+    TaskRecord {
+        task: format!("w{w:03}/t{t:02}"),
+        world: format!("w{w:03}"),
+        elevation: Elevation::ALL[w % 3],
+        terrain: Terrain::ALL[w / 3 % 3],
+        density: Density::ALL[w / 9 % 3],
+        outcome,
+        three_way: outcome.three_way(false),
+        reason: "because".into(),
+        fault: None,
+        time_s: 20.0 + x,
+        state_hash: "0123456789abcdef".into(),
+        sim_steps: 100,
+        planner_steps: 10,
+        clamped: 1,
+        fuel: Some(FuelUse::new(5, vec![1, 2, 3], 100, 100, 65536)),
+        metrics: Some(Metrics {
+            samples: 1000 + 100 * t as u64,
+            roll_mean_deg: x,
+            roll_variance_deg2: 1.0,
+            roll_max_deg: 3.0 * x,
+            roll_end_deg: -1.0,
+            pitch_mean_deg: 0.5 * x,
+            pitch_variance_deg2: 0.5,
+            pitch_max_deg: x,
+            distance_m: 100.0,
+            speed_mean_m_per_s: 4.0,
+            speed_max_m_per_s: 5.0,
+            throttle_effort_s: 1.0,
+            brake_effort_s: 0.0,
+            steering_effort_s: 1.0,
+            steering_rate_per_s: 0.1,
+            goal_distance_min_m: 5.0,
+            goal_distance_end_m: 6.0,
+        }),
+        log: Vec::new(),
+        backtrace: Vec::new(),
+    }
+}
+
+fn write(dir: &Path, header: &RunHeader, records: impl IntoIterator<Item = TaskRecord>) -> PathBuf {
+    let store = RunStore::create(dir, header).unwrap();
+    records.into_iter().for_each(|r| store.append(&r).unwrap());
+    dir.to_owned()
+}
+
+/// All tasks of `worlds` worlds of four tasks, of which those succeed that `success` says.
+fn tasks(worlds: usize, success: impl Fn(usize, usize) -> bool) -> Vec<TaskRecord> {
+    let mut all = Vec::new();
+    for w in 0..worlds {
+        all.extend((0..4).map(|t| record(w, t, success(w, t))));
+    }
+    all
+}
+
+#[test]
+fn figures_agree_with_those_of_the_summary() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut records = tasks(9, |w, t| (w + t) % 3 != 0);
+    records[5].outcome = Outcome::HostError;
+    let header = header("pid", 36);
+    let run = write(&dir.path().join("r"), &header, records.clone());
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    let rules = Rules::resolve("paper").unwrap();
+    let summary = Summary::new(&header, &rules, &records, Vec::new());
+    let (ours, theirs) = (&report.figures()[0], summary.all.as_ref().unwrap());
+    let mean = |m| ours.all.mean(m).unwrap().mean;
+    assert_eq!(
+        (ours.all.tasks, ours.all.count(Outcome::Success)),
+        (theirs.tasks, theirs.outcomes[&Outcome::Success])
+    );
+    assert_eq!(ours.all.wilson, Some((theirs.success_low, theirs.success_high)));
+    for (m, value) in [
+        (Measure::Success, theirs.success_rate),
+        (Measure::Time, theirs.time_mean_s.unwrap()),
+        (Measure::Roll, theirs.roll_mean_deg.unwrap()),
+        (Measure::Pitch, theirs.pitch_mean_deg.unwrap()),
+    ] {
+        assert!((mean(m) - value).abs() < 1e-9, "{m:?}: {} {value}", mean(m));
+    }
+    let (level, low) = &ours.splits[0][0];
+    assert_eq!(*level, "low");
+    let theirs = &summary.elevation[&Elevation::Low];
+    assert_eq!(low.tasks, theirs.tasks);
+    assert!((low.mean(Measure::Success).unwrap().mean - theirs.success_rate).abs() < 1e-12);
+    let i = ours.all.mean(Measure::Success).unwrap().interval.unwrap();
+    assert!(i.low < i.estimate && i.estimate < i.high);
+}
+
+#[test]
+fn a_comparison_pairs_the_tasks_that_both_have_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = write(&dir.path().join("a"), &header("a", 40), tasks(10, |_, t| t == 0));
+    // The second has done the first nine worlds only, and in another order.
+    let mut others = tasks(9, |_, t| t < 2);
+    others.reverse();
+    let b = write(&dir.path().join("b"), &header("b", 40), others);
+    let report = Report::new(Runs::read(&[a, b]).unwrap());
+    let pair = &report.comparison().unwrap().pairs[0];
+    assert_eq!((pair.common, pair.both, pair.only_a, pair.only_b), (36, 9, 0, 9));
+    let success = &pair.differences[0];
+    assert!((success.difference.unwrap().mean - 0.25).abs() < 1e-12);
+    // McNemar on 0 and 9: 2 · 2⁻⁹; three tests more, without any difference, make it four times that by Holm.
+    assert!((success.p.unwrap() - 2.0 / 512.0).abs() < 1e-12);
+    assert!((success.adjusted.unwrap() - 8.0 / 512.0).abs() < 1e-12);
+    assert_eq!(pair.differences[1].p, Some(1.0), "equal times");
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(page.contains("4 of 40 tasks are not done yet"), "what is missing is said");
+    assert!(page.contains("Not all runs have done the same tasks"));
+}
+
+#[test]
+fn no_text_of_a_planner_becomes_markup() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut hostile = header(HOSTILE, 4);
+    hostile.plugin.version = HOSTILE.into();
+    hostile.params = BTreeMap::from([(HOSTILE.into(), HOSTILE.into())]);
+    hostile.suite.name = HOSTILE.into();
+    hostile.started_at = HOSTILE.into();
+    hostile.plugin.carrier = HOSTILE.into();
+    hostile.vehicle.name = HOSTILE.into();
+    hostile.rules.name = HOSTILE.into();
+    hostile.soils.name = HOSTILE.into();
+    let records = tasks(1, |_, _| false).into_iter().map(|mut r| {
+        r.reason = format!("planner {HOSTILE} said\u{202e} {HOSTILE}");
+        r.fault = Some(HOSTILE.into());
+        r.world = format!("w\"{HOSTILE}");
+        r
+    });
+    let a = write(&dir.path().join("a"), &hostile, records);
+    let mut other = hostile.clone();
+    other.plugin.version = "2".into();
+    let b = write(&dir.path().join("b"), &other, tasks(1, |_, _| true));
+    let report = Report::new(Runs::read(&[a, b]).unwrap());
+    let page = report.page(&BTreeSet::new(), &["tasks.csv"]);
+    // Its own two script elements, and no other tag that runs anything.
+    assert_eq!(page.matches("<script").count(), 2);
+    assert_eq!(page.matches("</script").count(), 2);
+    assert!(
+        !page.contains("<img") && !page.contains("document.title='owned'</script"),
+        "markup of a planner"
+    );
+    assert!(!page.contains('\u{202e}'), "nothing turns the direction of writing");
+    let markdown = report.markdown();
+    assert!(!markdown.contains('<') || !markdown.contains("<script"), "{markdown}");
+    assert!(markdown.contains("&lt;/script&gt;"), "{markdown}");
+    let csv = dir.path().join("t.csv");
+    write_csv(report.runs(), &csv).unwrap();
+    let mut reader = csv::Reader::from_path(&csv).unwrap();
+    assert_eq!(reader.records().count(), 8, "quotes and commas stay within their cells");
+}
+
+#[test]
+fn a_half_written_run_is_reported_as_far_as_it_got() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = write(&dir.path().join("r"), &header("pid", 100), tasks(3, |_, _| true));
+    let mut file = fs::OpenOptions::new().append(true).open(run.join("tasks.jsonl")).unwrap();
+    file.write_all(br#"{"task":"w009/t00","world":"w0"#).unwrap();
+    let report = Report::new(Runs::read(std::slice::from_ref(&run)).unwrap());
+    assert_eq!(report.figures()[0].all.tasks, 12);
+    assert!(report.page(&BTreeSet::new(), &[]).contains("88 of 100 tasks are not done yet"));
+    assert!(report.markdown().contains("88 of 100 tasks are not done yet"));
+}
+
+#[test]
+fn a_run_without_a_success_has_no_time_and_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = write(&dir.path().join("r"), &header("pid", 12), tasks(3, |_, _| false));
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    assert_eq!(report.figures()[0].all.mean(Measure::Time), None);
+    let success = report.figures()[0].all.mean(Measure::Success).unwrap();
+    // No success in three worlds: Wilson's upper end is z²/(n + z²) for n = 3, z = 1.95996.
+    let i = success.interval.unwrap();
+    assert_eq!((success.mean, i.low), (0.0, 0.0));
+    assert!((i.high - 3.841_458_8 / 6.841_458_8).abs() < 1e-7, "{i:?}");
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(page.contains("nothing to average") && !page.contains(">0.000<"), "an axis of nothing");
+    assert!(
+        !page.contains("\"NaN\"") && !page.contains(">NaN") && !page.contains(">inf"),
+        "no number that is none"
+    );
+    assert!(report.markdown().contains("| pid | 12 | 0.0 [0.0, 56.1] | – |"), "{}", report.markdown());
+}
+
+#[test]
+fn runs_that_cannot_be_reported_are_refused_with_one_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let good = write(&dir.path().join("good"), &header("a", 4), tasks(1, |_, _| true));
+    let mut foreign = header("b", 4);
+    foreign.suite.hash = "ff".repeat(32);
+    let foreign = write(&dir.path().join("foreign"), &foreign, tasks(1, |_, _| true));
+    let empty = write(&dir.path().join("empty"), &header("c", 4), []);
+    let newer = write(&dir.path().join("newer"), &header("d", 4), tasks(1, |_, _| true));
+    let text = fs::read_to_string(newer.join("run.json")).unwrap();
+    let needle = format!("\"schema\": {RUN_SCHEMA}");
+    assert!(text.contains(&needle));
+    fs::write(newer.join("run.json"), text.replace(&needle, "\"schema\": 99")).unwrap();
+    let refused = |dirs: &[&PathBuf]| {
+        let dirs: Vec<PathBuf> = dirs.iter().map(|d| (*d).clone()).collect();
+        let e = Runs::read(&dirs).unwrap_err();
+        let text = e.to_string();
+        assert!(!text.contains('\n'), "{text}");
+        e
+    };
+    assert!(matches!(refused(&[&good, &foreign]), ReportError::Suites { .. }));
+    assert!(matches!(refused(&[&good, &good]), ReportError::Twice(_)));
+    assert!(matches!(refused(&[&empty]), ReportError::Empty(_)));
+    let e = refused(&[&newer]);
+    assert!(matches!(e, ReportError::Store(StoreError::Schema { found: 99, .. })), "{e}");
+    assert!(matches!(refused(&[&dir.path().join("nowhere")]), ReportError::Store(StoreError::NoRun(_))));
+    assert!(matches!(refused(&[]), ReportError::NoRuns));
+}
+
+#[test]
+fn runs_of_one_planner_are_told_apart_by_what_differs() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut fast = header("pid", 4);
+    fast.params = BTreeMap::from([("speed".into(), "5".into())]);
+    let plain = header("pid", 4);
+    let make = |name: &str, h: &RunHeader| write(&dir.path().join(name), h, tasks(1, |_, _| true));
+    let dirs = [make("x", &fast), make("y", &plain), make("z", &plain)];
+    let labels = |dirs: &[PathBuf]| -> Vec<String> {
+        Runs::read(dirs).unwrap().runs.into_iter().map(|r| r.label).collect()
+    };
+    assert_eq!(labels(&dirs[..2]), ["pid (speed 5)", "pid (speed default)"]);
+    assert_eq!(labels(&dirs[1..]), ["pid [y]", "pid [z]"]);
+    assert_eq!(labels(&dirs[..1]), ["pid"]);
+}
+
+#[test]
+fn tables_hold_every_task_with_its_figures_to_the_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut records = tasks(2, |w, _| w == 0);
+    records[0].time_s = 1.0 / 3.0;
+    records[1].metrics = None;
+    records[1].fuel = None;
+    records[2].reason = "=HYPERLINK(\"x\")".into();
+    let run = write(&dir.path().join("r"), &header("pid", 8), records);
+    let runs = Runs::read(&[run]).unwrap();
+    let (csv_path, parquet_path) = (dir.path().join("t.csv"), dir.path().join("t.parquet"));
+    write_csv(&runs, &csv_path).unwrap();
+    write_parquet(&runs, &parquet_path).unwrap();
+
+    let mut reader = csv::Reader::from_path(&csv_path).unwrap();
+    let columns = reader.headers().unwrap().clone();
+    let at = |name: &str| columns.iter().position(|c| c == name).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 8);
+    assert_eq!(rows[0][at("time_s")].parse::<f64>().unwrap(), 1.0 / 3.0);
+    assert_eq!((&rows[1][at("roll_mean_deg")], &rows[1][at("fuel_total")]), ("", ""));
+    assert_eq!(&rows[2][at("reason")], "'=HYPERLINK(\"x\")", "no formula for a spreadsheet");
+
+    let file = SerializedFileReader::new(fs::File::open(&parquet_path).unwrap()).unwrap();
+    let rows: Vec<BTreeMap<String, String>> = file
+        .get_row_iter(None)
+        .unwrap()
+        .map(|r| r.unwrap().get_column_iter().map(|(n, f)| (n.clone(), f.to_string())).collect())
+        .collect();
+    assert_eq!(rows.len(), 8);
+    assert_eq!(rows[0].len(), columns.len(), "the same columns");
+    assert_eq!(rows[0]["time_s"].parse::<f64>().unwrap(), 1.0 / 3.0);
+    assert_eq!(rows[1]["roll_mean_deg"], "null");
+    assert_eq!(rows[7]["task"], "\"w001/t03\"");
+}
+
+#[test]
+fn the_page_of_very_many_tasks_stays_small() {
+    let dir = tempfile::tempdir().unwrap();
+    let header = header("pid", 60_000);
+    let run = write(&dir.path().join("r"), &header, []);
+    let mut file = std::io::BufWriter::new(fs::File::create(run.join("tasks.jsonl")).unwrap());
+    for k in 0..60_000 {
+        let mut r = record(k / 10, k % 10, k % 4 != 0);
+        r.task = format!("w{:05}/t{}", k / 10, k % 10);
+        r.world = format!("w{:05}", k / 10);
+        r.reason = "x".repeat(2000);
+        serde_json::to_writer(&mut file, &r).unwrap();
+        file.write_all(b"\n").unwrap();
+    }
+    file.into_inner().unwrap();
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(page.len() < 12 << 20, "{} bytes", page.len());
+    assert!(page.contains("of 60\u{2009}000 tasks are listed, failures first"));
+    assert_eq!(report.figures()[0].all.tasks, 60_000);
+}

@@ -1,0 +1,181 @@
+//! Reports and replays in a real browser. Without Chromium the tests say so and pass.
+
+use std::fs;
+
+use vb_tests::{Bench, Browser, pid};
+
+const HOSTILE: &str =
+    "</script><script>document.title='owned'</script><img src=x onerror=\\\"document.title='owned'\\\">";
+
+fn run(bench: &Bench, out: &str, speed: &str, tasks: &str) {
+    let pid = pid();
+    let plugin = pid.to_str().expect("paths of tests are text");
+    let speed = format!("speed={speed}");
+    bench.ok(&["--plugin", plugin, "--suite", "smoke", "--param", &speed, "--tasks", tasks, "--out", out]);
+}
+
+#[test]
+fn a_report_is_shown_sorted_filtered_and_leads_to_replays() {
+    let Some(mut browser) = Browser::start(1280, 900) else { return };
+    let bench = Bench::new();
+    run(&bench, "fast", "5", "w001/t00-t03,w003/t00-t01,w006/t08");
+    run(&bench, "slow", "3", "w001/t00-t03,w003/t00-t01,w006/t08");
+    bench.ok(&[
+        "report",
+        "fast",
+        "slow",
+        "--out",
+        "page",
+        "--replays",
+        "w001/t00",
+        "--csv",
+        "page/tasks.csv",
+    ]);
+    let page = bench.path("page/index.html");
+    browser.open(&page);
+    let rows = "document.querySelectorAll('#browser tbody tr').length";
+    assert_eq!(browser.eval(rows), 14);
+    assert_eq!(browser.eval("document.querySelectorAll('.paper svg').length"), 12);
+    assert!(browser.screenshot().content() > 0.1, "a page without content");
+
+    // Sorted by time, the quickest comes first and then the slowest.
+    let times =
+        "[...document.querySelectorAll('#browser tbody tr')].map(r => Number(r.cells[6].textContent))";
+    let sorted = |values: &serde_json::Value, up: bool| {
+        let v: Vec<f64> =
+            values.as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64).collect();
+        v.windows(2).all(|w| if up { w[0] <= w[1] } else { w[0] >= w[1] })
+    };
+    browser.click("#browser thead th:nth-child(7)");
+    let found = browser.eval(times);
+    assert!(sorted(&found, false), "{found}");
+    browser.click("#browser thead th:nth-child(7)");
+    let found = browser.eval(times);
+    assert!(sorted(&found, true), "{found}");
+    browser.click("#browser input");
+    browser.type_text("w003/t01");
+    assert_eq!(browser.eval(rows), 2);
+
+    let link = browser.eval(
+        "(() => { document.querySelector('#browser input').value = ''; \
+        document.querySelector('#browser form').dispatchEvent(new Event('input')); \
+        return document.querySelector('a.replay').getAttribute('href'); })()",
+    );
+    assert_eq!(link, "replays/w001/t00.html");
+    assert!(bench.path("page/replays/w001/t00.html").is_file());
+
+    let light = browser.screenshot().brightness();
+    browser.prefer_dark(true);
+    let dark = browser.screenshot().brightness();
+    assert!(dark < 0.5 * light, "{dark} {light}");
+    assert_eq!(browser.errors(), [] as [String; 0]);
+}
+
+#[test]
+fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
+    let Some(mut browser) = Browser::start(1280, 800) else { return };
+    let bench = Bench::new();
+    // Deformable ground, so that there are ruts.
+    run(&bench, "a", "5", "w007/t02");
+    run(&bench, "b", "3", "w007/t02");
+    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
+    browser.open(&bench.path("replay.html"));
+    assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w007/t02");
+    assert_eq!(browser.eval("document.querySelectorAll('#runs li').length"), 2);
+    let position = "JSON.stringify(replay.position())";
+    let wheel = "JSON.stringify(replay.wheel(0))";
+    let (at_start, wheel_at_start) = (browser.eval(position), browser.eval(wheel));
+    let first = browser.screenshot();
+    assert!(first.content() > 0.3, "a view without content: {}", first.content());
+
+    let track = browser.eval("(() => { const b = document.querySelector('#slider').getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()");
+    let track: Vec<f64> =
+        track.as_array().expect("a box").iter().filter_map(serde_json::Value::as_f64).collect();
+    browser.mouse(track[0] + 0.5 * track[2], track[1] + 0.5 * track[3]);
+    let time = browser.eval("replay.time").as_f64().expect("a time");
+    let end = browser.eval("replay.end").as_f64().expect("a time");
+    assert!((time - 0.5 * end).abs() < 0.05 * end, "{time} of {end}");
+    assert_ne!(browser.eval(position), at_start, "the vehicle moves");
+    assert_ne!(browser.eval(wheel), wheel_at_start, "its wheels turn");
+    // The trace's own position at that time.
+    let moved: Vec<f64> =
+        serde_json::from_str(browser.eval(position).as_str().expect("text")).expect("numbers");
+    let rows = bench.parquet("a/traces/w007/t02.parquet");
+    let near = rows.iter().min_by(|p, q| {
+        let far = |r: &serde_json::Value| (r["time"].as_f64().unwrap_or(f64::MAX) - time).abs();
+        far(p).total_cmp(&far(q))
+    });
+    let near = near.expect("samples");
+    let far = |k: usize, name: &str| (moved[k] - near[name].as_f64().expect("a number")).abs();
+    assert!(far(0, "x") < 0.4 && far(1, "y") < 0.4 && far(2, "z") < 0.2, "{moved:?} {near}");
+
+    // Software rendering may take its time for a frame.
+    let plays = "new Promise(done => { const from = replay.time, begun = performance.now(); \
+        const look = () => replay.time > from + 0.2 ? done(true) : performance.now() - begun > 30000 ? done(false) \
+        : setTimeout(look, 20); look(); })";
+    browser.eval("replay.seek(1)");
+    browser.click("#play");
+    assert_eq!(browser.eval(plays), true, "it plays");
+    browser.click("#play");
+    for camera in ["chase", "cockpit", "top", "orbit", "follow"] {
+        browser.click(&format!("#camera button[value={camera}]"));
+        assert!(browser.screenshot().content() > 0.3, "{camera}");
+    }
+    browser.eval("replay.seek(replay.end)");
+    assert_eq!(browser.eval("document.querySelector('#banner').hidden"), false, "how it ended is said");
+    // Where it stands at the start it has sunk in already.
+    let ruts = browser.eval("replay.ruts()").as_f64().expect("a number");
+    browser.eval("replay.seek(0)");
+    let at_start = browser.eval("replay.ruts()").as_f64().expect("a number");
+    assert!(ruts > 500.0 && at_start < 0.2 * ruts, "wheels leave ruts: {at_start} {ruts}");
+    assert_eq!(browser.errors(), [] as [String; 0]);
+}
+
+#[test]
+fn texts_of_a_planner_never_run_in_a_page() {
+    let Some(mut browser) = Browser::start(1000, 800) else { return };
+    let bench = Bench::new();
+    run(&bench, "r", "5", "w001/t00");
+    for (file, from) in [("r/run.json", "\"name\": \"pid\""), ("r/tasks.jsonl", "\"reason\":\"")] {
+        let text = fs::read_to_string(bench.path(file)).expect("a file of the run");
+        assert!(text.contains(from), "{file}");
+        let to = if file.ends_with("json") {
+            format!("\"name\": \"{HOSTILE}\"")
+        } else {
+            format!("{from}{HOSTILE}")
+        };
+        bench.write(file, text.replacen(from, &to, 1));
+    }
+    bench.ok(&["report", "r", "--out", "page", "--replays", "w001/t00"]);
+    for page in ["page/index.html", "page/replays/w001/t00.html"] {
+        browser.open(&bench.path(page));
+        // Whatever would run has run by then.
+        browser.eval("new Promise(done => setTimeout(done, 300))");
+        assert_ne!(browser.eval("document.title"), "owned", "{page}");
+        assert_eq!(browser.eval("document.querySelectorAll('img').length"), 0, "{page}");
+        let text = browser.eval("document.body.textContent");
+        assert!(text.as_str().is_some_and(|t| t.contains("<img src=x")), "{page}: shown as it is");
+    }
+    assert_eq!(browser.errors(), [] as [String; 0]);
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_with_its_reason() {
+    let bench = Bench::new();
+    run(&bench, "r", "5", "w001/t00");
+    let done = bench.run(&["report", "r", "r", "--out", "page"]).error(2);
+    assert!(done.contains("given twice"), "{done}");
+    let done = bench.run(&["replay", "r", "--task", "w001/t09", "--out", "x.html"]).error(2);
+    assert!(
+        done.contains("w001/t09 is not among its 1 finished tasks") && done.contains("w001/t00"),
+        "{done}"
+    );
+    let elsewhere = ["replay", "r", "--task", "w001/t00", "--suite", "vb-100", "--out", "x.html"];
+    let done = bench.run(&elsewhere).error(3);
+    assert!(done.contains("suite smoke of the run") && done.contains("--suite"), "{done}");
+    let text = fs::read_to_string(bench.path("r/run.json")).expect("a header");
+    bench.write("r/run.json", text.replace("\"schema\": 2", "\"schema\": 3"));
+    let done = bench.run(&["report", "r", "--out", "page"]).error(3);
+    assert!(done.contains("schema 3 is not supported"), "{done}");
+    assert!(!bench.path("page/index.html").exists(), "nothing is left behind that looks like a report");
+}
