@@ -229,6 +229,8 @@ impl ChassisContacts {
         let mut physics = PhysicsWorld::new();
         physics.gravity = Vector::ZERO;
         physics.integration_parameters.dt = dt;
+        // Of which the solver's tolerances are fractions.
+        physics.integration_parameters.length_unit = world.scale;
         let ground = physics.insert_collider(
             ground_collider(&world.heightfield)
                 .friction(1.0)
@@ -270,7 +272,7 @@ impl ChassisContacts {
                 );
             }
             let vertices: Vec<V3> = relative.iter().map(|p| V3::from(*p)).collect();
-            probes.extend(underside(&vertices));
+            probes.extend(underside(&vertices, 0.5 * world.scale));
             probes.extend(vertices);
         }
         let (low, high) = extents(probes.iter().copied());
@@ -369,15 +371,15 @@ fn extents(points: impl Iterator<Item = V3>) -> (V3, V3) {
     points.fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// A grid of points over the underside of a convex part, about half a metre apart.
-fn underside(vertices: &[V3]) -> Vec<V3> {
+/// A grid of points over the underside of a convex part, about `spacing` (m) apart.
+fn underside(vertices: &[V3], spacing: f64) -> Vec<V3> {
     let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     let flat: Vec<&V3> = vertices.iter().filter(|p| p.z < bottom + 1e-6).collect();
     let range = |k: usize| {
         flat.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])))
     };
     let ((x0, x1), (y0, y1)) = (range(0), range(1));
-    let count = |length: f64| (length / 0.5) as usize + 1;
+    let count = |length: f64| (length / spacing) as usize + 1;
     let (nx, ny) = (count(x1 - x0), count(y1 - y0));
     let mut grid = Vec::new();
     for i in 0..=nx {

@@ -76,6 +76,7 @@ impl Check<'_> {
         {
             self.positive(field, value)?;
         }
+        self.positive("scale", v.scale)?;
         self.chassis(v)?;
         if v.axles.len() < 2 {
             return self.fail("axles", format!("{} given, at least 2 needed", v.axles.len()));
