@@ -1,5 +1,6 @@
 //! Reading a vehicle file and refusing what no vehicle can be.
 
+mod load;
 mod powertrain;
 mod suspension;
 mod tyre;
@@ -87,9 +88,9 @@ impl Check<'_> {
         if !v.axles.iter().any(|a| a.driven) {
             return self.fail("axles", "none is driven".to_owned());
         }
-        for (i, _) in v.axles.iter().enumerate() {
-            self.axle(v, i)?;
-        }
+        let axles =
+            (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, SimError>>()?;
+        self.carries(v, &axles)?;
         self.positive("steering.rate", v.steering.rate)?;
         self.tyres(v)?;
         self.powertrain(v)
