@@ -2,6 +2,7 @@
 
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
+use crate::rig::Pace;
 use serde::Serialize;
 use vb_sim::{SimError, SimOptions, SoilSet, VehicleModel, VehicleSpec};
 
@@ -13,6 +14,7 @@ pub struct Bench<'a> {
     pub(crate) soils: &'a [SoilSet],
     pub(crate) options: SimOptions,
     pub(crate) geometry: Geometry,
+    pub(crate) pace: Pace,
 }
 
 impl<'a> Bench<'a> {
@@ -23,7 +25,12 @@ impl<'a> Bench<'a> {
     pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
         let model = VehicleModel::new(spec.clone())?;
-        Ok(Self { spec, soils, options, geometry: Geometry::new(&model), model })
+        Ok(Self { spec, soils, options, geometry: Geometry::new(&model), pace: Pace::new(spec), model })
+    }
+
+    /// Whether an engine that idles behind a converter drives the vehicle with nothing pressed.
+    pub(crate) fn creeps(&self) -> bool {
+        self.spec.powertrain.converter.is_some()
     }
 
     pub(crate) fn at_pitch(&self, soil_pitch: f64) -> Self {
