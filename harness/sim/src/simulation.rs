@@ -132,9 +132,22 @@ impl Simulation {
         let centre = self.vehicle.x + heading * self.reference;
         // Least squares of the ground's height over the wheels' positions in the vehicle's own axes.
         let (mut sxx, mut syy, mut sxz, mut syz) = (0.0, 0.0, 0.0, 0.0);
-        for (hub, _) in self.vehicle.hubs() {
-            let p = heading.inverse() * (hub - centre);
-            let z = ground.height(hub.x, hub.y);
+        let wheels: Vec<(V3, f64)> = self
+            .vehicle
+            .hubs()
+            .map(|(hub, _)| (heading.inverse() * (hub - centre), ground.height(hub.x, hub.y)))
+            .collect();
+        let count = wheels.len() as f64;
+        let middle = wheels.iter().map(|w| w.0).sum::<V3>() / count;
+        // Wheels that lie evenly about the reference point need no centring.
+        let even = middle.x.abs().max(middle.y.abs()) < 1e-6;
+        let (ox, oy, oz) = if even {
+            (0.0, 0.0, 0.0)
+        } else {
+            (middle.x, middle.y, wheels.iter().map(|w| w.1).sum::<f64>() / count)
+        };
+        for (p, z) in wheels {
+            let (p, z) = (V3::new(p.x - ox, p.y - oy, p.z), z - oz);
             sxx += p.x * p.x;
             syy += p.y * p.y;
             sxz += p.x * z;

@@ -33,6 +33,8 @@ pub(crate) struct Geometry {
     hull: Vec<V3>,
     /// Of the vehicle's tyre, m; axles may have others.
     pub(crate) radius: f64,
+    /// Travel of each wheel on level ground, m.
+    pub(crate) rest: Vec<f64>,
     /// Whole mass, kg.
     pub(crate) mass: f64,
     /// Of the whole vehicle in the chassis frame, wheels at design height, m.
@@ -40,7 +42,8 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    pub(crate) fn new(model: &VehicleModel) -> Self {
+    /// Of a vehicle whose wheels have these travels at rest, m.
+    pub(crate) fn new(model: &VehicleModel, rest: Vec<f64>) -> Self {
         let spec = model.spec();
         let mut corners = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
@@ -68,6 +71,7 @@ impl Geometry {
             chassis_inertia: V3::from(spec.chassis.inertia),
             hull: spec.chassis.hull.iter().flatten().map(|p| V3::from(*p)).collect(),
             radius: spec.tyre.radius(),
+            rest,
             mass: 0.0,
             com: V3::zeros(),
         };

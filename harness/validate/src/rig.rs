@@ -4,7 +4,7 @@ use crate::event::{Bench, Series};
 use std::sync::Arc;
 use vb_math::angle::{degrees, wrap};
 use vb_math::{atan2, hypot, sin, tan};
-use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState};
+use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// A world of one friction value over the given heights.
@@ -154,6 +154,13 @@ fn label(full_size: f64, scaled: f64) -> String {
 /// Speed over ground, m/s.
 pub(crate) fn speed(s: &VehicleState) -> f64 {
     hypot(s.velocity.x, s.velocity.y)
+}
+
+/// The vehicle as it stands on level ground of its scale.
+pub(crate) fn at_rest(model: &VehicleModel, options: SimOptions) -> Result<VehicleState, SimError> {
+    let level = Arc::new(flat(0.9).scaled(model.spec().scale));
+    let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    Ok(Simulation::new(level, model, &SoilSet::default(), start, options)?.state())
 }
 
 /// Samples of a series per second.

@@ -43,11 +43,11 @@ impl Engine {
             Self::Simple { torque, power, max_speed, .. } => {
                 (simple(*torque, *power, *max_speed, speed), (0.0, 0.0))
             }
-            Self::Electric { torque, regeneration, .. } => {
+            Self::Electric { torque, regeneration, friction, .. } => {
                 // Armature with constant flux: torque ∝ (voltage − back-EMF), so shorted it brakes ∝ speed.
                 let (stall, no_load) = (torque[0][1], torque[torque.len() - 1][0]);
                 let slope = -regeneration * stall / no_load;
-                (interpolate(torque, speed), (slope * speed, slope))
+                (interpolate(torque, speed), (slope * speed - friction, slope))
             }
         };
         Law {
@@ -94,6 +94,7 @@ mod tests {
         let motor = |regeneration| Engine::Electric {
             torque: vec![[0.0, 1.6], [503.702, 0.0]],
             regeneration,
+            friction: 0.0,
             inertia: 0.0,
         };
         for (u, w) in [(1.0, 0.0), (1.0, 251.851), (0.3, 300.0), (0.0, 100.0)] {

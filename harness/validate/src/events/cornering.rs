@@ -43,7 +43,7 @@ impl Means {
 fn kinematic_radius(bench: &Bench<'_>, steering: f64) -> f64 {
     let g = &bench.geometry;
     let Some(left) = (0..g.corners.len()).find(|&i| g.is_steered(i)) else { return f64::INFINITY };
-    let cot = |i: usize| 1.0 / tan(g.wheel_angle(i, 0.0, steering));
+    let cot = |i: usize| 1.0 / tan(g.wheel_angle(i, g.rest[i], steering));
     let behind = g.turning_line();
     let ahead = g.hub(left, 0.0, 0.0).x - behind;
     let to_rear_axle = (ahead * 0.5 * (cot(left) + cot(left + 1))).abs();
@@ -98,6 +98,14 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             "wheels that roll without slip about one centre: L (cot δl + cot δr) / 2 to the rear axle; slip angles only widen it",
         );
         let a = m.of(m.lateral);
+        if bench.winds_up() {
+            let series = d.finish();
+            if friction == 0.9 && target == 4.0 {
+                plot.ours(format!("steering {steering}"), series.pairs("x", "y"));
+            }
+            o.series.push(series);
+            continue;
+        }
         o.theory(
             format!("{label}: roll"),
             if a > 0.0 { Expected::AtLeast(0.0) } else { Expected::AtMost(0.0) },
@@ -212,13 +220,12 @@ fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let name = format!("steering {steering}: roll in the corner");
         o.figure(format!("steering {steering}: lateral acceleration"), lateral, "m/s²");
         o.figure(format!("steering {steering}: roll on the table"), lean, "°");
-        o.expect(
-            &name,
-            m.of(m.roll),
-            "°",
-            Expected::share(lean, 0.15),
-            "equivalence: the roll on a table tilted by atan(a/g), over cos",
-        );
+        o.figure(name.clone(), m.of(m.roll), "°");
+        // Locked differentials push the sides of the vehicle against each other, and so its links up and down.
+        if !bench.winds_up() {
+            let source = "equivalence: the roll on a table tilted by atan(a/g), over cos";
+            o.theory(name, Expected::share(lean, 0.15), source);
+        }
     }
     plot.line(LineKind::Ours, 0, "in the corner", corner);
     plot.line(LineKind::Theory, 0, "on the tilt table", table);

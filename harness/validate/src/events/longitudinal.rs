@@ -195,11 +195,11 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     Ok(o)
 }
 
-/// Whether full brakes lock the wheels: brake torque over radius beyond friction, with a tenth to spare for load shift.
+/// Whether full brakes lock the wheels: brake torque over radius beyond friction, with a half to spare for load shift.
 fn locks(bench: &Bench<'_>, friction: f64) -> bool {
     let torque: f64 = bench.spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum();
     bench.spec.axles.iter().all(|a| a.brake_torque > 0.0)
-        && torque / bench.geometry.radius > 1.1 * friction * bench.geometry.weight()
+        && torque / bench.geometry.radius > 1.5 * friction * bench.geometry.weight()
 }
 
 pub(super) const COAST_DOWN: Event = Event {
@@ -316,7 +316,20 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let radii: Vec<f64> = radii.iter().zip(&g.corners).map(|(r, c)| r / c.radius).collect();
     let spread =
         radii.iter().copied().fold(0.0, f64::max) / radii.iter().copied().fold(f64::INFINITY, f64::min) - 1.0;
-    o.expect("spread of the rolling radii", 100.0 * spread, "%", Expected::AtMost(0.5), "no wheel slips");
+    // They roll on a radius a third of the deflection below the free one (Rill 2011, ch. 3), each by its own load.
+    let sunk = s.wheels.iter().enumerate().map(|(i, w)| {
+        let tyre = bench.spec.tyre_of(&bench.spec.axles[i / 2]);
+        vb_sim::Tyre::new(tyre).deflection(w.load) / tyre.radius()
+    });
+    let (least, most) = sunk.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    let by_load = 100.0 * (most - least) / 3.0;
+    o.expect(
+        "spread of the rolling radii",
+        100.0 * spread,
+        "%",
+        Expected::AtMost(0.4 + by_load),
+        "no wheel slips: what the loads make of the radii, and 0.4 %",
+    );
     o.series.push(d.finish());
     Ok(o)
 }

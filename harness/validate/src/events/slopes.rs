@@ -75,6 +75,10 @@ const SLIDING: f64 = 0.02;
 fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut slide = Plot::new("Sideways speed on the tilt table", "tilt, °", "speed, m/s");
+    let tips = {
+        let s = crate::rig::at_rest(&bench.model, bench.options)?;
+        degrees(atan(0.5 * bench.geometry.track() / bench.geometry.com_of(&s).z))
+    };
     for friction in [0.9, 0.5] {
         let limit = degrees(atan(friction));
         let mut d = Drive::new(bench, &format!("slide-mu-{friction:.1}"), &flat(friction), 0.0, 0.0)?;
@@ -100,13 +104,12 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 break;
             }
         }
-        o.expect(
-            &format!("slide angle, μ {friction:.1}"),
-            found,
-            "°",
-            Expected::Within { value: limit, tolerance: 0.5 },
-            "atan μ",
-        );
+        let name = format!("slide angle, μ {friction:.1}");
+        o.figure(name.clone(), found, "°");
+        // Tall vehicles tip first, and lean out as they come near to it.
+        if limit < tips - 8.0 {
+            o.theory(name, Expected::Within { value: limit, tolerance: 0.5 }, "atan μ");
+        }
         slide.ours(format!("μ {friction:.1}"), points);
         o.series.push(d.finish());
     }
