@@ -260,7 +260,7 @@ impl ChassisContacts {
                 .can_sleep(false),
         );
         let mut probes = Vec::new();
-        for part in &v.chassis.hull {
+        for part in v.chassis.hull.iter().cloned().chain(wheel_faces(v)) {
             let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
             if let Some(c) = ColliderBuilder::convex_hull(&points(&relative)) {
                 physics.insert_collider(
@@ -363,6 +363,26 @@ impl ChassisContacts {
         let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
         *v = from_vector(body.linvel()) - w.cross(&offset);
     }
+}
+
+/// Blocks within the wheels, at design height, that reach from face to face, if the vehicle lies on those.
+fn wheel_faces(v: &VehicleSpec) -> Vec<Vec<[f64; 3]>> {
+    // Narrow enough to stay within the outline of a wheel that has moved in its springs.
+    const SHARE: f64 = 0.3;
+    let mut blocks = Vec::new();
+    for axle in v.axles.iter().filter(|_| v.chassis.wheel_faces) {
+        let (tyre, spindle) = (v.tyre_of(axle), axle.suspension.linkage.spindle());
+        let reach = SHARE * tyre.radius();
+        for side in [1.0, -1.0] {
+            let [x, y, z] = [0, 1, 2].map(|k| axle.position[k] + if k == 1 { side } else { 1.0 } * spindle[k]);
+            let corner = |k: usize| {
+                let sign = |bit: usize| if k & bit == 0 { 1.0 } else { -1.0 };
+                [x + sign(1) * reach, y + sign(2) * 0.5 * tyre.width(), z + sign(4) * reach]
+            };
+            blocks.push((0..8).map(corner).collect());
+        }
+    }
+    blocks
 }
 
 /// Lowest and highest coordinates of some points.

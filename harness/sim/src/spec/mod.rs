@@ -119,6 +119,10 @@ pub struct Chassis {
     /// and constant beyond them, against the motion, at the centre of mass. None if empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub resistance: Vec<[f64; 2]>,
+    /// Whether the faces of its wheels bear it when it lies on them: for vehicles whose wheels stand out beyond the hull,
+    /// since a tyre carries on its tread only.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub wheel_faces: bool,
     /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }
