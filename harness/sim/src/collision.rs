@@ -260,7 +260,8 @@ impl ChassisContacts {
                 .can_sleep(false),
         );
         let mut probes = Vec::new();
-        for part in v.chassis.hull.iter().cloned().chain(wheel_faces(v)) {
+        let parts = v.chassis.hull.len();
+        for (k, part) in v.chassis.hull.iter().cloned().chain(wheel_faces(v)).enumerate() {
             let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
             if let Some(c) = ColliderBuilder::convex_hull(&points(&relative)) {
                 physics.insert_collider(
@@ -272,8 +273,14 @@ impl ChassisContacts {
                 );
             }
             let vertices: Vec<V3> = relative.iter().map(|p| V3::from(*p)).collect();
-            probes.extend(underside(&vertices, 0.5 * world.scale));
-            probes.extend(vertices);
+            if k < parts {
+                probes.extend(underside(&vertices, 0.5 * world.scale));
+                probes.extend(vertices);
+            } else {
+                // A wheel's face meets the ground with its corners, which are farthest out.
+                let outer = vertices.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
+                probes.extend(vertices.into_iter().filter(|p| p.y.abs() >= outer));
+            }
         }
         let (low, high) = extents(probes.iter().copied());
         let bound = probes.iter().map(V3::norm).fold(0.0, f64::max);
@@ -374,7 +381,8 @@ fn wheel_faces(v: &VehicleSpec) -> Vec<Vec<[f64; 3]>> {
         let (tyre, spindle) = (v.tyre_of(axle), axle.suspension.linkage.spindle());
         let reach = SHARE * tyre.radius();
         for side in [1.0, -1.0] {
-            let [x, y, z] = [0, 1, 2].map(|k| axle.position[k] + if k == 1 { side } else { 1.0 } * spindle[k]);
+            let [x, y, z] =
+                [0, 1, 2].map(|k| axle.position[k] + if k == 1 { side } else { 1.0 } * spindle[k]);
             let corner = |k: usize| {
                 let sign = |bit: usize| if k & bit == 0 { 1.0 } else { -1.0 };
                 [x + sign(1) * reach, y + sign(2) * 0.5 * tyre.width(), z + sign(4) * reach]

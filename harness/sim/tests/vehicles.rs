@@ -16,7 +16,8 @@ fn vehicles() -> Vec<VehicleModel> {
         std::fs::read_dir(&folder).expect("the shipped vehicles").flatten().map(|e| e.path()).collect();
     files.sort();
     assert!(files.len() >= 8, "{files:?}");
-    let load = |f: &std::path::PathBuf| common::model(VehicleSpec::load(f).expect("a shipped vehicle is valid"));
+    let load =
+        |f: &std::path::PathBuf| common::model(VehicleSpec::load(f).expect("a shipped vehicle is valid"));
     files.iter().map(load).collect()
 }
 
@@ -27,7 +28,10 @@ fn scaled(world: World, model: &VehicleModel) -> Arc<World> {
 }
 
 fn flat(model: &VehicleModel, friction: f64) -> Arc<World> {
-    scaled(World::uniform("flat", Heightfield::flat(5, 5, 100.0, 0.0), TerrainClass::Concrete, friction), model)
+    scaled(
+        World::uniform("flat", Heightfield::flat(5, 5, 100.0, 0.0), TerrainClass::Concrete, friction),
+        model,
+    )
 }
 
 /// Ground of nodes a metre apart whose heights have this standard deviation, m, at full size.
@@ -66,7 +70,11 @@ fn every_vehicle_stands_on_its_wheels_and_their_loads_make_its_weight() {
         let (roll, pitch, _) = s.roll_pitch_yaw();
         assert!(roll.abs() < 0.004 && pitch.abs() < 0.04, "{name}: {roll} {pitch}");
         let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
-        assert!(s.position.z + lowest > 0.05 * spec.height, "{name}: the hull is {} up", s.position.z + lowest);
+        assert!(
+            s.position.z + lowest > 0.05 * spec.height,
+            "{name}: the hull is {} up",
+            s.position.z + lowest
+        );
         // Within the springs' range and off its ends.
         for (i, w) in s.wheels.iter().enumerate() {
             let [low, high] = spec.axles[i / 2].suspension.range;
@@ -121,8 +129,11 @@ fn no_commands_on_rough_ground_make_a_vehicle_diverge_or_gain_energy() {
             let mut sim = start(&rough(&model, seed, 0.12), &model, 1e-3);
             let mut s = Stream::new(seed, &["commands", &name]);
             for _ in 0..150 {
-                let controls =
-                    common::controls(s.uniform(-1.0, 1.0), s.uniform(-0.5, 1.0).max(0.0), s.uniform(-2.0, 1.0).max(0.0));
+                let controls = common::controls(
+                    s.uniform(-1.0, 1.0),
+                    s.uniform(-0.5, 1.0).max(0.0),
+                    s.uniform(-2.0, 1.0).max(0.0),
+                );
                 advance(&mut sim, &name, controls, 0.1, 1e-3);
                 // Beyond the edge the ground is made up.
                 let p = sim.state().position;
@@ -133,7 +144,11 @@ fn no_commands_on_rough_ground_make_a_vehicle_diverge_or_gain_energy() {
             // Half of what ends a simulation: the energy that lifts it by the radius of a wheel.
             let spec = model.spec();
             let allowed = 0.5 * spec.total_mass() * GRAVITY * spec.tyre.radius();
-            assert!(sim.energy_surplus() < allowed, "{name}, {seed}: {} J of {allowed}", sim.energy_surplus());
+            assert!(
+                sim.energy_surplus() < allowed,
+                "{name}, {seed}: {} J of {allowed}",
+                sim.energy_surplus()
+            );
         }
     }
 }
@@ -155,7 +170,10 @@ fn an_overturned_vehicle_comes_to_rest_on_its_roof_and_is_not_thrown_off_its_sid
             if roll > 2.0 {
                 assert!(s.velocity.norm() < 0.03 * spec.scale.sqrt(), "{name}: {}", s.velocity.norm());
             }
-            assert!(s.position.z > 0.0 && highest < spec.height + 0.5 * spec.width, "{name}, {roll}: {highest}");
+            assert!(
+                s.position.z > 0.0 && highest < spec.height + 0.5 * spec.width,
+                "{name}, {roll}: {highest}"
+            );
         }
     }
 }
@@ -203,7 +221,8 @@ fn an_axle_may_have_tyres_of_its_own() {
     }
     // Another tyre by name is put on both axles, each in its size.
     let rigid = spec.clone().with_tyre("rigid").expect("both axles have one");
-    let radii = [0, 1].map(|i| (rigid.tyre_of(&rigid.axles[i]).model(), rigid.tyre_of(&rigid.axles[i]).radius()));
+    let radii =
+        [0, 1].map(|i| (rigid.tyre_of(&rigid.axles[i]).model(), rigid.tyre_of(&rigid.axles[i]).radius()));
     assert_eq!(radii, [("rigid", own(0)), ("rigid", own(1))]);
     let e = spec.clone().with_tyre("slick").unwrap_err().to_string();
     assert!(e.contains("tyres") && e.contains("tmeasy"), "{e}");
@@ -217,7 +236,8 @@ fn a_vehicle_whose_wheels_lie_unevenly_about_its_middle_is_set_down_along_the_sl
     let heights = (0..25).map(|i| 400.0 + slope * 10.0 * f64::from(i % 5)).collect();
     let world = common::world(Heightfield::new(5, 5, 10.0, heights), 0.9, vec![]);
     let options = SimOptions { settle_time: 0.0, ..SimOptions::default() };
-    let sim = Simulation::new(world.clone(), &model, &SoilSet::default(), START, options).expect("it is set down");
+    let sim =
+        Simulation::new(world.clone(), &model, &SoilSet::default(), START, options).expect("it is set down");
     let s = sim.state();
     assert!((s.roll_pitch_yaw().1 + 0.35).abs() < 1e-6, "{}", s.roll_pitch_yaw().1);
     assert!(s.position.z - world.heightfield.height(0.0, 0.0) < 0.8, "{}", s.position.z);

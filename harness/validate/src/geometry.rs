@@ -128,7 +128,8 @@ impl Geometry {
     /// Outer edge of the tyre's tread where it is farthest from the vehicle, in the world, at hub height, m.
     pub(crate) fn tyre_edge_of(&self, s: &VehicleState, corner: usize) -> V3 {
         let pose = self.upright(corner, s.wheels[corner].deflection, s.steering);
-        self.hub_of(s, corner) + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.corners[corner].width))
+        self.hub_of(s, corner)
+            + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.corners[corner].width))
     }
 
     /// Points of the hull in the world, m.

@@ -42,9 +42,8 @@ pub(super) fn draw(standing: &Standing) -> String {
         let wheels = standing.wheels.iter().flat_map(outline);
         standing.hull.iter().flatten().copied().chain(wheels)
     };
-    let range = |k: usize| {
-        points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])))
-    };
+    let range =
+        |k: usize| points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
     let ((x0, x1), (y0, y1), (_, z1)) = (range(0), range(1), range(2));
     let unit = (WIDTH - 2.0 * MARGIN) / (x1 - x0);
     let left = MARGIN - unit * x0;
@@ -124,9 +123,7 @@ fn outline(wheel: &Wheel) -> impl Iterator<Item = [f64; 3]> + '_ {
     (0..72).map(move |k| {
         let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * f64::from(k / 2) / 36.0);
         let half = if k % 2 == 0 { 0.5 } else { -0.5 } * wheel.width;
-        std::array::from_fn(|i| {
-            wheel.centre[i] + wheel.radius * (c * ahead[i] + s * up[i]) + half * w[i]
-        })
+        std::array::from_fn(|i| wheel.centre[i] + wheel.radius * (c * ahead[i] + s * up[i]) + half * w[i])
     })
 }
 

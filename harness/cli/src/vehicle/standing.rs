@@ -40,15 +40,10 @@ impl Standing {
         let model = VehicleModel::new(spec.clone())?;
         let shape = static_shape(&model, options)?;
         let side = 4.0 * spec.length.max(spec.scale);
-        let level = World::uniform(
-            "level",
-            Heightfield::flat(3, 3, 0.5 * side, 0.0),
-            TerrainClass::Concrete,
-            0.8,
-        );
+        let level =
+            World::uniform("level", Heightfield::flat(3, 3, 0.5 * side, 0.0), TerrainClass::Concrete, 0.8);
         let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
-        let state =
-            Simulation::new(Arc::new(level), &model, &SoilSet::default(), start, options)?.state();
+        let state = Simulation::new(Arc::new(level), &model, &SoilSet::default(), start, options)?.state();
         let place = |p: Point| -> Point { (state.position + state.attitude * vector(p)).into() };
         let turn = |p: Point| -> Point { (state.attitude * vector(p)).into() };
         let (mut wheels, mut links, mut struts) = (Vec::new(), Vec::new(), Vec::new());
@@ -68,17 +63,13 @@ impl Standing {
                 // What moves with the wheel is drawn as far from its design position as the wheel itself is.
                 let moved: Point = (pose.hub - design.hub).into();
                 let fixed = |p: Point| place(add(axle.position, [p[0], sign * p[1], p[2]]));
-                let carried =
-                    |p: Point| place(add(add(axle.position, [p[0], sign * p[1], p[2]]), moved));
-                links.extend(
-                    lines(&axle.suspension.linkage).into_iter().map(|[a, b]| [fixed(a), carried(b)]),
-                );
-                struts
-                    .extend(axle.suspension.struts.iter().map(|s| [fixed(s.chassis), carried(s.end)]));
+                let carried = |p: Point| place(add(add(axle.position, [p[0], sign * p[1], p[2]]), moved));
+                links
+                    .extend(lines(&axle.suspension.linkage).into_iter().map(|[a, b]| [fixed(a), carried(b)]));
+                struts.extend(axle.suspension.struts.iter().map(|s| [fixed(s.chassis), carried(s.end)]));
             }
         }
-        let hull =
-            spec.chassis.hull.iter().map(|part| part.iter().map(|p| place(*p)).collect()).collect();
+        let hull = spec.chassis.hull.iter().map(|part| part.iter().map(|p| place(*p)).collect()).collect();
         Ok(Self { spec, shape, state, wheels, links, struts, hull })
     }
 }

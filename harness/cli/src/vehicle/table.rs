@@ -115,7 +115,8 @@ fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
         Engine::Simple { torque, power, .. } => ("constant torque, constant power", (*torque, *power)),
         Engine::Electric { torque, .. } => ("electric motor", best(torque)),
     };
-    let unit = if power < 1e3 { format!("{} W", number(power)) } else { format!("{} kW", number(power / 1e3)) };
+    let unit =
+        if power < 1e3 { format!("{} W", number(power)) } else { format!("{} kW", number(power / 1e3)) };
     let behind = if converter.is_some() { ", torque converter" } else { "" };
     format!("{kind}, {} N m, {unit}{behind}", number(torque))
 }
@@ -147,8 +148,7 @@ impl Specification {
                 wheel_angles_deg: angles,
                 driven: a.driven,
                 differential: own.map(|d| differential(d.differential)),
-                unsprung_mass_kg: 2.0 * a.unsprung_mass
-                    + a.suspension.linkage.beam().map_or(0.0, |b| b.mass),
+                unsprung_mass_kg: 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass),
                 brake_torque_n_m: 2.0 * a.brake_torque,
                 tyre: tyre(v.tyre_of(a)),
                 load_n: standing.state.wheels[2 * i..2 * i + 2].iter().map(|w| w.load).sum(),

@@ -48,8 +48,7 @@ impl Vehicle {
                 f.inertia += s.inertia;
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(&wheels[c.tyre], &hub, &axis) {
-                c.load +=
-                    motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
+                c.load += motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
             } else {
                 c.obstacle_patch = Patch::default();
             }

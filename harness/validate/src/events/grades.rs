@@ -45,8 +45,7 @@ fn climb(bench: &Bench<'_>, driver: Driver, slope: f64, friction: f64) -> Result
             let (time, far) = (bench.pace.time(12.0), bench.pace.length(150.0));
             d.run(time, |s| driver.controls(bench, s), |s| (along(s) - from).abs() >= far)?;
             let s = d.state();
-            along(&s) - from > bench.pace.length(5.0)
-                && (s.attitude * s.velocity).x > bench.pace.speed(0.3)
+            along(&s) - from > bench.pace.length(5.0) && (s.attitude * s.velocity).x > bench.pace.speed(0.3)
         }
     };
     Ok((climbed, d.finish()))

@@ -81,8 +81,7 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             o.theory(format!("{case}: speed after {seconds} s"), Expected::share(p.speed, 0.05), POINT_MASS);
         }
         let label = |v: f64| pace.speed_label(v);
-        let measured =
-            |v: f64| o.value(&format!("{case}: time to {} m/s", label(v))).unwrap_or(f64::NAN);
+        let measured = |v: f64| o.value(&format!("{case}: time to {} m/s", label(v))).unwrap_or(f64::NAN);
         let (name, span) = (
             format!("{case}: time from {} to {} m/s", label(10.0), label(20.0)),
             measured(20.0) - measured(10.0),
@@ -112,7 +111,11 @@ pub(super) const BRAKING: Event = Event {
 /// Time (s) to 10 m/s, or to what the vehicle can hold, with full throttle at μ 0.9.
 pub(super) fn time_to_10(bench: &Bench<'_>) -> Result<f64, SimError> {
     let mut d = Drive::new(bench, "", &flat(0.9), 0.0, 0.0)?;
-    d.run(30.0, |s| controls(bench.pace.hold_line(s), 1.0, 0.0), |s| s.velocity.x >= bench.pace.speed(bench.pace.within_reach(10.0)))?;
+    d.run(
+        30.0,
+        |s| controls(bench.pace.hold_line(s), 1.0, 0.0),
+        |s| s.velocity.x >= bench.pace.speed(bench.pace.within_reach(10.0)),
+    )?;
     Ok(d.state().time)
 }
 
@@ -161,14 +164,8 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     for (from, pedal, friction) in cases.into_iter().filter(|c| bench.pace.reaches(c.0)) {
         let speed = bench.pace.speed_label(from);
         let label = format!("{speed} m/s, brake {pedal}, μ {friction:.1}");
-        let (v, distance, time, pitch) = brake(
-            bench,
-            &mut o,
-            &format!("{speed}-brake-{pedal}-mu-{friction:.1}"),
-            from,
-            pedal,
-            friction,
-        )?;
+        let (v, distance, time, pitch) =
+            brake(bench, &mut o, &format!("{speed}-brake-{pedal}-mu-{friction:.1}"), from, pedal, friction)?;
         o.figure(format!("{label}: distance"), distance, "m");
         o.figure(format!("{label}: time"), time, "s");
         o.figure(format!("{label}: greatest pitch"), pitch.to_degrees(), "°");

@@ -94,13 +94,14 @@ fn parked(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let from = d.state();
         d.hold(60.0, |_| controls)?;
         let moved = 1e3 * (d.state().position - from.position).norm();
-        o.expect(
-            &format!("moved in 60 s, {label}"),
-            moved,
-            "mm",
-            Expected::AtMost(1.0),
-            "statics: tan of the slope is below μ, so friction holds",
-        );
+        // What no friction of the engine holds creeps on the smoothed corner of rolling resistance at rest.
+        let free = controls == COASTING && bench.spec.powertrain.engine.torque(0.0, 0.0) >= 0.0;
+        let (most, source) = if free {
+            (bench.pace.length(20.0), "nothing but rolling resistance holds it: no more than it creeps")
+        } else {
+            (1.0, "statics: tan of the slope is below μ, so friction holds")
+        };
+        o.expect(&format!("moved in 60 s, {label}"), moved, "mm", Expected::AtMost(most), source);
         let series = d.finish();
         let at = |r: &Vec<f64>| {
             let d = [r[1] - from.position.x, r[2] - from.position.y, r[3] - from.position.z];

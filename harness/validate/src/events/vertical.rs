@@ -75,9 +75,8 @@ fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let x = "x of the reference point, m";
     let mut tilt = Plot::new("Pitch over the bump", x, "pitch, ° (nose down positive)");
     let mut shake = Plot::new("Vertical acceleration, mean over 50 ms", x, "acceleration, m/s²");
-    for (length, target) in [(1.0, 5.0), (2.0, 5.0), (4.0, 5.0), (2.0, 3.0)]
-        .into_iter()
-        .filter(|c| bench.pace.reaches(c.1))
+    for (length, target) in
+        [(1.0, 5.0), (2.0, 5.0), (4.0, 5.0), (2.0, 3.0)].into_iter().filter(|c| bench.pace.reaches(c.1))
     {
         let (long, speed) = (bench.pace.length_label(length), bench.pace.speed_label(target));
         let label = format!("{long} m, {speed} m/s");
@@ -109,8 +108,9 @@ fn drop(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let mut d = Drive::new(bench, "drop", &flat(0.9), 0.0, 0.0)?;
-    let lowest_rim =
-        (0..g.corners.len()).map(|i| g.hub(i, 0.0, 0.0).z - g.corners[i].radius).fold(f64::INFINITY, f64::min);
+    let lowest_rim = (0..g.corners.len())
+        .map(|i| g.hub(i, 0.0, 0.0).z - g.corners[i].radius)
+        .fold(f64::INFINITY, f64::min);
     let clearance = bench.pace.length(CLEARANCE);
     d.sim().lift(clearance - lowest_rim);
     let start = d.state().position.z;
@@ -188,9 +188,17 @@ fn step_climb(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let behind = -g.hub(g.corners.len() - 1, 0.0, 0.0).x;
     let mut best = None;
     let limit = largest(0.05, 1.2, 0.01, |height| {
-        let mut d = Drive::new(bench, &format!("{height:.3}m"), &step(height, 0.9), -6.0 - behind / bench.spec.scale, 0.0)?;
+        let mut d = Drive::new(
+            bench,
+            &format!("{height:.3}m"),
+            &step(height, 0.9),
+            -6.0 - behind / bench.spec.scale,
+            0.0,
+        )?;
         let up = |s: &vb_sim::VehicleState| s.position.x > behind + pace.length(0.6);
-        let push = |s: &vb_sim::VehicleState| controls(pace.hold_line(s), pace.hold_speed(s, 2.0, 0.0).throttle, 0.0);
+        let push = |s: &vb_sim::VehicleState| {
+            controls(pace.hold_line(s), pace.hold_speed(s, 2.0, 0.0).throttle, 0.0)
+        };
         let done = d.run(20.0, push, up)?;
         if done {
             best = Some(d.finish());

@@ -84,7 +84,8 @@ impl Footprint {
                         for k in FIRST..=LAST {
                             let at = origin + f.along * self.shape.xs[k] - f.up * self.shape.half[k];
                             let mine = ground.soil_at(at.x, at.y).is_some_and(|s| std::ptr::eq(s, soil));
-                            field.share[k] = if mine { ground.share(at.x, at.y, ground.blend) } else { NOT_HERE };
+                            field.share[k] =
+                                if mine { ground.share(at.x, at.y, ground.blend) } else { NOT_HERE };
                             here |= mine;
                         }
                         if here {

@@ -1,10 +1,10 @@
 //! Whether the springs can carry what rests on them.
 
 use super::Check;
+use crate::GRAVITY;
 use crate::error::SimError;
 use crate::spec::{Linkage, VehicleSpec};
 use crate::suspension::{AxleKinematics, Motion};
-use crate::GRAVITY;
 
 /// Travels at which the force of an axle's springs and stops is looked at.
 const TRAVELS: usize = 33;
@@ -25,9 +25,8 @@ impl Check<'_> {
         let weight = v.chassis.mass * GRAVITY;
         let places: Vec<f64> =
             v.axles.iter().map(|a| a.position[0] + a.suspension.linkage.spindle()[0]).collect();
-        let sprung = |i: usize| {
-            !matches!(v.axles[i].suspension.linkage, Linkage::Rigid(_) | Linkage::PivotAxle(_))
-        };
+        let sprung =
+            |i: usize| !matches!(v.axles[i].suspension.linkage, Linkage::Rigid(_) | Linkage::PivotAxle(_));
         if let [front, rear] = places[..] {
             let share = (v.chassis.com[0] - rear) / (front - rear);
             if !(0.0..=1.0).contains(&share) {
@@ -90,7 +89,10 @@ mod tests {
             HMMWV,
             &[
                 ("stiffness: 167070.939", "stiffness: 1670.70939"),
-                ("stops: {jounce: 0.12, rebound: -0.12, stiffness: 800000.0}", "stops: {jounce: 0.12, rebound: -0.12, stiffness: 1000.0}"),
+                (
+                    "stops: {jounce: 0.12, rebound: -0.12, stiffness: 800000.0}",
+                    "stops: {jounce: 0.12, rebound: -0.12, stiffness: 1000.0}",
+                ),
             ],
         );
         assert!(e.starts_with("car.yaml: axles[0].suspension: carries at most "), "{e}");
@@ -100,7 +102,8 @@ mod tests {
 
     #[test]
     fn on_more_axles_than_two_all_springs_together_must_carry_the_chassis() {
-        let e = refused(MAN, &[("mass: 11015.0", "mass: 211015.0"), ("inertia: [5238.0", "inertia: [5238.0")]);
+        let e =
+            refused(MAN, &[("mass: 11015.0", "mass: 211015.0"), ("inertia: [5238.0", "inertia: [5238.0")]);
         assert!(e.starts_with("car.yaml: axles: all suspensions together carry at most "), "{e}");
         assert!(e.contains("2070057"), "m g: {e}");
     }
@@ -115,7 +118,11 @@ mod tests {
     fn masses_that_are_not_positive_are_refused_wherever_they_are() {
         for (from, to, says) in [
             ("mass: 2095.592", "mass: 0", "chassis.mass: 0 must be a positive number"),
-            ("unsprung_mass: 99.49124", "unsprung_mass: -1", "axles[0].unsprung_mass: -1 must be a positive number"),
+            (
+                "unsprung_mass: 99.49124",
+                "unsprung_mass: -1",
+                "axles[0].unsprung_mass: -1 must be a positive number",
+            ),
             ("spin_inertia: 8.7143", "spin_inertia: 0", "axles[0].spin_inertia: 0 must be a positive number"),
         ] {
             assert_eq!(refused(HMMWV, &[(from, to)]), format!("car.yaml: {says}"));

@@ -88,8 +88,7 @@ impl Check<'_> {
         if !v.axles.iter().any(|a| a.driven) {
             return self.fail("axles", "none is driven".to_owned());
         }
-        let axles =
-            (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, SimError>>()?;
+        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, SimError>>()?;
         self.carries(v, &axles)?;
         self.positive("steering.rate", v.steering.rate)?;
         self.tyres(v)?;
