@@ -102,6 +102,15 @@ mod tests {
             assert!((motor(1.0).torque(w, u) - expected).abs() < 1e-12, "{u} {w}");
         }
         assert_eq!(motor(0.0).torque(100.0, 0.0), 0.0);
+        // Friction of motor and gears is there with the throttle closed, at rest too.
+        let geared = Engine::Electric {
+            torque: vec![[0.0, 1.6], [503.702, 0.0]],
+            regeneration: 0.0,
+            friction: 0.02,
+            inertia: 0.0,
+        };
+        assert_eq!([geared.torque(0.0, 0.0), geared.torque(200.0, 0.0)], [-0.02, -0.02]);
+        assert_eq!(geared.torque(0.0, 1.0), 1.6);
     }
 
     #[test]
