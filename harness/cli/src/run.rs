@@ -80,6 +80,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let tasks = suite::select(&suite, args.tasks.as_deref())?;
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = vehicle(&args.vehicle)?;
+    let scale = args.scale.unwrap_or(vehicle.spec.scale);
     let soils = soils(&args.soils, args.soil_pitch)?;
     let mut limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
@@ -110,7 +111,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         soils,
         rules,
         time_step: args.time_step,
-        scale: args.scale,
+        scale,
         seed: args.seed,
         jobs,
         trace: args.trace,

@@ -22,6 +22,9 @@ pub struct StaticShape {
     pub track: f64,
     /// Mean angle of the first axle's wheels at steering command 1, rad.
     pub max_steer_angle: f64,
+    /// Distance from the first axle to the line about which the vehicle turns without slip, and of that line from the
+    /// reference point, m.
+    pub turning: [f64; 2],
     /// Mass, all included, kg.
     pub mass: f64,
 }
@@ -54,11 +57,22 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
         ));
     }
     let (first, last) = (hubs[0], hubs[hubs.len() - 1]);
+    // Two axles: the line of the rear one, half a wheelbase behind the reference point. More: the middle of those that
+    // are not steered.
+    let fixed: Vec<f64> =
+        spec.axles.iter().zip(&hubs).filter(|(a, _)| a.steering.is_none()).map(|(_, h)| h.0).collect();
+    let turning = if hubs.len() > 2 && !fixed.is_empty() {
+        let line = fixed.iter().sum::<f64>() / fixed.len() as f64;
+        [first.0 - line, line.abs()]
+    } else {
+        [first.0 - last.0, 0.5 * (first.0 - last.0)]
+    };
     Ok(StaticShape {
         ground_clearance: if lowest.is_finite() { state.position.z + lowest } else { 0.0 },
         wheelbase: first.0 - last.0,
         track: first.1,
         max_steer_angle: first.2,
+        turning,
         mass: spec.total_mass(),
     })
 }
@@ -67,8 +81,8 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
 #[must_use]
 pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> vb_sdk::Vehicle {
     // The turning circle of the reference point, which lies between the axles, without slip.
-    let rear = shape.wheelbase / tan(shape.max_steer_angle);
-    let ahead = 0.5 * shape.wheelbase;
+    let [base, ahead] = shape.turning;
+    let rear = base / tan(shape.max_steer_angle);
     vb_sdk::Vehicle {
         name: spec.name.clone(),
         scale,
@@ -147,7 +161,7 @@ impl Terms<'_> {
     pub(crate) fn applied_to(&self, brief: vb_sdk::Task) -> vb_sdk::Task {
         vb_sdk::Task {
             goal_radius: self.rules.goal_radius(self.scale),
-            time_limit: self.rules.time_limit_s,
+            time_limit: self.rules.time_limit(self.scale),
             control_period: self.control_period,
             seed: Stream::new(self.seed, &["planner", &brief.id]).next_u64(),
             ..brief

@@ -8,8 +8,9 @@ use sha2::{Digest as _, Sha256};
 /// Version of the layout of a rule file.
 const SCHEMA: u32 = 1;
 
-/// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied;
-/// times are not scaled. A rule that is left out never ends a trial.
+/// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied; times
+/// and speeds are multiplied by its square root, by which a small vehicle that does all that a large one does, under the
+/// same gravity, is judged as the large one is (Froude's rule). A rule that is left out never ends a trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
@@ -88,8 +89,7 @@ pub enum StuckRule {
         /// m.
         distance_m: f64,
     },
-    /// It has been slower than `speed_m_per_s` for `duration_s` seconds without a break. The speed is a length over
-    /// a fixed time and is scaled like one.
+    /// It has been slower than `speed_m_per_s` for `duration_s` seconds without a break.
     Slow {
         /// m/s.
         speed_m_per_s: f64,
@@ -219,6 +219,12 @@ impl Rules {
         // Fields come in the order of the struct; all keys are strings and all numbers finite.
         let canonical = serde_json::to_vec(self).unwrap_or_default();
         Sha256::digest(canonical).iter().map(|b| format!("{b:02x}")).collect()
+    }
+
+    /// The time limit at a scale, s.
+    #[must_use]
+    pub fn time_limit(&self, scale: f64) -> f64 {
+        self.time_limit_s * scale.sqrt()
     }
 
     /// The radius of the goal at a scale, m.

@@ -134,7 +134,7 @@ impl Scorer {
         // The window needs the sample even if another rule decides now, but then nobody looks any more.
         let stuck = self.stuck(sample);
         self.sums.push(sample);
-        if t + TIME_TOLERANCE >= self.rules.time_limit_s {
+        if t + TIME_TOLERANCE >= self.rules.time_limit(self.geometry.scale) {
             let away = self.sums.goal_distance();
             return verdict(
                 Outcome::Timeout,
@@ -182,6 +182,7 @@ impl Scorer {
     fn stuck(&mut self, s: &Sample) -> Option<String> {
         match self.rules.stuck? {
             StuckRule::Displacement { window_s, distance_m } => {
+                let window_s = window_s * self.geometry.scale.sqrt();
                 self.window.push_back(*s);
                 let begin = s.time - window_s + TIME_TOLERANCE;
                 while self.window.get(1).is_some_and(|next| next.time <= begin) {
@@ -190,15 +191,16 @@ impl Scorer {
                 let first = self.window.front().filter(|first| first.time <= begin)?;
                 let moved = displacement(first, s);
                 (moved < distance_m * self.geometry.scale)
-                    .then(|| format!("moved {moved:.2} m in the last {window_s} s"))
+                    .then(|| format!("moved {moved:.2} m in the last {} s", shown(window_s)))
             }
             StuckRule::Slow { speed_m_per_s, duration_s } => {
                 let last = self.sums.last()?;
                 let dt = s.time - last.time;
-                let limit = speed_m_per_s * self.geometry.scale;
+                let pace = self.geometry.scale.sqrt();
+                let (limit, duration_s) = (speed_m_per_s * pace, duration_s * pace);
                 self.slow_for = if displacement(last, s) < limit * dt { self.slow_for + dt } else { 0.0 };
                 (self.slow_for + TIME_TOLERANCE >= duration_s)
-                    .then(|| format!("slower than {limit} m/s for {duration_s} s"))
+                    .then(|| format!("slower than {} m/s for {} s", shown(limit), shown(duration_s)))
             }
         }
     }
@@ -219,4 +221,9 @@ impl Scorer {
         }
         rule.pitch_limit_deg.filter(|limit| pitch.abs() > *limit).map(|_| format!("pitch {pitch:.1}° {when}"))
     }
+}
+
+/// A number for a message: as it is, or in hundredths where scaling made it long.
+fn shown(value: f64) -> String {
+    if (value * 100.0).round() / 100.0 == value { value.to_string() } else { format!("{value:.2}") }
 }

@@ -83,17 +83,34 @@ fn the_marker_of_the_released_rules_is_two_metres_up() {
 }
 
 #[test]
-fn lengths_in_rules_scale_with_the_world() {
+fn lengths_in_rules_scale_with_the_world_and_times_with_the_root_of_its_scale() {
     let scale = 0.1;
     let small = TaskGeometry { goal: [6.0, 0.0], goal_z: 0.0, half_extent: [6.4, 6.4], scale };
     // 12 m apart, radius 1 m.
     let score = play(&Rules::paper(), &small, 60.0, |t| Sample { x: -6.0 + t, ..Sample::default() }).unwrap();
     assert_eq!(score.outcome, Outcome::Success);
     close(score.time_s, 11.0, DT + 1e-9);
-    // 0.02 m/s are 0.2 m in 10 s: stuck in the full-size world, not at a tenth of it (limit 0.1 m).
-    let crawl = |t| Sample { x: -6.0 + 0.02 * t, ..Sample::default() };
-    assert_eq!(play(&Rules::paper(), &small, 60.0, crawl).unwrap().outcome, Outcome::Timeout);
-    assert_eq!(paper(60.0, crawl).outcome, Outcome::Stuck);
+    // Froude: at a tenth 60 s are 60 √0.1 = 18.97 s.
+    let score =
+        play(&Rules::paper(), &small, 60.0, |t| Sample { x: -6.0 + 0.5 * t, ..Sample::default() }).unwrap();
+    assert_eq!(score.outcome, Outcome::Timeout);
+    close(score.time_s, 60.0 * 0.1_f64.sqrt(), DT);
+    // What has the same path over length and the same time over the root of the length is judged alike: 0.11 m/s and
+    // 0.09 m/s of the full-size world, either side of the limit of 1 m in 10 s.
+    for (speed, outcome) in [(0.11, Outcome::Timeout), (0.09, Outcome::Stuck)] {
+        let slow = speed * 0.1_f64.sqrt();
+        let crawl = |t| Sample { x: -6.0 + slow * t, ..Sample::default() };
+        assert_eq!(play(&Rules::paper(), &small, 60.0, crawl).unwrap().outcome, outcome);
+        let large = |t| Sample { x: -60.0 + speed * t, ..Sample::default() };
+        assert_eq!(paper(60.0, large).outcome, outcome);
+    }
+    // Slower than 2 m/s for 10 s: 0.632 m/s for 3.16 s.
+    let released = profile("release");
+    let drive = |speed: f64| move |t: f64| Sample { x: -6.0 + speed * t, ..Sample::default() };
+    let score = play(&released, &small, 60.0, drive(0.6)).unwrap();
+    assert_eq!(score.outcome, Outcome::Stuck);
+    close(score.time_s, 10.0 * 0.1_f64.sqrt(), 2.0 * DT);
+    assert_ne!(play(&released, &small, 60.0, drive(0.66)).unwrap().outcome, Outcome::Stuck);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Cost of simulating one HMMWV, as a multiple of real time: `cargo bench -p vb-sim`.
+//! Cost of simulating one vehicle, as a multiple of real time: `cargo bench -p vb-sim`.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -58,6 +58,50 @@ fn step(c: &mut Criterion) {
     group.finish();
 }
 
+/// Every vehicle that comes with the harness on flat and on rough rigid ground of its scale, at the speed of 3 m/s at full
+/// size.
+fn vehicles(c: &mut Criterion) {
+    let mut group = c.benchmark_group("vehicles, 1 s at 1 ms");
+    group.throughput(Throughput::Elements(1000)).sample_size(10);
+    for (name, text) in [
+        ("gator 4x2", include_str!("../../../tasks/vehicles/gator.yaml")),
+        ("hmmwv 4x4", include_str!("../../../tasks/vehicles/hmmwv.yaml")),
+        ("feda 4x4", include_str!("../../../tasks/vehicles/feda.yaml")),
+        ("man5t 4x4", include_str!("../../../tasks/vehicles/man5t.yaml")),
+        ("man7t 6x6", include_str!("../../../tasks/vehicles/man7t.yaml")),
+        ("man10t 8x8", include_str!("../../../tasks/vehicles/man10t.yaml")),
+        ("artcar 1/6", include_str!("../../../tasks/vehicles/artcar.yaml")),
+        ("verti4wheeler 1/10", include_str!("../../../tasks/vehicles/verti4wheeler.yaml")),
+    ] {
+        let spec = vb_sim::VehicleSpec::parse(text, name).expect("the shipped vehicle is valid");
+        let (scale, pace) = (spec.scale, spec.scale.sqrt());
+        let model = common::model(spec);
+        for (ground, world) in [("flat", common::flat(0.8)), ("rough", rugged())] {
+            let world = std::sync::Arc::new(world.scaled(scale));
+            let start = || {
+                let start = vb_world::Pose2 { x: -50.0 * scale, y: 0.0, yaw: 0.0 };
+                vb_sim::Simulation::new(world.clone(), &model, &common::soils(), start, SimOptions::default())
+                    .expect("it settles")
+            };
+            group.bench_function(format!("{name}, {ground}"), |b| {
+                let mut sim = start();
+                b.iter(|| {
+                    if sim.state().position.x.abs() > 55.0 * scale || sim.time() > 25.0 {
+                        sim = start();
+                    }
+                    for _ in 0..100 {
+                        let e = 3.0 - sim.state().velocity.x / pace;
+                        let controls = common::controls(0.0, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
+                        sim.advance(controls, 10).expect("finite");
+                    }
+                    black_box(&mut sim);
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
 /// What every start of a simulation pays for its suspension.
 fn linkages(c: &mut Criterion) {
     let spec = common::hmmwv();
@@ -70,5 +114,5 @@ fn linkages(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, step, linkages);
+criterion_group!(benches, step, vehicles, linkages);
 criterion_main!(benches);

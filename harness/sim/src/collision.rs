@@ -229,6 +229,8 @@ impl ChassisContacts {
         let mut physics = PhysicsWorld::new();
         physics.gravity = Vector::ZERO;
         physics.integration_parameters.dt = dt;
+        // Of which the solver's tolerances are fractions.
+        physics.integration_parameters.length_unit = world.scale;
         let ground = physics.insert_collider(
             ground_collider(&world.heightfield)
                 .friction(1.0)
@@ -258,7 +260,8 @@ impl ChassisContacts {
                 .can_sleep(false),
         );
         let mut probes = Vec::new();
-        for part in &v.chassis.hull {
+        let parts = v.chassis.hull.len();
+        for (k, part) in v.chassis.hull.iter().cloned().chain(wheel_faces(v)).enumerate() {
             let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
             if let Some(c) = ColliderBuilder::convex_hull(&points(&relative)) {
                 physics.insert_collider(
@@ -270,8 +273,14 @@ impl ChassisContacts {
                 );
             }
             let vertices: Vec<V3> = relative.iter().map(|p| V3::from(*p)).collect();
-            probes.extend(underside(&vertices));
-            probes.extend(vertices);
+            if k < parts {
+                probes.extend(underside(&vertices, 0.5 * world.scale));
+                probes.extend(vertices);
+            } else {
+                // A wheel's face meets the ground with its corners, which are farthest out.
+                let outer = vertices.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
+                probes.extend(vertices.into_iter().filter(|p| p.y.abs() >= outer));
+            }
         }
         let (low, high) = extents(probes.iter().copied());
         let bound = probes.iter().map(V3::norm).fold(0.0, f64::max);
@@ -363,21 +372,42 @@ impl ChassisContacts {
     }
 }
 
+/// Blocks within the wheels, at design height, that reach from face to face, if the vehicle lies on those.
+fn wheel_faces(v: &VehicleSpec) -> Vec<Vec<[f64; 3]>> {
+    // Narrow enough to stay within the outline of a wheel that has moved in its springs.
+    const SHARE: f64 = 0.3;
+    let mut blocks = Vec::new();
+    for axle in v.axles.iter().filter(|_| v.chassis.wheel_faces) {
+        let (tyre, spindle) = (v.tyre_of(axle), axle.suspension.linkage.spindle());
+        let reach = SHARE * tyre.radius();
+        for side in [1.0, -1.0] {
+            let [x, y, z] =
+                [0, 1, 2].map(|k| axle.position[k] + if k == 1 { side } else { 1.0 } * spindle[k]);
+            let corner = |k: usize| {
+                let sign = |bit: usize| if k & bit == 0 { 1.0 } else { -1.0 };
+                [x + sign(1) * reach, y + sign(2) * 0.5 * tyre.width(), z + sign(4) * reach]
+            };
+            blocks.push((0..8).map(corner).collect());
+        }
+    }
+    blocks
+}
+
 /// Lowest and highest coordinates of some points.
 fn extents(points: impl Iterator<Item = V3>) -> (V3, V3) {
     let start = (V3::repeat(f64::INFINITY), V3::repeat(f64::NEG_INFINITY));
     points.fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// A grid of points over the underside of a convex part, about half a metre apart.
-fn underside(vertices: &[V3]) -> Vec<V3> {
+/// A grid of points over the underside of a convex part, about `spacing` (m) apart.
+fn underside(vertices: &[V3], spacing: f64) -> Vec<V3> {
     let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     let flat: Vec<&V3> = vertices.iter().filter(|p| p.z < bottom + 1e-6).collect();
     let range = |k: usize| {
         flat.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])))
     };
     let ((x0, x1), (y0, y1)) = (range(0), range(1));
-    let count = |length: f64| (length / 0.5) as usize + 1;
+    let count = |length: f64| (length / spacing) as usize + 1;
     let (nx, ny) = (count(x1 - x0), count(y1 - y0));
     let mut grid = Vec::new();
     for i in 0..=nx {

@@ -61,7 +61,8 @@ pub struct Simulation {
     reference: V3,
     obstacles: Obstacles,
     soil: SoilGround,
-    wheel: WheelShape,
+    /// Of each of the vehicle's tyres.
+    wheels: Vec<WheelShape>,
     chassis: ChassisContacts,
     hull_near: bool,
     steps: u64,
@@ -94,7 +95,10 @@ impl Simulation {
         let mut simulation = Self {
             obstacles: Obstacles::new(&world),
             soil,
-            wheel: WheelShape::new(&spec.tyre),
+            wheels: std::iter::once(&spec.tyre)
+                .chain(spec.axles.iter().filter_map(|a| a.tyre.as_ref()))
+                .map(WheelShape::new)
+                .collect(),
             reference: -V3::from(spec.chassis.com),
             look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
             energy: EnergyMonitor::new(vehicle.lift_energy()),
@@ -128,9 +132,22 @@ impl Simulation {
         let centre = self.vehicle.x + heading * self.reference;
         // Least squares of the ground's height over the wheels' positions in the vehicle's own axes.
         let (mut sxx, mut syy, mut sxz, mut syz) = (0.0, 0.0, 0.0, 0.0);
-        for (hub, _) in self.vehicle.hubs() {
-            let p = heading.inverse() * (hub - centre);
-            let z = ground.height(hub.x, hub.y);
+        let wheels: Vec<(V3, f64)> = self
+            .vehicle
+            .hubs()
+            .map(|(hub, _)| (heading.inverse() * (hub - centre), ground.height(hub.x, hub.y)))
+            .collect();
+        let count = wheels.len() as f64;
+        let middle = wheels.iter().map(|w| w.0).sum::<V3>() / count;
+        // Wheels that lie evenly about the reference point need no centring.
+        let even = middle.x.abs().max(middle.y.abs()) < 1e-6;
+        let (ox, oy, oz) = if even {
+            (0.0, 0.0, 0.0)
+        } else {
+            (middle.x, middle.y, wheels.iter().map(|w| w.1).sum::<f64>() / count)
+        };
+        for (p, z) in wheels {
+            let (p, z) = (V3::new(p.x - ox, p.y - oy, p.z), z - oz);
             sxx += p.x * p.x;
             syy += p.y * p.y;
             sxz += p.x * z;
@@ -139,18 +156,19 @@ impl Simulation {
         let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
         let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
         self.vehicle.q = heading * pitch * roll;
-        // From well above any ground nearby, down in steps of 1 cm.
+        // From well above any ground nearby, down in steps of 1 cm of the full-size world.
+        let step = 0.01 * self.world.scale;
         let (low, high) = ground.range();
         let top = high + 3.0;
         let mut z = top;
         while z > low {
-            let below = V3::new(start.x, start.y, z - 0.01) - self.vehicle.q * self.reference;
+            let below = V3::new(start.x, start.y, z - step) - self.vehicle.q * self.reference;
             let before = std::mem::replace(&mut self.vehicle.x, below);
             if !self.is_free() {
                 self.vehicle.x = before;
                 break;
             }
-            z -= 0.01;
+            z -= step;
         }
     }
 
@@ -166,18 +184,18 @@ impl Simulation {
             if self.is_free() || z > high + height.max(3.0) {
                 break;
             }
-            z += 0.01;
+            z += 0.01 * self.world.scale;
         }
     }
 
     /// Whether neither wheels nor hull touch anything.
     fn is_free(&self) -> bool {
         let ground = &self.world.heightfield;
-        let touches = self.vehicle.hubs().any(|(hub, axis)| {
-            hub.z < ground.height(hub.x, hub.y)
-                || self.vehicle.envelope().query(ground, &hub, &axis).is_some()
+        let touches = self.vehicle.hubs().zip(self.vehicle.envelopes()).any(|((hub, axis), envelope)| {
+            hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
         });
-        !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, 0.02)
+        let margin = 0.02 * self.world.scale;
+        !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, margin)
     }
 
     fn settle(&mut self) -> Result<(), SimError> {
@@ -212,9 +230,9 @@ impl Simulation {
             semantics: &self.world.semantics,
             obstacles: &self.obstacles,
         };
-        self.vehicle.accelerate(controls, &mut ground, &self.wheel, dt);
+        self.vehicle.accelerate(controls, &mut ground, &self.wheels, dt);
         if self.steps.is_multiple_of(LOOK_DOWN) {
-            let margin = 0.05 + self.vehicle.v.norm() * dt * LOOK_DOWN as f64;
+            let margin = 0.05 * self.world.scale + self.vehicle.v.norm() * dt * LOOK_DOWN as f64;
             self.hull_near = self.chassis.may_touch(
                 &self.world.heightfield,
                 &self.obstacles,

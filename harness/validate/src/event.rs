@@ -2,8 +2,9 @@
 
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
+use crate::rig::Pace;
 use serde::Serialize;
-use vb_sim::{SimError, SimOptions, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Differential, SimError, SimOptions, SoilSet, VehicleModel, VehicleSpec};
 
 /// A vehicle ready to be put through events.
 #[derive(Clone, Debug)]
@@ -13,6 +14,7 @@ pub struct Bench<'a> {
     pub(crate) soils: &'a [SoilSet],
     pub(crate) options: SimOptions,
     pub(crate) geometry: Geometry,
+    pub(crate) pace: Pace,
 }
 
 impl<'a> Bench<'a> {
@@ -23,7 +25,20 @@ impl<'a> Bench<'a> {
     pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
         let model = VehicleModel::new(spec.clone())?;
-        Ok(Self { spec, soils, options, geometry: Geometry::new(&model), model })
+        let rest = crate::rig::at_rest(&model, options)?;
+        let geometry = Geometry::new(&model, rest.wheels.iter().map(|w| w.deflection).collect());
+        Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model })
+    }
+
+    /// Whether an engine that idles behind a converter drives the vehicle with nothing pressed.
+    pub(crate) fn creeps(&self) -> bool {
+        self.spec.powertrain.converter.is_some()
+    }
+
+    /// Whether a differential turns both wheels of an axle alike, by which its corners are those of no theory here.
+    pub(crate) fn winds_up(&self) -> bool {
+        let line = &self.spec.powertrain.driveline;
+        line.axles.iter().any(|a| a.differential == Differential::Locked {})
     }
 
     pub(crate) fn at_pitch(&self, soil_pitch: f64) -> Self {

@@ -12,6 +12,9 @@ pub(crate) struct Corner {
     pub(crate) name: String,
     /// +1 left, −1 right.
     pub(crate) side: f64,
+    /// Of its tyre, m.
+    pub(crate) radius: f64,
+    width: f64,
     axle: usize,
     mount: V3,
     mass: f64,
@@ -28,8 +31,10 @@ pub(crate) struct Geometry {
     chassis_com: V3,
     chassis_inertia: V3,
     hull: Vec<V3>,
+    /// Of the vehicle's tyre, m; axles may have others.
     pub(crate) radius: f64,
-    pub(crate) width: f64,
+    /// Travel of each wheel on level ground, m.
+    pub(crate) rest: Vec<f64>,
     /// Whole mass, kg.
     pub(crate) mass: f64,
     /// Of the whole vehicle in the chassis frame, wheels at design height, m.
@@ -37,7 +42,8 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    pub(crate) fn new(model: &VehicleModel) -> Self {
+    /// Of a vehicle whose wheels have these travels at rest, m.
+    pub(crate) fn new(model: &VehicleModel, rest: Vec<f64>) -> Self {
         let spec = model.spec();
         let mut corners = Vec::new();
         for (i, axle) in spec.axles.iter().enumerate() {
@@ -45,6 +51,8 @@ impl Geometry {
                 corners.push(Corner {
                     name: format!("{} {word}", axle.name),
                     side,
+                    radius: spec.tyre_of(axle).radius(),
+                    width: spec.tyre_of(axle).width(),
                     axle: i,
                     mount: V3::from(axle.position),
                     // A beam's own mass counts half to each wheel: it lies between them.
@@ -63,7 +71,7 @@ impl Geometry {
             chassis_inertia: V3::from(spec.chassis.inertia),
             hull: spec.chassis.hull.iter().flatten().map(|p| V3::from(*p)).collect(),
             radius: spec.tyre.radius(),
-            width: spec.tyre.width(),
+            rest,
             mass: 0.0,
             com: V3::zeros(),
         };
@@ -120,7 +128,8 @@ impl Geometry {
     /// Outer edge of the tyre's tread where it is farthest from the vehicle, in the world, at hub height, m.
     pub(crate) fn tyre_edge_of(&self, s: &VehicleState, corner: usize) -> V3 {
         let pose = self.upright(corner, s.wheels[corner].deflection, s.steering);
-        self.hub_of(s, corner) + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.width))
+        self.hub_of(s, corner)
+            + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.corners[corner].width))
     }
 
     /// Points of the hull in the world, m.
@@ -143,6 +152,20 @@ impl Geometry {
     /// Distance between the first and the last axle, wheels at design height, m.
     pub(crate) fn wheelbase(&self) -> f64 {
         self.hub(0, 0.0, 0.0).x - self.hub(self.corners.len() - 1, 0.0, 0.0).x
+    }
+
+    /// x of the line about which the vehicle turns without slip: the mean of the axles that aren't steered, or of all
+    /// but the first if all are, m.
+    pub(crate) fn turning_line(&self) -> f64 {
+        let mean = |fixed: &dyn Fn(usize) -> bool| {
+            let places: Vec<f64> = (0..self.corners.len())
+                .step_by(2)
+                .filter(|&i| fixed(i))
+                .map(|i| self.hub(i, 0.0, 0.0).x)
+                .collect();
+            (!places.is_empty()).then(|| places.iter().sum::<f64>() / places.len() as f64)
+        };
+        mean(&|i| !self.is_steered(i)).or_else(|| mean(&|i| i > 0)).unwrap_or(0.0)
     }
 
     /// Smallest distance between the wheels of an axle, wheels at design height, m.

@@ -32,8 +32,10 @@ impl<'a> PointMass<'a> {
     pub(crate) fn new(bench: &'a Bench<'a>, friction: f64, speed: f64) -> Self {
         let (spec, g) = (bench.spec, &bench.geometry);
         // The tread rolls on a radius a third of the deflection below the free one (Rill 2011, ch. 3).
-        let deflection = Tyre::new(&spec.tyre).deflection(g.weight() / g.corners.len() as f64);
-        let radius = g.radius - deflection / 3.0;
+        let tyre = spec.axles.iter().find(|a| a.driven).map_or(&spec.tyre, |a| spec.tyre_of(a));
+        let deflection = Tyre::new(tyre).deflection(g.weight() / g.corners.len() as f64);
+        let driven = spec.axles.iter().position(|a| a.driven).unwrap_or(0);
+        let radius = g.corners[2 * driven].radius - deflection / 3.0;
         let wheels: f64 = g.corners.iter().map(|c| c.spin_inertia).sum();
         let line = &spec.powertrain.driveline;
         let final_drive =
@@ -67,6 +69,20 @@ impl<'a> PointMass<'a> {
             p.shift();
         }
         p
+    }
+
+    /// Whether the engine turns with the wheels, as this model has it: a converter is not in it.
+    pub(crate) fn knows(bench: &Bench<'_>) -> bool {
+        bench.spec.powertrain.converter.is_none()
+    }
+
+    /// Whether the driven wheels would spin at rest with a throttle. On fewer than all axles the load of those counts.
+    pub(crate) fn spins(&self, throttle: f64) -> bool {
+        let p = &self.bench.spec.powertrain;
+        let torque = p.engine.torque(0.0, throttle) / p.gearbox.ratios[0] / self.final_drive;
+        let driven = self.bench.spec.axles.iter().filter(|a| a.driven).count() as f64
+            / self.bench.spec.axles.len() as f64;
+        torque / self.radius > self.friction * self.bench.geometry.weight() * driven
     }
 
     fn engine_speed(&self) -> f64 {

@@ -92,9 +92,9 @@ pub(crate) enum TasksCommand {
 #[derive(Debug, Subcommand)]
 pub(crate) enum VehicleCommand {
     /// List the vehicles that come with the harness
-    List,
-    /// Show what a vehicle is made of
-    Show(VehicleArgs),
+    List(VehicleListArgs),
+    /// Show what a vehicle is made of, and draw it
+    Show(VehicleShowArgs),
     /// Read a vehicle file and check every value
     Validate(VehicleArgs),
     /// Drive a vehicle through standard events and hold it against theory, published figures and Project Chrono
@@ -158,9 +158,9 @@ pub(crate) struct RunArgs {
     /// Step of the simulation in milliseconds, for studies of convergence; scores are comparable at 1 only
     #[arg(long, value_name = "MS", default_value = "1", value_parser = time_step)]
     pub(crate) time_step: f64,
-    /// Factor on every length of the world: 1, 1/6, 1/10
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = scale)]
-    pub(crate) scale: f64,
+    /// Factor on every length of the world: 1, 1/6, 1/10; default: the scale that the vehicle is made for
+    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    pub(crate) scale: Option<f64>,
     /// Limits of the planner, by name as in docs/abi.md; default: those documented there
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
@@ -303,6 +303,24 @@ pub(crate) struct VehicleArgs {
     /// Vehicle: a name, or a file
     #[arg(value_name = "NAME|FILE")]
     pub(crate) vehicle: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleListArgs {
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleShowArgs {
+    /// Vehicle: a name, or a file
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) vehicle: String,
+    /// Draw its side and top view into this file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]

@@ -39,6 +39,8 @@ pub(crate) struct Ground<'a> {
 struct Corner {
     guide: Guide,
     side: Side,
+    /// Number of its tyre.
+    tyre: usize,
     /// The axle's reference point relative to the chassis' centre of mass, body axes.
     mount: V3,
     mass: f64,
@@ -113,7 +115,8 @@ pub(crate) struct Vehicle {
     mass: f64,
     inertia: V3,
     resistance: Vec<[f64; 2]>,
-    tyre: Tyre,
+    /// The vehicle's tyre first, then those of axles with their own.
+    tyres: Vec<Tyre>,
     steering_rate: f64,
     corners: Vec<Corner>,
     beams: Vec<Beam>,
@@ -135,9 +138,15 @@ impl Vehicle {
         let com = V3::from(spec.chassis.com);
         let drive = Drive::new(spec);
         let (mut corners, mut beams, mut bars) = (Vec::new(), Vec::new(), Vec::new());
+        let mut tyres = vec![Tyre::new(&spec.tyre)];
         for (i, (axle, kinematics)) in spec.axles.iter().zip(axles).enumerate() {
             let suspension = &axle.suspension;
             let mount = V3::from(axle.position) - com;
+            let tyre = axle.tyre.as_ref().map_or(0, |tyre| {
+                tyres.push(Tyre::new(tyre));
+                tyres.len() - 1
+            });
+            let (radius, width) = (spec.tyre_of(axle).radius(), spec.tyre_of(axle).width());
             let bar = match suspension.anti_roll {
                 Some(AntiRoll::Travel { stiffness }) => (stiffness, 0.0),
                 Some(AntiRoll::Bar { stiffness, damping, .. }) => (stiffness, damping),
@@ -157,6 +166,7 @@ impl Vehicle {
                 corners.push(Corner {
                     guide,
                     side,
+                    tyre,
                     mount,
                     mass: axle.unsprung_mass,
                     spin_inertia: axle.spin_inertia,
@@ -169,7 +179,7 @@ impl Vehicle {
                     spin: 0.0,
                     ground_patch: Patch::default(),
                     obstacle_patch: Patch::default(),
-                    footprint: Footprint::new(spec.tyre.radius(), spec.tyre.width(), soil_pitch),
+                    footprint: Footprint::new(radius, width, soil_pitch),
                     sinkage: 0.0,
                     load: 0.0,
                 });
@@ -179,7 +189,7 @@ impl Vehicle {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
             resistance: spec.chassis.resistance.clone(),
-            tyre: Tyre::new(&spec.tyre),
+            tyres,
             steering_rate: spec.steering.rate,
             forces: vec![Forces::default(); corners.len()],
             corners,
@@ -243,8 +253,9 @@ impl Vehicle {
         })
     }
 
-    pub(crate) fn envelope(&self) -> &Envelope {
-        self.tyre.envelope()
+    /// The outline of every wheel's tyre.
+    pub(crate) fn envelopes(&self) -> impl Iterator<Item = &Envelope> + '_ {
+        self.corners.iter().map(|c| self.tyres[c.tyre].envelope())
     }
 
     /// Brings all wheels to design height, at rest and without tyre forces.
@@ -261,7 +272,7 @@ impl Vehicle {
         &mut self,
         controls: Controls,
         ground: &mut Ground<'_>,
-        wheel: &WheelShape,
+        wheels: &[WheelShape],
         dt: f64,
     ) {
         let change =
@@ -269,7 +280,7 @@ impl Vehicle {
         self.steering += change;
         let turn = *self.q.to_rotation_matrix().matrix();
         self.place_wheels(&turn, change / dt);
-        self.corner_forces(ground, wheel, dt);
+        self.corner_forces(ground, wheels, dt);
         let axle_torques = self.spin_wheels(controls, dt);
         self.solve(&turn, &axle_torques, dt);
     }

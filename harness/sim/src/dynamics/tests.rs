@@ -132,10 +132,10 @@ fn fall(vehicle: &mut Vehicle, spec: &VehicleSpec, dt: f64, steps: u32, mut see:
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    let wheel = WheelShape::new(&spec.tyre);
+    let wheels = [WheelShape::new(&spec.tyre)];
     vehicle.x.z = 100.0;
     for k in 1..=steps {
-        vehicle.accelerate(Controls::default(), &mut ground, &wheel, dt);
+        vehicle.accelerate(Controls::default(), &mut ground, &wheels, dt);
         vehicle.move_on(dt);
         see(vehicle, dt * f64::from(k));
     }
@@ -296,11 +296,11 @@ fn at_rest(spec: &VehicleSpec) -> Vehicle {
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    let wheel = WheelShape::new(&spec.tyre);
+    let wheels = [WheelShape::new(&spec.tyre)];
     vehicle.x.z = spec.tyre.radius() + spec.chassis.com[2];
     let controls = Controls { brake: 1.0, ..Controls::default() };
     for _ in 0..6000 {
-        vehicle.accelerate(controls, &mut ground, &wheel, 1e-3);
+        vehicle.accelerate(controls, &mut ground, &wheels, 1e-3);
         vehicle.move_on(1e-3);
     }
     vehicle

@@ -2,18 +2,19 @@
 
 use super::{Forces, Ground, Vehicle};
 use crate::collision::{OBSTACLE_FRICTION, WheelShape};
-use crate::soil::{BLEND, Under};
+use crate::soil::Under;
 use crate::tyre::{Contact, Patch, Tyre, WheelMotion};
 
 impl Vehicle {
-    pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheel: &WheelShape, dt: f64) {
+    pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheels: &[WheelShape], dt: f64) {
         let look = ground.obstacles.any_near();
         for (c, f) in self.corners.iter_mut().zip(&mut self.forces) {
             let (hub, axis) = (self.x + f.arm, f.axis);
             let motion = WheelMotion { hub, velocity: f.velocity, rotation: f.rotation, axis, spin: c.spin };
             c.load = 0.0;
             c.sinkage = 0.0;
-            let envelope = self.tyre.envelope();
+            let tyre = &self.tyres[c.tyre];
+            let envelope = tyre.envelope();
             let reach = envelope.radius();
             let under =
                 if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
@@ -21,7 +22,7 @@ impl Vehicle {
                 Under::Rigid => envelope.query(ground.heightfield, &hub, &axis),
                 Under::Soil(_) => None,
                 Under::Mixed => {
-                    let rigid = |x, y| 1.0 - ground.soil.share(x, y, BLEND);
+                    let rigid = |x, y| 1.0 - ground.soil.share(x, y, ground.soil.blend);
                     envelope.query_where(ground.heightfield, &hub, &axis, rigid)
                 }
             };
@@ -31,7 +32,7 @@ impl Vehicle {
                     Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
                     _ => ground.semantics.friction_at(x, y),
                 };
-                c.load += motion.tyre_force(&self.tyre, &contact, friction, &mut c.ground_patch, f, dt);
+                c.load += motion.tyre_force(tyre, &contact, friction, &mut c.ground_patch, f, dt);
             } else {
                 c.ground_patch = Patch::default();
             }
@@ -46,9 +47,8 @@ impl Vehicle {
                 f.spin_moment += about_axle;
                 f.inertia += s.inertia;
             }
-            if look && let Some(contact) = ground.obstacles.wheel_contact(wheel, &hub, &axis) {
-                c.load +=
-                    motion.tyre_force(&self.tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
+            if look && let Some(contact) = ground.obstacles.wheel_contact(&wheels[c.tyre], &hub, &axis) {
+                c.load += motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
             } else {
                 c.obstacle_patch = Patch::default();
             }

@@ -43,11 +43,11 @@ impl Engine {
             Self::Simple { torque, power, max_speed, .. } => {
                 (simple(*torque, *power, *max_speed, speed), (0.0, 0.0))
             }
-            Self::Electric { torque, regeneration, .. } => {
+            Self::Electric { torque, regeneration, friction, .. } => {
                 // Armature with constant flux: torque ∝ (voltage − back-EMF), so shorted it brakes ∝ speed.
                 let (stall, no_load) = (torque[0][1], torque[torque.len() - 1][0]);
                 let slope = -regeneration * stall / no_load;
-                (interpolate(torque, speed), (slope * speed, slope))
+                (interpolate(torque, speed), (slope * speed - friction, slope))
             }
         };
         Law {
@@ -94,6 +94,7 @@ mod tests {
         let motor = |regeneration| Engine::Electric {
             torque: vec![[0.0, 1.6], [503.702, 0.0]],
             regeneration,
+            friction: 0.0,
             inertia: 0.0,
         };
         for (u, w) in [(1.0, 0.0), (1.0, 251.851), (0.3, 300.0), (0.0, 100.0)] {
@@ -101,6 +102,15 @@ mod tests {
             assert!((motor(1.0).torque(w, u) - expected).abs() < 1e-12, "{u} {w}");
         }
         assert_eq!(motor(0.0).torque(100.0, 0.0), 0.0);
+        // Friction of motor and gears is there with the throttle closed, at rest too.
+        let geared = Engine::Electric {
+            torque: vec![[0.0, 1.6], [503.702, 0.0]],
+            regeneration: 0.0,
+            friction: 0.02,
+            inertia: 0.0,
+        };
+        assert_eq!([geared.torque(0.0, 0.0), geared.torque(200.0, 0.0)], [-0.02, -0.02]);
+        assert_eq!(geared.torque(0.0, 1.0), 1.6);
     }
 
     #[test]

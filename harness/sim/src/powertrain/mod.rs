@@ -58,7 +58,8 @@ impl Drive {
         let p = &v.powertrain;
         let driveline = Driveline::new(v);
         let mass = v.chassis.mass + v.axles.iter().map(|a| 2.0 * a.unsprung_mass).sum::<f64>();
-        let lever = v.tyre.radius() / driveline.reduction();
+        let driven = v.axles.iter().find(|a| a.driven).map_or(&v.tyre, |a| v.tyre_of(a));
+        let lever = driven.radius() / driveline.reduction();
         Self {
             engine: p.engine.clone(),
             free: p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine)),

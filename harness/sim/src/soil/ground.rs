@@ -17,10 +17,14 @@ pub(crate) struct SoilGround {
     cols: usize,
     /// Patches a metre.
     per_metre: f64,
+    /// Width of the strip within soil over which a load is handed over from rigid ground, m.
+    pub(crate) blend: f64,
     pub(crate) grid: Grid,
 }
 
 const RIGID: u8 = u8::MAX;
+/// Width of the strip within soil over which a load is handed over from rigid ground, in the full-size world, m.
+const BLEND: f64 = 0.1;
 
 /// What lies under a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +70,7 @@ impl SoilGround {
             rows: s.rows,
             cols: s.cols,
             per_metre: 1.0 / s.patch,
+            blend: BLEND * world.scale,
             grid: Grid::new(half, pitch),
         })
     }
@@ -79,6 +84,7 @@ impl SoilGround {
             rows: 1,
             cols: 1,
             per_metre: 1.0 / side,
+            blend: BLEND,
             grid: Grid::new(half, pitch),
         }
     }
@@ -92,6 +98,7 @@ impl SoilGround {
             rows: 1,
             cols: 1,
             per_metre: 1.0,
+            blend: BLEND,
             grid: Grid::new([1.0, 1.0], 1.0),
         }
     }

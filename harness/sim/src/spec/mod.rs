@@ -31,6 +31,13 @@ pub struct VehicleSpec {
     pub name: String,
     /// One line for people.
     pub description: String,
+    /// Scale of the worlds that it is made for: 1 for a full-size vehicle, 1/6 and 1/10 for small cars. A length of the
+    /// full-size world over the same length of this vehicle's world; masses and gravity are the vehicle's own.
+    #[serde(default = "full_size")]
+    pub scale: f64,
+    /// Where it departs from the model that it was made from, a sentence each: for people.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<String>,
     /// Overall length, m.
     pub length: f64,
     /// Overall width, m.
@@ -45,7 +52,7 @@ pub struct VehicleSpec {
     pub axles: Vec<Axle>,
     /// The driver's steering.
     pub steering: Steering,
-    /// The tyre on all wheels.
+    /// The tyre on all wheels, but for those of axles with a tyre of their own.
     pub tyre: TyreSpec,
     /// Tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
     #[serde(default)]
@@ -60,21 +67,39 @@ impl VehicleSpec {
     /// # Errors
     /// [`SimError::VehicleInvalid`], with the names that there are.
     pub fn with_tyre(mut self, name: &str) -> Result<Self, SimError> {
-        if let Some(tyre) = self.tyres.get(name) {
-            self.tyre = tyre.clone();
-            return Ok(self);
+        fn fit(
+            file: &str,
+            field: String,
+            tyre: &mut TyreSpec,
+            others: &BTreeMap<String, TyreSpec>,
+            name: &str,
+        ) -> Result<(), SimError> {
+            if let Some(other) = others.get(name) {
+                *tyre = other.clone();
+                return Ok(());
+            }
+            if name == tyre.model() {
+                return Ok(());
+            }
+            let mut known: Vec<&str> = others.keys().map(String::as_str).collect();
+            known.push(tyre.model());
+            known.sort_unstable();
+            let reason = format!("{name:?} is not among them; choose one of {}", known.join(", "));
+            Err(SimError::VehicleInvalid { file: file.to_owned(), field, reason })
         }
-        if name == self.tyre.model() {
-            return Ok(self);
+        fit(&self.name, "tyres".to_owned(), &mut self.tyre, &self.tyres, name)?;
+        for (i, axle) in self.axles.iter_mut().enumerate() {
+            if let Some(tyre) = &mut axle.tyre {
+                fit(&self.name, format!("axles[{i}].tyres"), tyre, &axle.tyres, name)?;
+            }
         }
-        let mut known: Vec<&str> = self.tyres.keys().map(String::as_str).collect();
-        known.push(self.tyre.model());
-        known.sort_unstable();
-        Err(SimError::VehicleInvalid {
-            file: self.name.clone(),
-            field: "tyres".to_owned(),
-            reason: format!("{name:?} is not among them; choose one of {}", known.join(", ")),
-        })
+        Ok(self)
+    }
+
+    /// The tyre on the wheels of an axle.
+    #[must_use]
+    pub fn tyre_of<'a>(&'a self, axle: &'a Axle) -> &'a TyreSpec {
+        axle.tyre.as_ref().unwrap_or(&self.tyre)
     }
 }
 
@@ -94,6 +119,10 @@ pub struct Chassis {
     /// and constant beyond them, against the motion, at the centre of mass. None if empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub resistance: Vec<[f64; 2]>,
+    /// Whether the faces of its wheels bear it when it lies on them: for vehicles whose wheels stand out beyond the hull,
+    /// since a tyre carries on its tread only.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub wheel_faces: bool,
     /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }
@@ -119,6 +148,16 @@ pub struct Axle {
     pub brake_torque: f64,
     /// How the wheels are guided.
     pub suspension: Suspension,
+    /// The tyre on its two wheels, if it is another than the vehicle's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tyre: Option<TyreSpec>,
+    /// The tyres that may be fitted to this axle instead, by name, where it has a tyre of its own.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tyres: BTreeMap<String, TyreSpec>,
+}
+
+fn full_size() -> f64 {
+    1.0
 }
 
 impl VehicleSpec {

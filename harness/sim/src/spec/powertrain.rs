@@ -73,6 +73,9 @@ pub enum Engine {
         /// torque times speed over no-load speed: 0 rolls free, 1 is a direct-current motor on a constant voltage.
         #[serde(default)]
         regeneration: f64,
+        /// Torque of friction in motor and gears at throttle 0, N m; it holds at rest.
+        #[serde(default)]
+        friction: f64,
         /// Inertia of the rotor, kg m².
         #[serde(default)]
         inertia: f64,

@@ -2,7 +2,7 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{Drive, PARKED, flat, hold_line, hold_speed, speed};
+use crate::rig::{Drive, PARKED, flat, speed};
 use vb_math::angle::degrees;
 use vb_math::{atan, hypot, tan};
 use vb_sim::{GRAVITY, SimError, VehicleState};
@@ -43,17 +43,19 @@ impl Means {
 fn kinematic_radius(bench: &Bench<'_>, steering: f64) -> f64 {
     let g = &bench.geometry;
     let Some(left) = (0..g.corners.len()).find(|&i| g.is_steered(i)) else { return f64::INFINITY };
-    let cot = |i: usize| 1.0 / tan(g.wheel_angle(i, 0.0, steering));
-    let to_rear_axle = (g.wheelbase() * 0.5 * (cot(left) + cot(left + 1))).abs();
-    let behind = g.hub(g.corners.len() - 1, 0.0, 0.0).x;
+    let cot = |i: usize| 1.0 / tan(g.wheel_angle(i, g.rest[i], steering));
+    let behind = g.turning_line();
+    let ahead = g.hub(left, 0.0, 0.0).x - behind;
+    let to_rear_axle = (ahead * 0.5 * (cot(left) + cot(left + 1))).abs();
     hypot(to_rear_axle, behind)
 }
 
 /// Steady means of a drive with fixed steering, a target speed and a friction; and the drive.
 fn steady(bench: &Bench<'_>, steering: f64, target: f64, friction: f64) -> Result<(Means, Drive), SimError> {
-    let case = format!("steering-{steering}-{target:.0}-mu-{friction:.1}");
+    let speed = bench.pace.speed_label(target);
+    let case = format!("steering-{steering}-{speed}-mu-{friction:.1}");
     let mut d = Drive::new(bench, &case, &flat(friction), 0.0, 0.0)?;
-    let drive = |s: &VehicleState| hold_speed(s, target, steering);
+    let drive = |s: &VehicleState| bench.pace.hold_speed(s, target, steering);
     d.hold(10.0, drive)?;
     let mut m = Means::default();
     d.run(10.0, drive, |s| {
@@ -81,8 +83,9 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         (0.5, 2.0, 0.9),
         (0.25, 8.0, 0.9),
     ];
-    for (steering, target, friction) in cases {
-        let label = format!("steering {steering}, {target:.0} m/s, μ {friction:.1}");
+    for (steering, target, friction) in cases.into_iter().filter(|c| bench.pace.reaches(c.1)) {
+        let speed = bench.pace.speed_label(target);
+        let label = format!("steering {steering}, {speed} m/s, μ {friction:.1}");
         let (m, d) = steady(bench, steering, target, friction)?;
         let radius = (m.of(m.speed) / m.of(m.yaw_rate)).abs();
         o.figure(format!("{label}: radius"), radius, "m");
@@ -95,6 +98,14 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             "wheels that roll without slip about one centre: L (cot δl + cot δr) / 2 to the rear axle; slip angles only widen it",
         );
         let a = m.of(m.lateral);
+        if bench.winds_up() {
+            let series = d.finish();
+            if friction == 0.9 && target == 4.0 {
+                plot.ours(format!("steering {steering}"), series.pairs("x", "y"));
+            }
+            o.series.push(series);
+            continue;
+        }
         o.theory(
             format!("{label}: roll"),
             if a > 0.0 { Expected::AtLeast(0.0) } else { Expected::AtMost(0.0) },
@@ -119,17 +130,18 @@ pub(super) const STEP_STEER: Event = Event {
 
 fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
+    let target = bench.pace.within_reach(8.0);
     let mut yaw = Plot::new("Yaw rate after the step", "t, s", "yaw rate, rad/s");
     let mut lean = Plot::new("Roll after the step", "t, s", "roll, °");
     for steering in [0.25, 0.5, 1.0] {
         let label = format!("steering {steering}");
         let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(0.9), 0.0, 0.0)?;
-        d.hold(9.0, |s| hold_speed(s, 8.0, hold_line(s)))?;
+        d.hold(9.0, |s| bench.pace.hold_speed(s, target, bench.pace.hold_line(s)))?;
         let begin = d.state().time;
         let (mut rates, mut roll) = (Vec::new(), 0.0_f64);
         d.run(
             5.0,
-            |s| hold_speed(s, 8.0, steering),
+            |s| bench.pace.hold_speed(s, target, steering),
             |s| {
                 rates.push([s.time - begin, s.rates.z]);
                 roll = roll.max(s.roll_pitch_yaw().0.abs());
@@ -146,7 +158,7 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(format!("{label}: greatest roll"), degrees(roll), "°");
         o.theory(
             format!("{label}: steady yaw rate"),
-            Expected::AtMost(1.03 * 8.0 / kinematic_radius(bench, steering)),
+            Expected::AtMost(1.03 * bench.pace.speed(target) / kinematic_radius(bench, steering)),
             "v / R with wheels that roll without slip; slip angles only lower it",
         );
         let series = d.finish();
@@ -172,15 +184,16 @@ pub(super) const BODY_ROLL: Event = Event {
 
 fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
+    let target = bench.pace.within_reach(8.0);
     let mut plot = Plot::new("Roll over lateral acceleration", "lateral acceleration, m/s²", "roll, °");
     let (mut corner, mut table) = (vec![[0.0, 0.0]], vec![[0.0, 0.0]]);
     for steering in [0.15, 0.25, 0.35, 0.5] {
         let mut d = Drive::new(bench, &format!("corner-{steering}"), &flat(0.9), 0.0, 0.0)?;
-        d.hold(15.0, |s| hold_speed(s, 8.0, steering))?;
+        d.hold(15.0, |s| bench.pace.hold_speed(s, target, steering))?;
         let mut m = Means::default();
         d.run(
             5.0,
-            |s| hold_speed(s, 8.0, steering),
+            |s| bench.pace.hold_speed(s, target, steering),
             |s| {
                 m.add(s);
                 false
@@ -207,13 +220,12 @@ fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let name = format!("steering {steering}: roll in the corner");
         o.figure(format!("steering {steering}: lateral acceleration"), lateral, "m/s²");
         o.figure(format!("steering {steering}: roll on the table"), lean, "°");
-        o.expect(
-            &name,
-            m.of(m.roll),
-            "°",
-            Expected::share(lean, 0.15),
-            "equivalence: the roll on a table tilted by atan(a/g), over cos",
-        );
+        o.figure(name.clone(), m.of(m.roll), "°");
+        // Locked differentials push the sides of the vehicle against each other, and so its links up and down.
+        if !bench.winds_up() {
+            let source = "equivalence: the roll on a table tilted by atan(a/g), over cos";
+            o.theory(name, Expected::share(lean, 0.15), source);
+        }
     }
     plot.line(LineKind::Ours, 0, "in the corner", corner);
     plot.line(LineKind::Theory, 0, "on the tilt table", table);

@@ -17,9 +17,9 @@ fn free_fall(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let mut d = Drive::new(bench, "fall", &flat(0.9), 0.0, 0.0)?;
-    d.sim().lift(5.0);
+    d.sim().lift(bench.pace.length(5.0));
     let (begin, from) = (d.state().time, g.com_of(&d.state()));
-    let seconds = 0.8;
+    let seconds = bench.pace.time(0.8);
     let (mut worst, mut aside, mut points) = (0.0_f64, 0.0_f64, Vec::new());
     d.run(
         seconds,
@@ -62,6 +62,10 @@ pub(super) const ENERGY: Event = Event {
 
 fn energy(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
+    if bench.creeps() {
+        o.note("Its engine idles behind a converter and drives it on: not driven.");
+        return Ok(o);
+    }
     let g = &bench.geometry;
     let (depth, length) = (3.0, 60.0);
     let ground =

@@ -2,7 +2,7 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot, Series};
-use crate::rig::{Drive, PARKED, controls, hold_line, hold_speed, largest, plane, speed};
+use crate::rig::{Drive, PARKED, controls, largest, plane, speed};
 use vb_math::angle::{degrees, radians};
 use vb_math::atan;
 use vb_sim::{Controls, SimError, VehicleState};
@@ -17,10 +17,10 @@ enum Driver {
 }
 
 impl Driver {
-    fn controls(self, s: &VehicleState) -> Controls {
+    fn controls(self, bench: &Bench<'_>, s: &VehicleState) -> Controls {
         match self {
-            Self::Held => hold_speed(s, 4.0, hold_line(s)),
-            Self::Full => controls(hold_line(s), 1.0, 0.0),
+            Self::Held => bench.pace.hold_speed(s, 4.0, bench.pace.hold_line(s)),
+            Self::Full => controls(bench.pace.hold_line(s), 1.0, 0.0),
         }
     }
 }
@@ -35,15 +35,17 @@ fn climb(bench: &Bench<'_>, driver: Driver, slope: f64, friction: f64) -> Result
     let climbed = match driver {
         Driver::Held => {
             let from = along(&d.state());
-            d.run(20.0, |s| driver.controls(s), |s| (along(s) - from).abs() >= 20.0)?;
-            along(&d.state()) - from >= 20.0
+            let (time, goal) = (bench.pace.time(20.0), bench.pace.length(20.0));
+            d.run(time, |s| driver.controls(bench, s), |s| (along(s) - from).abs() >= goal)?;
+            along(&d.state()) - from >= goal
         }
         Driver::Full => {
             d.hold(3.0, |_| PARKED)?;
             let from = along(&d.state());
-            d.run(12.0, |s| driver.controls(s), |s| (along(s) - from).abs() >= 150.0)?;
+            let (time, far) = (bench.pace.time(12.0), bench.pace.length(150.0));
+            d.run(time, |s| driver.controls(bench, s), |s| (along(s) - from).abs() >= far)?;
             let s = d.state();
-            along(&s) - from > 5.0 && (s.attitude * s.velocity).x > 0.3
+            along(&s) - from > bench.pace.length(5.0) && (s.attitude * s.velocity).x > bench.pace.speed(0.3)
         }
     };
     Ok((climbed, d.finish()))
@@ -129,7 +131,7 @@ pub(super) const GRADE_PUBLISHED: Event = Event {
 fn grade_published(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut d = Drive::new(bench, "60-percent", &plane(atan(0.6), 0.8), 0.0, 0.0)?;
-    d.hold(15.0, |s| Driver::Held.controls(s))?;
+    d.hold(15.0, |s| Driver::Held.controls(bench, s))?;
     let s = d.state();
     let up = if s.velocity.x > 0.0 { speed(&s) } else { -speed(&s) };
     o.figure("speed after 15 s", up, "m/s");

@@ -25,7 +25,8 @@ fn suspension(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut camber = Plot::new("Camber over travel", axis, "camber, °");
     let mut ratio = Plot::new("Motion ratio over travel", axis, "spring compression / travel");
     let lefts: Vec<usize> = (0..g.corners.len()).step_by(2).collect();
-    let travels: Vec<f64> = (-POINTS..=POINTS).map(|k| TRAVEL * f64::from(k) / f64::from(POINTS)).collect();
+    let most = bench.pace.length(TRAVEL);
+    let travels: Vec<f64> = (-POINTS..=POINTS).map(|k| most * f64::from(k) / f64::from(POINTS)).collect();
     let mut columns = vec![("travel".to_owned(), "m")];
     for &i in &lefts {
         let name = &g.corners[i].name;

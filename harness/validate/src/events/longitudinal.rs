@@ -2,7 +2,7 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{COASTING, Drive, controls, flat, hold_line, hold_speed, speed};
+use crate::rig::{COASTING, Drive, controls, flat, speed};
 use crate::theory::PointMass;
 use vb_sim::{GRAVITY, SimError, VehicleState};
 
@@ -18,20 +18,21 @@ const POINT_MASS: &str = "point mass on wheels without slip: engine map, gears, 
 
 /// Gets to a speed (m/s) at no more than 0.3 of throttle, at which no wheel spins and every gear is used up, holds it for
 /// 5 s, so that wheels and springs come to rest, and coasts down to it exactly.
-fn reach(d: &mut Drive, speed: f64) -> Result<(), SimError> {
+fn reach(bench: &Bench<'_>, d: &mut Drive, speed: f64) -> Result<(), SimError> {
     let gentle = |s: &VehicleState| {
-        let c = hold_speed(s, speed + 0.1, hold_line(s));
+        let c = bench.pace.hold_speed(s, speed + 0.1, bench.pace.hold_line(s));
         controls(c.steering, c.throttle.min(0.3), c.brake)
     };
-    d.run(60.0, gentle, |s| s.velocity.x >= speed)?;
+    d.run(60.0, gentle, |s| s.velocity.x >= bench.pace.speed(speed))?;
     d.hold(5.0, gentle)?;
-    d.run(5.0, |s| controls(hold_line(s), 0.0, 0.0), |s| s.velocity.x <= speed)?;
+    d.run(5.0, |s| controls(bench.pace.hold_line(s), 0.0, 0.0), |s| s.velocity.x <= bench.pace.speed(speed))?;
     Ok(())
 }
 
 fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut whole = Plot::new("Speed after a throttle step", "t, s", "speed, m/s");
+    let pace = bench.pace;
     let mut start = Plot::new("The first ten seconds", "t, s", "speed, m/s");
     for (throttle, friction, seconds) in
         [(1.0, 0.9, 60.0), (0.6, 0.9, 60.0), (0.3, 0.9, 60.0), (1.0, 0.5, 30.0)]
@@ -45,39 +46,48 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             0.0,
         )?;
         let begin = d.state().time;
-        let press = |s: &VehicleState| controls(hold_line(s), throttle, 0.0);
+        let press = |s: &VehicleState| controls(bench.pace.hold_line(s), throttle, 0.0);
         for target in [5.0, 10.0, 15.0, 20.0, 30.0] {
             let rest = seconds - (d.state().time - begin);
-            let reached = d.run(rest, press, |s| s.velocity.x >= target)?;
+            let reached = d.run(rest, press, |s| s.velocity.x >= pace.speed(target))?;
             let t = if reached { d.state().time - begin } else { f64::NAN };
-            o.figure(format!("{case}: time to {target} m/s"), t, "s");
+            o.figure(format!("{case}: time to {} m/s", pace.speed_label(target)), t, "s");
         }
         d.hold(seconds - (d.state().time - begin), press)?;
         o.figure(format!("{case}: speed after {seconds} s"), speed(&d.state()), "m/s");
-        let first = format!("{case}: time to 5 m/s");
+        let first = format!("{case}: time to {} m/s", pace.speed_label(5.0));
         o.theory(
             first,
-            Expected::AtLeast(5.0 / (friction * GRAVITY)),
+            Expected::AtLeast(pace.speed(5.0) / (friction * GRAVITY)),
             "friction: no sooner than v / μ g, all wheels driving",
         );
         // Where the engine, not the grip, is the limit, its maps give the times: from rest with little throttle, with more
         // from the speed on at which the wheels have ceased to spin.
+        let known = PointMass::knows(bench);
         let mut p = PointMass::new(bench, friction, 0.0);
+        let spins = p.spins(throttle);
         let mut maps = std::collections::BTreeMap::new();
         for target in [5.0, 10.0, 15.0, 20.0] {
-            if let Some(t) = p.time_to(target, seconds, throttle) {
+            if let Some(t) = p.time_to(pace.speed(target), seconds, throttle) {
                 maps.insert(target as i32, t);
-                if throttle < 0.5 {
-                    o.theory(format!("{case}: time to {target} m/s"), Expected::share(t, 0.05), POINT_MASS);
+                if throttle < 0.5 && known && !spins {
+                    let name = format!("{case}: time to {} m/s", pace.speed_label(target));
+                    o.theory(name, Expected::share(t, 0.05), POINT_MASS);
                 }
             }
         }
         p.drive_for(seconds, throttle, 0.0);
-        o.theory(format!("{case}: speed after {seconds} s"), Expected::share(p.speed, 0.05), POINT_MASS);
-        let measured = |v: i32| o.value(&format!("{case}: time to {v} m/s")).unwrap_or(f64::NAN);
-        let (name, span) = (format!("{case}: time from 10 to 20 m/s"), measured(20) - measured(10));
+        if known {
+            o.theory(format!("{case}: speed after {seconds} s"), Expected::share(p.speed, 0.05), POINT_MASS);
+        }
+        let label = |v: f64| pace.speed_label(v);
+        let measured = |v: f64| o.value(&format!("{case}: time to {} m/s", label(v))).unwrap_or(f64::NAN);
+        let (name, span) = (
+            format!("{case}: time from {} to {} m/s", label(10.0), label(20.0)),
+            measured(20.0) - measured(10.0),
+        );
         o.figure(name.clone(), span, "s");
-        if let (Some(a), Some(b)) = (maps.get(&10), maps.get(&20)) {
+        if let (Some(a), Some(b), true) = (maps.get(&10), maps.get(&20), known) {
             o.theory(name, Expected::share(b - a, 0.05), POINT_MASS);
         }
         let series = d.finish();
@@ -98,16 +108,20 @@ pub(super) const BRAKING: Event = Event {
     run: braking,
 };
 
-/// Time (s) to 10 m/s with full throttle at μ 0.9.
+/// Time (s) to 10 m/s, or to what the vehicle can hold, with full throttle at μ 0.9.
 pub(super) fn time_to_10(bench: &Bench<'_>) -> Result<f64, SimError> {
     let mut d = Drive::new(bench, "", &flat(0.9), 0.0, 0.0)?;
-    d.run(30.0, |s| controls(hold_line(s), 1.0, 0.0), |s| s.velocity.x >= 10.0)?;
+    d.run(
+        30.0,
+        |s| controls(bench.pace.hold_line(s), 1.0, 0.0),
+        |s| s.velocity.x >= bench.pace.speed(bench.pace.within_reach(10.0)),
+    )?;
     Ok(d.state().time)
 }
 
-/// Braking distance (m) from 15 m/s at μ 0.9.
+/// Braking distance (m) from 15 m/s, or from what the vehicle can hold, at μ 0.9.
 pub(super) fn braking_distance(bench: &Bench<'_>, pedal: f64) -> Result<f64, SimError> {
-    Ok(brake(bench, &mut Outcome::default(), "", 15.0, pedal, 0.9)?.1)
+    Ok(brake(bench, &mut Outcome::default(), "", bench.pace.within_reach(15.0), pedal, 0.9)?.1)
 }
 
 /// One braking; returns (speed at its start, distance, time, greatest |pitch|) and adds its series.
@@ -120,15 +134,15 @@ fn brake(
     friction: f64,
 ) -> Result<(f64, f64, f64, f64), SimError> {
     let mut d = Drive::new(bench, case, &flat(friction), 0.0, 0.0)?;
-    reach(&mut d, from)?;
+    reach(bench, &mut d, from)?;
     let a = d.state();
     let mut pitch: f64 = 0.0;
     d.run(
         30.0,
-        |s| controls(hold_line(s), 0.0, pedal),
+        |s| controls(bench.pace.hold_line(s), 0.0, pedal),
         |s| {
             pitch = pitch.max(s.roll_pitch_yaw().1.abs());
-            s.velocity.x <= 0.01
+            s.velocity.x <= bench.pace.speed(0.01)
         },
     )?;
     let b = d.state();
@@ -147,21 +161,16 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         (15.0, 0.25, 0.9),
         (15.0, 1.0, 0.5),
     ];
-    for (from, pedal, friction) in cases {
-        let label = format!("{from:.0} m/s, brake {pedal}, μ {friction:.1}");
-        let (v, distance, time, pitch) = brake(
-            bench,
-            &mut o,
-            &format!("{from:.0}-brake-{pedal}-mu-{friction:.1}"),
-            from,
-            pedal,
-            friction,
-        )?;
+    for (from, pedal, friction) in cases.into_iter().filter(|c| bench.pace.reaches(c.0)) {
+        let speed = bench.pace.speed_label(from);
+        let label = format!("{speed} m/s, brake {pedal}, μ {friction:.1}");
+        let (v, distance, time, pitch) =
+            brake(bench, &mut o, &format!("{speed}-brake-{pedal}-mu-{friction:.1}"), from, pedal, friction)?;
         o.figure(format!("{label}: distance"), distance, "m");
         o.figure(format!("{label}: time"), time, "s");
         o.figure(format!("{label}: greatest pitch"), pitch.to_degrees(), "°");
         let shortest = v * v / (2.0 * friction * GRAVITY);
-        if pedal < 1.0 {
+        if pedal < 1.0 && PointMass::knows(bench) {
             let distance = PointMass::new(bench, friction, v).stop(pedal);
             o.theory(format!("{label}: distance"), Expected::share(distance, 0.05), POINT_MASS);
         } else if from >= 10.0 && locks(bench, friction) {
@@ -183,10 +192,11 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     Ok(o)
 }
 
-/// Whether full brakes lock the wheels: brake torque over radius beyond friction, with a tenth to spare for load shift.
+/// Whether full brakes lock the wheels: brake torque over radius beyond friction, with a half to spare for load shift.
 fn locks(bench: &Bench<'_>, friction: f64) -> bool {
     let torque: f64 = bench.spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum();
-    torque / bench.geometry.radius > 1.1 * friction * bench.geometry.weight()
+    bench.spec.axles.iter().all(|a| a.brake_torque > 0.0)
+        && torque / bench.geometry.radius > 1.5 * friction * bench.geometry.weight()
 }
 
 pub(super) const COAST_DOWN: Event = Event {
@@ -199,17 +209,18 @@ pub(super) const COAST_DOWN: Event = Event {
 fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut plot = Plot::new("Speed in coasting", "t, s", "speed, m/s");
-    for from in [15.0, 5.0] {
-        let mut d = Drive::new(bench, &format!("{from:.0}"), &flat(0.9), 0.0, 0.0)?;
-        reach(&mut d, from)?;
+    for from in [15.0, 5.0].into_iter().filter(|v| bench.pace.reaches(*v)) {
+        let speed = bench.pace.speed_label(from);
+        let mut d = Drive::new(bench, &speed, &flat(0.9), 0.0, 0.0)?;
+        reach(bench, &mut d, from)?;
         let begin = d.state().time;
         let mut p = PointMass::new(bench, 0.9, d.state().velocity.x);
-        let (mut slowest, mut previous, mut gained) = (f64::INFINITY, from, 0.0_f64);
+        let (mut slowest, mut previous, mut gained) = (f64::INFINITY, bench.pace.speed(from), 0.0_f64);
         let mut last = 0.0;
         for after in [2.0, 5.0, 10.0, 30.0, 90.0] {
             d.run(
                 after - last,
-                |s| controls(hold_line(s), 0.0, 0.0),
+                |s| controls(bench.pace.hold_line(s), 0.0, 0.0),
                 |s| {
                     slowest = slowest.min(s.velocity.x);
                     // Gearshifts and the carcass may ripple: what counts is a gain over the lowest speed so far.
@@ -219,27 +230,32 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 },
             )?;
             last = after;
-            let name = format!("from {from:.0} m/s: speed after {after:.0} s");
+            let name = format!("from {speed} m/s: speed after {after:.0} s");
             o.figure(name.clone(), d.state().velocity.x, "m/s");
             p.drive_for(after, 0.0, 0.0);
-            if p.speed > 0.5 {
+            if p.speed > bench.pace.speed(0.5) && PointMass::knows(bench) {
                 o.theory(name, Expected::share(p.speed, 0.05), POINT_MASS);
             }
         }
+        if bench.creeps() {
+            o.note("Its engine idles behind a converter and drives it on: it comes to no rest by itself.");
+            o.series.push(d.finish());
+            continue;
+        }
         o.theory(
-            format!("from {from:.0} m/s: speed after 90 s"),
+            format!("from {speed} m/s: speed after 90 s"),
             Expected::Within { value: 0.0, tolerance: 0.02 },
             "rolling resistance and engine drag bring it to rest, and nothing drives it on",
         );
         o.expect(
-            &format!("from {from:.0} m/s: lowest speed"),
+            &format!("from {speed} m/s: lowest speed"),
             slowest,
             "m/s",
             Expected::AtLeast(-0.05),
             "a closed throttle does not drive backwards",
         );
         o.expect(
-            &format!("from {from:.0} m/s: greatest gain of speed"),
+            &format!("from {speed} m/s: greatest gain of speed"),
             gained,
             "m/s",
             Expected::AtMost(0.05),
@@ -247,7 +263,7 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         );
         let series = d.finish();
         plot.ours(
-            format!("from {from:.0} m/s"),
+            format!("from {speed} m/s"),
             series
                 .pairs("t", "vx")
                 .into_iter()
@@ -272,23 +288,45 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let mut d = Drive::new(bench, "coasting", &flat(0.9), 0.0, 0.0)?;
-    d.run(30.0, |s| hold_speed(s, 5.8, hold_line(s)), |s| s.velocity.x >= 5.5)?;
-    d.run(5.0, |_| COASTING, |s| s.velocity.x <= 5.0)?;
+    let speed_at = bench.pace.within_reach(5.0);
+    let at = |part: f64| bench.pace.speed(part * speed_at);
+    d.run(
+        30.0,
+        |s| bench.pace.hold_speed(s, 1.16 * speed_at, bench.pace.hold_line(s)),
+        |s| s.velocity.x >= at(1.1),
+    )?;
+    d.run(5.0, |_| COASTING, |s| s.velocity.x <= at(1.0))?;
     let s = d.state();
     let radii: Vec<f64> = s.wheels.iter().map(|w| speed(&s) / w.speed).collect();
-    let loaded = (0..radii.len()).map(|i| g.hub_of(&s, i).z).fold(f64::INFINITY, f64::min);
+    // Loaded over free radius, of the wheel that is loaded most.
+    let loaded =
+        (0..radii.len()).map(|i| g.hub_of(&s, i).z / g.corners[i].radius).fold(f64::INFINITY, f64::min);
     for (c, r) in g.corners.iter().zip(&radii) {
         o.expect(
             &format!("rolling radius {}", c.name),
             *r,
             "m",
-            Expected::Between(loaded * 0.998, g.radius * 1.002),
+            Expected::Between(c.radius * loaded * 0.998, c.radius * 1.002),
             "v / ω lies between the loaded and the free radius (Pacejka 2012, ch. 1), less 0.2 % of slip",
         );
     }
+    let radii: Vec<f64> = radii.iter().zip(&g.corners).map(|(r, c)| r / c.radius).collect();
     let spread =
         radii.iter().copied().fold(0.0, f64::max) / radii.iter().copied().fold(f64::INFINITY, f64::min) - 1.0;
-    o.expect("spread of the rolling radii", 100.0 * spread, "%", Expected::AtMost(0.5), "no wheel slips");
+    // They roll on a radius a third of the deflection below the free one (Rill 2011, ch. 3), each by its own load.
+    let sunk = s.wheels.iter().enumerate().map(|(i, w)| {
+        let tyre = bench.spec.tyre_of(&bench.spec.axles[i / 2]);
+        vb_sim::Tyre::new(tyre).deflection(w.load) / tyre.radius()
+    });
+    let (least, most) = sunk.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    let by_load = 100.0 * (most - least) / 3.0;
+    o.expect(
+        "spread of the rolling radii",
+        100.0 * spread,
+        "%",
+        Expected::AtMost(0.4 + by_load),
+        "no wheel slips: what the loads make of the radii, and 0.4 %",
+    );
     o.series.push(d.finish());
     Ok(o)
 }

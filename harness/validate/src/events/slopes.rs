@@ -2,7 +2,7 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{Drive, PARKED, flat, hold_line_across, hold_speed, plane};
+use crate::rig::{Drive, PARKED, flat, plane};
 use std::f64::consts::FRAC_PI_2;
 use vb_math::angle::{degrees, radians};
 use vb_math::atan;
@@ -37,7 +37,7 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut path = Vec::new();
     d.run(
         15.0,
-        |s| hold_speed(s, 4.0, hold_line_across(s)),
+        |s| bench.pace.hold_speed(s, 4.0, bench.pace.hold_line_across(s)),
         |s| {
             off = off.max(downhill(s).abs());
             path.push(downhill(s));
@@ -75,6 +75,10 @@ const SLIDING: f64 = 0.02;
 fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut slide = Plot::new("Sideways speed on the tilt table", "tilt, °", "speed, m/s");
+    let tips = {
+        let s = crate::rig::at_rest(&bench.model, bench.options)?;
+        degrees(atan(0.5 * bench.geometry.track() / bench.geometry.com_of(&s).z))
+    };
     for friction in [0.9, 0.5] {
         let limit = degrees(atan(friction));
         let mut d = Drive::new(bench, &format!("slide-mu-{friction:.1}"), &flat(friction), 0.0, 0.0)?;
@@ -100,13 +104,12 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 break;
             }
         }
-        o.expect(
-            &format!("slide angle, μ {friction:.1}"),
-            found,
-            "°",
-            Expected::Within { value: limit, tolerance: 0.5 },
-            "atan μ",
-        );
+        let name = format!("slide angle, μ {friction:.1}");
+        o.figure(name.clone(), found, "°");
+        // Tall vehicles tip first, and lean out as they come near to it.
+        if limit < tips - 8.0 {
+            o.theory(name, Expected::Within { value: limit, tolerance: 0.5 }, "atan μ");
+        }
         slide.ours(format!("μ {friction:.1}"), points);
         o.series.push(d.finish());
     }
@@ -168,10 +171,13 @@ const TIP_FRICTION: f64 = 4.0;
 /// The vehicle with tyres that have this friction. Fiala's and TMeasy take the ground's by themselves.
 fn sticky(spec: &VehicleSpec) -> VehicleSpec {
     let mut spec = spec.clone();
-    match &mut spec.tyre {
-        TyreSpec::Rigid(t) => t.friction = TIP_FRICTION,
-        TyreSpec::Brush(t) => t.friction = TIP_FRICTION,
-        TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => {}
+    let own = spec.axles.iter_mut().filter_map(|a| a.tyre.as_mut());
+    for tyre in own.chain(std::iter::once(&mut spec.tyre)) {
+        match tyre {
+            TyreSpec::Rigid(t) => t.friction = TIP_FRICTION,
+            TyreSpec::Brush(t) => t.friction = TIP_FRICTION,
+            TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => {}
+        }
     }
     spec
 }

@@ -2,7 +2,7 @@
 
 use crate::check::{Expectation, Expected, Kind};
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{COASTING, Drive, PARKED, controls, hold_line, hold_speed, largest, soil};
+use crate::rig::{COASTING, Drive, PARKED, controls, largest, soil};
 use vb_math::angle::radians;
 use vb_math::cos;
 use vb_sim::{SimError, SoilSet, VehicleState};
@@ -76,7 +76,7 @@ fn speed_after(
     let case = format!("{}-{throttle:.1}", class.name());
     let mut d = Drive::on_soil(bench, set, &case, &soil(class, 300.0, 40.0, 0.0), -140.0)?;
     d.hold(2.0, |_| PARKED)?;
-    d.hold(10.0, |s| controls(hold_line(s), throttle, 0.0))?;
+    d.hold(bench.pace.time(10.0), |s| controls(bench.pace.hold_line(s), throttle, 0.0))?;
     Ok((d.state().velocity.x, d))
 }
 
@@ -127,9 +127,12 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             let mut d = Drive::on_soil(bench, set, &format!("{}-{slope:.1}", class.name()), &ground, -45.0)?;
             let along = |s: &VehicleState| s.position.x / cos(angle);
             let from = along(&d.state());
-            d.run(20.0, |s| hold_speed(s, 4.0, hold_line(s)), |s| (along(s) - from).abs() >= 60.0)?;
+            let (time, far) = (bench.pace.time(20.0), bench.pace.length(60.0));
+            let drive = |s: &VehicleState| bench.pace.hold_speed(s, 4.0, bench.pace.hold_line(s));
+            d.run(time, drive, |s| (along(s) - from).abs() >= far)?;
             let s = d.state();
-            let climbed = along(&s) - from >= 20.0 && (s.attitude * s.velocity).x / cos(angle) >= 2.0;
+            let climbed = along(&s) - from >= bench.pace.length(20.0)
+                && (s.attitude * s.velocity).x / cos(angle) >= bench.pace.speed(2.0);
             if climbed {
                 best = Some(d.finish());
             }

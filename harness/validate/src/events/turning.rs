@@ -1,7 +1,7 @@
 //! The smallest circle.
 
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{Drive, flat, hold_speed, speed};
+use crate::rig::{Drive, flat, speed};
 use nalgebra::Vector3;
 use vb_math::hypot;
 use vb_sim::SimError;
@@ -20,12 +20,12 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut plot = Plot::map("Circle at full lock", "x, m", "y, m");
     for (side, steering) in [("left", 1.0), ("right", -1.0)] {
         let mut d = Drive::new(bench, side, &flat(0.9), 0.0, 0.0)?;
-        d.hold(10.0, |s| hold_speed(s, 2.0, steering))?;
+        d.hold(10.0, |s| bench.pace.hold_speed(s, 2.0, steering))?;
         let (mut centre, mut count) = (Vector3::zeros(), 0.0);
         let (mut path, mut curb, mut wall) = (0.0, 0.0, 0.0);
         d.run(
             10.0,
-            |s| hold_speed(s, 2.0, steering),
+            |s| bench.pace.hold_speed(s, 2.0, steering),
             |s| {
                 // The centre of turning: where the velocity field of the rigid body is zero.
                 let v = s.attitude * s.velocity;

@@ -113,8 +113,12 @@ fn a_load_sensing_gearbox_does_not_hunt_on_a_constant_load() {
 fn an_electric_vehicle_tops_out_at_the_no_load_speed() {
     // ARTcar: 503.702 rad/s · 1/3 · 0.5 (vehicles/artcar.yaml).
     let mut v = hmmwv();
-    v.powertrain.engine =
-        Engine::Electric { torque: vec![[0.0, 1600.0], [503.702, 0.0]], regeneration: 0.0, inertia: 0.0 };
+    v.powertrain.engine = Engine::Electric {
+        torque: vec![[0.0, 1600.0], [503.702, 0.0]],
+        regeneration: 0.0,
+        friction: 0.0,
+        inertia: 0.0,
+    };
     v.powertrain.gearbox.ratios = vec![1.0 / 3.0];
     v.powertrain.gearbox.shift_down = vec![-1.0];
     v.powertrain.gearbox.shift_up = vec![1e4];

@@ -316,9 +316,6 @@ impl Footprint {
     }
 }
 
-/// Width of the strip within soil over which a load is handed over from rigid ground, m.
-pub(crate) const BLEND: f64 = 0.1;
-
 #[inline]
 fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
     let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();

@@ -2,7 +2,7 @@
 
 use super::super::ground::{SoilGround, Under};
 use super::super::law::{Soil, each};
-use super::{BLEND, FIRST, Footprint, Frame, LANES, LAST, NO_ROW, PLACES, Row, normal_of};
+use super::{FIRST, Footprint, Frame, LANES, LAST, NO_ROW, PLACES, Row, normal_of};
 use crate::V3;
 use crate::tyre::WheelMotion;
 use fearless_simd::{Simd, f64x4, prelude::*};
@@ -84,7 +84,8 @@ impl Footprint {
                         for k in FIRST..=LAST {
                             let at = origin + f.along * self.shape.xs[k] - f.up * self.shape.half[k];
                             let mine = ground.soil_at(at.x, at.y).is_some_and(|s| std::ptr::eq(s, soil));
-                            field.share[k] = if mine { ground.share(at.x, at.y, BLEND) } else { NOT_HERE };
+                            field.share[k] =
+                                if mine { ground.share(at.x, at.y, ground.blend) } else { NOT_HERE };
                             here |= mine;
                         }
                         if here {

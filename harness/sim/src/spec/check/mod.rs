@@ -1,5 +1,6 @@
 //! Reading a vehicle file and refusing what no vehicle can be.
 
+mod load;
 mod powertrain;
 mod suspension;
 mod tyre;
@@ -76,6 +77,7 @@ impl Check<'_> {
         {
             self.positive(field, value)?;
         }
+        self.positive("scale", v.scale)?;
         self.chassis(v)?;
         if v.axles.len() < 2 {
             return self.fail("axles", format!("{} given, at least 2 needed", v.axles.len()));
@@ -86,9 +88,8 @@ impl Check<'_> {
         if !v.axles.iter().any(|a| a.driven) {
             return self.fail("axles", "none is driven".to_owned());
         }
-        for (i, _) in v.axles.iter().enumerate() {
-            self.axle(v, i)?;
-        }
+        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, SimError>>()?;
+        self.carries(v, &axles)?;
         self.positive("steering.rate", v.steering.rate)?;
         self.tyres(v)?;
         self.powertrain(v)

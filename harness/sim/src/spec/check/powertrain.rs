@@ -50,7 +50,8 @@ impl Check<'_> {
                 self.positive("powertrain.engine.power", *power)?;
                 self.positive("powertrain.engine.max_speed", *max_speed)
             }
-            Engine::Electric { torque, regeneration, .. } => {
+            Engine::Electric { torque, regeneration, friction, .. } => {
+                self.not_negative("powertrain.engine.friction", *friction)?;
                 let field = "powertrain.engine.torque";
                 self.table(field, torque)?;
                 let (first, last) = (torque[0], torque[torque.len() - 1]);

@@ -11,7 +11,8 @@ use crate::spec::{
 const MOST_STRUTS: usize = 2;
 
 impl Check<'_> {
-    pub(super) fn axle(&self, v: &VehicleSpec, i: usize) -> Result<(), SimError> {
+    /// An axle, with its solved linkage.
+    pub(super) fn axle(&self, v: &VehicleSpec, i: usize) -> Result<crate::AxleKinematics, SimError> {
         let a = &v.axles[i];
         let at = |f: &str| format!("axles[{i}].{f}");
         self.finite(&at("position"), &a.position)?;
@@ -32,7 +33,7 @@ impl Check<'_> {
         self.struts(&field, s)?;
         self.stops(&field, s)?;
         self.anti_roll(&format!("{field}.anti_roll"), s)?;
-        crate::AxleKinematics::solve(a).map(|_| ()).or_else(|e| {
+        crate::AxleKinematics::solve(a).or_else(|e| {
             let part = if matches!(e, crate::LinkageError::SteeringLocked { .. }) {
                 "steering"
             } else {

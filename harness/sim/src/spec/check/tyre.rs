@@ -10,6 +10,17 @@ impl Check<'_> {
         for (name, tyre) in &v.tyres {
             self.tyre(&format!("tyres.{name}"), tyre)?;
         }
+        for (i, axle) in v.axles.iter().enumerate() {
+            if let Some(tyre) = &axle.tyre {
+                self.tyre(&format!("axles[{i}].tyre"), tyre)?;
+            } else if let Some(name) = axle.tyres.keys().next() {
+                let reason = "given, but the axle has no tyre of its own".to_owned();
+                return self.fail(&format!("axles[{i}].tyres.{name}"), reason);
+            }
+            for (name, tyre) in &axle.tyres {
+                self.tyre(&format!("axles[{i}].tyres.{name}"), tyre)?;
+            }
+        }
         Ok(())
     }
 

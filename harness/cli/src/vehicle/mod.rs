@@ -1,14 +1,20 @@
 //! `vb-harness vehicle`.
 
+mod picture;
+mod standing;
+mod table;
+
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_sim::{SoilSet, VehicleSpec};
 use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
 
-use crate::args::{MessageFormat, VehicleArgs, VehicleTestArgs};
+use crate::args::{MessageFormat, VehicleArgs, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
 use crate::error::CliError;
 use crate::{output, places};
+use standing::Standing;
+use table::Specification;
 
 /// The vehicle that the user means, and its file.
 pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
@@ -17,13 +23,31 @@ pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
     Ok((path, spec))
 }
 
-pub(crate) fn list() -> Result<(), CliError> {
-    let mut rows = Vec::new();
+pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
+    let head = ["name", "wheels", "scale", "mass", "description"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
     for name in places::names(places::Data::Vehicle)? {
-        let (_, spec) = load(&name)?;
-        rows.push(vec![name, spec.description]);
+        let (_, v) = load(&name)?;
+        if args.format.json() {
+            output::json(&ListMessage {
+                event: "vehicle",
+                name: &name,
+                description: &v.description,
+                scale: v.scale,
+                wheels: 2 * v.axles.len(),
+                mass_kg: v.total_mass(),
+                length_m: v.length,
+                width_m: v.width,
+                height_m: v.height,
+                max_speed_m_per_s: v.max_speed,
+            });
+        }
+        let mass = format!("{} kg", vb_validate::number(v.total_mass()));
+        rows.push(vec![name, (2 * v.axles.len()).to_string(), table::scale(v.scale), mass, v.description]);
     }
-    output::text(&output::columns(&rows));
+    if !args.format.json() {
+        output::text(&output::columns(&rows));
+    }
     Ok(())
 }
 
@@ -40,33 +64,42 @@ pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-pub(crate) fn show(args: &VehicleArgs) -> Result<(), CliError> {
-    let (path, v) = load(&args.vehicle)?;
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    let mut row = |name: &str, value: String| rows.push(vec![name.to_owned(), value]);
-    row("name", v.name.clone());
-    row("description", v.description.clone());
-    row("file", path.display().to_string());
-    row("length x width x height", format!("{} x {} x {} m", v.length, v.width, v.height));
-    row("top speed", format!("{} m/s", v.max_speed));
-    row("mass", format!("{:.1} kg, {:.1} kg of it sprung", v.total_mass(), v.chassis.mass));
-    let [x, y, z] = v.chassis.com;
-    row("centre of sprung mass", format!("{x} m ahead, {y} m left, {z} m above the chassis frame"));
-    let [x, y, z] = v.chassis.inertia;
-    row("sprung inertia", format!("{x}, {y}, {z} kg m² about x, y, z"));
-    for a in &v.axles {
-        let mut words = vec![format!("at x = {} m", a.position[0])];
-        words.extend(a.steering.is_some().then(|| "steered".to_owned()));
-        words.extend(a.driven.then(|| "driven".to_owned()));
-        words.push(format!("{:.1} kg unsprung", 2.0 * a.unsprung_mass));
-        words.push(format!("brakes {} N m", 2.0 * a.brake_torque));
-        row(&format!("axle {}", a.name), words.join(", "));
+pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
+    let (path, spec) = load(&args.vehicle)?;
+    let standing = Standing::new(spec).map_err(CliError::input)?;
+    if let Some(file) = &args.svg {
+        std::fs::write(file, picture::draw(&standing))
+            .map_err(|e| CliError::output(format!("{}: {e}", file.display())))?;
     }
-    let t = &v.tyre;
-    row("tyre", format!("{}, radius {} m, width {} m", t.model(), t.radius(), t.width()));
-    row("gears", v.powertrain.gearbox.ratios.len().to_string());
-    output::text(&output::columns(&rows));
+    let table = Specification::new(&standing);
+    if args.format.json() {
+        output::json(&ShowMessage { event: "vehicle", file: &path, specification: &table });
+    } else {
+        output::text(&table.text());
+    }
     Ok(())
+}
+
+#[derive(Serialize)]
+struct ListMessage<'a> {
+    event: &'static str,
+    name: &'a str,
+    description: &'a str,
+    scale: f64,
+    wheels: usize,
+    mass_kg: f64,
+    length_m: f64,
+    width_m: f64,
+    height_m: f64,
+    max_speed_m_per_s: f64,
+}
+
+#[derive(Serialize)]
+struct ShowMessage<'a> {
+    event: &'static str,
+    file: &'a Path,
+    #[serde(flatten)]
+    specification: &'a Specification,
 }
 
 #[derive(Serialize)]

@@ -1,0 +1,118 @@
+//! A vehicle as it stands on level ground: what tables and pictures are made from.
+
+use std::sync::Arc;
+
+use vb_runner::{StaticShape, static_shape};
+use vb_sim::{
+    Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState,
+};
+use vb_world::{Heightfield, Pose2, TerrainClass, World};
+
+type Point = [f64; 3];
+type V3 = nalgebra::Vector3<f64>;
+
+/// A wheel in place, in the world: x ahead, y to the left, z above the ground, m.
+pub(super) struct Wheel {
+    pub(super) centre: Point,
+    /// Unit, to the left.
+    pub(super) axis: Point,
+    pub(super) radius: f64,
+    pub(super) width: f64,
+}
+
+/// A vehicle that stands on level ground with its reference point above the origin.
+pub(super) struct Standing {
+    pub(super) spec: VehicleSpec,
+    pub(super) shape: StaticShape,
+    pub(super) state: VehicleState,
+    pub(super) wheels: Vec<Wheel>,
+    /// Rods and arms of the linkages, as lines.
+    pub(super) links: Vec<[Point; 2]>,
+    /// Springs and dampers, as lines.
+    pub(super) struts: Vec<[Point; 2]>,
+    /// Points of the convex parts of the hull.
+    pub(super) hull: Vec<Vec<Point>>,
+}
+
+impl Standing {
+    pub(super) fn new(spec: VehicleSpec) -> Result<Self, SimError> {
+        let options = SimOptions::default();
+        let model = VehicleModel::new(spec.clone())?;
+        let shape = static_shape(&model, options)?;
+        let side = 4.0 * spec.length.max(spec.scale);
+        let level =
+            World::uniform("level", Heightfield::flat(3, 3, 0.5 * side, 0.0), TerrainClass::Concrete, 0.8);
+        let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+        let state = Simulation::new(Arc::new(level), &model, &SoilSet::default(), start, options)?.state();
+        let place = |p: Point| -> Point { (state.position + state.attitude * vector(p)).into() };
+        let turn = |p: Point| -> Point { (state.attitude * vector(p)).into() };
+        let (mut wheels, mut links, mut struts) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, (axle, solved)) in spec.axles.iter().zip(model.axles()).enumerate() {
+            let tyre = spec.tyre_of(axle);
+            let travels = [0, 1].map(|k| state.wheels[2 * i + k].deflection);
+            for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+                let pose = solved.wheel(side, travels, 0.0);
+                let design = solved.wheel(side, [0.0; 2], 0.0);
+                let hub: Point = pose.hub.into();
+                wheels.push(Wheel {
+                    centre: place(add(axle.position, hub)),
+                    axis: turn(pose.axis.into()),
+                    radius: tyre.radius(),
+                    width: tyre.width(),
+                });
+                // What moves with the wheel is drawn as far from its design position as the wheel itself is.
+                let moved: Point = (pose.hub - design.hub).into();
+                let fixed = |p: Point| place(add(axle.position, [p[0], sign * p[1], p[2]]));
+                let carried = |p: Point| place(add(add(axle.position, [p[0], sign * p[1], p[2]]), moved));
+                links
+                    .extend(lines(&axle.suspension.linkage).into_iter().map(|[a, b]| [fixed(a), carried(b)]));
+                struts.extend(axle.suspension.struts.iter().map(|s| [fixed(s.chassis), carried(s.end)]));
+            }
+        }
+        let hull = spec.chassis.hull.iter().map(|part| part.iter().map(|p| place(*p)).collect()).collect();
+        Ok(Self { spec, shape, state, wheels, links, struts, hull })
+    }
+}
+
+fn vector(p: Point) -> V3 {
+    V3::from(p)
+}
+
+fn add(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// The rods of a linkage, from the chassis to what carries the wheel, left side at design height.
+fn lines(linkage: &Linkage) -> Vec<[Point; 2]> {
+    match linkage {
+        Linkage::DoubleWishbone(l) => vec![
+            [l.upper_arm_front, l.upper_ball_joint],
+            [l.upper_arm_rear, l.upper_ball_joint],
+            [l.lower_arm_front, l.lower_ball_joint],
+            [l.lower_arm_rear, l.lower_ball_joint],
+            [l.tie_rod_inner, l.tie_rod_outer],
+        ],
+        Linkage::SingleWishbone(l) => vec![
+            [l.arm_front, l.kingpin_lower],
+            [l.arm_rear, l.kingpin_lower],
+            [l.tie_rod_inner, l.tie_rod_outer],
+        ],
+        Linkage::Multilink(l) => {
+            let rods = l.links.iter().map(|r| [r.chassis, r.carrier]);
+            rods.chain([[l.tie_rod_inner, l.tie_rod_outer]]).collect()
+        }
+        Linkage::TorsionArm(l) => vec![[l.pivot, l.spindle]],
+        Linkage::SolidAxle(l) => {
+            let rods = l.links.iter().chain(&l.single_links).map(|r| [r.chassis, r.carrier]);
+            rods.chain([beam(l.spindle)]).collect()
+        }
+        Linkage::LeafAxle(l) => vec![[l.eye, l.seat], beam(l.spindle)],
+        Linkage::PivotAxle(l) => vec![beam(l.spindle)],
+        Linkage::Rigid(l) => vec![beam(l.spindle)],
+    }
+}
+
+/// From the middle of an axle to its left wheel.
+fn beam(spindle: Point) -> [Point; 2] {
+    [[spindle[0], 0.0, spindle[2]], spindle]
+}

@@ -1,0 +1,240 @@
+//! What a vehicle is made of, as a table and for programs.
+
+use serde::Serialize;
+use vb_runner::planner_vehicle;
+use vb_sim::{Converter, Differential, Engine, Linkage, SteeringGear};
+use vb_validate::number;
+
+use super::standing::Standing;
+use crate::output;
+
+/// The specification of a vehicle. SI units, angles in degrees.
+#[derive(Debug, Serialize)]
+pub(super) struct Specification {
+    name: String,
+    description: String,
+    /// Of the worlds that it is made for.
+    scale: f64,
+    length_m: f64,
+    width_m: f64,
+    height_m: f64,
+    mass_kg: f64,
+    sprung_mass_kg: f64,
+    wheelbase_m: f64,
+    track_m: f64,
+    /// Of the hull, standing.
+    ground_clearance_m: f64,
+    /// Of the reference point, without slip.
+    turning_radius_m: f64,
+    max_speed_m_per_s: f64,
+    /// Sprung, in the chassis frame.
+    centre_of_mass_m: [f64; 3],
+    inertia_kg_m2: [f64; 3],
+    axles: Vec<AxleRow>,
+    tyres: Vec<String>,
+    engine: String,
+    gears: Vec<f64>,
+    centre_differential: &'static str,
+    deviations: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct AxleRow {
+    name: String,
+    x_m: f64,
+    suspension: &'static str,
+    /// From the lowest to the highest travel, mm.
+    travel_mm: [f64; 2],
+    steering: Option<&'static str>,
+    /// Of the left and right wheel at the left lock.
+    wheel_angles_deg: Option<[f64; 2]>,
+    driven: bool,
+    differential: Option<&'static str>,
+    unsprung_mass_kg: f64,
+    brake_torque_n_m: f64,
+    tyre: String,
+    load_n: f64,
+}
+
+/// A scale as people write it.
+pub(super) fn scale(value: f64) -> String {
+    let inverse = 1.0 / value;
+    if value == 1.0 {
+        "1".to_owned()
+    } else if value < 1.0 && (inverse - inverse.round()).abs() < 1e-9 {
+        format!("1/{inverse:.0}")
+    } else {
+        number(value)
+    }
+}
+
+fn suspension(linkage: &Linkage) -> &'static str {
+    match linkage {
+        Linkage::DoubleWishbone(_) => "double wishbone",
+        Linkage::SingleWishbone(_) => "single wishbone",
+        Linkage::Multilink(_) => "five rods",
+        Linkage::TorsionArm(_) => "torsion arm",
+        Linkage::SolidAxle(_) => "solid axle on rods",
+        Linkage::LeafAxle(_) => "solid axle on leaf springs",
+        Linkage::PivotAxle(_) => "pivoting axle",
+        Linkage::Rigid(_) => "rigid",
+    }
+}
+
+fn gear(gear: &SteeringGear) -> &'static str {
+    match gear {
+        SteeringGear::RackAndPinion { .. } => "rack and pinion",
+        SteeringGear::PitmanArm { .. } => "pitman arm",
+        SteeringGear::RotaryArm { .. } => "rotary arm and drag link",
+    }
+}
+
+fn differential(d: Differential) -> &'static str {
+    match d {
+        Differential::Open {} => "open",
+        Differential::Clutch { .. } => "clutch",
+        Differential::LimitedSlip { .. } => "limited slip",
+        Differential::Locked {} => "locked",
+    }
+}
+
+fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
+    let best = |points: &[[f64; 2]]| {
+        let torque = points.iter().map(|p| p[1]).fold(0.0, f64::max);
+        // Straight lines between points: the greatest power lies at a point or between two.
+        let power = points.windows(2).flat_map(|w| {
+            (0..=100).map(move |k| {
+                let f = f64::from(k) / 100.0;
+                (w[0][0] + f * (w[1][0] - w[0][0])) * (w[0][1] + f * (w[1][1] - w[0][1]))
+            })
+        });
+        (torque, power.fold(0.0, f64::max))
+    };
+    let (kind, (torque, power)) = match engine {
+        Engine::Map { full_throttle, .. } => ("torque map", best(full_throttle)),
+        Engine::Simple { torque, power, .. } => ("constant torque, constant power", (*torque, *power)),
+        Engine::Electric { torque, .. } => ("electric motor", best(torque)),
+    };
+    let unit =
+        if power < 1e3 { format!("{} W", number(power)) } else { format!("{} kW", number(power / 1e3)) };
+    let behind = if converter.is_some() { ", torque converter" } else { "" };
+    format!("{kind}, {} N m, {unit}{behind}", number(torque))
+}
+
+impl Specification {
+    pub(super) fn new(standing: &Standing) -> Self {
+        let v = &standing.spec;
+        let told = planner_vehicle(v, &standing.shape, v.scale);
+        let line = &v.powertrain.driveline;
+        let mut driven = line.axles.iter();
+        let tyre = |t: &vb_sim::TyreSpec| {
+            format!("{}, radius {} m, width {} m", t.model(), number(t.radius()), number(t.width()))
+        };
+        let axles = v.axles.iter().enumerate().map(|(i, a)| {
+            let angles = a.steering.as_ref().and_then(|_| {
+                let solved = vb_sim::AxleKinematics::solve(a).ok()?;
+                Some([vb_sim::Side::Left, vb_sim::Side::Right].map(|side| {
+                    let axis = solved.wheel(side, [0.0; 2], 1.0).axis;
+                    vb_math::angle::degrees(vb_math::atan2(-axis.x, axis.y))
+                }))
+            });
+            let own = driven_axle(a.driven, &mut driven);
+            AxleRow {
+                name: a.name.clone(),
+                x_m: a.position[0] + a.suspension.linkage.spindle()[0],
+                suspension: suspension(&a.suspension.linkage),
+                travel_mm: a.suspension.range.map(|t| 1e3 * t),
+                steering: a.steering.as_ref().map(gear),
+                wheel_angles_deg: angles,
+                driven: a.driven,
+                differential: own.map(|d| differential(d.differential)),
+                unsprung_mass_kg: 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass),
+                brake_torque_n_m: 2.0 * a.brake_torque,
+                tyre: tyre(v.tyre_of(a)),
+                load_n: standing.state.wheels[2 * i..2 * i + 2].iter().map(|w| w.load).sum(),
+            }
+        });
+        let mut tyres: Vec<String> = v.tyres.keys().cloned().collect();
+        tyres.insert(0, v.tyre.model().to_owned());
+        Self {
+            name: v.name.clone(),
+            description: v.description.clone(),
+            scale: v.scale,
+            length_m: v.length,
+            width_m: v.width,
+            height_m: v.height,
+            mass_kg: v.total_mass(),
+            sprung_mass_kg: v.chassis.mass,
+            wheelbase_m: told.wheelbase,
+            track_m: told.track,
+            ground_clearance_m: told.ground_clearance,
+            turning_radius_m: told.min_turn_radius,
+            max_speed_m_per_s: v.max_speed,
+            centre_of_mass_m: v.chassis.com,
+            inertia_kg_m2: v.chassis.inertia,
+            axles: axles.collect(),
+            tyres,
+            engine: engine(&v.powertrain.engine, v.powertrain.converter.as_ref()),
+            gears: v.powertrain.gearbox.ratios.clone(),
+            centre_differential: if line.axles.len() > 1 { differential(line.centre) } else { "none" },
+            deviations: v.deviations.clone(),
+        }
+    }
+
+    /// The table for people.
+    pub(super) fn text(&self) -> String {
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        let mut row = |name: &str, value: String| rows.push(vec![name.to_owned(), value]);
+        let m = |v: f64| format!("{} m", number(v));
+        let triple = |v: [f64; 3]| v.map(number).join(", ");
+        row("name", self.name.clone());
+        row("description", self.description.clone());
+        row("scale of its worlds", scale(self.scale));
+        row(
+            "length x width x height",
+            format!("{} x {} x {}", m(self.length_m), m(self.width_m), m(self.height_m)),
+        );
+        row("mass", format!("{:.1} kg, {:.1} kg of it sprung", self.mass_kg, self.sprung_mass_kg));
+        row("wheelbase, track", format!("{}, {}", m(self.wheelbase_m), m(self.track_m)));
+        row("ground clearance", format!("{} (hull)", m(self.ground_clearance_m)));
+        row("turning radius", format!("{} (reference point, no slip)", m(self.turning_radius_m)));
+        row("top speed", format!("{} m/s", number(self.max_speed_m_per_s)));
+        row("centre of sprung mass", format!("{} m", triple(self.centre_of_mass_m)));
+        row("sprung inertia", format!("{} kg m²", triple(self.inertia_kg_m2)));
+        for a in &self.axles {
+            let mut words = vec![format!("x {}", m(a.x_m)), a.suspension.to_owned()];
+            if a.travel_mm != [0.0; 2] {
+                words.push(format!("travel {} to {} mm", number(a.travel_mm[0]), number(a.travel_mm[1])));
+            }
+            if let (Some(gear), Some([l, r])) = (a.steering, a.wheel_angles_deg) {
+                words.push(format!("{gear} to {l:.1}° and {r:.1}°"));
+            }
+            match a.differential {
+                Some(d) => words.push(format!("driven, {d} differential")),
+                None => words.push("not driven".to_owned()),
+            }
+            words.push(format!("{} kg unsprung", number(a.unsprung_mass_kg)));
+            words.push(format!("brakes {} N m", number(a.brake_torque_n_m)));
+            words.push(format!("load {} N", number(a.load_n)));
+            row(&format!("axle {}", a.name), words.join(", "));
+        }
+        let mut different: Vec<&str> = self.axles.iter().map(|a| a.tyre.as_str()).collect();
+        different.dedup();
+        row("tyre", different.join("; "));
+        row("tyres to choose from", self.tyres.join(", "));
+        row("engine", self.engine.clone());
+        row("gears", self.gears.iter().map(|g| number(*g)).collect::<Vec<_>>().join(", "));
+        row("centre differential", self.centre_differential.to_owned());
+        for (i, d) in self.deviations.iter().enumerate() {
+            row(if i == 0 { "deviations" } else { "" }, format!("- {d}"));
+        }
+        output::columns(&rows)
+    }
+}
+
+fn driven_axle<'a>(
+    driven: bool,
+    axles: &mut std::slice::Iter<'a, vb_sim::DrivenAxle>,
+) -> Option<&'a vb_sim::DrivenAxle> {
+    if driven { axles.next() } else { None }
+}
