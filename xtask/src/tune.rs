@@ -54,8 +54,8 @@ pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
         run(generate.arg("--out").arg(&worlds).stderr(Stdio::null()))?;
     }
     apart(&worlds)?;
-    println!("| parameters | success % | low | medium | high | time s | rollover |");
-    println!("|---|---|---|---|---|---|---|");
+    step("| parameters | success % | low | medium | high | time s | rollover |");
+    step("|---|---|---|---|---|---|---|");
     for params in candidates {
         let out =
             folder.join(planner).join(if params.is_empty() { "defaults".into() } else { params.join("-") });
@@ -69,7 +69,7 @@ pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
             drive.args(["--param", p]);
         });
         run(drive.stdout(Stdio::null()).stderr(Stdio::null()))?;
-        println!("{}", row(params, &out.join("summary.json"))?);
+        step(&row(params, &out.join("summary.json"))?);
     }
     Ok(())
 }

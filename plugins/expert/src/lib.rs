@@ -93,7 +93,7 @@ impl Planner for Expert {
         }
         let waited = o.time - self.anchor.2;
         if waited > PATIENCE {
-            let left = ((waited - PATIENCE) / WRIGGLE) as u64 % 2 == 0;
+            let left = (((waited - PATIENCE) / WRIGGLE) as u64).is_multiple_of(2);
             steering = (steering + if left { SWING } else { -SWING }).clamp(-1.0, 1.0);
         }
         // Slower in bends.
