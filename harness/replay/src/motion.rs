@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
-use vb_runner::StateHash;
+use vb_runner::{StateHash, sample};
 use vb_sim::{Controls, Side, SimOptions, Simulation, SoilSet, VehicleModel};
 use vb_world::{Task, World};
 
@@ -207,27 +207,4 @@ impl Motion {
 pub(crate) fn attitude(s: &Sample) -> UnitQuaternion<f64> {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     about(Vector3::z_axis(), s.yaw) * about(Vector3::y_axis(), s.pitch) * about(Vector3::x_axis(), s.roll)
-}
-
-fn sample(state: &vb_sim::VehicleState, controls: Controls) -> Sample {
-    let (roll, pitch, yaw) = state.roll_pitch_yaw();
-    let (p, v, w) = (state.position, state.velocity, state.rates);
-    Sample {
-        time: state.time,
-        x: p.x,
-        y: p.y,
-        z: p.z,
-        roll,
-        pitch,
-        yaw,
-        vx: v.x,
-        vy: v.y,
-        vz: v.z,
-        wx: w.x,
-        wy: w.y,
-        wz: w.z,
-        steering: controls.steering,
-        throttle: controls.throttle,
-        brake: controls.brake,
-    }
 }

@@ -282,26 +282,7 @@ impl Trial<'_> {
     /// Shows the rules and the recorder the state; true when there is a verdict.
     fn sample(&self, sim: &Simulation, controls: Controls, ledger: &mut Ledger) -> bool {
         let state = sim.state();
-        let (roll, pitch, yaw) = state.roll_pitch_yaw();
-        let (p, v, w) = (state.position, state.velocity, state.rates);
-        let sample = Sample {
-            time: state.time,
-            x: p.x,
-            y: p.y,
-            z: p.z,
-            roll,
-            pitch,
-            yaw,
-            vx: v.x,
-            vy: v.y,
-            vz: v.z,
-            wx: w.x,
-            wy: w.y,
-            wz: w.z,
-            steering: controls.steering,
-            throttle: controls.throttle,
-            brake: controls.brake,
-        };
+        let sample = sample(&state, controls);
         sim.visit_state(|x| ledger.hash.push(x));
         if self.trace != TraceMode::None {
             ledger.wheels.clear();
@@ -310,6 +291,31 @@ impl Trial<'_> {
             ledger.recorder.push(&sample, &ledger.wheels);
         }
         ledger.scorer.push(&sample).is_some()
+    }
+}
+
+/// A state under these controls, as rules and recorder see it.
+#[must_use]
+pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
+    let (roll, pitch, yaw) = state.roll_pitch_yaw();
+    let (p, v, w) = (state.position, state.velocity, state.rates);
+    Sample {
+        time: state.time,
+        x: p.x,
+        y: p.y,
+        z: p.z,
+        roll,
+        pitch,
+        yaw,
+        vx: v.x,
+        vy: v.y,
+        vz: v.z,
+        wx: w.x,
+        wy: w.y,
+        wz: w.z,
+        steering: controls.steering,
+        throttle: controls.throttle,
+        brake: controls.brake,
     }
 }
 
