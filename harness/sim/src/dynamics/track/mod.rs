@@ -69,6 +69,8 @@ struct Data {
     hardness: f64,
     /// Distance over which a wheel sheds the shear of its pads, m.
     spacing: f64,
+    /// Mass of a metre of belt, kg/m.
+    line_density: f64,
     /// Below the centre of mass, design height of the road wheels' centres, and middle of the track, m.
     middle: [f64; 2],
 }
@@ -80,8 +82,9 @@ struct Span {
     obstacle: Patch,
     /// N, in the last step.
     tension: f64,
-    /// How far soil presses its middle inwards, m.
+    /// How far soil presses its middle inwards, m, and how fast, m/s.
     sag: f64,
+    sag_rate: f64,
     /// Points at which it is held against hard ground.
     points: usize,
 }
@@ -151,15 +154,16 @@ impl Track {
                 radius: tyre.radius,
                 hardness: tyre.vertical_stiffness,
                 spacing: tyre.relaxation_length,
+                line_density: t.mass / length,
                 middle: [middle, level],
             },
             speed: 0.0,
             length,
             footprint: Footprint::track(
-                reach[0] - middle,
-                reach[1] - middle,
+                reach.map(|x| x - middle),
                 // Whole tracks stand clear of the ground while one end of them still touches it.
                 tyre.radius + 0.5 * (reach[1] - reach[0]),
+                half,
                 tyre.width,
                 soil_pitch,
             ),
@@ -223,7 +227,7 @@ impl Track {
             let radius = self.course.discs()[j].radius + outer;
             self.thrust[j] -= forces[self.wheel(j)].spin_moment / radius;
         }
-        let length = self.course.length();
+        let length = self.course.length() + self.bent();
         let rate = (length - self.length) / dt;
         self.length = length;
         let stretch = self.data.stiffness * (length - self.design_length) + self.data.damping * rate;
@@ -265,7 +269,7 @@ impl Track {
     pub(super) fn digest(&self) -> impl Iterator<Item = f64> + '_ {
         let spans = self.spans.iter().flat_map(|s| {
             let (g, o) = (s.ground.deflection, s.obstacle.deflection);
-            [g[0], g[1], o[0], o[1], s.tension, s.sag]
+            [g[0], g[1], o[0], o[1], s.tension, s.sag, s.sag_rate]
         });
         [self.speed, self.length].into_iter().chain(spans).chain(self.footprint.digest())
     }

@@ -1,26 +1,31 @@
 //! The belt on soil: its outline under the wheels, which the soil presses back, and which bends where it does.
 
-use super::super::{Ground, Vehicle};
+use super::super::{Corner, Forces, Ground, Vehicle};
 use super::Track;
 use super::span::lever;
 use crate::soil::Under;
 use crate::tyre::WheelMotion;
 use crate::{M3, V3};
 
-/// Part of the way to where it is in balance by which a span bends each step.
-const FOLLOWS: f64 = 0.3;
+/// Damping of a span's bend over what is critical.
+const DAMPING: f64 = 0.5;
 /// Greatest bend of a span over its length.
 const DEEPEST: f64 = 0.3;
 
 impl Track {
     /// Sets the outline of the footprint to where the belt's face is: arcs about the wheels, and between them spans that
     /// bend as parabolas.
-    fn outline(&mut self) {
+    fn outline(&mut self, forces: &[Forces], corners: &[Corner], up: &V3) {
         let [middle, level] = self.data.middle;
         let face = 0.5 * self.data.thickness;
         let discs = self.course.discs();
         let spans = self.course.spans();
         let last = discs.len() - 1;
+        let first = self.first;
+        let rising = |j: usize| {
+            let i = first + 2 * j;
+            forces[i].tangent.dot(up) * corners[i].travel_rate
+        };
         for (k, place) in self.footprint.places() {
             let x = middle + place;
             // The first span that ends behind the station, and whether it begins before it.
@@ -38,7 +43,10 @@ impl Track {
                 let bend = self.spans[j].sag / -dx;
                 let z = z0 + (x - x0) * dz / dx + 4.0 * part * (1.0 - part) * bend;
                 let slope = dz / dx + 4.0 * (1.0 - 2.0 * part) * bend / run;
-                self.footprint.set(k, level - z, slope);
+                let shape = 4.0 * part * (1.0 - part);
+                let rate =
+                    rising(j) * (1.0 - part) + rising(j + 1) * part + shape * self.spans[j].sag_rate / -dx;
+                self.footprint.set(k, level - z, slope, rate);
                 self.shares[k] = (j, part);
             } else {
                 // On the wheel before the span that begins further back.
@@ -46,24 +54,35 @@ impl Track {
                 let radius = d.radius + face;
                 let ahead = (x - d.centre[0]).clamp(-0.95 * radius, 0.95 * radius);
                 let down = (radius * radius - ahead * ahead).sqrt();
-                self.footprint.set(k, level - d.centre[1] + down, ahead / down);
+                self.footprint.set(k, level - d.centre[1] + down, ahead / down, rising(j));
                 self.shares[k] = (j, 0.0);
             }
         }
     }
 
-    /// Bends the spans towards the balance of the soil's pressure with their tension.
+    /// How much longer the way is for the bend of the spans, m: (8/3) s²/L each, as parabolas.
+    pub(super) fn bent(&self) -> f64 {
+        let longer = |(s, c): (&super::Span, &crate::track::Span)| 8.0 / 3.0 * s.sag * s.sag / c.length;
+        self.spans.iter().zip(self.course.spans()).map(longer).sum()
+    }
+
+    /// Bends the spans under the soil's pressure and their tension; for each span the generalised force Σ f φ, N, and the mass
+    /// that the soil's implicit treatment adds, kg.
     ///
-    /// With the shape of a parabola, w = s φ, φ = 4 ξ (1 − ξ), virtual work gives Q = Σ f φ = (16/3) (T/L) s, which for an
-    /// even pressure is the parabola's own law s = q L²/(8 T). Bent, the belt is longer by (8/3) s²/L.
-    fn bend(&mut self, loads: &[(f64, f64)]) {
-        for (j, &(load, stiffness)) in loads.iter().enumerate().take(self.spans.len()) {
-            let length = self.course.spans()[j].length;
-            let s = self.spans[j].sag;
-            let tighter = self.data.stiffness * (8.0 / 3.0) * s * s / length;
-            let holds = (16.0 / 3.0) * (self.spans[j].tension + tighter) / length;
-            let change = FOLLOWS * (load - holds * s) / (holds + stiffness).max(1.0);
-            self.spans[j].sag = (s + change).clamp(0.0, DEEPEST * length);
+    /// With the shape of a parabola, w = s φ, φ = 4 ξ (1 − ξ), virtual work gives (8/15) μ L s̈ = Σ f φ − (16/3) (T/L) s with μ
+    /// the mass of a metre. At rest under an even pressure that is the parabola's own law s = q L²/(8 T).
+    fn bend(&mut self, loads: &[(f64, f64)], dt: f64) {
+        for ((span, course), &(load, added)) in self.spans.iter_mut().zip(self.course.spans()).zip(loads) {
+            let mass = 8.0 / 15.0 * self.data.line_density * course.length;
+            let stiffness = (16.0 / 3.0) * span.tension / course.length;
+            let damping = 2.0 * DAMPING * (mass * stiffness).sqrt();
+            let force = load - stiffness * span.sag - damping * span.sag_rate;
+            span.sag_rate += dt * force / (mass + added + dt * damping + dt * dt * stiffness);
+            let sag = span.sag + dt * span.sag_rate;
+            span.sag = sag.clamp(0.0, DEEPEST * course.length);
+            if span.sag != sag {
+                span.sag_rate = 0.0;
+            }
         }
     }
 }
@@ -79,7 +98,7 @@ impl Vehicle {
         dt: f64,
     ) {
         if under != Under::Rigid {
-            t.outline();
+            t.outline(&self.forces, &self.corners, &turn.column(2).into_owned());
         }
         let [forward, level] = t.data.middle;
         let middle = V3::new(forward, t.aside, level);
@@ -129,12 +148,12 @@ impl Vehicle {
                 }
                 if part > 0.0 {
                     let shape = 4.0 * part * (1.0 - part);
-                    let (sum, stiffness) = &mut loads[j];
+                    let (sum, added) = &mut loads[j];
                     *sum += load * shape;
-                    *stiffness += stations.stiffness[k] * shape * shape;
+                    *added += stations.inertia[k] * shape * shape;
                 }
             }
         }
-        t.bend(&loads);
+        t.bend(&loads, dt);
     }
 }

@@ -53,6 +53,8 @@ pub(crate) struct Footprint<const N: usize> {
     shape: Shape<N>,
     /// Speed of a belt along the outline towards its rear, m/s; 0 for a wheel, whose rotation has its spin.
     belt: f64,
+    /// Height of a belt above the ground up to which the soil between its pads is sheared on, m; 0 for a wheel.
+    grip: f64,
     /// What acts at each station, where that is asked for.
     stations: Option<Box<Stations<N>>>,
     /// What SIMD the processor has.
@@ -86,8 +88,6 @@ pub(crate) struct Stations<const N: usize> {
     pub(crate) moment: [Row<N>; 2],
     /// Mass that the implicit treatment of damping and unloading adds along the normal, kg.
     pub(crate) inertia: Row<N>,
-    /// Rise of the pressure's force with the sinkage, N/m.
-    pub(crate) stiffness: Row<N>,
     /// Sinkage, m.
     pub(crate) sinkage: Row<N>,
 }
@@ -98,7 +98,6 @@ impl<const N: usize> Stations<N> {
         thrust: [0.0; N],
         moment: [[0.0; N]; 2],
         inertia: [0.0; N],
-        stiffness: [0.0; N],
         sinkage: [0.0; N],
     };
 }
@@ -156,10 +155,19 @@ impl Footprint<WHEEL> {
 impl Footprint<TRACK> {
     /// For a belt whose lowest part reaches from `rear` to `front` (m, along the heading, from the point that stands for
     /// the hub) and that stays near the ground up to a height of `near` (m) of that point.
-    pub(crate) fn track(rear: f64, front: f64, near: f64, width: f64, pitch: f64) -> Self {
-        let mut footprint = Self::of(Shape::track(rear, front, near, width, pitch));
-        footprint.stations = Some(Box::new(Stations::NONE));
-        footprint
+    /// Soil stays between its pads while it is less than `grip` (m) above the ground.
+    pub(crate) fn track(
+        [rear, front]: [f64; 2],
+        near: f64,
+        grip: f64,
+        width: f64,
+        pitch: f64,
+    ) -> Self {
+        Self {
+            grip,
+            stations: Some(Box::new(Stations::NONE)),
+            ..Self::of(Shape::track(rear, front, near, width, pitch))
+        }
     }
 
     /// Places of the stations, and how far in front of the point that stands for the hub each is, m.
@@ -168,10 +176,10 @@ impl Footprint<TRACK> {
         (FIRST..=Self::LAST).map(move |k| (k, xs[k]))
     }
 
-    /// Sets the outline at a station: how far below the point that stands for the hub it is, m, and its slope, rise over
-    /// way forward.
-    pub(crate) fn set(&mut self, k: usize, below: f64, slope: f64) {
-        self.shape.set(k, below, slope);
+    /// Sets the outline at a station: how far below the point that stands for the hub it is, m, its slope, rise over way
+    /// forward, and how fast it rises against the hull, m/s.
+    pub(crate) fn set(&mut self, k: usize, below: f64, slope: f64, rate: f64) {
+        self.shape.set(k, below, slope, rate);
     }
 
     /// How far below the point that stands for the hub the outline is at a station, m, and its unit normal towards the
@@ -216,6 +224,7 @@ impl<const N: usize> Footprint<N> {
         let states = vec![[0.0; N]; shape.strips];
         Self {
             belt: 0.0,
+            grip: 0.0,
             stations: None,
             level: Level::new(),
             plastic: states.clone(),

@@ -183,7 +183,13 @@ impl<const N: usize> Footprint<N> {
             let plastic = load(plastic_row, g);
             let elastic = (sinkage - plastic) * elastic_stiffness;
             let touching = elastic.simd_gt(zero) & mine;
-            if !touching.any_true() {
+            // The soil between the pads of a belt stays there while the belt is less than its grip above the ground.
+            let held = if self.grip > 0.0 {
+                (sinkage + all(self.grip)).simd_gt(plastic) & mine
+            } else {
+                touching
+            };
+            if !held.any_true() {
                 for row in &mut shear_rows {
                     store(row, g, mine.select(zero, load(row, g)));
                 }
@@ -206,7 +212,10 @@ impl<const N: usize> Footprint<N> {
             let (x, half) = (load(&shape.xs, g), load(&shape.half, g));
             let vx = all(velocity.x - rotation.z * body.offset) - half * all(rotation.y);
             let vy = all(velocity.y) + x * all(rotation.z) + half * all(rotation.x);
-            let vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
+            let mut vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
+            if self.grip > 0.0 {
+                vz += load(&shape.rates, g);
+            }
             let n = [load(&normal[0], g), load(&normal[1], g), load(&normal[2], g)];
             let t = [load(&directions.tangent[0], g), load(&directions.tangent[1], g)];
             let leaving = vx * n[0] + vy * n[1] + vz * n[2];
@@ -218,7 +227,7 @@ impl<const N: usize> Footprint<N> {
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
             let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
             for k in 0..2 {
-                let state = contact.select(after[k], zero);
+                let state = if self.grip > 0.0 { held.select(after[k], zero) } else { contact.select(after[k], zero) };
                 store(shear_rows[k], g, mine.select(state, before[k]));
             }
             // Ground that a station stands for, and the rim over it, which is larger where it is steep.
@@ -248,8 +257,7 @@ impl<const N: usize> Footprint<N> {
             lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
             bits |= u64::from(contact.to_bitmask()) << g;
             if let Some(stations) = &mut self.stations {
-                let hardening = yields.select(stress / sinkage, elastic_stiffness) * rim;
-                stations.add(simd, g, &force, along, body.offset, implicit, contact.select(hardening, zero), depth);
+                stations.add(simd, g, &force, along, body.offset, implicit, depth);
             }
         }
         if bits == 0 {
@@ -351,7 +359,6 @@ impl<const N: usize> Stations<N> {
         thrust: f64x4<S>,
         offset: f64,
         inertia: f64x4<S>,
-        stiffness: f64x4<S>,
         sinkage: f64x4<S>,
     ) {
         let load = |row: &Row<N>| f64x4::from_slice(simd, &row[g..g + LANES]);
@@ -366,7 +373,6 @@ impl<const N: usize> Stations<N> {
             (about_heading, aside * force[2]),
             (about_up, f64x4::splat(simd, 0.0) - aside * force[0]),
             (&mut self.inertia, inertia),
-            (&mut self.stiffness, stiffness),
         ] {
             let sum = load(row) + part;
             store(row, g, sum);

@@ -28,6 +28,8 @@ pub(super) struct Shape<const N: usize> {
     pub(super) finest: f64,
     /// How far the outline is below the hub at each station.
     pub(super) half: Row<N>,
+    /// How fast it rises against the hub, m/s.
+    pub(super) rates: Row<N>,
     /// Pressure normal to the outline and pressure normal to the ground.
     pub(super) radial: Directions<N>,
     pub(super) level: Directions<N>,
@@ -67,6 +69,7 @@ impl<const N: usize> Shape<N> {
             inverse_lengths,
             finest: inverse_lengths.iter().fold(0.0, |a, b| f64::max(a, *b)),
             half: [0.0; N],
+            rates: [0.0; N],
             radial: level.clone(),
             level,
         }
@@ -115,8 +118,10 @@ impl Shape<TRACK> {
         Self { reach: vb_math::hypot(front.max(-rear), width), near, ..shape }
     }
 
-    /// Sets the outline at a station: how far below the hub it is, m, and its slope, rise over way forward.
-    pub(super) fn set(&mut self, k: usize, below: f64, slope: f64) {
+    /// Sets the outline at a station: how far below the hub it is, m, its slope, rise over way forward, and how fast it
+    /// rises, m/s.
+    pub(super) fn set(&mut self, k: usize, below: f64, slope: f64, rate: f64) {
+        self.rates[k] = rate;
         let slope = slope.clamp(-STEEPEST, STEEPEST);
         let longer = (1.0 + slope * slope).sqrt();
         let (sin, cos) = (slope / longer, 1.0 / longer);
