@@ -71,7 +71,7 @@ impl Track {
     ///
     /// With the shape of a parabola, w = s φ, φ = 4 ξ (1 − ξ), virtual work gives (8/15) μ L s̈ = Σ f φ − (16/3) (T/L) s with μ
     /// the mass of a metre. At rest under an even pressure that is the parabola's own law s = q L²/(8 T).
-    fn bend(&mut self, loads: &[(f64, f64)], dt: f64) {
+    pub(super) fn bend(&mut self, loads: &[(f64, f64)], dt: f64) {
         for ((span, course), &(load, added)) in self.spans.iter_mut().zip(self.course.spans()).zip(loads) {
             let mass = 8.0 / 15.0 * self.data.line_density * course.length;
             let stiffness = (16.0 / 3.0) * span.tension / course.length;

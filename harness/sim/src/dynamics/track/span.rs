@@ -26,7 +26,7 @@ struct Touch {
 
 impl Track {
     /// Force of a span that gives way by `depth` at a part of its way, N.
-    fn string_force(&self, j: usize, part: f64, depth: f64) -> f64 {
+    pub(super) fn string_force(&self, j: usize, part: f64, depth: f64) -> f64 {
         let length = self.course.spans()[j].length;
         let tension = self.spans[j].tension + self.data.stiffness * 2.0 * depth * depth / length;
         // Nearer to a wheel it is the stiffer, up to four times.

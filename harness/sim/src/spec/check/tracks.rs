@@ -90,3 +90,48 @@ impl Check<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const M113: &str = include_str!("../../../../../tasks/vehicles/m113.yaml");
+
+    fn refused(from: &str, to: &str, says: &str) {
+        assert!(M113.contains(from), "{from}");
+        let e = VehicleSpec::parse(&M113.replacen(from, to, 1), "tank.yaml").unwrap_err().to_string();
+        assert_eq!(e, format!("tank.yaml: {says}"));
+    }
+
+    #[test]
+    fn what_no_belt_can_be_is_refused_with_field_value_and_reason() {
+        refused("tension: 11100.0", "tension: 0", "tracks.tension: 0 must be a positive number");
+        refused(
+            "  by: differential\n",
+            "",
+            "steering.by: wheels, but a tracked vehicle is steered by its driveline; write `by: differential`",
+        );
+        refused("thickness: 0.06", "thickness: 0.5", "axles[0].tyre.radius: 0.2792 must exceed the belt's thickness, 0.5");
+        refused(
+            "brake_torque: 0.0",
+            "brake_torque: 10.0",
+            "axles[1].brake_torque: only the sprocket of a track drives and brakes",
+        );
+        refused(
+            "driven: true",
+            "driven: false",
+            "axles: none is driven",
+        );
+        refused(
+            "spindle: [0, 1.0795, 0]\n        pivot",
+            "spindle: [0, 1.1, 0]\n        pivot",
+            "axles[1].suspension.linkage.spindle: wheel centre 1.1 m from the middle; all of a track lie 1.0795 m from it, as \
+             those of axles[0]",
+        );
+        refused(
+            "position: [1.3335, 0.0, 0.0]",
+            "position: [2.03, 0.0, 0.215]",
+            "axles[0].position: 0.001 m from the next wheel of the belt, within the other's radius",
+        );
+    }
+}
