@@ -6,7 +6,8 @@ use std::sync::Arc;
 use vb_sim::{GRAVITY, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
-/// Radius at which the belt's outer face goes around a road wheel, and gauge, m.
+/// Radius of a road wheel, with the belt around it, and gauge, m.
+const WHEEL: f64 = 0.305;
 const OUTER: f64 = 0.365;
 const GAUGE: f64 = 2.159;
 /// Length of ground that five wheels stand for, 0.667 m apart, m.
@@ -40,7 +41,7 @@ fn drive_to(sim: &mut Simulation, speed: f64, x: f64) -> f64 {
 
 /// Speed of a side's belt, m/s.
 fn belt(sim: &Simulation, side: usize) -> f64 {
-    sim.state().wheels[2 + side].speed * OUTER
+    sim.state().wheels[2 + side].speed * WHEEL
 }
 
 #[test]

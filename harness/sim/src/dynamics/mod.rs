@@ -47,6 +47,8 @@ struct Corner {
     mount: V3,
     mass: f64,
     spin_inertia: f64,
+    /// Speed of the wheel over its spin: more than 1 within a belt, whose outer face has the spin.
+    gearing: f64,
     brake_torque: f64,
     steered: bool,
     /// Springs and dampers in the order of the tables.
@@ -175,6 +177,7 @@ impl Vehicle {
                     mount,
                     mass: axle.unsprung_mass,
                     spin_inertia: axle.spin_inertia,
+                    gearing: track::gearing(spec, axle),
                     brake_torque: axle.brake_torque,
                     steered: axle.steering.is_some(),
                     struts: elements(suspension),
@@ -238,7 +241,7 @@ impl Vehicle {
     /// The state of a wheel.
     pub(crate) fn wheel(&self, i: usize) -> WheelState {
         let c = &self.corners[i];
-        WheelState { speed: c.spin, deflection: c.travel, load: c.load, sinkage: c.sinkage }
+        WheelState { speed: c.spin * c.gearing, deflection: c.travel, load: c.load, sinkage: c.sinkage }
     }
 
     pub(crate) fn drive_state(&self) -> crate::DriveState {

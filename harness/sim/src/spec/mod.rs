@@ -173,6 +173,14 @@ impl VehicleSpec {
         self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
     }
 
+    /// Radius and width of every wheel, front to back, left before right, m; in a track without the belt around it.
+    #[must_use]
+    pub fn wheel_sizes(&self) -> Vec<[f64; 2]> {
+        let belt = self.tracks.as_ref().map_or(0.0, |t| t.thickness);
+        let size = |a: &Axle| [self.tyre_of(a).radius() - belt, self.tyre_of(a).width()];
+        self.axles.iter().flat_map(|a| [size(a); 2]).collect()
+    }
+
     /// Whether steering commands go to the driveline instead of the wheels.
     #[must_use]
     pub fn steers_by_driveline(&self) -> bool {

@@ -89,6 +89,14 @@ struct Span {
     points: usize,
 }
 
+/// Speed of a wheel of an axle over that of its outer face, in which it turns with a belt: a sprocket's teeth reach to the
+/// middle of it, the others roll on its inner face. 1 where there is no belt.
+pub(super) fn gearing(v: &VehicleSpec, axle: &crate::spec::Axle) -> f64 {
+    let Some(t) = &v.tracks else { return 1.0 };
+    let outer = v.tyre_of(axle).radius();
+    outer / (outer - t.thickness * if axle.driven { 0.5 } else { 1.0 })
+}
+
 /// What a tracked vehicle's driveline moves: the two sprockets, each with all that turns with it.
 pub(super) fn sprockets(v: &VehicleSpec) -> Option<VehicleSpec> {
     let t = v.tracks.as_ref()?;
