@@ -55,8 +55,16 @@ const EVENTS: &[Event] = &[
     convergence::CONVERGENCE,
 ];
 
-/// Of tyres and of single wheels, which say nothing of a track.
-const WHEELS_ONLY: [&str; 3] = [tyres::TYRES.name, soil_wheel::WHEEL.name, soil_wheel::SECOND_PASS.name];
+/// Of tyres, of wheels that roll without slip about one centre, and of single wheels: nothing of a track.
+const WHEELS_ONLY: [&str; 7] = [
+    tyres::TYRES.name,
+    longitudinal::ROLLING.name,
+    cornering::CORNERING.name,
+    cornering::STEP_STEER.name,
+    cornering::BODY_ROLL.name,
+    soil_wheel::WHEEL.name,
+    soil_wheel::SECOND_PASS.name,
+];
 const TRACKS_ONLY: [&str; 3] = [tracks::TURNING.name, tracks::TRENCH.name, tracks::PULL.name];
 
 /// Whether an event says something of a vehicle: some are of wheels, some of tracks.

@@ -7,6 +7,9 @@ use vb_math::{exp, pow, tan};
 use vb_sim::{PressureDirection, SimError, SoilLaw, SoilSet, Tracks, VehicleState};
 use vb_world::TerrainClass;
 
+/// Friction of the ground on which it turns.
+const GROUND: f64 = 0.8;
+
 /// What the theories need of a track.
 struct Track<'a> {
     data: &'a Tracks,
@@ -16,6 +19,7 @@ struct Track<'a> {
     length: f64,
     /// At which the belt runs around the sprocket, m.
     pitch_radius: f64,
+    /// On that ground.
     friction: f64,
     /// Number of the first road wheel on the left, and its radius, m.
     wheel: usize,
@@ -31,17 +35,13 @@ impl<'a> Track<'a> {
         let last = spec.axles.len() - 2;
         // Each wheel stands for the ground up to half the way to its neighbours.
         let between = (x(1) - x(last)) / (last - 1) as f64;
-        let friction = match &spec.tyre {
-            vb_sim::TyreSpec::Rigid(t) => t.friction,
-            _ => f64::INFINITY,
-        };
         Some(Self {
             data,
             gauge: g.track(),
             width: spec.tyre.width(),
             length: x(1) - x(last) + between,
             pitch_radius: g.corners[2 * sprocket].radius - 0.5 * data.thickness,
-            friction,
+            friction: bench.grip(GROUND),
             wheel: 2,
             wheel_radius: g.corners[2].radius - data.thickness,
         })
@@ -67,7 +67,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut plot = Plot::new("Resistance to turning", "radius, m", "moment over μ W L/4");
     let (mut ours, mut trials) = (Vec::new(), Vec::new());
     for steering in [0.1, 0.2, 0.3, 0.4, 0.5, 1.0] {
-        let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(0.8), 0.0, 0.0)?;
+        let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(GROUND), 0.0, 0.0)?;
         d.hold(15.0, |s| bench.pace.hold_speed(s, 3.0, steering))?;
         let s = d.state();
         let radius = s.velocity.x / s.rates.z;
@@ -75,7 +75,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(&label, radius, "m");
         if steering < 1.0 {
             let moment = 0.5 * t.gauge * steering * t.data.steering_torque / t.pitch_radius;
-            let share = moment / (0.25 * t.friction.min(0.8) * bench.geometry.weight() * t.length);
+            let share = moment / (0.25 * t.friction * bench.geometry.weight() * t.length);
             let expected = 1.0 / (0.925 + 0.15 * radius / t.gauge);
             o.expect(
                 &format!("steering {steering}: moment over μ W L/4"),

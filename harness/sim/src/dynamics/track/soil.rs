@@ -135,7 +135,8 @@ impl Vehicle {
                 };
                 let force = turn * force;
                 let inertia = normal * normal.transpose() * stations.inertia[k];
-                let load = force.dot(&normal);
+                let pressed = force.dot(&normal);
+                let load = force.dot(&axes[1]);
                 self.share_out(a, b, share, &at, &force, &inertia, load, &axis);
                 let turning = turn * V3::new(stations.moment[0][k], 0.0, stations.moment[1][k]);
                 self.forces[a].moment += turning * (1.0 - share);
@@ -149,7 +150,7 @@ impl Vehicle {
                 if part > 0.0 {
                     let shape = 4.0 * part * (1.0 - part);
                     let (sum, added) = &mut loads[j];
-                    *sum += load * shape;
+                    *sum += pressed * shape;
                     *added += stations.inertia[k] * shape * shape;
                 }
             }
