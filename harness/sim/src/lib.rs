@@ -35,8 +35,8 @@ pub use spec::{
     Tracks, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
-pub use track::{Course, Disc, Span};
 pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};
+pub use track::{Course, Disc, Span};
 pub use tyre::{Contact, Envelope, Patch, SteadyForce, Tyre};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;

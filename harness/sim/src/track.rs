@@ -159,7 +159,8 @@ mod tests {
 
     #[test]
     fn wheels_of_one_size_on_the_corners_of_a_polygon_add_their_circumference_to_its_perimeter() {
-        let belt = Course::around(&discs(&[(1.0, 1.0, 0.2), (0.5, 0.0, 0.2), (-1.0, 0.0, 0.2), (-2.0, 1.0, 0.2)]));
+        let belt =
+            Course::around(&discs(&[(1.0, 1.0, 0.2), (0.5, 0.0, 0.2), (-1.0, 0.0, 0.2), (-2.0, 1.0, 0.2)]));
         let side = |a: (f64, f64), b: (f64, f64)| vb_math::hypot(a.0 - b.0, a.1 - b.1);
         let perimeter = side((1.0, 1.0), (0.5, 0.0))
             + side((0.5, 0.0), (-1.0, 0.0))
@@ -171,8 +172,12 @@ mod tests {
     /// Virtual work: the belt's tension T on a wheel is −T ∂L/∂centre.
     #[test]
     fn the_length_changes_with_a_wheels_place_as_its_two_spans_pull() {
-        let mut belt =
-            Course::around(&discs(&[(0.0, 0.0, 0.25), (-0.7, -0.3, 0.335), (-1.4, -0.25, 0.335), (-2.1, 0.0, 0.28)]));
+        let mut belt = Course::around(&discs(&[
+            (0.0, 0.0, 0.25),
+            (-0.7, -0.3, 0.335),
+            (-1.4, -0.25, 0.335),
+            (-2.1, 0.0, 0.28),
+        ]));
         for j in 0..4 {
             let before = belt.spans()[(j + 3) % 4].direction;
             let after = belt.spans()[j].direction;

@@ -3,12 +3,13 @@
 mod common;
 use common::{controls, hold_speed};
 use std::sync::Arc;
-use vb_sim::{GRAVITY, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{
+    GRAVITY, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, VehicleModel, VehicleSpec,
+};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
-/// Radius of a road wheel, with the belt around it, and gauge, m.
+/// Radius of a road wheel, and gauge, m.
 const WHEEL: f64 = 0.305;
-const OUTER: f64 = 0.365;
 const GAUGE: f64 = 2.159;
 /// Length of ground that five wheels stand for, 0.667 m apart, m.
 const LENGTH: f64 = 5.0 * 0.667;
@@ -78,7 +79,10 @@ fn the_resistance_to_turning_falls_with_the_radius_as_in_trials() {
         let moment = 0.5 * GAUGE * steering * torque / (0.2792 - 0.03);
         let share = moment / (0.25 * weight * LENGTH) / 0.8;
         let trials = 1.0 / (0.925 + 0.15 * radius / GAUGE);
-        assert!((share / trials - 1.0).abs() < 0.3, "at {radius} m: {share} of all friction, trials {trials}");
+        assert!(
+            (share / trials - 1.0).abs() < 0.3,
+            "at {radius} m: {share} of all friction, trials {trials}"
+        );
         assert!(radius < 0.8 * last, "{radius} m at {steering}, {last} m before");
         last = radius;
     }
@@ -181,7 +185,8 @@ fn published() -> [(&'static str, SoilLaw); 3] {
     let wong = common::wong_soils();
     ["dry-sand", "sandy-loam", "lete-sand"].map(|name| {
         let pressure = PressureDirection::Radial;
-        let law = SoilLaw { pressure, damping: 1e3, bulldozing: None, elastic_stiffness: 4e8, ..wong.soils[name] };
+        let law =
+            SoilLaw { pressure, damping: 1e3, bulldozing: None, elastic_stiffness: 4e8, ..wong.soils[name] };
         (name, law)
     })
 }

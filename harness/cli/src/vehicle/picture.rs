@@ -118,11 +118,8 @@ fn belts(s: &mut String, standing: &Standing, view: View) {
     for edges in standing.belts.chunks(2) {
         if view.up == 2 {
             let ring = |points: &[[f64; 3]]| {
-                let places: Vec<String> = points
-                    .iter()
-                    .map(|p| view.at(*p))
-                    .map(|[x, y]| format!("{x:.1} {y:.1}"))
-                    .collect();
+                let places: Vec<String> =
+                    points.iter().map(|p| view.at(*p)).map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
                 format!("M{}Z", places.join("L"))
             };
             let [outer, inner] = &edges[0];

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use vb_runner::{StaticShape, static_shape};
 use vb_sim::{
-    Course, Disc, Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState,
+    Course, Disc, Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec,
+    VehicleState,
 };
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 

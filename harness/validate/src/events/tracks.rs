@@ -217,9 +217,7 @@ fn trench(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let widest = largest(0.5, 4.0, 0.05, |width| {
         let world = profile(12.0, 6.0, 0.05, 0.8, |x| if x > 0.0 && x < width { -3.0 } else { 0.0 });
         let mut d = Drive::new(bench, &format!("{width:.2}m"), &world, -8.0, 0.0)?;
-        let push = |s: &VehicleState| {
-            controls(pace.hold_line(s), pace.hold_speed(s, 2.0, 0.0).throttle, 0.0)
-        };
+        let push = |s: &VehicleState| controls(pace.hold_line(s), pace.hold_speed(s, 2.0, 0.0).throttle, 0.0);
         let over = |s: &VehicleState| s.position.x > pace.length(width) + bench.spec.length;
         let done = d.run(20.0, push, over)?;
         if done {

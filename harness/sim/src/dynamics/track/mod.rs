@@ -113,8 +113,7 @@ pub(super) fn sprockets(v: &VehicleSpec) -> Option<VehicleSpec> {
         tyre.radius = pitch;
     }
     reduced.chassis.mass = v.total_mass() - 2.0 * sprocket.unsprung_mass;
-    reduced.axles =
-        vec![crate::spec::Axle { spin_inertia: inertia, tyre: Some(tyre), ..sprocket.clone() }];
+    reduced.axles = vec![crate::spec::Axle { spin_inertia: inertia, tyre: Some(tyre), ..sprocket.clone() }];
     Some(reduced)
 }
 
@@ -144,7 +143,8 @@ impl Track {
         let middle = 0.5 * (front.centre[0] + rear.centre[0]);
         let level = discs[1].centre[1];
         let half = 0.5 * t.thickness;
-        let reach = [rear.centre[0] - 0.9 * (rear.radius + half), front.centre[0] + 0.9 * (front.radius + half)];
+        let reach =
+            [rear.centre[0] - 0.9 * (rear.radius + half), front.centre[0] + 0.9 * (front.radius + half)];
         let length = course.length();
         Some(Self {
             first: side,

@@ -35,14 +35,7 @@ impl Track {
     }
 
     /// Where hard ground pushes a span in.
-    fn ground_touch(
-        &self,
-        j: usize,
-        ground: &Ground<'_>,
-        under: Under,
-        x: &V3,
-        turn: &M3,
-    ) -> Option<Touch> {
+    fn ground_touch(&self, j: usize, ground: &Ground<'_>, under: Under, x: &V3, turn: &M3) -> Option<Touch> {
         let span = &self.course.spans()[j];
         let out = span.outward();
         let outward = Self::in_world(turn, out);
@@ -70,8 +63,7 @@ impl Track {
             let weight = 4.0 * part * (1.0 - part);
             let [px, pz] = span.at(part);
             for side in [-strip, strip] {
-                let at =
-                    x + turn * V3::new(px + face * out[0], self.aside + side, pz + face * out[1]);
+                let at = x + turn * V3::new(px + face * out[0], self.aside + side, pz + face * out[1]);
                 let over = (ground.heightfield.height(at.x, at.y) - at.z) * -outward.z;
                 if over <= 0.0 {
                     continue;
@@ -164,10 +156,8 @@ impl Vehicle {
         let axis = turn.column(1).into_owned();
         let hub = touch.point + touch.normal * t.data.radius;
         let moves = |i: usize| self.forces[i].tangent * self.corners[i].travel_rate;
-        let velocity = self.v
-            + self.w.cross(&(hub - self.x))
-            + moves(a) * (1.0 - touch.part)
-            + moves(b) * touch.part;
+        let velocity =
+            self.v + self.w.cross(&(hub - self.x)) + moves(a) * (1.0 - touch.part) + moves(b) * touch.part;
         let spin = t.speed / (t.data.radius + depth);
         let motion = WheelMotion { hub, velocity, rotation: self.w + axis * spin, axis, spin };
         let contact = Contact { point: touch.point, normal: touch.normal, depth };

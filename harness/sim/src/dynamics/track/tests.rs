@@ -20,7 +20,9 @@ fn placed(v: &mut Vehicle) {
 
 /// Sum of the forces on all wheels and of their moments about the centre of mass.
 fn total(v: &Vehicle) -> (V3, V3) {
-    v.forces.iter().fold((V3::zeros(), V3::zeros()), |(f, m), w| (f + w.force, m + w.arm.cross(&w.force) + w.moment))
+    v.forces
+        .iter()
+        .fold((V3::zeros(), V3::zeros()), |(f, m), w| (f + w.force, m + w.arm.cross(&w.force) + w.moment))
 }
 
 #[test]
@@ -67,7 +69,10 @@ fn thrust_at_any_wheel_reaches_the_hull_as_if_it_acted_there() {
             let outer = contact.cross(&(V3::x() * thrust)).y;
             let belt = t.course.discs()[wheel].radius / radius;
             let got = moment.y - held;
-            assert!((got - outer).abs() < (1.0 - belt) * thrust * radius + 1.0, "{sprocket} {wheel}: {got} {outer}");
+            assert!(
+                (got - outer).abs() < (1.0 - belt) * thrust * radius + 1.0,
+                "{sprocket} {wheel}: {got} {outer}"
+            );
         }
     }
 }
@@ -124,9 +129,7 @@ fn the_sprockets_turn_all_that_turns_with_the_belt() {
     assert!((reduced.total_mass() - spec.total_mass()).abs() < 1e-9);
     // Sheet: sprocket 1.283, five road wheels 2.16 at 0.305 m, idler 1.12 at 0.255 m, belt 1144.27 kg, all at 0.2492 m.
     let p: f64 = 0.2492;
-    let expected = 1.283
-        + 1144.27 * p * p
-        + 5.0 * 2.16 * (p / 0.305) * (p / 0.305)
-        + 1.12 * (p / 0.255) * (p / 0.255);
+    let expected =
+        1.283 + 1144.27 * p * p + 5.0 * 2.16 * (p / 0.305) * (p / 0.305) + 1.12 * (p / 0.255) * (p / 0.255);
     assert!((reduced.axles[0].spin_inertia - expected).abs() < 1e-6, "{}", reduced.axles[0].spin_inertia);
 }

@@ -156,13 +156,7 @@ impl Footprint<TRACK> {
     /// For a belt whose lowest part reaches from `rear` to `front` (m, along the heading, from the point that stands for
     /// the hub) and that stays near the ground up to a height of `near` (m) of that point.
     /// Soil stays between its pads while it is less than `grip` (m) above the ground.
-    pub(crate) fn track(
-        [rear, front]: [f64; 2],
-        near: f64,
-        grip: f64,
-        width: f64,
-        pitch: f64,
-    ) -> Self {
+    pub(crate) fn track([rear, front]: [f64; 2], near: f64, grip: f64, width: f64, pitch: f64) -> Self {
         Self {
             grip,
             stations: Some(Box::new(Stations::NONE)),

@@ -61,8 +61,7 @@ impl<const N: usize> Footprint<N> {
         dt: f64,
         sum: &mut Sum,
     ) {
-        let mut body =
-            Body {
+        let mut body = Body {
             velocity: f.local(&m.velocity),
             rotation: f.local(&m.rotation),
             offset: 0.0,
@@ -184,11 +183,8 @@ impl<const N: usize> Footprint<N> {
             let elastic = (sinkage - plastic) * elastic_stiffness;
             let touching = elastic.simd_gt(zero) & mine;
             // The soil between the pads of a belt stays there while the belt is less than its grip above the ground.
-            let held = if self.grip > 0.0 {
-                (sinkage + all(self.grip)).simd_gt(plastic) & mine
-            } else {
-                touching
-            };
+            let held =
+                if self.grip > 0.0 { (sinkage + all(self.grip)).simd_gt(plastic) & mine } else { touching };
             if !held.any_true() {
                 for row in &mut shear_rows {
                     store(row, g, mine.select(zero, load(row, g)));
@@ -227,7 +223,11 @@ impl<const N: usize> Footprint<N> {
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
             let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
             for k in 0..2 {
-                let state = if self.grip > 0.0 { held.select(after[k], zero) } else { contact.select(after[k], zero) };
+                let state = if self.grip > 0.0 {
+                    held.select(after[k], zero)
+                } else {
+                    contact.select(after[k], zero)
+                };
                 store(shear_rows[k], g, mine.select(state, before[k]));
             }
             // Ground that a station stands for, and the rim over it, which is larger where it is steep.
@@ -255,7 +255,7 @@ impl<const N: usize> Footprint<N> {
             lanes.displaced += (deeper - plastic) * area;
             let depth = contact.select(sinkage, zero);
             lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
-            bits |= u64::from(contact.to_bitmask()) << g;
+            bits |= contact.to_bitmask() << g;
             if let Some(stations) = &mut self.stations {
                 stations.add(simd, g, &force, along, body.offset, implicit, depth);
             }

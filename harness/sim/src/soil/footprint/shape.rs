@@ -57,8 +57,11 @@ impl<const N: usize> Shape<N> {
             if inside { 0.5 * (at(k + 1) - at(k - 1)) } else { 0.0 }
         });
         let inverse_lengths = lengths.map(|l| if l > 0.0 { 1.0 / l } else { 0.0 });
-        let level =
-            Directions { normal: [[0.0; N], [0.0; N], [1.0; N]], tangent: [[1.0; N], [0.0; N]], rim: lengths };
+        let level = Directions {
+            normal: [[0.0; N], [0.0; N], [1.0; N]],
+            tangent: [[1.0; N], [0.0; N]],
+            rim: lengths,
+        };
         Self {
             reach: 0.0,
             near: 0.0,
@@ -99,13 +102,7 @@ impl Shape<WHEEL> {
         let (sin, cos) = (shape.xs.map(|x| x / radius), half.map(|h| h / radius));
         let rim = std::array::from_fn(|k| shape.lengths[k] * radius / half[k]);
         let radial = Directions { normal: [sin.map(|s| -s), [0.0; WHEEL], cos], tangent: [cos, sin], rim };
-        Self {
-            reach: vb_math::hypot(radius, width),
-            near: (1.0 + CLEARANCE) * radius,
-            half,
-            radial,
-            ..shape
-        }
+        Self { reach: vb_math::hypot(radius, width), near: (1.0 + CLEARANCE) * radius, half, radial, ..shape }
     }
 }
 

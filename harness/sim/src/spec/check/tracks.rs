@@ -8,13 +8,15 @@ impl Check<'_> {
     pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), SimError> {
         let Some(t) = &v.tracks else {
             if v.steering.by == SteeredBy::Differential {
-                let reason = "differential, but only tracked vehicles are steered so, and there are no tracks";
+                let reason =
+                    "differential, but only tracked vehicles are steered so, and there are no tracks";
                 return self.fail("steering.by", reason.to_owned());
             }
             return Ok(());
         };
         if v.steering.by != SteeredBy::Differential {
-            let reason = "wheels, but a tracked vehicle is steered by its driveline; write `by: differential`";
+            let reason =
+                "wheels, but a tracked vehicle is steered by its driveline; write `by: differential`";
             return self.fail("steering.by", reason.to_owned());
         }
         self.positive("tracks.thickness", t.thickness)?;
@@ -26,7 +28,8 @@ impl Check<'_> {
         self.not_negative("tracks.resistance[1]", t.resistance[1])?;
         self.positive("tracks.steering_torque", t.steering_torque)?;
         if v.axles.len() < 4 {
-            let reason = format!("{} given; a track needs sprocket, idler and two road wheels", v.axles.len());
+            let reason =
+                format!("{} given; a track needs sprocket, idler and two road wheels", v.axles.len());
             return self.fail("axles", reason);
         }
         let last = v.axles.len() - 1;
@@ -82,7 +85,8 @@ impl Check<'_> {
             [a.position[0] + s[0], a.position[2] + s[2]]
         };
         let ([x, z], [nx, nz]) = (place(a), place(next));
-        let (apart, need) = (vb_math::hypot(x - nx, z - nz), (tyre.radius() - v.tyre_of(next).radius()).abs());
+        let (apart, need) =
+            (vb_math::hypot(x - nx, z - nz), (tyre.radius() - v.tyre_of(next).radius()).abs());
         if apart <= need {
             let reason = format!("{apart:.3} m from the next wheel of the belt, within the other's radius");
             return self.fail(&at("position"), reason);
@@ -111,17 +115,17 @@ mod tests {
             "",
             "steering.by: wheels, but a tracked vehicle is steered by its driveline; write `by: differential`",
         );
-        refused("thickness: 0.06", "thickness: 0.5", "axles[0].tyre.radius: 0.2792 must exceed the belt's thickness, 0.5");
+        refused(
+            "thickness: 0.06",
+            "thickness: 0.5",
+            "axles[0].tyre.radius: 0.2792 must exceed the belt's thickness, 0.5",
+        );
         refused(
             "brake_torque: 0.0",
             "brake_torque: 10.0",
             "axles[1].brake_torque: only the sprocket of a track drives and brakes",
         );
-        refused(
-            "driven: true",
-            "driven: false",
-            "axles: none is driven",
-        );
+        refused("driven: true", "driven: false", "axles: none is driven");
         refused(
             "spindle: [0, 1.0795, 0]\n        pivot",
             "spindle: [0, 1.1, 0]\n        pivot",
