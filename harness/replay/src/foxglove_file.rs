@@ -275,8 +275,10 @@ fn vehicle_scene(run: &ReplayRun, k: usize, frame: &str, stamp: Timestamp) -> Sc
     hull.triangles = parts(&run.vehicle).iter().map(|p| triangles(p, colour(own, 1.0))).collect();
     hull.metadata.push(KeyValuePair { key: "run".into(), value: run.label.clone() });
     let mut entities = vec![hull];
-    let (radius, width) = (run.vehicle.tyre.radius(), run.vehicle.tyre.width());
-    for w in 0..run.motion.wheels {
+    // Wheels in a belt are drawn with it.
+    let belt = run.vehicle.tracks.as_ref().map_or(0.0, |t| t.thickness);
+    for (w, [radius, width]) in run.vehicle.wheel_sizes().into_iter().enumerate().take(run.motion.wheels) {
+        let radius = radius + belt;
         let mut wheel = entity("wheel", &format!("{frame}/wheel{w}"), stamp);
         wheel.id = format!("wheel{w}");
         // Foxglove's cylinders stand along z, a wheel's axis is y.

@@ -221,8 +221,8 @@ fn run(run: &ReplayRun) -> Value {
         "vehicle": {
             "name": spec.name,
             "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
-            "radius": spec.tyre.radius(),
-            "width": spec.tyre.width(),
+            "wheels": spec.wheel_sizes(),
+            "belt": spec.tracks.as_ref().map(|t| t.thickness),
             "length": spec.length,
         },
         "series": run.series.json(),

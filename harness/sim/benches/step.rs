@@ -70,6 +70,7 @@ fn vehicles(c: &mut Criterion) {
         ("man5t 4x4", include_str!("../../../tasks/vehicles/man5t.yaml")),
         ("man7t 6x6", include_str!("../../../tasks/vehicles/man7t.yaml")),
         ("man10t 8x8", include_str!("../../../tasks/vehicles/man10t.yaml")),
+        ("m113 tracked", include_str!("../../../tasks/vehicles/m113.yaml")),
         ("artcar 1/6", include_str!("../../../tasks/vehicles/artcar.yaml")),
         ("verti4wheeler 1/10", include_str!("../../../tasks/vehicles/verti4wheeler.yaml")),
     ] {

@@ -4,7 +4,7 @@ use crate::spec::{TyreSpec, VehicleSpec};
 use crate::tyre::Contact;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
-use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, HeightFieldFlags};
+use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, HeightFieldFlags, SupportMap};
 use rapier3d_f64::parry::utils::Array2;
 use rapier3d_f64::prelude::*;
 use vb_world::{Heightfield, World};
@@ -120,6 +120,31 @@ impl Obstacles {
         self.near.iter().any(|&i| self.solids[i].cuboid.may_touch(hull, margin))
     }
 
+    /// The deepest contact of a plate with an obstacle. The plate lies along the columns of `axes`, with its size (m) along
+    /// each; the edges along the last, its thickness, are round.
+    pub(crate) fn plate_contact(&self, size: [f64; 3], middle: &V3, axes: &M3) -> Option<Contact> {
+        let margin = 0.5 * size[2];
+        let half = [0.5 * size[0], 0.5 * size[1] - margin, 1e-3 * margin];
+        let core = rapier3d_f64::parry::shape::Cuboid::new(Vector::new(half[0], half[1], half[2]));
+        let turn = Quat::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(*axes));
+        let plate = Pose::from_parts(vector(middle), rotation(&turn));
+        let bound = V3::new(half[0], half[1], half[2]).norm() + margin;
+        let mut deepest: Option<Contact> = None;
+        for &i in &self.near {
+            let s = &self.solids[i];
+            let reach = s.bound + bound;
+            if (s.centre - middle).norm_squared() > reach * reach {
+                continue;
+            }
+            if let Some(c) = s.contact(&core, margin, &plate)
+                && deepest.is_none_or(|d| c.depth > d.depth)
+            {
+                deepest = Some(c);
+            }
+        }
+        deepest
+    }
+
     /// The deepest contact of a wheel with an obstacle.
     pub(crate) fn wheel_contact(&self, wheel: &WheelShape, hub: &V3, axis: &V3) -> Option<Contact> {
         let mut deepest: Option<Contact> = None;
@@ -161,30 +186,37 @@ impl WheelShape {
         let turn = Quat::rotation_between(&V3::y(), axis)
             .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI));
         let wheel = Pose::from_parts(vector(hub), rotation(&turn));
-        let relative = solid.pose.inverse() * wheel;
+        solid.contact(&self.core, self.margin, &wheel)
+    }
+}
+
+impl Solid {
+    /// Contact with a body that is a core inflated by a margin.
+    fn contact(&self, core: &impl SupportMap, margin: f64, pose: &Pose) -> Option<Contact> {
+        let relative = self.pose.inverse() * *pose;
         let start = relative.translation.try_normalize().unwrap_or(Vector::Z);
         let mut simplex = VoronoiSimplex::new();
-        simplex.reset(CsoPoint::from_shapes(&relative, &solid.shape, &self.core, start));
-        let found = gjk::closest_points(&relative, &solid.shape, &self.core, self.margin, true, &mut simplex);
+        simplex.reset(CsoPoint::from_shapes(&relative, &self.shape, core, start));
+        let found = gjk::closest_points(&relative, &self.shape, core, margin, true, &mut simplex);
         let (on_solid, out, depth) = match found {
-            GJKResult::ClosestPoints(p1, p2, n) => (p1, n, self.margin - (p2 - p1).dot(n)),
+            GJKResult::ClosestPoints(p1, p2, n) => (p1, n, margin - (p2 - p1).dot(n)),
             GJKResult::Intersection => {
                 // The core itself is inside: deeper than any tyre deflects. Push it out the shortest way.
                 let (p1, p2, n) = rapier3d_f64::parry::query::epa::EPA::new().closest_points(
                     &relative,
-                    &solid.shape,
-                    &self.core,
+                    &self.shape,
+                    core,
                     &simplex,
                 )?;
-                (p1, n, self.margin - (p2 - p1).dot(n))
+                (p1, n, margin - (p2 - p1).dot(n))
             }
             _ => return None,
         };
         if depth <= 0.0 {
             return None;
         }
-        let normal = from_vector(solid.pose.rotation * out);
-        Some(Contact { point: from_vector(solid.pose * on_solid), normal, depth })
+        let normal = from_vector(self.pose.rotation * out);
+        Some(Contact { point: from_vector(self.pose * on_solid), normal, depth })
     }
 }
 

@@ -19,6 +19,7 @@ mod soil;
 mod spec;
 mod state;
 mod suspension;
+mod track;
 mod tyre;
 
 pub use error::SimError;
@@ -31,10 +32,11 @@ pub use spec::{
     DrivenAxle, Engine, FialaTyre, Gearbox, Governor, KnuckleDrive, Knuckles, LeafAxle, Linkage, LockUp,
     Multilink, Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod, SingleWishbone, SolidAxle, Spring,
     SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, TmeasyTyre, Torsion, TorsionArm,
-    TyreSpec, VehicleSpec,
+    Tracks, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};
+pub use track::{Course, Disc, Span};
 pub use tyre::{Contact, Envelope, Patch, SteadyForce, Tyre};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;

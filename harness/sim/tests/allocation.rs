@@ -101,3 +101,21 @@ fn steps_in_its_own_rut_take_no_memory() {
     assert_eq!((second, alone), (0, 2000));
     assert!(first > 0, "tiles came into being on the first round");
 }
+
+#[test]
+fn steps_of_a_tracked_vehicle_take_no_memory() {
+    let text = include_str!("../../../tasks/vehicles/m113.yaml");
+    let model = common::model(vb_sim::VehicleSpec::parse(text, "m113.yaml").expect("it is valid"));
+    let start = |world, x| {
+        let at = vb_world::Pose2 { x, y: 0.0, yaw: 0.0 };
+        Simulation::new(world, &model, &soils(), at, SimOptions::default()).expect("it settles")
+    };
+    let mut sim = start(flat(0.8), -100.0);
+    requests(&mut sim, 1000, 4.0, 0.3);
+    assert_eq!(requests(&mut sim, 2000, 4.0, 0.3).1, 0);
+    // On soil tiles come into being ahead of it, at most one a track and step.
+    let mut sim = start(soil_world(Heightfield::flat(129, 129, 1.0, 0.0), TerrainClass::Sand), -40.0);
+    requests(&mut sim, 1000, 4.0, 0.0);
+    let (_, ours, alone) = requests(&mut sim, 2000, 4.0, 0.0);
+    assert!(ours <= 6 && alone == 2000, "{ours} in {alone} steps over 8 m");
+}

@@ -35,6 +35,16 @@ pub enum ValidateError {
         /// All names.
         known: String,
     },
+    /// An event that says nothing of the vehicle.
+    #[error("the event {name} is for {kind} vehicles; {vehicle} is none")]
+    NotForVehicle {
+        /// The event.
+        name: String,
+        /// wheeled or tracked
+        kind: &'static str,
+        /// Name of the vehicle.
+        vehicle: String,
+    },
     /// A step that no simulation can use.
     #[error("step {step} s: must be between 0.01 and 10 ms")]
     Step {

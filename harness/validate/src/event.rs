@@ -4,7 +4,7 @@ use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
 use crate::rig::Pace;
 use serde::Serialize;
-use vb_sim::{Differential, SimError, SimOptions, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Differential, SimError, SimOptions, SoilSet, TyreSpec, VehicleModel, VehicleSpec};
 
 /// A vehicle ready to be put through events.
 #[derive(Clone, Debug)]
@@ -28,6 +28,16 @@ impl<'a> Bench<'a> {
         let rest = crate::rig::at_rest(&model, options)?;
         let geometry = Geometry::new(&model, rest.wheels.iter().map(|w| w.deflection).collect());
         Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model })
+    }
+
+    /// Friction between the ground and the vehicle's tyres where it is the lesser of theirs; that of the ground for tyres whose
+    /// forces scale with it.
+    pub(crate) fn grip(&self, ground: f64) -> f64 {
+        match &self.spec.tyre {
+            TyreSpec::Rigid(t) => t.friction.min(ground),
+            TyreSpec::Brush(t) => t.friction.min(ground),
+            TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => ground,
+        }
     }
 
     /// Whether an engine that idles behind a converter drives the vehicle with nothing pressed.

@@ -3,7 +3,7 @@
 use crate::check::{Check, Verdict};
 use crate::error::ValidateError;
 use crate::event::{Bench, Event, LineKind, Outcome};
-use crate::events::{event, events};
+use crate::events::{event, events, fits};
 use crate::reference::References;
 use crate::report::Report;
 use std::sync::Mutex;
@@ -66,11 +66,16 @@ pub fn run(
         return Err(ValidateError::Step { step: options.step });
     }
     for name in &options.events {
-        event(name)?;
+        if !fits(event(name)?, spec) {
+            let kind = if spec.tracks.is_some() { "wheeled" } else { "tracked" };
+            let vehicle = spec.name.clone();
+            return Err(ValidateError::NotForVehicle { name: name.clone(), kind, vehicle });
+        }
     }
     let bench = Bench::new(spec, soils, options.step)?;
     let wanted: Vec<&'static Event> = events()
         .iter()
+        .filter(|e| fits(e, spec))
         .filter(|e| options.events.is_empty() || options.events.iter().any(|n| n == e.name))
         .collect();
     let next = AtomicUsize::new(0);

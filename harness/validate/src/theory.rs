@@ -47,15 +47,15 @@ impl<'a> PointMass<'a> {
             .sum();
         let turning = wheels + axles + line.shaft_inertia / (final_drive * final_drive);
         let inertia = g.mass + turning / (radius * radius);
-        let (grip, rolling) = match &spec.tyre {
-            TyreSpec::Rigid(t) => (t.friction, 0.0),
-            TyreSpec::Brush(t) => (t.friction, t.rolling_resistance),
-            TyreSpec::Fiala(t) => (f64::INFINITY, t.rolling_resistance),
-            TyreSpec::Tmeasy(t) => (f64::INFINITY, t.rolling_resistance),
+        let rolling = match &spec.tyre {
+            TyreSpec::Rigid(_) => 0.0,
+            TyreSpec::Brush(t) => t.rolling_resistance,
+            TyreSpec::Fiala(t) => t.rolling_resistance,
+            TyreSpec::Tmeasy(t) => t.rolling_resistance,
         };
         let mut p = Self {
             bench,
-            friction: friction.min(grip),
+            friction: bench.grip(friction),
             rolling,
             final_drive,
             inertia,

@@ -159,7 +159,9 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         }
     };
     let report = vb_validate::run(&spec, &soils, &references, &options, told).map_err(|e| match e {
-        ValidateError::UnknownEvent { .. } | ValidateError::Step { .. } => CliError::usage(e),
+        ValidateError::UnknownEvent { .. }
+        | ValidateError::NotForVehicle { .. }
+        | ValidateError::Step { .. } => CliError::usage(e),
         ValidateError::Write { .. } => CliError::output(e),
         other => CliError::input(other),
     })?;

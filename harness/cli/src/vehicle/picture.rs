@@ -12,6 +12,7 @@ const STYLE: &str = "\
 svg{color:#1b2733;background:#fff;font:13px sans-serif}\
 .hull{fill:#7d99b3;fill-opacity:.35;stroke:#33536f;stroke-width:1.2}\
 .wheel{fill:#39424c;fill-opacity:.55;stroke:#11161b;stroke-width:1.2}\
+.belt{fill:#39424c;fill-opacity:.8;fill-rule:evenodd;stroke:#11161b;stroke-width:1}\
 .link{stroke:#b3541e;stroke-width:2;fill:none}\
 .strut{stroke:#1f7a43;stroke-width:3;fill:none;stroke-dasharray:5 3}\
 .ground,.size{stroke:currentColor;stroke-width:1;fill:none}\
@@ -39,7 +40,8 @@ impl View {
 /// The drawing as an SVG document.
 pub(super) fn draw(standing: &Standing) -> String {
     let points = || {
-        let wheels = standing.wheels.iter().flat_map(outline);
+        let belts = standing.belts.iter().flat_map(|[outer, _]| outer.iter().copied());
+        let wheels = standing.wheels.iter().flat_map(outline).chain(belts);
         standing.hull.iter().flatten().copied().chain(wheels)
     };
     let range =
@@ -87,6 +89,7 @@ pub(super) fn draw(standing: &Standing) -> String {
         for wheel in &standing.wheels {
             polygon(&mut s, "wheel", &hull(outline(wheel).map(|p| view.at(p)).collect()));
         }
+        belts(&mut s, standing, view);
         for (class, lines) in [("link", &standing.links), ("strut", &standing.struts)] {
             for [a, b] in lines {
                 let (a, b) = (view.at(*a), view.at(*b));
@@ -108,6 +111,24 @@ pub(super) fn draw(standing: &Standing) -> String {
         );
     }
     s + "</svg>\n"
+}
+
+/// The belts: rings from the side, and what they cover from above.
+fn belts(s: &mut String, standing: &Standing, view: View) {
+    for edges in standing.belts.chunks(2) {
+        if view.up == 2 {
+            let ring = |points: &[[f64; 3]]| {
+                let places: Vec<String> =
+                    points.iter().map(|p| view.at(*p)).map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
+                format!("M{}Z", places.join("L"))
+            };
+            let [outer, inner] = &edges[0];
+            let _ = writeln!(s, "<path class=\"belt\" d=\"{}{}\"/>", ring(outer), ring(inner));
+        } else {
+            let covered = edges.iter().flat_map(|[outer, _]| outer).map(|p| view.at(*p)).collect();
+            polygon(s, "belt", &hull(covered));
+        }
+    }
 }
 
 /// Points on both edges of a tyre.

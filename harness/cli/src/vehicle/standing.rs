@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use vb_runner::{StaticShape, static_shape};
 use vb_sim::{
-    Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState,
+    Course, Disc, Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec,
+    VehicleState,
 };
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
@@ -30,6 +31,8 @@ pub(super) struct Standing {
     pub(super) links: Vec<[Point; 2]>,
     /// Springs and dampers, as lines.
     pub(super) struts: Vec<[Point; 2]>,
+    /// Outlines of the belts of a tracked vehicle: outer face and inner face.
+    pub(super) belts: Vec<[Vec<Point>; 2]>,
     /// Points of the convex parts of the hull.
     pub(super) hull: Vec<Vec<Point>>,
 }
@@ -47,19 +50,22 @@ impl Standing {
         let place = |p: Point| -> Point { (state.position + state.attitude * vector(p)).into() };
         let turn = |p: Point| -> Point { (state.attitude * vector(p)).into() };
         let (mut wheels, mut links, mut struts) = (Vec::new(), Vec::new(), Vec::new());
+        let sizes = spec.wheel_sizes();
+        let mut hubs: [Vec<Point>; 2] = [Vec::new(), Vec::new()];
         for (i, (axle, solved)) in spec.axles.iter().zip(model.axles()).enumerate() {
-            let tyre = spec.tyre_of(axle);
+            let sizes = &sizes[2 * i..2 * i + 2];
             let travels = [0, 1].map(|k| state.wheels[2 * i + k].deflection);
-            for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+            for (k, (side, sign)) in [(Side::Left, 1.0), (Side::Right, -1.0)].into_iter().enumerate() {
                 let pose = solved.wheel(side, travels, 0.0);
                 let design = solved.wheel(side, [0.0; 2], 0.0);
                 let hub: Point = pose.hub.into();
                 wheels.push(Wheel {
                     centre: place(add(axle.position, hub)),
                     axis: turn(pose.axis.into()),
-                    radius: tyre.radius(),
-                    width: tyre.width(),
+                    radius: sizes[k][0],
+                    width: sizes[k][1],
                 });
+                hubs[k].push(add(axle.position, hub));
                 // What moves with the wheel is drawn as far from its design position as the wheel itself is.
                 let moved: Point = (pose.hub - design.hub).into();
                 let fixed = |p: Point| place(add(axle.position, [p[0], sign * p[1], p[2]]));
@@ -70,7 +76,21 @@ impl Standing {
             }
         }
         let hull = spec.chassis.hull.iter().map(|part| part.iter().map(|p| place(*p)).collect()).collect();
-        Ok(Self { spec, shape, state, wheels, links, struts, hull })
+        let belts = spec.tracks.iter().flat_map(|t| {
+            hubs.iter().flat_map(|hubs| {
+                let width = sizes[0][1];
+                let radius = |j: usize| sizes[2 * j][0] + 0.5 * t.thickness;
+                let disc = |(j, h): (usize, &Point)| Disc { centre: [h[0], h[2]], radius: radius(j) };
+                let course = Course::around(&hubs.iter().enumerate().map(disc).collect::<Vec<_>>());
+                let faces = [0.5 * t.thickness, -0.5 * t.thickness];
+                [-0.5 * width, 0.5 * width].map(|side| {
+                    let y = hubs[0][1] + side;
+                    faces.map(|f| course.outline(f, 12).into_iter().map(|[x, z]| place([x, y, z])).collect())
+                })
+            })
+        });
+        let belts = belts.collect();
+        Ok(Self { spec, shape, state, wheels, links, struts, belts, hull })
     }
 }
 

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { bodies, band } from './ground.js';
+import { Belt } from './belt.js';
 import { locate, position, scale, signal } from './data.js';
 
 const WHEEL = 7; // hub, axis, angle
@@ -94,13 +95,19 @@ export class Run {
       new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
     ));
     const rubber = new THREE.MeshLambertMaterial({ vertexColors: true, transparent: ghost, opacity: ghost ? 0.45 : 1 });
-    const geometry = wheelGeometry(run.vehicle.radius, run.vehicle.width);
-    this.wheels = Array.from({ length: run.wheel_count }, () => {
-      const mesh = new THREE.Mesh(geometry, rubber);
+    const geometries = new Map();
+    this.wheels = Array.from({ length: run.wheel_count }, (_, w) => {
+      const [radius, width] = run.vehicle.wheels[w];
+      const key = `${radius} ${width}`;
+      // Between the rims of a belted wheel its guides run.
+      if (!geometries.has(key)) geometries.set(key, wheelGeometry(radius, run.vehicle.belt ? 0.6 * width : width));
+      const mesh = new THREE.Mesh(geometries.get(key), rubber);
       mesh.castShadow = !ghost;
       return mesh;
     });
     this.body.add(...this.wheels);
+    this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side, ghost)) : [];
+    this.body.add(...this.belts.map((belt) => belt.mesh));
     this.group.add(this.body);
     this.makeTrail();
     this.ruts = ruts(run, world.height, pitch);
@@ -169,6 +176,10 @@ export class Run {
       const axis = new THREE.Vector3(mix(3), mix(4), mix(5)).normalize();
       mesh.quaternion.setFromUnitVectors(UP, axis)
         .multiply(new THREE.Quaternion().setFromAxisAngle(UP, mix(6)));
+    });
+    for (const belt of this.belts) belt.show(this.wheels, (w) => {
+      const [a, b] = [k, next].map((i) => this.run.wheels[WHEEL * (n * i + w) + 6]);
+      return a + share * (b - a);
     });
     const [trail] = locate(this.trailTimes, t);
     this.trail.geometry.setDrawRange(0, t <= 0 ? 0 : 6 * trail);

@@ -29,7 +29,12 @@ impl Vehicle {
             kinetic += 0.5 * b.middle_mass() * velocity.norm_squared();
             height -= b.middle_mass() * self.gravity.dot(&(self.x + b.arm));
         }
-        kinetic + height + self.drive.energy(|i| self.corners[i].spin) - self.drive.work()
+        kinetic
+            + height
+            + self
+                .drive
+                .energy(|i| self.tracks.get(i).map_or(self.corners[i].spin, super::Track::sprocket_spin))
+            - self.drive.work()
     }
 
     /// The energy that lifts the vehicle by the radius of a wheel, J.

@@ -12,11 +12,12 @@ mod energy;
 mod pose;
 mod solve;
 mod spin;
+mod track;
 mod wheel;
 
 use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
-use crate::soil::{Footprint, SoilGround};
+use crate::soil::{Footprint, SoilGround, WHEEL};
 use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
 use crate::state::{Controls, WheelState};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
@@ -24,6 +25,7 @@ use crate::tyre::{Envelope, Patch, Tyre};
 use crate::{GRAVITY, M3, Quat, V3};
 use beam::Beam;
 use std::sync::Arc;
+use track::Track;
 use vb_world::{Heightfield, Semantics};
 
 /// What the wheels stand on.
@@ -45,6 +47,8 @@ struct Corner {
     mount: V3,
     mass: f64,
     spin_inertia: f64,
+    /// Speed of the wheel over its spin: more than 1 within a belt, whose outer face has the spin.
+    gearing: f64,
     brake_torque: f64,
     steered: bool,
     /// Springs and dampers in the order of the tables.
@@ -56,7 +60,8 @@ struct Corner {
     spin: f64,
     ground_patch: Patch,
     obstacle_patch: Patch,
-    footprint: Footprint,
+    /// None where the wheel is part of a track, which has one for all.
+    footprint: Option<Footprint<WHEEL>>,
     /// Greatest depth of the wheel below undisturbed soil in the last step, m.
     sinkage: f64,
     /// Normal force of the last step, N.
@@ -120,6 +125,8 @@ pub(crate) struct Vehicle {
     steering_rate: f64,
     corners: Vec<Corner>,
     beams: Vec<Beam>,
+    /// Left and right, or none.
+    tracks: Vec<Track>,
     bars: Vec<Bar>,
     drive: Drive,
     governor: Option<Governor>,
@@ -136,7 +143,7 @@ pub(crate) struct Vehicle {
 impl Vehicle {
     pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_pitch: f64) -> Self {
         let com = V3::from(spec.chassis.com);
-        let drive = Drive::new(spec);
+        let drive = track::sprockets(spec).map_or_else(|| Drive::new(spec), |s| Drive::new(&s));
         let (mut corners, mut beams, mut bars) = (Vec::new(), Vec::new(), Vec::new());
         let mut tyres = vec![Tyre::new(&spec.tyre)];
         for (i, (axle, kinematics)) in spec.axles.iter().zip(axles).enumerate() {
@@ -170,6 +177,7 @@ impl Vehicle {
                     mount,
                     mass: axle.unsprung_mass,
                     spin_inertia: axle.spin_inertia,
+                    gearing: track::gearing(spec, axle),
                     brake_torque: axle.brake_torque,
                     steered: axle.steering.is_some(),
                     struts: elements(suspension),
@@ -179,13 +187,13 @@ impl Vehicle {
                     spin: 0.0,
                     ground_patch: Patch::default(),
                     obstacle_patch: Patch::default(),
-                    footprint: Footprint::new(radius, width, soil_pitch),
+                    footprint: spec.tracks.is_none().then(|| Footprint::wheel(radius, width, soil_pitch)),
                     sinkage: 0.0,
                     load: 0.0,
                 });
             }
         }
-        Self {
+        let mut vehicle = Self {
             mass: spec.chassis.mass,
             inertia: V3::from(spec.chassis.inertia),
             resistance: spec.chassis.resistance.clone(),
@@ -194,6 +202,7 @@ impl Vehicle {
             forces: vec![Forces::default(); corners.len()],
             corners,
             beams,
+            tracks: Vec::new(),
             bars,
             drive,
             governor: spec.powertrain.governor,
@@ -203,7 +212,11 @@ impl Vehicle {
             v: V3::zeros(),
             w: V3::zeros(),
             steering: 0.0,
-        }
+        };
+        let hubs: Vec<V3> =
+            vehicle.corners.iter().map(|c| c.mount + vehicle.guided(c, [0.0; 2], 0.0).0).collect();
+        vehicle.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs, soil_pitch)).collect();
+        vehicle
     }
 
     /// Mass, moments of inertia and centre of mass of the whole vehicle at design height, relative to the chassis'
@@ -228,7 +241,7 @@ impl Vehicle {
     /// The state of a wheel.
     pub(crate) fn wheel(&self, i: usize) -> WheelState {
         let c = &self.corners[i];
-        WheelState { speed: c.spin, deflection: c.travel, load: c.load, sinkage: c.sinkage }
+        WheelState { speed: c.spin * c.gearing, deflection: c.travel, load: c.load, sinkage: c.sinkage }
     }
 
     pub(crate) fn drive_state(&self) -> crate::DriveState {
@@ -240,9 +253,10 @@ impl Vehicle {
         let corners = self.corners.iter().flat_map(|c| {
             let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
             let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
-            motion.into_iter().chain(c.footprint.digest())
+            motion.into_iter().chain(c.footprint.iter().flat_map(Footprint::digest))
         });
-        corners.chain([self.steering]).chain(self.drive.inner_state())
+        let tracks = self.tracks.iter().flat_map(Track::digest);
+        corners.chain([self.steering]).chain(self.drive.inner_state()).chain(tracks)
     }
 
     /// Positions and axle directions of the wheels at their present travel.
@@ -264,6 +278,7 @@ impl Vehicle {
             (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
             (c.ground_patch, c.obstacle_patch) = (Patch::default(), Patch::default());
         }
+        self.tracks.iter_mut().for_each(Track::reset);
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to
@@ -280,8 +295,14 @@ impl Vehicle {
         self.steering += change;
         let turn = *self.q.to_rotation_matrix().matrix();
         self.place_wheels(&turn, change / dt);
+        self.carry_shear(dt);
         self.corner_forces(ground, wheels, dt);
-        let axle_torques = self.spin_wheels(controls, dt);
+        let axle_torques = if self.tracks.is_empty() {
+            self.spin_wheels(controls, dt)
+        } else {
+            self.track_forces(ground, &turn, dt);
+            self.spin_tracks(controls, dt)
+        };
         self.solve(&turn, &axle_torques, dt);
     }
 

@@ -37,7 +37,8 @@ impl Vehicle {
                 c.ground_patch = Patch::default();
             }
             if !ground.soil.is_empty()
-                && let Some(s) = c.footprint.step(ground.soil, ground.heightfield, under, &motion, dt)
+                && let Some(footprint) = &mut c.footprint
+                && let Some(s) = footprint.step(ground.soil, ground.heightfield, under, &motion, dt)
             {
                 c.load += s.load;
                 c.sinkage = s.sinkage;

@@ -16,7 +16,7 @@ mod rig;
 mod set;
 mod table;
 
-pub(crate) use footprint::Footprint;
+pub(crate) use footprint::{Footprint, TRACK, WHEEL};
 pub(crate) use ground::{SoilGround, Under};
 pub use law::{Bulldozing, PressureDirection, SoilLaw};
 pub use rig::{WheelBehaviour, WheelRig};

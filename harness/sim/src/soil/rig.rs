@@ -54,7 +54,7 @@ impl WheelRig {
     }
 
     fn pass(&self, ground: &mut SoilGround, surface: &Heightfield, slip: f64) -> WheelBehaviour {
-        let mut wheel = Footprint::new(self.radius, self.width, self.pitch);
+        let mut wheel = Footprint::wheel(self.radius, self.width, self.pitch);
         let spin = self.speed / self.radius * if slip >= 0.0 { 1.0 / (1.0 - slip) } else { 1.0 + slip };
         let (axis, mass) = (V3::y(), self.load / GRAVITY);
         let (mut x, mut z, mut vz) = (-4.0, self.radius, 0.0);

@@ -3,6 +3,7 @@
 mod check;
 mod powertrain;
 mod suspension;
+mod tracks;
 mod tyre;
 
 use crate::error::SimError;
@@ -16,12 +17,13 @@ pub use suspension::{
     PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops,
     Strut, StrutStops, Suspension, Torsion, TorsionArm,
 };
+pub use tracks::Tracks;
 pub use tyre::{BrushTyre, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec};
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
 pub type Point = [f64; 3];
 
-/// A wheeled vehicle.
+/// A vehicle on wheels or tracks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleSpec {
@@ -52,6 +54,9 @@ pub struct VehicleSpec {
     pub axles: Vec<Axle>,
     /// The driver's steering.
     pub steering: Steering,
+    /// Belts about the wheels of each side, if it is a tracked vehicle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracks: Option<Tracks>,
     /// The tyre on all wheels, but for those of axles with a tyre of their own.
     pub tyre: TyreSpec,
     /// Tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
@@ -166,6 +171,14 @@ impl VehicleSpec {
     pub fn total_mass(&self) -> f64 {
         let axle = |a: &Axle| 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass);
         self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
+    }
+
+    /// Radius and width of every wheel, front to back, left before right, m; in a track without the belt around it.
+    #[must_use]
+    pub fn wheel_sizes(&self) -> Vec<[f64; 2]> {
+        let belt = self.tracks.as_ref().map_or(0.0, |t| t.thickness);
+        let size = |a: &Axle| [self.tyre_of(a).radius() - belt, self.tyre_of(a).width()];
+        self.axles.iter().flat_map(|a| [size(a); 2]).collect()
     }
 
     /// Whether steering commands go to the driveline instead of the wheels.

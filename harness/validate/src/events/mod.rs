@@ -10,12 +10,14 @@ mod rest;
 mod slopes;
 mod soil;
 mod soil_wheel;
+mod tracks;
 mod turning;
 mod tyres;
 mod vertical;
 
 use crate::error::ValidateError;
 use crate::event::Event;
+use vb_sim::VehicleSpec;
 
 const EVENTS: &[Event] = &[
     kinematics::SUSPENSION,
@@ -30,6 +32,7 @@ const EVENTS: &[Event] = &[
     cornering::STEP_STEER,
     cornering::BODY_ROLL,
     turning::TURNING_CIRCLE,
+    tracks::TURNING,
     grades::GRADE_HELD,
     grades::GRADE_FULL,
     grades::GRADE_PUBLISHED,
@@ -38,6 +41,7 @@ const EVENTS: &[Event] = &[
     vertical::BUMP,
     vertical::DROP,
     vertical::STEP_CLIMB,
+    tracks::TRENCH,
     energy::FREE_FALL,
     energy::ENERGY,
     soil_wheel::PLATE,
@@ -47,8 +51,28 @@ const EVENTS: &[Event] = &[
     soil::ACCELERATION,
     soil::GRADE,
     soil::GRID,
+    tracks::PULL,
     convergence::CONVERGENCE,
 ];
+
+/// Of tyres, of wheels that roll without slip about one centre, and of single wheels: nothing of a track.
+const WHEELS_ONLY: [&str; 7] = [
+    tyres::TYRES.name,
+    longitudinal::ROLLING.name,
+    cornering::CORNERING.name,
+    cornering::STEP_STEER.name,
+    cornering::BODY_ROLL.name,
+    soil_wheel::WHEEL.name,
+    soil_wheel::SECOND_PASS.name,
+];
+const TRACKS_ONLY: [&str; 3] = [tracks::TURNING.name, tracks::TRENCH.name, tracks::PULL.name];
+
+/// Whether an event says something of a vehicle: some are of wheels, some of tracks.
+#[must_use]
+pub fn fits(event: &Event, spec: &VehicleSpec) -> bool {
+    let not: &[&str] = if spec.tracks.is_some() { &WHEELS_ONLY } else { &TRACKS_ONLY };
+    !not.contains(&event.name)
+}
 
 /// All events, in the order of the report.
 #[must_use]

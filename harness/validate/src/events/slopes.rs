@@ -80,7 +80,7 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         degrees(atan(0.5 * bench.geometry.track() / bench.geometry.com_of(&s).z))
     };
     for friction in [0.9, 0.5] {
-        let limit = degrees(atan(friction));
+        let limit = degrees(atan(bench.grip(friction)));
         let mut d = Drive::new(bench, &format!("slide-mu-{friction:.1}"), &flat(friction), 0.0, 0.0)?;
         let mut angle = 0.0;
         let mut found = f64::NAN;

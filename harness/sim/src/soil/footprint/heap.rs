@@ -1,7 +1,7 @@
 //! Displaced soil is heaped up around the contact.
 
 use super::super::grid::Grid;
-use super::{FIRST, Footprint, Frame, LAST};
+use super::{FIRST, Footprint, Frame};
 use crate::tyre::WheelMotion;
 
 /// Plastic sinkage beyond which the ground counts as a rut, m.
@@ -11,7 +11,7 @@ const RINGS: usize = 10;
 /// Steps between two times that displaced soil is heaped up beside the wheel.
 const PAUSE: u32 = 8;
 
-impl Footprint {
+impl<const N: usize> Footprint<N> {
     /// Heaps displaced soil up around the contact: before and behind it within the footprint, beside it on the grid.
     /// Each side gets what its share of the perimeter is, but nothing is heaped on the ground of a rut: the law knows
     /// one surface, so loose soil there would be as hard as the rut's ground.
@@ -31,7 +31,7 @@ impl Footprint {
         let end = volume * width / (around * self.shape.strips as f64);
         let mut side = volume * length / around;
         for (from, step) in [(last, 1isize), (first, -1)] {
-            let outside = |k: usize| k.checked_add_signed(step).filter(|k| (FIRST..=LAST).contains(k));
+            let outside = |k: usize| k.checked_add_signed(step).filter(|k| (FIRST..=Self::LAST).contains(k));
             for strip in 0..self.shape.strips {
                 let Some(nearest) = outside(from).filter(|k| self.plastic[strip][*k] < LOOSE) else {
                     side += 0.5 * end;

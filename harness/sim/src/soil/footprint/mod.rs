@@ -1,10 +1,12 @@
-//! The footprint of a wheel on soil.
+//! The footprint of a wheel, or of a track, on soil.
 //!
 //! States of the stations lie in rows, one a strip, that are worked through four stations at a time: four whatever the
-//! processor has, so that the order of sums is the same everywhere.
+//! processor has, so that the order of sums is the same everywhere. The length of its rows tells a wheel's footprint
+//! from a track's.
 
 mod heap;
 mod press;
+mod shape;
 mod transport;
 
 use super::grid::Grid;
@@ -13,26 +15,16 @@ use crate::tyre::WheelMotion;
 use crate::{M3, V3};
 use fearless_simd::{Level, Simd, dispatch};
 use press::Sum;
+use shape::Shape;
 use vb_world::Heightfield;
 
-/// Stations along the heading: this many on each side of the one under the axle.
-const REACH: usize = 10;
-const STATIONS: usize = 2 * REACH + 1;
 /// Stations that are computed at once.
 const LANES: usize = 4;
-/// Places of the rearmost and of the foremost station in a row. The place on either side is for what flows in.
+/// Place of the rearmost station in a row. The place on either side of the stations is for what flows in.
 const FIRST: usize = 1;
-const LAST: usize = STATIONS;
-/// Place of the station under the axle.
-const MIDDLE: usize = FIRST + REACH;
-/// Places of a row: stations, inflow on both sides, and what fills up the last lanes.
-const PLACES: usize = (STATIONS + 2).next_multiple_of(LANES);
-/// The outermost stations lie at this part of the radius, where the rim stands at 72 degrees.
-const EXTENT: f64 = 0.95;
-/// Spacing under the axle over the mean spacing: where the rim leaves the soil matters most there.
-const CROWDING: f64 = 0.35;
-/// A wheel keeps its footprint until it is this part of its radius above the ground.
-const CLEARANCE: f64 = 0.5;
+/// Places of a wheel's row and of a track's: stations, inflow on both sides, and one that fills up the last lanes.
+pub(crate) const WHEEL: usize = 24;
+pub(crate) const TRACK: usize = 48;
 /// Time over which the width of the contact that enters Bekker's pressure follows the contact, s.
 const BREADTH_LAG: f64 = 0.02;
 
@@ -53,57 +45,61 @@ pub(crate) struct SoilForce {
 }
 
 /// One number a station of a strip, from the rearmost on.
-type Row = [f64; PLACES];
-const NO_ROW: Row = [0.0; PLACES];
+pub(crate) type Row<const N: usize> = [f64; N];
 
-/// The states of the soil under and around one wheel; strips from the rightmost on.
+/// The states of the soil under and around one wheel or track; strips from the rightmost on.
 #[derive(Clone, Debug)]
-pub(crate) struct Footprint {
-    shape: Shape,
+pub(crate) struct Footprint<const N: usize> {
+    shape: Shape<N>,
+    /// Speed of a belt along the outline towards its rear, m/s; 0 for a wheel, whose rotation has its spin.
+    belt: f64,
+    /// Height of a belt above the ground up to which the soil between its pads is sheared on, m; 0 for a wheel.
+    grip: f64,
+    /// What acts at each station, where that is asked for.
+    stations: Option<Box<Stations<N>>>,
     /// What SIMD the processor has.
     level: Level,
     /// As in [`super::grid::Cell`].
-    plastic: Vec<Row>,
-    raised: Vec<Row>,
+    plastic: Vec<Row<N>>,
+    raised: Vec<Row<N>>,
     /// Displacement of the rim against the soil that mobilises its shear stress, along the heading and to the left, m.
-    shear: [Vec<Row>; 2],
+    shear: [Vec<Row<N>>; 2],
     /// Plastic sinkage that undisturbed soil would have if it were pressed by the rim as it stands, m.
-    pressed: Vec<Row>,
+    pressed: Vec<Row<N>>,
     /// Whether the states are the ground's: else they are in the grid.
     live: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
     aside: f64,
-    beside: [Row; 2],
+    beside: [Row<N>; 2],
     /// Width of the contact, with a lag, m.
     breadth: f64,
     /// Volume that waits to be heaped up beside the wheel, m³, and the steps that it has waited.
     waiting: (f64, u32),
 }
 
-/// What doesn't change: the wheel and where its stations are.
+/// What acts at each station, summed over the strips; components in the wheel's frame.
 #[derive(Clone, Debug)]
-struct Shape {
-    radius: f64,
-    width: f64,
-    strips: usize,
-    /// Distance of each station from the axle along the heading, and the length it stands for.
-    xs: Row,
-    lengths: Row,
-    inverse_lengths: Row,
-    /// Half the chord of the wheel's disc at each station.
-    half: Row,
-    /// Pressure towards the axle and pressure normal to the ground.
-    radial: Directions,
-    level: Directions,
+pub(crate) struct Stations<const N: usize> {
+    /// Along the heading, to the left and up, N.
+    pub(crate) force: [Row<N>; 3],
+    /// Part of it along the outline, towards the front, N.
+    pub(crate) thrust: Row<N>,
+    /// About the heading and about what is up, as the force acts beside the middle, N m.
+    pub(crate) moment: [Row<N>; 2],
+    /// Mass that the implicit treatment of damping and unloading adds along the normal, kg.
+    pub(crate) inertia: Row<N>,
+    /// Sinkage, m.
+    pub(crate) sinkage: Row<N>,
 }
 
-/// Directions of stresses on the rim in the wheel's frame, and the rim's length over each station, m.
-#[derive(Clone, Debug)]
-struct Directions {
-    normal: [Row; 3],
-    /// Along the heading and up.
-    tangent: [Row; 2],
-    rim: Row,
+impl<const N: usize> Stations<N> {
+    const NONE: Self = Self {
+        force: [[0.0; N]; 3],
+        thrust: [0.0; N],
+        moment: [[0.0; N]; 2],
+        inertia: [0.0; N],
+        sinkage: [0.0; N],
+    };
 }
 
 /// Directions of a wheel on the ground: a right-handed frame of heading, axle and what is across both.
@@ -126,66 +122,10 @@ impl Frame {
     }
 }
 
-impl Shape {
-    fn new(radius: f64, width: f64, pitch: f64) -> Self {
-        let extent = EXTENT * radius;
-        let at = |place: usize| {
-            let u = (place.clamp(FIRST, LAST) as f64 - MIDDLE as f64) / REACH as f64;
-            extent * u * (CROWDING + (1.0 - CROWDING) * u * u)
-        };
-        let xs: Row = std::array::from_fn(at);
-        let lengths: Row = std::array::from_fn(|k| {
-            let inside = (FIRST..=LAST).contains(&k);
-            if inside { 0.5 * (at(k + 1) - at(k - 1)) } else { 0.0 }
-        });
-        let half = xs.map(|x| (radius * radius - x * x).sqrt());
-        let (sin, cos) = (xs.map(|x| x / radius), half.map(|h| h / radius));
-        let rim = std::array::from_fn(|k| lengths[k] * radius / half[k]);
-        Self {
-            radius,
-            width,
-            strips: ((width / pitch) as usize).clamp(2, 16),
-            xs,
-            lengths,
-            inverse_lengths: lengths.map(|l| if l > 0.0 { 1.0 / l } else { 0.0 }),
-            half,
-            radial: Directions { normal: [sin.map(|s| -s), NO_ROW, cos], tangent: [cos, sin], rim },
-            level: Directions {
-                normal: [NO_ROW, NO_ROW, [1.0; PLACES]],
-                tangent: [[1.0; PLACES], NO_ROW],
-                rim: lengths,
-            },
-        }
-    }
-
-    fn strip_width(&self) -> f64 {
-        self.width / self.strips as f64
-    }
-
-    /// Distance of a strip's middle to the left of the wheel's.
-    fn offset(&self, strip: usize) -> f64 {
-        self.width * ((strip as f64 + 0.5) / self.strips as f64 - 0.5)
-    }
-}
-
-impl Footprint {
+impl Footprint<WHEEL> {
     /// For a tyre, on soil that is remembered at a pitch (m): as many strips as cells go into the width.
-    pub(crate) fn new(radius: f64, width: f64, pitch: f64) -> Self {
-        let shape = Shape::new(radius, width, pitch);
-        let states = vec![NO_ROW; shape.strips];
-        Self {
-            shape,
-            level: Level::new(),
-            plastic: states.clone(),
-            raised: states.clone(),
-            shear: [states.clone(), states.clone()],
-            pressed: states,
-            live: false,
-            aside: 0.0,
-            beside: [NO_ROW; 2],
-            breadth: width,
-            waiting: (0.0, 0),
-        }
+    pub(crate) fn wheel(radius: f64, width: f64, pitch: f64) -> Self {
+        Self::of(Shape::wheel(radius, width, pitch))
     }
 
     /// The force of the soil on a wheel that moves as `motion` says, if it touches any, and what that does to the
@@ -198,11 +138,124 @@ impl Footprint {
         motion: &WheelMotion,
         dt: f64,
     ) -> Option<SoilForce> {
-        dispatch!(self.level, simd => self.step_with(simd, ground, surface, under, motion, dt))
+        let below = surface.at(motion.hub.x, motion.hub.y);
+        let normal = normal_of([below.dzdx, below.dzdy]);
+        let height = (motion.hub.z - below.z) * normal.z;
+        let near = height < self.shape.near && under != Under::Rigid;
+        let frame = motion
+            .axis
+            .cross(&normal)
+            .try_normalize(0.3)
+            .map(|along| Frame { along, axis: motion.axis, up: along.cross(&motion.axis) })
+            .filter(|f| near && f.up.z > 0.1);
+        self.advance(ground, surface, under, motion, frame, &normal, dt)
+    }
+}
+
+impl Footprint<TRACK> {
+    /// For a belt whose lowest part reaches from `rear` to `front` (m, along the heading, from the point that stands for
+    /// the hub) and that stays near the ground up to a height of `near` (m) of that point.
+    /// Soil stays between its pads while it is less than `grip` (m) above the ground.
+    pub(crate) fn track([rear, front]: [f64; 2], near: f64, grip: f64, width: f64, pitch: f64) -> Self {
+        Self {
+            grip,
+            stations: Some(Box::new(Stations::NONE)),
+            ..Self::of(Shape::track(rear, front, near, width, pitch))
+        }
     }
 
-    /// [`Footprint::step`] for one instruction set: what it calls must be compiled into it to be compiled for that set.
-    /// Closures that arrays' `map` calls are not, so there are none here.
+    /// Places of the stations, and how far in front of the point that stands for the hub each is, m.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let xs = self.shape.xs;
+        (FIRST..=Self::LAST).map(move |k| (k, xs[k]))
+    }
+
+    /// Sets the outline at a station: how far below the point that stands for the hub it is, m, its slope, rise over way
+    /// forward, and how fast it rises against the hull, m/s.
+    pub(crate) fn set(&mut self, k: usize, below: f64, slope: f64, rate: f64) {
+        self.shape.set(k, below, slope, rate);
+    }
+
+    /// How far below the point that stands for the hub the outline is at a station, m, and its unit normal towards the
+    /// belt: forward, up.
+    pub(crate) fn outline(&self, k: usize) -> (f64, [f64; 2]) {
+        let n = &self.shape.radial.normal;
+        (self.shape.half[k], [n[0][k], n[2][k]])
+    }
+
+    /// What acted at each station in the last step in which the track touched the soil.
+    pub(crate) fn stations(&self) -> Option<&Stations<TRACK>> {
+        self.stations.as_deref()
+    }
+
+    /// As [`Footprint::step`], for a belt that moves by `belt` (m/s) along its outline towards the rear, on a hull with
+    /// the axes forward and up (world). The motion is the hull's, without spin.
+    #[allow(clippy::too_many_arguments, reason = "ground, hull and belt")]
+    pub(crate) fn step_belt(
+        &mut self,
+        ground: &mut SoilGround,
+        surface: &Heightfield,
+        under: Under,
+        motion: &WheelMotion,
+        [along, up]: [V3; 2],
+        belt: f64,
+        dt: f64,
+    ) -> Option<SoilForce> {
+        self.belt = belt;
+        let below = surface.at(motion.hub.x, motion.hub.y);
+        let normal = normal_of([below.dzdx, below.dzdy]);
+        let near = motion.hub.z - below.z < self.shape.near && under != Under::Rigid;
+        let frame = Some(Frame { along, axis: motion.axis, up }).filter(|f| near && f.up.z > 0.1);
+        self.advance(ground, surface, under, motion, frame, &normal, dt)
+    }
+}
+
+impl<const N: usize> Footprint<N> {
+    /// Place of the foremost station.
+    const LAST: usize = N - 3;
+
+    fn of(shape: Shape<N>) -> Self {
+        let states = vec![[0.0; N]; shape.strips];
+        Self {
+            belt: 0.0,
+            grip: 0.0,
+            stations: None,
+            level: Level::new(),
+            plastic: states.clone(),
+            raised: states.clone(),
+            shear: [states.clone(), states.clone()],
+            pressed: states,
+            live: false,
+            aside: 0.0,
+            beside: [[0.0; N]; 2],
+            breadth: shape.width,
+            waiting: (0.0, 0),
+            shape,
+        }
+    }
+
+    /// A step, if there is a frame for it: else the states go back to the grid. `normal` is the ground's under the hub.
+    #[allow(clippy::too_many_arguments, reason = "ground, motion and frame")]
+    fn advance(
+        &mut self,
+        ground: &mut SoilGround,
+        surface: &Heightfield,
+        under: Under,
+        motion: &WheelMotion,
+        frame: Option<Frame>,
+        normal: &V3,
+        dt: f64,
+    ) -> Option<SoilForce> {
+        let Some(frame) = frame else {
+            self.retire(&mut ground.grid, motion);
+            return None;
+        };
+        dispatch!(self.level, simd => self.step_with(simd, ground, surface, under, motion, &frame, normal, dt))
+    }
+
+    /// [`Footprint::advance`] for one instruction set: what it calls must be compiled into it to be compiled for that
+    /// set. Closures that arrays' `map` calls are not, so there are none here.
+    #[allow(clippy::too_many_arguments, reason = "ground, motion and frame")]
     #[inline(always)]
     fn step_with<S: Simd>(
         &mut self,
@@ -211,29 +264,20 @@ impl Footprint {
         surface: &Heightfield,
         under: Under,
         motion: &WheelMotion,
+        frame: &Frame,
+        normal: &V3,
         dt: f64,
     ) -> Option<SoilForce> {
-        let below = surface.at(motion.hub.x, motion.hub.y);
-        let normal = normal_of([below.dzdx, below.dzdy]);
-        let height = (motion.hub.z - below.z) * normal.z;
-        let near = height < (1.0 + CLEARANCE) * self.shape.radius && under != Under::Rigid;
-        let frame = motion
-            .axis
-            .cross(&normal)
-            .try_normalize(0.3)
-            .map(|along| Frame { along, axis: motion.axis, up: along.cross(&motion.axis) })
-            .filter(|f| near && f.up.z > 0.1);
-        let Some(frame) = frame else {
-            self.retire(&mut ground.grid, motion);
-            return None;
-        };
         if self.live {
-            self.transport(&mut ground.grid, motion, &frame, dt);
+            self.transport(&mut ground.grid, motion, frame, dt);
         } else {
-            self.enter(&ground.grid, motion, &frame);
+            self.enter(&ground.grid, motion, frame);
+        }
+        if let Some(stations) = &mut self.stations {
+            **stations = Stations::NONE;
         }
         let mut sum = Sum::default();
-        self.press(simd, ground, surface, under, motion, &frame, dt, &mut sum);
+        self.press(simd, ground, surface, under, motion, frame, dt, &mut sum);
         let span = sum.span?;
         let breadth = self.shape.strip_width() * sum.strips as f64;
         self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
@@ -241,7 +285,7 @@ impl Footprint {
             && let Some(soil) = ground.soil_at(motion.hub.x, motion.hub.y)
             && let Some((slope, flow)) = soil.heap
         {
-            self.heap(&mut ground.grid, motion, &frame, span, flow * sum.displaced, slope);
+            self.heap(&mut ground.grid, motion, frame, span, flow * sum.displaced, slope);
         }
         let [xx, xy, xz, yy, yz, zz] = sum.inertia;
         let axes = M3::from_columns(&[frame.along, frame.axis, frame.up]);
@@ -249,7 +293,7 @@ impl Footprint {
             force: frame.world(&sum.force),
             compaction: -sum.pressure,
             moment: frame.world(&sum.moment),
-            load: sum.force.dot(&frame.local(&normal)),
+            load: sum.force.dot(&frame.local(normal)),
             sinkage: sum.sinkage,
             inertia: axes * M3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * axes.transpose(),
         })
@@ -257,8 +301,8 @@ impl Footprint {
 
     /// Numbers that change when the soil under the wheel does.
     pub(crate) fn digest(&self) -> [f64; 6] {
-        let row = |r: &Row| r[FIRST..=LAST].iter().sum::<f64>();
-        let sum = |states: &[Row]| states.iter().map(row).sum::<f64>();
+        let row = |r: &Row<N>| r[FIRST..=Self::LAST].iter().sum::<f64>();
+        let sum = |states: &[Row<N>]| states.iter().map(row).sum::<f64>();
         let [a, b] = &self.shear;
         [
             self.breadth,
@@ -274,15 +318,15 @@ impl Footprint {
     fn enter(&mut self, grid: &Grid, m: &WheelMotion, f: &Frame) {
         for strip in 0..self.shape.strips {
             let origin = m.hub + m.axis * self.shape.offset(strip);
-            for k in FIRST..=LAST {
+            for k in FIRST..=Self::LAST {
                 let at = origin + f.along * self.shape.xs[k];
                 let cell = grid.at(at.x, at.y);
                 self.plastic[strip][k] = cell.plastic;
                 self.raised[strip][k] = cell.raised;
             }
-            self.shear[0][strip] = NO_ROW;
-            self.shear[1][strip] = NO_ROW;
-            self.pressed[strip] = NO_ROW;
+            self.shear[0][strip] = [0.0; N];
+            self.shear[1][strip] = [0.0; N];
+            self.pressed[strip] = [0.0; N];
         }
         self.aside = f64::INFINITY;
         self.breadth = self.shape.width;
@@ -309,7 +353,7 @@ impl Footprint {
         let along = m.axis.cross(&V3::z()).try_normalize(0.1).unwrap_or_else(V3::zeros);
         for strip in 0..self.shape.strips {
             let origin = m.hub + m.axis * self.shape.offset(strip);
-            for k in FIRST..=LAST {
+            for k in FIRST..=Self::LAST {
                 self.leave(strip, k, grid, origin + along * self.shape.xs[k]);
             }
         }
@@ -357,7 +401,7 @@ mod tests {
         let heights = (0..21 * 21).map(|_| stream.normal(0.0, 0.05)).collect();
         let surface = Heightfield::new(21, 21, 1.0, heights);
         let mut ground = SoilGround::of_one(law.prepare(), [10.0, 10.0], 0.1);
-        let mut wheel = Footprint::new(0.47, 0.25, 0.1);
+        let mut wheel = Footprint::wheel(0.47, 0.25, 0.1);
         wheel.level = level;
         let mut bits = Vec::new();
         for i in 0..3000 {

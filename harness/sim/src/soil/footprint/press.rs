@@ -2,7 +2,7 @@
 
 use super::super::ground::{SoilGround, Under};
 use super::super::law::{Soil, each};
-use super::{FIRST, Footprint, Frame, LANES, LAST, NO_ROW, PLACES, Row, normal_of};
+use super::{FIRST, Footprint, Frame, LANES, Row, Stations, normal_of};
 use crate::V3;
 use crate::tyre::WheelMotion;
 use fearless_simd::{Simd, f64x4, prelude::*};
@@ -26,13 +26,13 @@ pub(super) struct Sum {
 }
 
 /// A strip's place on the ground.
-struct Field {
+struct Field<const N: usize> {
     /// Depth of the rim below the raised surface, m; at most the plastic sinkage where the rim is surely above it.
-    sinkage: Row,
+    sinkage: Row<N>,
     /// Normals of the ground in the wheel's frame, where pressure acts along them.
-    normal: [Row; 3],
+    normal: [Row<N>; 3],
     /// Part of each station's load that the soil carries; negative where there is another soil or none.
-    share: Row,
+    share: Row<N>,
 }
 
 /// The wheel's motion in its own frame.
@@ -40,13 +40,13 @@ struct Body {
     velocity: V3,
     rotation: V3,
     offset: f64,
+    belt: f64,
     dt: f64,
 }
 
-const ALL_SOIL: Row = [1.0; PLACES];
 const NOT_HERE: f64 = -1.0;
 
-impl Footprint {
+impl<const N: usize> Footprint<N> {
     /// Presses the wheel into the soil.
     #[allow(clippy::too_many_arguments, reason = "wheel, ground and what comes of them")]
     #[inline(always)]
@@ -61,13 +61,17 @@ impl Footprint {
         dt: f64,
         sum: &mut Sum,
     ) {
-        let mut body =
-            Body { velocity: f.local(&m.velocity), rotation: f.local(&m.rotation), offset: 0.0, dt };
+        let mut body = Body {
+            velocity: f.local(&m.velocity),
+            rotation: f.local(&m.rotation),
+            offset: 0.0,
+            belt: self.belt,
+            dt,
+        };
         let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
         let mut facet = Facet::at(surface, f, &m.hub);
-        let reach = vb_math::hypot(self.shape.radius, self.shape.width);
-        let top = surface.ceiling(m.hub.x, m.hub.y, reach).unwrap_or(f64::INFINITY);
-        let mut field = Field { sinkage: NO_ROW, normal: self.shape.level.normal, share: ALL_SOIL };
+        let top = surface.ceiling(m.hub.x, m.hub.y, self.shape.reach).unwrap_or(f64::INFINITY);
+        let mut field = Field { sinkage: [0.0; N], normal: self.shape.level.normal, share: [1.0; N] };
         for strip in 0..self.shape.strips {
             body.offset = self.shape.offset(strip);
             let origin = m.hub + m.axis * body.offset;
@@ -81,7 +85,7 @@ impl Footprint {
                 None => {
                     for soil in ground.soils() {
                         let mut here = false;
-                        for k in FIRST..=LAST {
+                        for k in FIRST..=Self::LAST {
                             let at = origin + f.along * self.shape.xs[k] - f.up * self.shape.half[k];
                             let mine = ground.soil_at(at.x, at.y).is_some_and(|s| std::ptr::eq(s, soil));
                             field.share[k] =
@@ -109,17 +113,17 @@ impl Footprint {
         origin: &V3,
         top: f64,
         facet: &mut Facet,
-        field: &mut Field,
+        field: &mut Field<N>,
     ) -> bool {
         let (raised, plastic, shape) = (&self.raised[strip], &self.plastic[strip], &self.shape);
-        let mut rim = NO_ROW;
-        for k in FIRST..=LAST {
+        let mut rim = [0.0; N];
+        for k in FIRST..=Self::LAST {
             rim[k] = origin.z + f.along.z * shape.xs[k] - f.up.z * shape.half[k];
             // Above what is left of the highest ground nearby.
             field.sinkage[k] = top + raised[k] - rim[k];
         }
         let mut touches = false;
-        for k in FIRST..=LAST {
+        for k in FIRST..=Self::LAST {
             if field.sinkage[k] <= plastic[k] {
                 continue;
             }
@@ -136,9 +140,9 @@ impl Footprint {
     }
 
     /// Nothing of a strip touches the ground.
-    fn lift_off(&mut self, strip: usize, field: &Field) {
-        self.shear[0][strip] = NO_ROW;
-        self.shear[1][strip] = NO_ROW;
+    fn lift_off(&mut self, strip: usize, field: &Field<N>) {
+        self.shear[0][strip] = [0.0; N];
+        self.shear[1][strip] = [0.0; N];
         self.pressed[strip] = field.sinkage.map(|s| s.max(0.0));
     }
 
@@ -149,12 +153,12 @@ impl Footprint {
         simd: S,
         strip: usize,
         soil: &Soil,
-        field: &Field,
+        field: &Field<N>,
         body: &Body,
         sum: &mut Sum,
     ) {
         let all = |x: f64| f64x4::splat(simd, x);
-        let load = |row: &Row, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
+        let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let zero = all(0.0);
         let shape = &self.shape;
         let (directions, normal) =
@@ -168,16 +172,20 @@ impl Footprint {
         let (damping, dt) = (all(soil.damping), all(body.dt));
         let width = all(shape.strip_width());
         let (velocity, rotation) = (body.velocity, body.rotation);
+        let belt = all(body.belt);
         let mut lanes = Lanes::new(simd);
-        let mut bits: u32 = 0;
-        for g in (0..PLACES).step_by(LANES) {
+        let mut bits: u64 = 0;
+        for g in (0..N).step_by(LANES) {
             let share = load(&field.share, g);
             let mine = share.simd_ge(zero);
             let sinkage = load(&field.sinkage, g);
             let plastic = load(plastic_row, g);
             let elastic = (sinkage - plastic) * elastic_stiffness;
             let touching = elastic.simd_gt(zero) & mine;
-            if !touching.any_true() {
+            // The soil between the pads of a belt stays there while the belt is less than its grip above the ground.
+            let held =
+                if self.grip > 0.0 { (sinkage + all(self.grip)).simd_gt(plastic) & mine } else { touching };
+            if !held.any_true() {
                 for row in &mut shear_rows {
                     store(row, g, mine.select(zero, load(row, g)));
                 }
@@ -200,18 +208,26 @@ impl Footprint {
             let (x, half) = (load(&shape.xs, g), load(&shape.half, g));
             let vx = all(velocity.x - rotation.z * body.offset) - half * all(rotation.y);
             let vy = all(velocity.y) + x * all(rotation.z) + half * all(rotation.x);
-            let vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
+            let mut vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
+            if self.grip > 0.0 {
+                vz += load(&shape.rates, g);
+            }
             let n = [load(&normal[0], g), load(&normal[1], g), load(&normal[2], g)];
             let t = [load(&directions.tangent[0], g), load(&directions.tangent[1], g)];
             let leaving = vx * n[0] + vy * n[1] + vz * n[2];
             let damped = stress - damping * leaving;
             let contact = touching & damped.simd_gt(zero);
             let pressure = contact.select(damped, zero);
-            let slip = [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1], vy - n[1] * leaving];
+            let slip =
+                [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1] - belt, vy - n[1] * leaving];
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
             let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
             for k in 0..2 {
-                let state = contact.select(after[k], zero);
+                let state = if self.grip > 0.0 {
+                    held.select(after[k], zero)
+                } else {
+                    contact.select(after[k], zero)
+                };
                 store(shear_rows[k], g, mine.select(state, before[k]));
             }
             // Ground that a station stands for, and the rim over it, which is larger where it is steep.
@@ -239,7 +255,10 @@ impl Footprint {
             lanes.displaced += (deeper - plastic) * area;
             let depth = contact.select(sinkage, zero);
             lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
-            bits |= (contact.to_bitmask() as u32) << g;
+            bits |= contact.to_bitmask() << g;
+            if let Some(stations) = &mut self.stations {
+                stations.add(simd, g, &force, along, body.offset, implicit, depth);
+            }
         }
         if bits == 0 {
             return;
@@ -293,7 +312,7 @@ fn total<S: Simd>(lanes: f64x4<S>) -> f64 {
 }
 
 #[inline(always)]
-fn store<S: Simd>(row: &mut Row, g: usize, value: f64x4<S>) {
+fn store<S: Simd, const N: usize>(row: &mut Row<N>, g: usize, value: f64x4<S>) {
     value.store_slice(&mut row[g..g + LANES]);
 }
 
@@ -325,5 +344,40 @@ impl Facet {
         }
         *self = Self::on(surface, f, at);
         surface.height(at[0], at[1])
+    }
+}
+
+impl<const N: usize> Stations<N> {
+    /// Adds what one strip, `offset` to the left of the middle, contributes to the stations from `g` on.
+    #[allow(clippy::too_many_arguments, reason = "one of each of the rows")]
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        g: usize,
+        force: &[f64x4<S>; 3],
+        thrust: f64x4<S>,
+        offset: f64,
+        inertia: f64x4<S>,
+        sinkage: f64x4<S>,
+    ) {
+        let load = |row: &Row<N>| f64x4::from_slice(simd, &row[g..g + LANES]);
+        let aside = f64x4::splat(simd, offset);
+        for (row, part) in self.force.iter_mut().zip(force) {
+            let sum = load(row) + *part;
+            store(row, g, sum);
+        }
+        let [about_heading, about_up] = &mut self.moment;
+        for (row, part) in [
+            (&mut self.thrust, thrust),
+            (about_heading, aside * force[2]),
+            (about_up, f64x4::splat(simd, 0.0) - aside * force[0]),
+            (&mut self.inertia, inertia),
+        ] {
+            let sum = load(row) + part;
+            store(row, g, sum);
+        }
+        let deepest = load(&self.sinkage);
+        store(&mut self.sinkage, g, sinkage.simd_gt(deepest).select(sinkage, deepest));
     }
 }

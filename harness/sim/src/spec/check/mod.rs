@@ -3,6 +3,7 @@
 mod load;
 mod powertrain;
 mod suspension;
+mod tracks;
 mod tyre;
 
 use crate::error::SimError;
@@ -92,6 +93,7 @@ impl Check<'_> {
         self.carries(v, &axles)?;
         self.positive("steering.rate", v.steering.rate)?;
         self.tyres(v)?;
+        self.tracks(v)?;
         self.powertrain(v)
     }
 

@@ -427,12 +427,13 @@ mod tests {
             &[("  rate: 2.0 ", "  by: differential\n  rate: 2.0 ")],
             "axles[0].steering: given, but steering.by says that the driveline steers",
         );
-        let text = HMMWV.replacen("  rate: 2.0 ", "  by: differential\n  rate: 2.0 ", 1).replacen(
-            "    steering: {type: rack_and_pinion, travel: 0.0523598776}\n",
-            "",
-            1,
+        refused(
+            &[
+                ("  rate: 2.0 ", "  by: differential\n  rate: 2.0 "),
+                ("    steering: {type: rack_and_pinion, travel: 0.0523598776}\n", ""),
+            ],
+            "steering.by: differential, but only tracked vehicles are steered so, and there are no tracks",
         );
-        assert!(VehicleSpec::parse(&text, "car.yaml").unwrap().steers_by_driveline());
     }
 
     #[test]
