@@ -251,6 +251,38 @@ impl Heightfield {
         Some(top)
     }
 
+    /// Bounds of |∂z/∂x| and |∂z/∂y| on all triangles that reach into the square of half side `reach` about (x, y), of
+    /// which none is exceeded by as much as the rounding of its heights; none where the square goes over the edge.
+    #[must_use]
+    pub fn steepest(&self, x: f64, y: f64, reach: f64) -> Option<[f64; 2]> {
+        let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];
+        if !inside {
+            return None;
+        }
+        // A node more on each side, so that no rounding leaves a cell out.
+        let range = |v: f64, half: f64, n: usize| {
+            let first = ((v - reach + half) * self.inverse_pitch) as usize;
+            let last = ((v + reach + half) * self.inverse_pitch) as usize;
+            (first.saturating_sub(1), (last + 2).min(n - 1))
+        };
+        let (c0, c1) = range(x, self.half[0], self.cols);
+        let (r0, r1) = range(y, self.half[1], self.rows);
+        let mut most = [0.0_f64; 2];
+        for row in r0..=r1 {
+            for col in c0..=c1 {
+                let z = self.node(row, col);
+                // A triangle's gradient is the rise along its two sides that follow the grid.
+                if col < c1 {
+                    most[0] = most[0].max((self.node(row, col + 1) - z).abs());
+                }
+                if row < r1 {
+                    most[1] = most[1].max((self.node(row + 1, col) - z).abs());
+                }
+            }
+        }
+        Some(most.map(|rise| rise * self.inverse_pitch))
+    }
+
     /// The same surface with every length multiplied by `s`.
     #[must_use]
     pub fn scaled(&self, s: f64) -> Self {
@@ -298,6 +330,26 @@ mod tests {
         assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
         assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
         assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+    }
+
+    #[test]
+    fn no_slope_is_above_the_steepest_nearby_and_the_steepest_is_found() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.5, heights);
+        for (x, y, reach) in [(0.2, -0.3, 0.4), (-1.0, 0.9, 0.05), (0.5, 0.5, 1.0)] {
+            let [sx, sy] = h.steepest(x, y, reach).unwrap();
+            for i in 0..=40 {
+                for j in 0..=40 {
+                    let at = |v: f64, k: i32| v + reach * (0.05 * f64::from(k) - 1.0);
+                    let p = h.at(at(x, i), at(y, j));
+                    assert!(p.dzdx.abs() <= sx && p.dzdy.abs() <= sy, "{p:?} {sx} {sy}");
+                }
+            }
+        }
+        assert_eq!(h.steepest(1.8, 0.0, 0.5), None, "over the edge");
+        let ramp = Heightfield::new(9, 9, 0.5, (0..81).map(|i| 0.1 * f64::from(i % 9)).collect());
+        let [sx, sy] = ramp.steepest(0.3, 0.1, 0.5).unwrap();
+        assert!((sx - 0.2).abs() < 1e-12 && sy == 0.0, "{sx} {sy}");
     }
 
     #[test]
