@@ -71,6 +71,8 @@ pub(crate) struct Footprint {
     pressed: Vec<Row>,
     /// Whether the states are the ground's: else they are in the grid.
     live: bool,
+    /// Whether it has ever been live.
+    used: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
     aside: f64,
     beside: [Row; 2],
@@ -181,6 +183,7 @@ impl Footprint {
             shear: [states.clone(), states.clone()],
             pressed: states,
             live: false,
+            used: false,
             aside: 0.0,
             beside: [NO_ROW; 2],
             breadth: width,
@@ -257,6 +260,9 @@ impl Footprint {
 
     /// Numbers that change when the soil under the wheel does.
     pub(crate) fn digest(&self) -> [f64; 6] {
+        if !self.used {
+            return [self.breadth, 0.0, 0.0, 0.0, 0.0, 0.0];
+        }
         let row = |r: &Row| r[FIRST..=LAST].iter().sum::<f64>();
         let sum = |states: &[Row]| states.iter().map(row).sum::<f64>();
         let [a, b] = &self.shear;
@@ -287,6 +293,7 @@ impl Footprint {
         self.aside = f64::INFINITY;
         self.breadth = self.shape.width;
         self.live = true;
+        self.used = true;
     }
 
     /// Leaves the state of a station to the grid.
