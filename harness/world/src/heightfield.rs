@@ -41,6 +41,52 @@ pub struct Facet {
     gradient: [f64; 2],
 }
 
+/// The surface for someone who asks for heights near each other: it keeps the last cell, in which the next point mostly
+/// lies. Its heights are those of [`Heightfield::height`], bit for bit.
+#[derive(Clone, Debug)]
+pub struct Nearby<'a> {
+    field: &'a Heightfield,
+    /// South-western corner of the cell, in pitches from that of the grid, and its opposite; nothing lies between them
+    /// at first.
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Heights of its corners: south-west, south-east, north-west, north-east.
+    corners: [f64; 4],
+}
+
+impl<'a> Nearby<'a> {
+    /// Knows no cell yet.
+    #[inline]
+    #[must_use]
+    pub fn new(field: &'a Heightfield) -> Self {
+        Self { field, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2], corners: [0.0; 4] }
+    }
+
+    /// Height at (x, y), m.
+    #[inline]
+    #[must_use]
+    pub fn height(&mut self, x: f64, y: f64) -> f64 {
+        let f = self.field;
+        let (fx, fy) = ((x + f.half[0]) * f.inverse_pitch, (y + f.half[1]) * f.inverse_pitch);
+        let known = (fx >= self.low[0]) & (fx < self.high[0]) & (fy >= self.low[1]) & (fy < self.high[1]);
+        if !known {
+            self.look(fx, fy);
+        }
+        let (u, v) = (fx - self.low[0], fy - self.low[1]);
+        let [z00, z10, z01, z11] = self.corners;
+        let rise = if v >= u { [z11 - z01, z01 - z00] } else { [z10 - z00, z11 - z10] };
+        z00 + rise[0] * u + rise[1] * v
+    }
+
+    fn look(&mut self, fx: f64, fy: f64) {
+        let f = self.field;
+        let (col, row) = f.indices(fx, fy);
+        self.low = [col as f64, row as f64];
+        self.high = self.low.map(|k| k + 1.0);
+        self.corners = f.corners(col, row);
+    }
+}
+
 /// Where a point lies in the grid.
 struct Cell {
     col: usize,
@@ -191,16 +237,29 @@ impl Heightfield {
         let inv = self.inverse_pitch;
         let fx = (x + self.half[0]) * inv;
         let fy = (y + self.half[1]) * inv;
-        // By way of u32, which a conversion reaches with fewer instructions.
-        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
-        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        let (col, row) = self.indices(fx, fy);
         let (u, v) = (fx - col as f64, fy - row as f64);
-        let i = row * self.cols + col;
-        let (south, north) = (&self.heights[i..i + 2], &self.heights[i + self.cols..i + self.cols + 2]);
-        let ([z00, z10], [z01, z11]) = ([south[0], south[1]], [north[0], north[1]]);
+        let [z00, z10, z01, z11] = self.corners(col, row);
         let upper = v >= u;
         let rise = if upper { [z11 - z01, z01 - z00] } else { [z10 - z00, z11 - z10] };
         Cell { col, row, within: [u, v], upper, z: z00, rise }
+    }
+
+    /// Column and row of the cell at a place in pitches from the south-western corner; the nearest beyond the edge.
+    #[inline]
+    fn indices(&self, fx: f64, fy: f64) -> (usize, usize) {
+        // By way of u32, which a conversion reaches with fewer instructions.
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        (col, row)
+    }
+
+    /// Heights of a cell's corners: south-west, south-east, north-west, north-east.
+    #[inline]
+    fn corners(&self, col: usize, row: usize) -> [f64; 4] {
+        let i = row * self.cols + col;
+        let (south, north) = (&self.heights[i..i + 2], &self.heights[i + self.cols..i + self.cols + 2]);
+        [south[0], south[1], north[0], north[1]]
     }
 
     /// The triangle at (x, y); beyond the edge the edge cell's.
@@ -330,6 +389,22 @@ mod tests {
         assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
         assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
         assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+    }
+
+    #[test]
+    fn whoever_asks_nearby_gets_the_same_bits() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.3, heights);
+        let mut nearby = Nearby::new(&h);
+        // In small steps, from beyond one edge to beyond the other, and along cells' edges.
+        for j in 0..60 {
+            let y = f64::from(j) * 0.05 - 1.5;
+            for i in 0..300 {
+                let x = f64::from(i) * 0.01 - 1.5;
+                assert_eq!(nearby.height(x, y).to_bits(), h.height(x, y).to_bits(), "{x} {y}");
+            }
+        }
+        assert!(nearby.height(f64::NAN, 0.0).is_nan());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::Contact;
 use crate::V3;
-use vb_world::Heightfield;
+use vb_world::{Heightfield, Nearby};
 
 /// Stations on each side of the lowest one.
 const SIDE: usize = 7;
@@ -158,9 +158,10 @@ impl Envelope {
         // A wheel that lies on its side stands on the hull, not on its tread.
         let heading = V3::new(axis.y, -axis.x, 0.0).try_normalize(0.3)?;
         let left = V3::new(-heading.y, heading.x, 0.0);
-        let rise = |to: &V3, reach: f64| {
-            (ground.height(hub.x + reach * to.x, hub.y + reach * to.y)
-                - ground.height(hub.x - reach * to.x, hub.y - reach * to.y))
+        let mut nearby = Nearby::new(ground);
+        let mut rise = |to: &V3, reach: f64| {
+            (nearby.height(hub.x + reach * to.x, hub.y + reach * to.y)
+                - nearby.height(hub.x - reach * to.x, hub.y - reach * to.y))
                 / (2.0 * reach)
         };
         let slope = V3::z() - heading * rise(&heading, 0.5 * self.radius) - left * rise(&left, self.strip);
@@ -182,7 +183,7 @@ impl Envelope {
             for (s, origin) in origins.iter().enumerate() {
                 let px = origin.x + along.x * x - up.x * half;
                 let py = origin.y + along.y * x - up.y * half;
-                let dz = ground.height(px, py) - (origin.z + along.z * x - up.z * half);
+                let dz = nearby.height(px, py) - (origin.z + along.z * x - up.z * half);
                 above[s][k] = dz;
                 shares[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
                 highest = highest.max(dz);
