@@ -158,10 +158,11 @@ impl Envelope {
         // A wheel that lies on its side stands on the hull, not on its tread.
         let heading = V3::new(axis.y, -axis.x, 0.0).try_normalize(0.3)?;
         let left = V3::new(-heading.y, heading.x, 0.0);
-        let mut nearby = Nearby::new(ground);
+        // One for each side, so that a wheel astride an edge of cells doesn't change to and fro.
+        let mut nearby = [Nearby::new(ground), Nearby::new(ground)];
         let mut rise = |to: &V3, reach: f64| {
-            (nearby.height(hub.x + reach * to.x, hub.y + reach * to.y)
-                - nearby.height(hub.x - reach * to.x, hub.y - reach * to.y))
+            (nearby[1].height(hub.x + reach * to.x, hub.y + reach * to.y)
+                - nearby[0].height(hub.x - reach * to.x, hub.y - reach * to.y))
                 / (2.0 * reach)
         };
         let slope = V3::z() - heading * rise(&heading, 0.5 * self.radius) - left * rise(&left, self.strip);
@@ -183,7 +184,7 @@ impl Envelope {
             for (s, origin) in origins.iter().enumerate() {
                 let px = origin.x + along.x * x - up.x * half;
                 let py = origin.y + along.y * x - up.y * half;
-                let dz = nearby.height(px, py) - (origin.z + along.z * x - up.z * half);
+                let dz = nearby[s].height(px, py) - (origin.z + along.z * x - up.z * half);
                 above[s][k] = dz;
                 shares[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
                 highest = highest.max(dz);
