@@ -415,11 +415,8 @@ impl ChassisContacts {
                 if 0.57 * (bottom - z) >= gap.max(margin + ROUNDING) {
                     continue;
                 }
-                let node = V3::new(
-                    col as f64 * pitch - ground.half_x(),
-                    row as f64 * pitch - ground.half_y(),
-                    z,
-                );
+                let node =
+                    V3::new(col as f64 * pitch - ground.half_x(), row as f64 * pitch - ground.half_y(), z);
                 let p = inverse * (node - x);
                 let inside = (0..3).all(|k| p[k] > self.low[k] - margin && p[k] < self.high[k] + margin);
                 if inside && (cols.0..=cols.1).contains(&col) && (rows.0..=rows.1).contains(&row) {
@@ -514,6 +511,40 @@ fn ground_collider(ground: &Heightfield) -> ColliderBuilder {
 mod tests {
     use super::*;
     use rapier3d_f64::parry::query::Ray;
+
+    #[test]
+    fn what_is_remembered_of_the_hulls_clearance_changes_no_answer() {
+        let spec = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(spec, "hmmwv.yaml").unwrap();
+        let n = 41;
+        let mut stream = vb_math::rng::Stream::new(6, &["hull"]);
+        let heights = (0..n * n).map(|_| stream.normal(0.0, 0.12)).collect();
+        let ground = Heightfield::new(n, n, 1.0, heights);
+        let world = World::uniform("test", ground.clone(), vb_world::TerrainClass::Concrete, 0.6);
+        let mut hull = ChassisContacts::new(&spec, &world, 2000.0, V3::repeat(1000.0), V3::zeros(), 1e-3);
+        let obstacles = Obstacles::none();
+        let (mut near, mut saved) = (0, 0);
+        for k in 0..8000 {
+            let t = 4e-3 * f64::from(k);
+            let x = V3::new(
+                19.0 * vb_math::sin(0.1 * t),
+                15.0 * vb_math::sin(0.13 * t),
+                0.9 + 0.4 * vb_math::sin(0.7 * t),
+            );
+            let q = Quat::from_euler_angles(0.2 * vb_math::sin(t), 0.15 * vb_math::sin(1.7 * t), 0.2 * t);
+            let margin = 0.05 + 0.03 * vb_math::sin(5.0 * t).abs();
+            let remembered = hull.looks.clone();
+            let touches = hull.may_touch(&ground, &obstacles, &x, &q, margin);
+            let clear = |c: &Clear| hull.is_still_clear(c, &x, q.to_rotation_matrix().matrix(), margin);
+            saved += u32::from(remembered.clear.as_ref().is_some_and(clear));
+            let after = std::mem::take(&mut hull.looks);
+            assert_eq!(touches, hull.may_touch(&ground, &obstacles, &x, &q, margin), "look {k}");
+            hull.looks = after;
+            near += u32::from(touches);
+        }
+        assert!((1000..7000).contains(&near), "{near}");
+        assert!(saved > 1000, "{saved} looks were saved");
+    }
 
     #[test]
     fn the_chassis_and_the_tyres_see_one_ground() {

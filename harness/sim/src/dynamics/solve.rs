@@ -28,9 +28,10 @@ fn accelerations(angular: &M3, coupling: &M3, linear: &M3, moment: &V3, force: &
     let mut b = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
     for j in 0..N {
         for k in 0..j {
-            let factor = -l[k][j];
-            for i in j..N {
-                l[j][i] += factor * l[k][i];
+            let column = l[k];
+            let factor = -column[j];
+            for (value, x) in l[j][j..].iter_mut().zip(&column[j..]) {
+                *value += factor * x;
             }
         }
         let diagonal = l[j][j];

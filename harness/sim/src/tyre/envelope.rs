@@ -289,6 +289,33 @@ mod tests {
         assert!(c.depth > 0.011);
     }
 
+    #[test]
+    fn what_a_wheel_remembers_of_its_clearance_changes_no_contact() {
+        let e = envelope();
+        let n = 41;
+        let mut stream = vb_math::rng::Stream::new(5, &["clearance"]);
+        let heights = (0..n * n).map(|_| stream.normal(0.0, 0.15)).collect();
+        let ground = Heightfield::new(n, n, 0.5, heights);
+        let mut clearance = Clearance::default();
+        let (mut touched, mut saved) = (0, 0);
+        // It hops over rough ground, beyond the edge and back, turns, tilts, and is set down elsewhere at times.
+        for k in 0..40_000 {
+            let t = 1e-3 * f64::from(k % 16_000);
+            let place = if k < 16_000 { 0.0 } else { 1.7 };
+            let (x, y) = (11.0 * vb_math::sin(0.4 * t), 8.0 * vb_math::sin(0.31 * t + place));
+            let (yaw, tilt) = (0.8 * t, 0.3 * vb_math::sin(3.0 * t));
+            let (s, c) = vb_math::sin_cos(tilt);
+            let axis = V3::new(-vb_math::sin(yaw) * c, vb_math::cos(yaw) * c, s);
+            let hub = V3::new(x, y, ground.height(x, y) + RADIUS + 0.12 * vb_math::sin(9.0 * t));
+            let found = e.query_where(&ground, &hub, &axis, &mut clearance, |_, _| 1.0);
+            assert_eq!(found, e.query(&ground, &hub, &axis), "step {k}");
+            touched += u32::from(found.is_some());
+            saved += (0..STATIONS).filter(|s| clearance.is_clear(*s)).count();
+        }
+        assert!((10_000..35_000).contains(&touched), "{touched}");
+        assert!(saved > 200_000, "a third of all stations was not looked at: {saved}");
+    }
+
     /// The contact over `x` for a hub so high that the wheel is `depth` deep.
     fn at_depth(e: &Envelope, ground: &Heightfield, x: f64, depth: f64) -> Contact {
         let (mut low, mut high) = (-1.0, 2.0);
