@@ -231,7 +231,34 @@ pub(crate) struct ChassisContacts {
     low: V3,
     high: V3,
     bound: f64,
+    looks: Looks,
 }
+
+/// What looks for ground under the hull leave to the next one, to save work: it changes no answer.
+#[derive(Clone, Default)]
+struct Looks {
+    /// The probe that was near the ground last.
+    near: usize,
+    clear: Option<Clear>,
+}
+
+/// How far the hull was clear of the ground.
+#[derive(Clone)]
+struct Clear {
+    x: V3,
+    axes: M3,
+    /// Steepest slopes around, and 1: what a height over ground loses by a way along each axis.
+    slopes: V3,
+    /// Height of the lowest probe over the ground, m.
+    height: f64,
+    /// By how much the hull's box can grow, at least, before a node of the ground is inside, m.
+    gap: f64,
+}
+
+/// What is left of a clearance for rounding, m.
+const ROUNDING: f64 = 1e-9;
+/// How far the hull may go before slopes are looked at again, over its bound.
+const ROOM: f64 = 0.25;
 
 impl Clone for ChassisContacts {
     /// With all that the solver carries from step to step, so that original and clone go on alike. rapier's pipelines
@@ -251,7 +278,7 @@ impl Clone for ChassisContacts {
             soft_bodies: p.soft_bodies.clone(),
             ..PhysicsWorld::default()
         };
-        Self { physics, probes: self.probes.clone(), ..*self }
+        Self { physics, probes: self.probes.clone(), looks: self.looks.clone(), ..*self }
     }
 }
 
@@ -316,7 +343,7 @@ impl ChassisContacts {
         }
         let (low, high) = extents(probes.iter().copied());
         let bound = probes.iter().map(V3::norm).fold(0.0, f64::max);
-        Self { physics, body, ground, probes, low, high, bound }
+        Self { physics, body, ground, probes, low, high, bound, looks: Looks::default() }
     }
 
     /// Distance from the centre of mass within which the hull lies, m.
@@ -326,7 +353,7 @@ impl ChassisContacts {
 
     /// Whether the hull may come within `margin` of ground or obstacles.
     pub(crate) fn may_touch(
-        &self,
+        &mut self,
         ground: &Heightfield,
         obstacles: &Obstacles,
         x: &V3,
@@ -342,45 +369,95 @@ impl ChassisContacts {
         if obstacles.any_within(&hull, margin) {
             return true;
         }
-        if self.probes.iter().any(|p| {
+        if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {
+            return false;
+        }
+        self.looks.clear = None;
+        let over = |p: &V3| {
             let p = x + r * p;
-            p.z < ground.height(p.x, p.y) + margin
-        }) {
+            let ground = ground.height(p.x, p.y);
+            (p.z < ground + margin, p.z - ground)
+        };
+        if self.probes.get(self.looks.near).is_some_and(|p| over(p).0) {
             return true;
         }
-        self.node_inside(ground, x, q, margin)
+        let mut height = f64::INFINITY;
+        for (i, p) in self.probes.iter().enumerate() {
+            let (near, above) = over(p);
+            if near {
+                self.looks.near = i;
+                return true;
+            }
+            height = height.min(above);
+        }
+        let Some(gap) = self.node_gap(ground, &hull, x, q, margin) else { return true };
+        let slopes = ground.steepest(x.x, x.y, (1.0 + ROOM) * self.bound);
+        self.looks.clear = slopes.map(|[sx, sy]| Clear {
+            x: *x,
+            axes: *r.matrix(),
+            slopes: V3::new(sx, sy, 1.0),
+            height,
+            gap,
+        });
+        false
     }
 
-    /// Whether a node of the ground stands within the hull's box: a summit between the probes.
-    fn node_inside(&self, ground: &Heightfield, x: &V3, q: &Quat, margin: f64) -> bool {
-        let reach = self.bound;
+    /// Distance from the centre of mass within which the hull's box lies if it grows by `margin`, m.
+    fn box_bound(&self, margin: f64) -> f64 {
+        self.low.abs().sup(&self.high.abs()).add_scalar(margin).norm()
+    }
+
+    /// Whether the hull can't have come within `margin` of the ground since it was clear.
+    fn is_still_clear(&self, c: &Clear, x: &V3, axes: &M3, margin: f64) -> bool {
+        let way = x - c.x;
+        let turn = axes - c.axes;
+        if way.x.abs().max(way.y.abs()) > ROOM * self.bound {
+            return false;
+        }
+        // A probe goes along each axis as far as the centre and, at its distance, the rows of the rotation.
+        let rows = V3::new(turn.row(0).norm(), turn.row(1).norm(), turn.row(2).norm());
+        let lost = c.slopes.dot(&(way.abs() + rows * self.bound));
+        let moved = way.norm() + turn.norm() * self.box_bound(margin);
+        c.height - lost > margin + ROUNDING && c.gap - moved > margin + ROUNDING
+    }
+
+    /// By how much the hull's box can grow before a node of the ground stands inside, at least, m; none if one stands
+    /// within `margin` of it: a summit between the probes.
+    fn node_gap(&self, ground: &Heightfield, hull: &Cuboid, x: &V3, q: &Quat, margin: f64) -> Option<f64> {
         let pitch = ground.pitch();
-        let index =
-            |value: f64, half: f64, count: usize| (((value + half) / pitch).max(0.0) as usize).min(count - 1);
-        let (c0, c1) = (
-            index(x.x - reach, ground.half_x(), ground.cols()),
-            index(x.x + reach, ground.half_x(), ground.cols()),
+        let range = |v: f64, reach: f64, half: f64, count: usize| {
+            let index = |value: f64| (((value + half) / pitch).max(0.0) as usize).min(count - 1);
+            (index(v - reach), index(v + reach))
+        };
+        let (cols, rows) = (
+            range(x.x, self.bound, ground.half_x(), ground.cols()),
+            range(x.y, self.bound, ground.half_y(), ground.rows()),
         );
-        let (r0, r1) = (
-            index(x.y - reach, ground.half_y(), ground.rows()),
-            index(x.y + reach, ground.half_y(), ground.rows()),
-        );
+        // Of those farther out the next looks need to know.
+        let wide = self.box_bound(margin) + ROOM * self.bound;
+        let (c0, c1) = range(x.x, wide, ground.half_x(), ground.cols());
+        let (r0, r1) = range(x.y, wide, ground.half_y(), ground.rows());
+        let bottom = hull.centre.z - hull.axes.row(2).abs().dot(&hull.half.transpose());
         let inverse = q.inverse();
+        let mut gap = self.bound;
         for row in r0..=r1 {
             for col in c0..=c1 {
-                let node = V3::new(
-                    col as f64 * pitch - ground.half_x(),
-                    row as f64 * pitch - ground.half_y(),
-                    ground.node(row, col),
-                );
+                let z = ground.node(row, col);
+                // Along one of the box's axes it is at least 1/√3 of the way off.
+                if 0.57 * (bottom - z) >= gap.max(margin + ROUNDING) {
+                    continue;
+                }
+                let node =
+                    V3::new(col as f64 * pitch - ground.half_x(), row as f64 * pitch - ground.half_y(), z);
                 let p = inverse * (node - x);
                 let inside = (0..3).all(|k| p[k] > self.low[k] - margin && p[k] < self.high[k] + margin);
-                if inside {
-                    return true;
+                if inside && (cols.0..=cols.1).contains(&col) && (rows.0..=rows.1).contains(&row) {
+                    return None;
                 }
+                gap = gap.min((self.low - p).sup(&(p - self.high)).max());
             }
         }
-        false
+        Some(gap)
     }
 
     /// Lets rapier resolve the contacts of one step: takes the velocities that the forces gave, returns pose and
@@ -466,6 +543,40 @@ fn ground_collider(ground: &Heightfield) -> ColliderBuilder {
 mod tests {
     use super::*;
     use rapier3d_f64::parry::query::Ray;
+
+    #[test]
+    fn what_is_remembered_of_the_hulls_clearance_changes_no_answer() {
+        let spec = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(spec, "hmmwv.yaml").unwrap();
+        let n = 41;
+        let mut stream = vb_math::rng::Stream::new(6, &["hull"]);
+        let heights = (0..n * n).map(|_| stream.normal(0.0, 0.12)).collect();
+        let ground = Heightfield::new(n, n, 1.0, heights);
+        let world = World::uniform("test", ground.clone(), vb_world::TerrainClass::Concrete, 0.6);
+        let mut hull = ChassisContacts::new(&spec, &world, 2000.0, V3::repeat(1000.0), V3::zeros(), 1e-3);
+        let obstacles = Obstacles::none();
+        let (mut near, mut saved) = (0, 0);
+        for k in 0..8000 {
+            let t = 4e-3 * f64::from(k);
+            let x = V3::new(
+                19.0 * vb_math::sin(0.1 * t),
+                15.0 * vb_math::sin(0.13 * t),
+                0.9 + 0.4 * vb_math::sin(0.7 * t),
+            );
+            let q = Quat::from_euler_angles(0.2 * vb_math::sin(t), 0.15 * vb_math::sin(1.7 * t), 0.2 * t);
+            let margin = 0.05 + 0.03 * vb_math::sin(5.0 * t).abs();
+            let remembered = hull.looks.clone();
+            let touches = hull.may_touch(&ground, &obstacles, &x, &q, margin);
+            let clear = |c: &Clear| hull.is_still_clear(c, &x, q.to_rotation_matrix().matrix(), margin);
+            saved += u32::from(remembered.clear.as_ref().is_some_and(clear));
+            let after = std::mem::take(&mut hull.looks);
+            assert_eq!(touches, hull.may_touch(&ground, &obstacles, &x, &q, margin), "look {k}");
+            hull.looks = after;
+            near += u32::from(touches);
+        }
+        assert!((1000..7000).contains(&near), "{near}");
+        assert!(saved > 1000, "{saved} looks were saved");
+    }
 
     #[test]
     fn the_chassis_and_the_tyres_see_one_ground() {

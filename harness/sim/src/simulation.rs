@@ -189,7 +189,7 @@ impl Simulation {
     }
 
     /// Whether neither wheels nor hull touch anything.
-    fn is_free(&self) -> bool {
+    fn is_free(&mut self) -> bool {
         let ground = &self.world.heightfield;
         let touches = self.vehicle.hubs().zip(self.vehicle.envelopes()).any(|((hub, axis), envelope)| {
             hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()

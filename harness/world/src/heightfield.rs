@@ -41,6 +41,52 @@ pub struct Facet {
     gradient: [f64; 2],
 }
 
+/// The surface for someone who asks for heights near each other: it keeps the last cell, in which the next point mostly
+/// lies. Its heights are those of [`Heightfield::height`], bit for bit.
+#[derive(Clone, Debug)]
+pub struct Nearby<'a> {
+    field: &'a Heightfield,
+    /// South-western corner of the cell, in pitches from that of the grid, and its opposite; nothing lies between them
+    /// at first.
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Heights of its corners: south-west, south-east, north-west, north-east.
+    corners: [f64; 4],
+}
+
+impl<'a> Nearby<'a> {
+    /// Knows no cell yet.
+    #[inline]
+    #[must_use]
+    pub fn new(field: &'a Heightfield) -> Self {
+        Self { field, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2], corners: [0.0; 4] }
+    }
+
+    /// Height at (x, y), m.
+    #[inline]
+    #[must_use]
+    pub fn height(&mut self, x: f64, y: f64) -> f64 {
+        let f = self.field;
+        let (fx, fy) = ((x + f.half[0]) * f.inverse_pitch, (y + f.half[1]) * f.inverse_pitch);
+        let known = (fx >= self.low[0]) & (fx < self.high[0]) & (fy >= self.low[1]) & (fy < self.high[1]);
+        if !known {
+            self.look(fx, fy);
+        }
+        let (u, v) = (fx - self.low[0], fy - self.low[1]);
+        let [z00, z10, z01, z11] = self.corners;
+        let rise = if v >= u { [z11 - z01, z01 - z00] } else { [z10 - z00, z11 - z10] };
+        z00 + rise[0] * u + rise[1] * v
+    }
+
+    fn look(&mut self, fx: f64, fy: f64) {
+        let f = self.field;
+        let (col, row) = f.indices(fx, fy);
+        self.low = [col as f64, row as f64];
+        self.high = self.low.map(|k| k + 1.0);
+        self.corners = f.corners(col, row);
+    }
+}
+
 /// Where a point lies in the grid.
 struct Cell {
     col: usize,
@@ -191,16 +237,29 @@ impl Heightfield {
         let inv = self.inverse_pitch;
         let fx = (x + self.half[0]) * inv;
         let fy = (y + self.half[1]) * inv;
-        // By way of u32, which a conversion reaches with fewer instructions.
-        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
-        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        let (col, row) = self.indices(fx, fy);
         let (u, v) = (fx - col as f64, fy - row as f64);
-        let i = row * self.cols + col;
-        let (south, north) = (&self.heights[i..i + 2], &self.heights[i + self.cols..i + self.cols + 2]);
-        let ([z00, z10], [z01, z11]) = ([south[0], south[1]], [north[0], north[1]]);
+        let [z00, z10, z01, z11] = self.corners(col, row);
         let upper = v >= u;
         let rise = if upper { [z11 - z01, z01 - z00] } else { [z10 - z00, z11 - z10] };
         Cell { col, row, within: [u, v], upper, z: z00, rise }
+    }
+
+    /// Column and row of the cell at a place in pitches from the south-western corner; the nearest beyond the edge.
+    #[inline]
+    fn indices(&self, fx: f64, fy: f64) -> (usize, usize) {
+        // By way of u32, which a conversion reaches with fewer instructions.
+        let col = (fx.max(0.0) as u32 as usize).min(self.cols - 2);
+        let row = (fy.max(0.0) as u32 as usize).min(self.rows - 2);
+        (col, row)
+    }
+
+    /// Heights of a cell's corners: south-west, south-east, north-west, north-east.
+    #[inline]
+    fn corners(&self, col: usize, row: usize) -> [f64; 4] {
+        let i = row * self.cols + col;
+        let (south, north) = (&self.heights[i..i + 2], &self.heights[i + self.cols..i + self.cols + 2]);
+        [south[0], south[1], north[0], north[1]]
     }
 
     /// The triangle at (x, y); beyond the edge the edge cell's.
@@ -251,6 +310,38 @@ impl Heightfield {
         Some(top)
     }
 
+    /// Bounds of |∂z/∂x| and |∂z/∂y| on all triangles that reach into the square of half side `reach` about (x, y), of
+    /// which none is exceeded by as much as the rounding of its heights; none where the square goes over the edge.
+    #[must_use]
+    pub fn steepest(&self, x: f64, y: f64, reach: f64) -> Option<[f64; 2]> {
+        let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];
+        if !inside {
+            return None;
+        }
+        // A node more on each side, so that no rounding leaves a cell out.
+        let range = |v: f64, half: f64, n: usize| {
+            let first = ((v - reach + half) * self.inverse_pitch) as usize;
+            let last = ((v + reach + half) * self.inverse_pitch) as usize;
+            (first.saturating_sub(1), (last + 2).min(n - 1))
+        };
+        let (c0, c1) = range(x, self.half[0], self.cols);
+        let (r0, r1) = range(y, self.half[1], self.rows);
+        let mut most = [0.0_f64; 2];
+        for row in r0..=r1 {
+            for col in c0..=c1 {
+                let z = self.node(row, col);
+                // A triangle's gradient is the rise along its two sides that follow the grid.
+                if col < c1 {
+                    most[0] = most[0].max((self.node(row, col + 1) - z).abs());
+                }
+                if row < r1 {
+                    most[1] = most[1].max((self.node(row + 1, col) - z).abs());
+                }
+            }
+        }
+        Some(most.map(|rise| rise * self.inverse_pitch))
+    }
+
     /// The same surface with every length multiplied by `s`.
     #[must_use]
     pub fn scaled(&self, s: f64) -> Self {
@@ -298,6 +389,42 @@ mod tests {
         assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
         assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
         assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+    }
+
+    #[test]
+    fn whoever_asks_nearby_gets_the_same_bits() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.3, heights);
+        let mut nearby = Nearby::new(&h);
+        // In small steps, from beyond one edge to beyond the other, and along cells' edges.
+        for j in 0..60 {
+            let y = f64::from(j) * 0.05 - 1.5;
+            for i in 0..300 {
+                let x = f64::from(i) * 0.01 - 1.5;
+                assert_eq!(nearby.height(x, y).to_bits(), h.height(x, y).to_bits(), "{x} {y}");
+            }
+        }
+        assert!(nearby.height(f64::NAN, 0.0).is_nan());
+    }
+
+    #[test]
+    fn no_slope_is_above_the_steepest_nearby_and_the_steepest_is_found() {
+        let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
+        let h = Heightfield::new(9, 9, 0.5, heights);
+        for (x, y, reach) in [(0.2, -0.3, 0.4), (-1.0, 0.9, 0.05), (0.5, 0.5, 1.0)] {
+            let [sx, sy] = h.steepest(x, y, reach).unwrap();
+            for i in 0..=40 {
+                for j in 0..=40 {
+                    let at = |v: f64, k: i32| v + reach * (0.05 * f64::from(k) - 1.0);
+                    let p = h.at(at(x, i), at(y, j));
+                    assert!(p.dzdx.abs() <= sx && p.dzdy.abs() <= sy, "{p:?} {sx} {sy}");
+                }
+            }
+        }
+        assert_eq!(h.steepest(1.8, 0.0, 0.5), None, "over the edge");
+        let ramp = Heightfield::new(9, 9, 0.5, (0..81).map(|i| 0.1 * f64::from(i % 9)).collect());
+        let [sx, sy] = ramp.steepest(0.3, 0.1, 0.5).unwrap();
+        assert!((sx - 0.2).abs() < 1e-12 && sy == 0.0, "{sx} {sy}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub mod yaml;
 
 pub use check::{Flaw, Part};
 pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo, read_obstacles};
-pub use heightfield::{Facet, Heightfield, SurfacePoint};
+pub use heightfield::{Facet, Heightfield, Nearby, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;
 pub use selector::{Selector, SelectorError, TaskRef};

@@ -21,7 +21,7 @@ use crate::soil::{Footprint, SoilGround, WHEEL};
 use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
 use crate::state::{Controls, WheelState};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
-use crate::tyre::{Envelope, Patch, Tyre};
+use crate::tyre::{Clearance, Envelope, Patch, Tyre};
 use crate::{GRAVITY, M3, Quat, V3};
 use beam::Beam;
 use std::sync::Arc;
@@ -60,6 +60,8 @@ struct Corner {
     spin: f64,
     ground_patch: Patch,
     obstacle_patch: Patch,
+    /// No state: it saves work.
+    clearance: Clearance,
     /// None where the wheel is part of a track, which has one for all.
     footprint: Option<Footprint<WHEEL>>,
     /// Greatest depth of the wheel below undisturbed soil in the last step, m.
@@ -187,6 +189,7 @@ impl Vehicle {
                     spin: 0.0,
                     ground_patch: Patch::default(),
                     obstacle_patch: Patch::default(),
+                    clearance: Clearance::default(),
                     footprint: spec.tracks.is_none().then(|| Footprint::wheel(radius, width, soil_pitch)),
                     sinkage: 0.0,
                     load: 0.0,

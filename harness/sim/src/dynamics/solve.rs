@@ -3,10 +3,61 @@
 use super::{Guide, MAX_WHEELS, Vehicle};
 use crate::powertrain::interpolate;
 use crate::{M3, V3};
-use nalgebra::{Matrix6, Vector6};
 
 pub(super) fn skew(r: &V3) -> M3 {
     M3::new(0.0, -r.z, r.y, r.z, 0.0, -r.x, -r.y, r.x, 0.0)
+}
+
+/// Solves [A C; Cᵀ L] (α, a) = (moment, force) by Cholesky's decomposition; not a number where the matrix isn't positive
+/// definite. It is for every finite state; if it isn't, the state isn't finite, which the caller reports.
+///
+/// Written out since nalgebra's own goes through views of a size that is known when it runs, which takes several times as
+/// long. The order of operations is the same.
+#[inline]
+fn accelerations(angular: &M3, coupling: &M3, linear: &M3, moment: &V3, force: &V3) -> (V3, V3) {
+    const N: usize = 6;
+    // Lower triangle, column by column.
+    let mut l = [[0.0; N]; N];
+    for j in 0..3 {
+        for i in 0..3 {
+            l[j][i] = angular[(i, j)];
+            l[j][3 + i] = coupling[(j, i)];
+            l[3 + j][3 + i] = linear[(i, j)];
+        }
+    }
+    let mut b = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
+    for j in 0..N {
+        for k in 0..j {
+            let column = l[k];
+            let factor = -column[j];
+            for (value, x) in l[j][j..].iter_mut().zip(&column[j..]) {
+                *value += factor * x;
+            }
+        }
+        let diagonal = l[j][j];
+        if diagonal.is_nan() || diagonal <= 0.0 {
+            return (V3::repeat(f64::NAN), V3::repeat(f64::NAN));
+        }
+        let root = diagonal.sqrt();
+        l[j][j] = root;
+        for value in &mut l[j][j + 1..] {
+            *value /= root;
+        }
+    }
+    for i in 0..N {
+        b[i] /= l[i][i];
+        for k in i + 1..N {
+            b[k] += -b[i] * l[i][k];
+        }
+    }
+    for i in (0..N).rev() {
+        let mut sum = 0.0;
+        for k in i + 1..N {
+            sum += l[i][k] * b[k];
+        }
+        b[i] = (b[i] - sum) / l[i][i];
+    }
+    (V3::new(b[0], b[1], b[2]), V3::new(b[3], b[4], b[5]))
 }
 
 impl Vehicle {
@@ -102,18 +153,7 @@ impl Vehicle {
             force += p.force;
             *kept = Some(remembered);
         }
-        let mut a = Matrix6::zeros();
-        a.fixed_view_mut::<3, 3>(0, 0).copy_from(&angular);
-        a.fixed_view_mut::<3, 3>(0, 3).copy_from(&coupling);
-        a.fixed_view_mut::<3, 3>(3, 0).copy_from(&coupling.transpose());
-        a.fixed_view_mut::<3, 3>(3, 3).copy_from(&linear);
-        let mut b = Vector6::zeros();
-        b.fixed_rows_mut::<3>(0).copy_from(&moment);
-        b.fixed_rows_mut::<3>(3).copy_from(&force);
-        // Positive definite for every finite state; if it isn't, the state isn't finite, which the caller reports.
-        let solution = a.cholesky().map_or_else(|| Vector6::repeat(f64::NAN), |c| c.solve(&b));
-        let alpha = solution.fixed_rows::<3>(0).into_owned();
-        let acceleration = solution.fixed_rows::<3>(3).into_owned();
+        let (alpha, acceleration) = accelerations(&angular, &coupling, &linear, &moment, &force);
         for (i, (c, f)) in self.corners.iter_mut().zip(&self.forces).enumerate() {
             if !matches!(c.guide, Guide::Table(_)) {
                 continue;

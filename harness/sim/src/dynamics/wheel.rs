@@ -19,11 +19,13 @@ impl Vehicle {
             let under =
                 if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
             let contact = match under {
-                Under::Rigid => envelope.query(ground.heightfield, &hub, &axis),
+                Under::Rigid => {
+                    envelope.query_where(ground.heightfield, &hub, &axis, &mut c.clearance, |_, _| 1.0)
+                }
                 Under::Soil(_) => None,
                 Under::Mixed => {
                     let rigid = |x, y| 1.0 - ground.soil.share(x, y, ground.soil.blend);
-                    envelope.query_where(ground.heightfield, &hub, &axis, rigid)
+                    envelope.query_where(ground.heightfield, &hub, &axis, &mut c.clearance, rigid)
                 }
             };
             if let Some(contact) = contact {

@@ -1,7 +1,7 @@
 //! Which soil lies where in a world.
 
 use super::grid::Grid;
-use super::law::Soil;
+use super::law::{Soil, SoilLaw};
 use super::set::SoilSet;
 use crate::error::SimError;
 use vb_world::World;
@@ -46,6 +46,8 @@ impl SoilGround {
         let s = &world.semantics;
         let mut soils: Vec<Soil> = Vec::new();
         let mut patches = Vec::with_capacity(s.classes.len());
+        // Which soil a law became: its tables take thousands of powers to make, and patches come by the thousand.
+        let mut prepared: Vec<(&SoilLaw, u8)> = Vec::new();
         for &class in &s.classes {
             let Some(level) = s.soil.of(class) else {
                 patches.push(RIGID);
@@ -56,12 +58,16 @@ impl SoilGround {
                 class: class.name(),
                 set: set.name.clone(),
             })?;
-            let soil = law.prepare();
-            let index = soils.iter().position(|s| *s == soil).unwrap_or_else(|| {
-                soils.push(soil);
-                soils.len() - 1
-            });
-            patches.push(index as u8);
+            let known = prepared.iter().find(|(l, _)| *l == law).map(|(_, index)| *index);
+            patches.push(known.unwrap_or_else(|| {
+                let soil = law.prepare();
+                let index = soils.iter().position(|s| *s == soil).unwrap_or_else(|| {
+                    soils.push(soil);
+                    soils.len() - 1
+                });
+                prepared.push((law, index as u8));
+                index as u8
+            }));
         }
         let half = [world.heightfield.half_x(), world.heightfield.half_y()];
         Ok(Self {

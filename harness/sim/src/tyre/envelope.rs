@@ -2,7 +2,7 @@
 
 use super::Contact;
 use crate::V3;
-use vb_world::Heightfield;
+use vb_world::{Heightfield, Nearby};
 
 /// Stations on each side of the lowest one.
 const SIDE: usize = 7;
@@ -36,6 +36,74 @@ pub struct Envelope {
     share: [f64; STATIONS],
     /// (area, deflection) on flat ground, between which the relation is linear for this very sampling.
     knots: [(f64, f64); 2 * SIDE + 2],
+}
+
+/// How far a wheel's stations have yet to move before they can touch, from step to step: most of them are well above the
+/// ground, and heights of the ground are what an [`Envelope`] costs.
+///
+/// A height over ground changes by no more than the sum over the axes of how far a point has moved along each, times the
+/// steepest slope nearby (1 for the height itself). As long as that is less than it was, nothing touches.
+#[derive(Clone, Debug)]
+pub(crate) struct Clearance {
+    /// Hub and directions (along, up, axle) when it was last asked for.
+    pose: [V3; 4],
+    /// Where slopes were looked at, and the slopes; none where nothing is known.
+    around: Option<([f64; 2], V3)>,
+    /// Bound of what heights over ground have lost so far, m.
+    spent: f64,
+    /// What is spent when a station may touch, m.
+    due: [f64; STATIONS],
+}
+
+/// What is taken off every clearance for rounding, m: far more than heights and coordinates have of it.
+const ROUNDING: f64 = 1e-9;
+
+impl Default for Clearance {
+    fn default() -> Self {
+        Self { pose: [V3::zeros(); 4], around: None, spent: 0.0, due: [0.0; STATIONS] }
+    }
+}
+
+impl Clearance {
+    /// Takes note of where the wheel has come to.
+    #[inline]
+    fn move_to(&mut self, ground: &Heightfield, wheel: &Envelope, pose: [V3; 4]) {
+        let before = std::mem::replace(&mut self.pose, pose);
+        let hub = &pose[0];
+        let room = wheel.radius;
+        let near = |c: &[f64; 2], p: &V3| (p.x - c[0]).abs() <= room && (p.y - c[1]).abs() <= room;
+        match self.around {
+            Some((centre, _)) if near(&centre, hub) => {}
+            _ => {
+                let centre = [hub.x, hub.y];
+                let reach = room + wheel.radius + wheel.strip + ROUNDING;
+                let slopes = ground.steepest(hub.x, hub.y, reach).map(|[x, y]| V3::new(x, y, 1.0));
+                // The way here must lie where the slopes are known.
+                if self.around.is_none() || !near(&centre, &before[0]) {
+                    self.due = [f64::NEG_INFINITY; STATIONS];
+                }
+                self.around = slopes.map(|slopes| (centre, slopes));
+            }
+        }
+        let Some((_, slopes)) = &self.around else {
+            self.due = [f64::NEG_INFINITY; STATIONS];
+            return;
+        };
+        let [hub, along, up, axis] = std::array::from_fn(|k| (pose[k] - before[k]).abs());
+        let moved = hub + axis * wheel.strip + (along + up) * wheel.radius;
+        self.spent += moved.dot(slopes) + ROUNDING;
+    }
+
+    #[inline]
+    fn is_clear(&self, station: usize) -> bool {
+        self.spent < self.due[station]
+    }
+
+    /// A station is `height` (m) above the ground.
+    #[inline]
+    fn note(&mut self, station: usize, height: f64) {
+        self.due[station] = self.spent + height - ROUNDING;
+    }
 }
 
 impl Envelope {
@@ -73,24 +141,28 @@ impl Envelope {
     /// The contact of a wheel with centre `hub` and axle direction `axis` (unit, to the left), if it touches.
     #[must_use]
     pub fn query(&self, ground: &Heightfield, hub: &V3, axis: &V3) -> Option<Contact> {
-        self.query_where(ground, hub, axis, |_, _| 1.0)
+        self.query_where(ground, hub, axis, &mut Clearance::default(), |_, _| 1.0)
     }
 
-    /// As [`Self::query`] where only a share of the ground, between 0 and 1, carries at each (x, y).
+    /// As [`Self::query`] for a wheel that is asked for again and again over the same ground, and where only a share of
+    /// the ground, between 0 and 1, carries at each (x, y). What `clearance` remembers saves work and changes nothing.
     #[inline]
     pub(crate) fn query_where(
         &self,
         ground: &Heightfield,
         hub: &V3,
         axis: &V3,
+        clearance: &mut Clearance,
         carries: impl Fn(f64, f64) -> f64,
     ) -> Option<Contact> {
         // A wheel that lies on its side stands on the hull, not on its tread.
         let heading = V3::new(axis.y, -axis.x, 0.0).try_normalize(0.3)?;
         let left = V3::new(-heading.y, heading.x, 0.0);
-        let rise = |to: &V3, reach: f64| {
-            (ground.height(hub.x + reach * to.x, hub.y + reach * to.y)
-                - ground.height(hub.x - reach * to.x, hub.y - reach * to.y))
+        // One for each side, so that a wheel astride an edge of cells doesn't change to and fro.
+        let mut nearby = [Nearby::new(ground), Nearby::new(ground)];
+        let mut rise = |to: &V3, reach: f64| {
+            (nearby[1].height(hub.x + reach * to.x, hub.y + reach * to.y)
+                - nearby[0].height(hub.x - reach * to.x, hub.y - reach * to.y))
                 / (2.0 * reach)
         };
         let slope = V3::z() - heading * rise(&heading, 0.5 * self.radius) - left * rise(&left, self.strip);
@@ -99,24 +171,25 @@ impl Envelope {
         if up.z < 0.1 {
             return None;
         }
-        // How far the ground is above the rim; left at nothing where both strips clear all ground around the wheel, but
-        // for the rounding of an interpolated height.
+        clearance.move_to(ground, self, [*hub, along, up, *axis]);
+        // How far the ground is above the rim; left at nothing where both strips are surely clear of it.
         let mut above = [[0.0; STATIONS]; 2];
         let mut shares = [[0.0; STATIONS]; 2];
-        let top = ground.ceiling(hub.x, hub.y, self.radius + self.strip).map_or(f64::INFINITY, |z| z + 1e-6);
         let origins = [-self.strip, self.strip].map(|offset| hub + axis * offset);
         for (k, (&x, &half)) in self.xs.iter().zip(&self.half).enumerate() {
-            let rims = origins.map(|origin| origin.z + along.z * x - up.z * half);
-            if rims[0] > top && rims[1] > top {
+            if clearance.is_clear(k) {
                 continue;
             }
+            let mut highest = f64::NEG_INFINITY;
             for (s, origin) in origins.iter().enumerate() {
                 let px = origin.x + along.x * x - up.x * half;
                 let py = origin.y + along.y * x - up.y * half;
-                let dz = ground.height(px, py) - rims[s];
+                let dz = nearby[s].height(px, py) - (origin.z + along.z * x - up.z * half);
                 above[s][k] = dz;
                 shares[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
+                highest = highest.max(dz);
             }
+            clearance.note(k, -highest);
         }
         let (mut area, mut ahead, mut below, mut across) = (0.0, 0.0, 0.0, 0.0);
         for (row, share) in above.iter().zip(&shares) {
@@ -214,6 +287,33 @@ mod tests {
         let c = e.query(&ground, &hub, &V3::y()).unwrap();
         assert!(c.normal.x < -0.1, "the ridge pushes the wheel back: {}", c.normal);
         assert!(c.depth > 0.011);
+    }
+
+    #[test]
+    fn what_a_wheel_remembers_of_its_clearance_changes_no_contact() {
+        let e = envelope();
+        let n = 41;
+        let mut stream = vb_math::rng::Stream::new(5, &["clearance"]);
+        let heights = (0..n * n).map(|_| stream.normal(0.0, 0.15)).collect();
+        let ground = Heightfield::new(n, n, 0.5, heights);
+        let mut clearance = Clearance::default();
+        let (mut touched, mut saved) = (0, 0);
+        // It hops over rough ground, beyond the edge and back, turns, tilts, and is set down elsewhere at times.
+        for k in 0..40_000 {
+            let t = 1e-3 * f64::from(k % 16_000);
+            let place = if k < 16_000 { 0.0 } else { 1.7 };
+            let (x, y) = (11.0 * vb_math::sin(0.4 * t), 8.0 * vb_math::sin(0.31 * t + place));
+            let (yaw, tilt) = (0.8 * t, 0.3 * vb_math::sin(3.0 * t));
+            let (s, c) = vb_math::sin_cos(tilt);
+            let axis = V3::new(-vb_math::sin(yaw) * c, vb_math::cos(yaw) * c, s);
+            let hub = V3::new(x, y, ground.height(x, y) + RADIUS + 0.12 * vb_math::sin(9.0 * t));
+            let found = e.query_where(&ground, &hub, &axis, &mut clearance, |_, _| 1.0);
+            assert_eq!(found, e.query(&ground, &hub, &axis), "step {k}");
+            touched += u32::from(found.is_some());
+            saved += (0..STATIONS).filter(|s| clearance.is_clear(*s)).count();
+        }
+        assert!((10_000..35_000).contains(&touched), "{touched}");
+        assert!(saved > 200_000, "a third of all stations was not looked at: {saved}");
     }
 
     /// The contact over `x` for a hub so high that the wheel is `depth` deep.

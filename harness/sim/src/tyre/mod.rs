@@ -16,6 +16,7 @@ mod tmeasy;
 use crate::V3;
 use crate::spec::TyreSpec;
 use brush::Brush;
+pub(crate) use envelope::Clearance;
 pub use envelope::Envelope;
 use fiala::Fiala;
 pub use patch::Patch;

@@ -68,6 +68,8 @@ pub(crate) struct Footprint<const N: usize> {
     pressed: Vec<Row<N>>,
     /// Whether the states are the ground's: else they are in the grid.
     live: bool,
+    /// Whether it has ever been live.
+    used: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
     aside: f64,
     beside: [Row<N>; 2],
@@ -226,6 +228,7 @@ impl<const N: usize> Footprint<N> {
             shear: [states.clone(), states.clone()],
             pressed: states,
             live: false,
+            used: false,
             aside: 0.0,
             beside: [[0.0; N]; 2],
             breadth: shape.width,
@@ -301,6 +304,9 @@ impl<const N: usize> Footprint<N> {
 
     /// Numbers that change when the soil under the wheel does.
     pub(crate) fn digest(&self) -> [f64; 6] {
+        if !self.used {
+            return [self.breadth, 0.0, 0.0, 0.0, 0.0, 0.0];
+        }
         let row = |r: &Row<N>| r[FIRST..=Self::LAST].iter().sum::<f64>();
         let sum = |states: &[Row<N>]| states.iter().map(row).sum::<f64>();
         let [a, b] = &self.shear;
@@ -331,6 +337,7 @@ impl<const N: usize> Footprint<N> {
         self.aside = f64::INFINITY;
         self.breadth = self.shape.width;
         self.live = true;
+        self.used = true;
     }
 
     /// Leaves the state of a station to the grid.
