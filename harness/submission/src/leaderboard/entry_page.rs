@@ -70,10 +70,10 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
         r.rank,
         if r.tied { "=" } else { "" },
         board.entries.len(),
-        if r.tied {
-            "shared: the tasks don't tell these entries apart"
-        } else {
-            "told apart from the others by the tasks"
+        match (r.tied, board.entries.len()) {
+            (true, _) => "shared: the tasks don't tell these entries apart",
+            (false, 1) => "the only entry so far",
+            (false, _) => "told apart from the others by the tasks",
         },
     );
     if let Some(h) = &e.holdout {

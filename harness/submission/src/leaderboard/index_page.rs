@@ -77,7 +77,7 @@ fn board(s: &mut String, b: &Board) {
         "<div class=\"scroll\"><table class=\"sortable standings\"><thead><tr><th class=\"n\">rank</th><th>planner</th><th \
          class=\"n\">success %</th><th class=\"plot fixed\">95 % interval</th>{}<th class=\"n wide\">time s</th><th class=\"n \
          wide\">|roll| °</th><th class=\"n wide\">|pitch| °</th></tr></thead><tbody>",
-        if holdout { "<th class=\"n\">hold-out %</th>" } else { "" }
+        if holdout { "<th class=\"n hold\">hold-out %</th>" } else { "" }
     );
     for r in &b.entries {
         row(s, r, holdout);

@@ -49,7 +49,7 @@ fn conditions(e: &Entry) -> [String; 11] {
     ]
 }
 
-/// The boards: ranked before open ones, then by suite, vehicle and what else differs.
+/// The boards: ranked before open ones, then by number of entries, suite, vehicle and what else differs.
 pub(super) fn boards(mut entries: Vec<Entry>) -> Result<Vec<Board>, SubmissionError> {
     // A stable sort of what is sorted by names.
     entries.sort_by_cached_key(|e| (e.manifest.division, conditions(e)));
@@ -74,6 +74,8 @@ pub(super) fn boards(mut entries: Vec<Entry>) -> Result<Vec<Board>, SubmissionEr
             _ => boards.push(vec![entry]),
         }
     }
+    // What most have entered comes first.
+    boards.sort_by_key(|b| (b[0].manifest.division, std::cmp::Reverse(b.len())));
     boards.into_iter().map(board).collect()
 }
 
