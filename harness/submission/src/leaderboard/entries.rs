@@ -71,8 +71,11 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     let holdout = match dir.join(HOLDOUT) {
         path if path.exists() => {
             let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA)?;
-            if scores.plugin_sha256 != verification.plugin_sha256 {
-                return fail(format!("{HOLDOUT} is of another plugin (evaluate this one)"));
+            let run = &submission.manifest().run;
+            let own = [&run.plugin.sha256, &run.vehicle.name, &run.harness_version];
+            if own != [&scores.plugin_sha256, &scores.vehicle, &scores.harness_version] {
+                let what = "another plugin, vehicle or version of the harness";
+                return fail(format!("{HOLDOUT} is of {what} (evaluate this one)"));
             }
             Some(scores)
         }

@@ -79,13 +79,20 @@ fn board(s: &mut String, b: &Board) {
          wide\">|roll| °</th><th class=\"n wide\">|pitch| °</th></tr></thead><tbody>",
         if holdout { "<th class=\"n hold\">hold-out %</th>" } else { "" }
     );
+    // Scores of several hidden suites say which each is of.
+    let suites: std::collections::BTreeSet<_> = b
+        .entries
+        .iter()
+        .filter_map(|r| r.entry.holdout.as_ref())
+        .map(|h| (&h.suite, &h.suite_version))
+        .collect();
     for r in &b.entries {
-        row(s, r, holdout);
+        row(s, r, holdout, suites.len() > 1);
     }
     s.push_str("</tbody></table></div></section>");
 }
 
-fn row(s: &mut String, r: &Ranked, holdout: bool) {
+fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
     let e = &r.entry;
     let success = e.figures.mean(Measure::Success);
     let mean = |m: Measure| cell(m, e.figures.mean(m));
@@ -103,7 +110,14 @@ fn row(s: &mut String, r: &Ranked, holdout: bool) {
         id = escape(&e.id),
     );
     if holdout {
-        let text = e.holdout.as_ref().map_or_else(|| "–".into(), |h| number(h.success_percent, 1));
+        let text = e.holdout.as_ref().map_or_else(
+            || "–".into(),
+            |h| {
+                let suite = escape(&one_line(&format!("{} {}", h.suite, h.suite_version), 40));
+                let suite = if several { format!("<br><small>{suite}</small>") } else { String::new() };
+                format!("{}{suite}", number(h.success_percent, 1))
+            },
+        );
         let _ = write!(s, "<td class=\"n\">{text}</td>");
     }
     for m in [Measure::Time, Measure::Roll, Measure::Pitch] {
