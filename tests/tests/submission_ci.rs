@@ -1,6 +1,8 @@
 //! The template repositories in `examples/submission-ci`, by the scripts that their workflows call, with git repositories in
 //! a folder instead of GitHub.
 
+#![cfg(unix)]
+
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;

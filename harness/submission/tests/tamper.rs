@@ -173,6 +173,27 @@ fn missing_added_and_repeated_tasks_are_named() {
 }
 
 #[test]
+fn a_field_that_is_there_twice_or_unknown_is_found() {
+    let b = bench();
+    let honest = fs::read_to_string(b.path("honest/submission.json")).unwrap();
+    let forge = |from: &str, to: &str| {
+        b.copy("honest", "twice");
+        assert!(honest.contains(from), "{from}");
+        fs::write(b.path("twice/submission.json"), honest.replacen(from, to, 1)).unwrap();
+        let verdict = b.verify("twice", Some((1, 1)));
+        assert!(found(&verdict), "{to}");
+    };
+    forge("\"abi\": \"0.1\",", "\"abi\": \"0.1\", \"abi\": \"0.1\",");
+    forge("\"abi\": \"0.1\",", "\"abi\": \"0.1\", \"bonus\": 1,");
+    // In a list of names the last one would count.
+    forge(
+        "\"tasks\": {",
+        "\"tasks\": {\"w001/t00\": {\"outcome\": \"stuck\", \"time_s\": 1.0, \"state_hash\": \"\"},",
+    );
+    forge("\"params\": {}", "\"params\": { }");
+}
+
+#[test]
 fn fewer_tasks_than_the_suite_has_are_found_or_open() {
     let b = bench();
     // A run that leaves the hard half out, and says so.
