@@ -281,6 +281,18 @@ pub fn leaves(value: &Value) -> Vec<String> {
     out
 }
 
+/// Words of which a field takes one: it is changed to another, so that it can still be read.
+const KNOWN: [&[&str]; 8] = [
+    &["ranked", "open"],
+    &["success", "stuck", "rollover", "timeout"],
+    &["low", "medium", "high"],
+    &["rigid", "deformable", "mixed"],
+    &["sparse", "dense"],
+    &["wasm", "native"],
+    &["10hz", "full"],
+    &["0.1.0", "0.0.9"],
+];
+
 /// Another value for a leaf, as little changed as can be.
 pub fn changed(value: &Value) -> Value {
     match value {
@@ -291,8 +303,13 @@ pub fn changed(value: &Value) -> Value {
             // The next number that there is.
             None => n.as_f64().map(|x| f64::from_bits(x.to_bits() + 1)).into(),
         },
-        Value::String(s) => format!("{s}x").into(),
-        Value::Array(_) => vec![Value::from("x")].into(),
+        Value::String(s) => {
+            match KNOWN.iter().find_map(|w| w.iter().position(|k| k == s).map(|at| (w, at))) {
+                Some((words, at)) => words[(at + 1) % words.len()].into(),
+                None => format!("{s}x").into(),
+            }
+        }
+        Value::Array(_) => vec![serde_json::json!({"field": "seed", "text": "x"})].into(),
         Value::Object(_) => serde_json::json!({"x": 1}),
     }
 }
