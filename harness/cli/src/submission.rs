@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 use vb_host::Limits;
@@ -231,14 +230,18 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
     (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
     let config = run::config(&wanted)?;
-    let never = AtomicBool::new(false);
-    let report = vb_runner::run(&config, &mut |_| {}, &never).map_err(|e| match e {
+    // Stopped in good order, so that the folder with the run is removed.
+    let cancel = run::stop_on_ctrl_c()?;
+    let report = vb_runner::run(&config, &mut |_| {}, &cancel).map_err(|e| match e {
         RunError::Suite(e) => hidden(&e),
         RunError::Store(e) if !e.is_disk_full() => {
             CliError::output("results can't be kept in the temporary folder")
         }
         e => run::run_error(e),
     })?;
+    if report.interrupted {
+        return Err(CliError::interrupted("stopped: there are no scores"));
+    }
     if !report.summary.host_errors.is_empty() {
         return Err(CliError::host_errors(format!(
             "the harness or the machine failed {} tasks: there are no scores (evaluate again)",

@@ -13,7 +13,7 @@ use crate::SubmissionError;
 use crate::compare::differences;
 use crate::division::{Shipped, division, open_reasons};
 use crate::files::{self, DOCUMENT, HOLDOUT, MANIFEST, PAGE, REPORT, RUN, SMALL, VERDICT};
-use crate::make::{published, report, slim, trace_files};
+use crate::make::{REPLAYS, published, report, slim, trace_files};
 use crate::manifest::{Manifest, SUBMISSION_SCHEMA, TaskEntry};
 use crate::verdict::Finding;
 
@@ -349,6 +349,10 @@ fn check_tasks(
     }
     for task in m.tasks.keys().filter(|t| !seen.contains(*t)) {
         found.push(Finding::new("tasks", format!("{MANIFEST}: tasks.{task}"), "has no record"));
+    }
+    if m.replays.len() > REPLAYS {
+        let text = format!("are {}, not {REPLAYS} at most", m.replays.len());
+        found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
     }
     let mut last: Option<&String> = None;
     for task in &m.replays {

@@ -17,7 +17,7 @@ use crate::files::{self, MANIFEST, REPORT, RUN, SERIES, TRACE};
 use crate::manifest::{Entrant, Manifest, SUBMISSION_SCHEMA, TaskEntry};
 
 /// Replays that are carried along at most.
-const REPLAYS: usize = 20;
+pub(crate) const REPLAYS: usize = 20;
 /// Replays that are carried along if nothing is said.
 const OWN_CHOICE: usize = 4;
 
