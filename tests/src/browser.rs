@@ -203,6 +203,12 @@ impl Browser {
         self.call("Emulation.setEmulatedMedia", json!({"features": features}));
     }
 
+    /// Shows the page as a phone of this size does.
+    pub fn phone(&mut self, width: u32, height: u32) {
+        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 2, "mobile": true});
+        self.call("Emulation.setDeviceMetricsOverride", metrics);
+    }
+
     /// What the window shows.
     pub fn screenshot(&mut self) -> Picture {
         let data = self.call("Page.captureScreenshot", json!({"format": "png"}));

@@ -8,6 +8,7 @@
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc)]
 
 mod browser;
+mod mini;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -21,6 +22,7 @@ use parquet::record::{Field, Row};
 use serde_json::Value;
 
 pub use browser::{Browser, Picture};
+pub use mini::Mini;
 
 /// The repository.
 #[must_use]

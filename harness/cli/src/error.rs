@@ -20,6 +20,8 @@ pub(crate) const CHECKS_FAILED: u8 = 6;
 pub(crate) const HOST_ERRORS: u8 = 7;
 /// The checks of a planner were made, but it failed some.
 pub(crate) const NOT_CONFORMING: u8 = 8;
+/// A submission does not verify.
+pub(crate) const NOT_VERIFIED: u8 = 9;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -67,6 +69,10 @@ impl CliError {
 
     pub(crate) fn not_conforming(message: impl fmt::Display) -> Self {
         Self::new(NOT_CONFORMING, message)
+    }
+
+    pub(crate) fn not_verified(message: impl fmt::Display) -> Self {
+        Self::new(NOT_VERIFIED, message)
     }
 
     pub(crate) fn interrupted(message: impl fmt::Display) -> Self {

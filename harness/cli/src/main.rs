@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod error;
 mod inspect;
+mod leaderboard;
 mod output;
 mod places;
 mod planner;
@@ -14,6 +15,7 @@ mod report;
 mod run;
 mod score;
 mod site;
+mod submission;
 mod suite;
 mod terrain;
 mod vehicle;
@@ -46,6 +48,10 @@ fn main() -> ExitCode {
         Some(args::Command::Score(args)) => score::score(&args),
         Some(args::Command::Report(args)) => report::report(&args),
         Some(args::Command::Replay(args)) => replay::replay(&args),
+        Some(args::Command::Submit(args)) => submission::submit(&args),
+        Some(args::Command::Verify(args)) => submission::verify(&args),
+        Some(args::Command::Evaluate(args)) => submission::evaluate(&args),
+        Some(args::Command::Leaderboard(args::LeaderboardCommand::Build(args))) => leaderboard::build(&args),
         Some(args::Command::Inspect(args)) => inspect::inspect(&args),
         Some(args::Command::Check(args)) => check::check(&args),
         Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),

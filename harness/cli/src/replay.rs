@@ -132,7 +132,7 @@ impl Player {
                 }));
             }
         }
-        let suite = suite(&first.header, data.suite.as_deref())?;
+        let suite = suite_of(&first.header, data.suite.as_deref())?;
         let parts = runs.runs.iter().map(|r| part(r, data, tasks)).collect::<Result<_, CliError>>()?;
         Ok(Self { suite, parts, world: None })
     }
@@ -209,7 +209,7 @@ impl Player {
 }
 
 /// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.
-fn suite(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
+pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
     let places = match wanted {
         Some(dir) => vec![places::suite(Some(dir))?],
         None => {

@@ -1,6 +1,6 @@
 //! `vb-harness run`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
@@ -25,6 +25,11 @@ enum Message<'a> {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
+    drive(args)?.1
+}
+
+/// Runs what is said, and returns the run's directory with whether all tasks could be simulated.
+pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), CliError> {
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
     let mut progress = Progress::new(args.message_format, args.debug);
@@ -65,16 +70,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
             )));
         }
     }
-    match report.summary.sim_errors() {
+    let simulated = match report.summary.sim_errors() {
         0 => Ok(()),
         n => Err(CliError::sim_errors(format!(
             "the simulation of {n} tasks failed (see outcome sim_error in {})",
             config.out.join("tasks.jsonl").display()
         ))),
-    }
+    };
+    Ok((config.out, simulated))
 }
 
-fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
+pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     // Cheap checks come first: nobody should wait for a plugin to be compiled to learn of a typing error.
     let suite = suite::open(args.suite.as_deref())?;
     let tasks = suite::select(&suite, args.tasks.as_deref())?;
@@ -95,10 +101,7 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     planner::can_be_confined(&args.plugin, args.require_sandbox)?;
     let plugin = planner::load(&args.plugin, &limits, args.require_sandbox)
         .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
-    let jobs = args.jobs.map_or_else(
-        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-        |jobs| usize::from(jobs).max(1),
-    );
+    let jobs = jobs(args.jobs);
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
     Ok(RunConfig {
         suite,
@@ -120,6 +123,14 @@ fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
     })
+}
+
+/// Number of workers: what the user says, else the number of cores.
+pub(crate) fn jobs(wanted: Option<u16>) -> usize {
+    wanted.map_or_else(
+        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        |jobs| usize::from(jobs).max(1),
+    )
 }
 
 /// The limits in a file: every field may be left out.
@@ -181,7 +192,7 @@ fn started_at() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
 
-fn run_error(e: RunError) -> CliError {
+pub(crate) fn run_error(e: RunError) -> CliError {
     match e {
         RunError::Store(_) => CliError::output(e),
         RunError::Param(_) | RunError::NoTasks | RunError::Scale(_) => CliError::usage(e),

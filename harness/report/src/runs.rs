@@ -342,7 +342,8 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
 
 /// Foreign text on one line, without control characters (also those that turn the direction of writing), cut to `most`
 /// characters.
-pub(crate) fn one_line(text: &str, most: usize) -> String {
+#[must_use]
+pub fn one_line(text: &str, most: usize) -> String {
     let odd = |c: char| {
         c.is_control()
             || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

@@ -1,16 +1,18 @@
 //! The command line.
 
 mod results;
+mod submission;
 mod suite;
 mod terrain;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use vb_record::TraceMode;
 use vb_runner::SAMPLE_PERIOD;
 
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
+pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, ValidateArgs};
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 
@@ -25,6 +27,7 @@ Exit codes:
     6  completed, but the vehicle failed some checks of its test
     7  completed, but the harness or the machine failed some tasks; --resume runs them again
     8  completed, but the planner failed some checks of check
+    9  a submission does not verify
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -54,6 +57,15 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Show a task of one or more runs in three dimensions, in the browser
     Replay(ReplayArgs),
+    /// Make a submission of a planner, or of a finished run: a small folder that others can verify
+    Submit(SubmitArgs),
+    /// Verify a submission: hold it against suite and planner, and drive tasks again
+    Verify(VerifyArgs),
+    /// Score a planner on a hidden suite and tell nothing but the scores
+    Evaluate(EvaluateArgs),
+    /// Make the site of a leaderboard
+    #[command(subcommand)]
+    Leaderboard(LeaderboardCommand),
     /// Show what a plugin says of itself, without running it
     Inspect(InspectArgs),
     /// Check what planners promise: determinism, hygiene, head-room, and more
@@ -176,6 +188,35 @@ pub(crate) struct RunArgs {
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) message_format: MessageFormat,
+}
+
+impl RunArgs {
+    /// A run of a planner as it is if nothing else is said.
+    pub(crate) fn new(plugin: &Path) -> Self {
+        Self {
+            plugin: plugin.to_owned(),
+            require_sandbox: false,
+            suite: None,
+            tasks: None,
+            jobs: None,
+            out: None,
+            resume: false,
+            seed: 0,
+            params: Vec::new(),
+            trace: TraceMode::default(),
+            rules: "paper".into(),
+            vehicle: "hmmwv".into(),
+            soils: "default".into(),
+            soil_pitch: 0.1,
+            time_step: 0.001,
+            scale: None,
+            limits: None,
+            fuel_per_step: None,
+            memory: None,
+            debug: false,
+            message_format: MessageFormat::Human,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -458,6 +499,12 @@ mod tests {
         assert!(with(&[]).is_err() && with(&["run"]).is_err());
         assert!(with(&["score", "runs/a"]).unwrap().run.is_none());
         assert!(with(&["--plugin", "a.wasm", "--resume"]).is_err());
+    }
+
+    #[test]
+    fn a_run_for_a_submission_is_one_of_which_nothing_is_said() {
+        let said = Cli::try_parse_from(["vb-harness", "--plugin", "a.wasm"]).unwrap().run.unwrap();
+        assert_eq!(format!("{said:?}"), format!("{:?}", RunArgs::new(Path::new("a.wasm"))));
     }
 
     #[test]

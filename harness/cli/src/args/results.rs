@@ -34,7 +34,7 @@ pub(crate) struct ReportArgs {
 }
 
 /// Where the data of a run lie now, if not where they lay.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct ReplayData {
     /// For replays: the suite of the runs; default: where it was, or the one of its name that comes with the harness
     #[arg(long, value_name = "DIR")]

@@ -2,7 +2,7 @@
 
 mod comparison;
 mod figure;
-pub(crate) mod html;
+pub mod html;
 mod plot;
 mod sections;
 mod tasks;
@@ -10,14 +10,10 @@ mod tasks;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use base64::Engine as _;
-use sha2::{Digest as _, Sha256};
-
 use crate::Report;
 use html::{escape, grouped};
 
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = concat!(include_str!("tables.js"), include_str!("page.js"));
 
 /// The whole page.
 pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) -> String {
@@ -26,23 +22,17 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         [one] => one.label.clone(),
         many => format!("{} planners", many.len()),
     };
-    let mut s = String::with_capacity(1 << 20);
-    // No script but the page's own is run, whatever a planner's texts hold.
-    let own = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
     let tasks: u64 = report.figures.iter().map(|f| f.all.tasks).sum();
-    let _ = write!(
-        s,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
-         img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{own}'\"><title>{title} on {suite}</title><style>{STYLE}</style>\
-         </head><body><header><h1>{title} <small>on {suite}</small></h1><p class=\"meta\">{tasks} results in {worlds} worlds; suite hash \
-         <code title=\"{hash}\">{}</code>; Verti-Bench in Rust {}</p><nav>",
+    let suite = crate::runs::one_line(&first.suite.name, 80);
+    let mut head = format!(
+        "<h1>{} <small>on {}</small></h1><p class=\"meta\">{} results in {} worlds; suite hash <code title=\"{hash}\">{}</code>; \
+         Verti-Bench in Rust {}</p><nav>",
+        escape(&title),
+        escape(&suite),
+        grouped(tasks),
+        grouped(report.runs.worlds.len() as u64),
         escape(first.suite.hash.get(..12).unwrap_or(&first.suite.hash)),
         env!("CARGO_PKG_VERSION"),
-        title = escape(&title),
-        suite = escape(&crate::runs::one_line(&first.suite.name, 80)),
-        tasks = grouped(tasks),
-        worlds = grouped(report.runs.worlds.len() as u64),
         hash = escape(&first.suite.hash),
     );
     let mut sections: Vec<(&str, &str)> = vec![("overview", "Overview"), ("figure", "Figure")];
@@ -58,9 +48,10 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         ("about", "About"),
     ]);
     for (id, name) in &sections {
-        let _ = write!(s, "<a href=\"#{id}\">{name}</a>");
+        let _ = write!(head, "<a href=\"#{id}\">{name}</a>");
     }
-    s.push_str("</nav></header><main>");
+    head.push_str("</nav>");
+    let mut s = String::with_capacity(1 << 20);
     sections::notes(&mut s, report);
     for (id, name) in sections {
         let _ = write!(s, "<section id=\"{id}\"><h2>{name}</h2>");
@@ -85,6 +76,5 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         }
         s.push_str("</section>");
     }
-    let _ = writeln!(s, "</main><script>{SCRIPT}</script></body></html>");
-    s
+    html::document(&format!("{title} on {suite}"), "", &head, &s, SCRIPT)
 }

@@ -1,4 +1,3 @@
-'use strict';
 (() => {
   const $ = (q, of = document) => of.querySelector(q);
   const $$ = (q, of = document) => [...of.querySelectorAll(q)];
@@ -9,43 +8,7 @@
     if (className) e.className = className;
     return e;
   };
-  const compare = (a, b) => {
-    if (typeof a === 'number' && typeof b === 'number') return a - b;
-    if (a === null || a === '') return b === null || b === '' ? 0 : 1;
-    if (b === null || b === '') return -1;
-    return String(a).localeCompare(String(b), 'en', { numeric: true });
-  };
-  const mark = (heads, on, up) => {
-    for (const h of heads) h.removeAttribute('aria-sort');
-    on.setAttribute('aria-sort', up ? 'ascending' : 'descending');
-  };
-  const button = (head, act) => {
-    head.tabIndex = 0;
-    head.addEventListener('click', act);
-    head.addEventListener('keydown', (e) => {
-      if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); act(); }
-    });
-  };
-
-  // Tables written out in the page.
-  for (const table of $$('table.sortable')) {
-    const heads = $$('thead th', table);
-    const body = $('tbody', table);
-    const rows = [...body.rows];
-    if (rows.length < 2) { table.classList.remove('sortable'); continue; }
-    const value = (row, k) => {
-      const cell = row.cells[k];
-      if (!cell) return null;
-      const text = cell.dataset.v ?? cell.textContent.trim().replace(/[\u2009]/g, '').replace('−', '-');
-      return text !== '' && !Number.isNaN(Number(text)) ? Number(text) : text;
-    };
-    heads.forEach((head, k) => button(head, () => {
-      const up = head.getAttribute('aria-sort') !== 'ascending';
-      mark(heads, head, up);
-      rows.sort((a, b) => (up ? 1 : -1) * compare(value(a, k), value(b, k)));
-      body.append(...rows);
-    }));
-  }
+  const { compare, mark, button } = tables;
 
   // The tasks.
   const browser = $('#browser');

@@ -1,0 +1,15 @@
+#!/bin/sh
+# submit.sh OUT: builds the planner, runs the suite, and leaves OUT/planner.wasm and OUT/submission.
+#   VB_HARNESS  the harness [vb-harness]
+#   VB_SUITE    the suite [vb-100]
+#   VB_ENTRANT  who enters
+#   VB_NOTE     a sentence on the planner
+set -eu
+out=$1
+here=$(dirname "$0")
+harness=${VB_HARNESS:-vb-harness}
+mkdir -p "$out"
+sh "$here/build.sh" "$out/planner.wasm"
+"$harness" check --plugin "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}"
+"$harness" submit --plugin "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}" --out "$out/submission" \
+    --entrant "${VB_ENTRANT:-}" --note "${VB_NOTE:-}"

@@ -1,0 +1,68 @@
+//! `vb-harness leaderboard`.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vb_report::Runs;
+use vb_submission::SubmissionError;
+use vb_submission::leaderboard::{self, Entry};
+
+use crate::args::{BuildArgs, MessageFormat, ReplayData};
+use crate::error::CliError;
+use crate::output;
+use crate::replay::Player;
+use crate::submission::failed;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Leaderboard { boards: usize, entries: usize, files: &'a [PathBuf] },
+}
+
+pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
+    let mut make = |entry: &Entry, runs: &Runs, out: &Path| -> Result<BTreeSet<String>, SubmissionError> {
+        match replays(entry, runs, out) {
+            Ok(made) => Ok(made),
+            // The site stands without them, where a suite isn't at hand for instance.
+            Err(e) => {
+                output::note(&format!("entry {}: no replays: {e}", entry.id));
+                Ok(BTreeSet::new())
+            }
+        }
+    };
+    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut make).map_err(failed)?;
+    let entries = site.boards.iter().map(|b| b.entries.len()).sum();
+    match args.message_format {
+        MessageFormat::Json => {
+            output::json(&Message::Leaderboard { boards: site.boards.len(), entries, files: &site.files });
+        }
+        MessageFormat::Human => {
+            output::note(&format!("{entries} entries on {} boards", site.boards.len()));
+            for file in &site.files {
+                output::note(&format!("wrote {}", file.display()));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, CliError> {
+    let tasks: BTreeSet<String> = entry.manifest.replays.iter().cloned().collect();
+    let mut made = BTreeSet::new();
+    if tasks.is_empty() {
+        return Ok(made);
+    }
+    let mut player = Player::new(runs, &ReplayData::default(), &tasks)?;
+    for task in tasks {
+        let Some(replay) = player.replay(&task)? else { continue };
+        let path = out.join(format!("{task}.html"));
+        let written = path
+            .parent()
+            .map_or(Ok(()), std::fs::create_dir_all)
+            .and_then(|()| std::fs::write(&path, vb_replay::page(&replay)));
+        written.map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))?;
+        made.insert(task);
+    }
+    Ok(made)
+}

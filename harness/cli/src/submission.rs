@@ -1,0 +1,327 @@
+//! `vb-harness submit`, `verify` and `evaluate`.
+
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::Path;
+
+use serde::Serialize;
+use vb_host::Limits;
+use vb_record::{RunReader, TraceMode};
+use vb_report::Runs;
+use vb_runner::RunError;
+use vb_score::Outcome;
+use vb_submission::{
+    Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
+    ShippedVehicle, Submission, SubmissionError, Verification,
+};
+use vb_world::Suite;
+
+use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SubmitArgs, VerifyArgs};
+use crate::error::{self, CliError};
+use crate::places::{self, Data};
+use crate::{output, planner, replay, run, suite};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Submission { out: &'a Path, division: Division, open_because: &'a [OpenReason], replays: &'a [String] },
+    Progress { done: usize, total: usize },
+    Verification { verdict: &'a Verification, out: &'a Path },
+    Scores { scores: &'a Scores },
+}
+
+pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
+    let entrant = Entrant { name: args.entrant.clone(), url: args.url.clone(), note: args.note.clone() };
+    // What is wrong with the request is said before hours are spent.
+    entrant.check().map_err(failed)?;
+    if planner::command(&args.plugin).is_some() {
+        return Err(failed(SubmissionError::Command));
+    }
+    if args.out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
+        return Err(failed(SubmissionError::NotEmpty(args.out.clone())));
+    }
+    let (dir, ended) = match &args.run {
+        Some(dir) => (dir.clone(), Ok(())),
+        None => {
+            let mut wanted = RunArgs::new(&args.plugin);
+            (wanted.suite, wanted.jobs) = (args.suite.clone(), args.jobs);
+            wanted.message_format = args.message_format;
+            if let Some(vehicle) = &args.vehicle {
+                wanted.vehicle.clone_from(vehicle);
+            }
+            run::drive(&wanted)?
+        }
+    };
+    // Tasks whose simulation failed are results, too.
+    if let Err(e) = &ended
+        && e.code() != error::SIM_ERRORS
+    {
+        return ended;
+    }
+    let reader = RunReader::open(&dir).map_err(CliError::input)?;
+    let suite = replay::suite_of(reader.header(), args.suite.as_deref())?;
+    let replays = match &args.replays {
+        Some(selector) => {
+            let tasks = suite::select(&suite, Some(selector))?;
+            Some(tasks.iter().map(ToString::to_string).collect())
+        }
+        None => None,
+    };
+    let plugin = planner::load_quietly(&args.plugin, &Limits::default(), false)
+        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let shipped = shipped()?;
+    let request = Request {
+        suite: &suite,
+        plugin: &plugin,
+        shipped: &shipped,
+        harness_version: env!("CARGO_PKG_VERSION"),
+        entrant,
+        replays,
+    };
+    let manifest = vb_submission::make(&dir, &args.out, &request).map_err(failed)?;
+    match args.message_format {
+        MessageFormat::Json => output::json(&Message::Submission {
+            out: &args.out,
+            division: manifest.division,
+            open_because: &manifest.open_because,
+            replays: &manifest.replays,
+        }),
+        MessageFormat::Human => {
+            output::note(&format!(
+                "submission: {} ({} division)",
+                args.out.display(),
+                manifest.division.name()
+            ));
+            for reason in &manifest.open_because {
+                output::note(&format!("  not ranked, {}: {}", reason.field, vb_host::one_line(&reason.text)));
+            }
+            output::note(&format!(
+                "check it with: vb-harness verify {} --plugin {} --sample 10",
+                args.out.display(),
+                args.plugin.display()
+            ));
+        }
+    }
+    ended
+}
+
+pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
+    let submission = Submission::open(&args.submission).map_err(failed)?;
+    let m = submission.manifest();
+    if args.ranked && m.division != Division::Ranked {
+        let why = m
+            .open_because
+            .first()
+            .map_or_else(String::new, |r| format!(", for its {}", vb_host::one_line(&r.field)));
+        return Err(CliError::not_verified(format!(
+            "{}: in the open division{why} (verify it without --ranked)",
+            args.submission.display()
+        )));
+    }
+    let suite = match &args.suite {
+        Some(dir) => suite::open(Some(dir))?,
+        None => suite::open(Some(Path::new(plain("suite", &m.run.suite.name)?)))?,
+    };
+    let vehicle = match &args.vehicle {
+        Some(vehicle) => run::vehicle(vehicle)?,
+        None => run::vehicle(plain("vehicle", &m.run.vehicle.name)?)?,
+    };
+    let soils = match &args.soils {
+        Some(soils) => run::soils(soils, m.run.soil_pitch)?,
+        None => run::soils(plain("soils", &m.run.soils.name)?, m.run.soil_pitch)?,
+    };
+    // Limits that make no sense are found by the check; until then the plugin is held within ours.
+    let limits = m.limits().unwrap_or_default();
+    if !is_wasm(&args.plugin)? && !args.allow_native {
+        return Err(CliError::input(format!(
+            "{} is no WASM file, and nothing else is loaded here (--allow-native loads a native library in its sandbox)",
+            args.plugin.display()
+        )));
+    }
+    let plugin = planner::load_quietly(&args.plugin, &limits, true)
+        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let draw = match (args.sample, args.seed) {
+        (Some(count), Some(seed)) => Some((count as usize, seed)),
+        (Some(count), None) => Some((count as usize, random()?)),
+        (None, _) => None,
+    };
+    let shipped = shipped()?;
+    let expected = Expected {
+        suite: &suite,
+        plugin: &plugin,
+        vehicle: &vehicle,
+        soils: &soils,
+        shipped: &shipped,
+        harness_version: env!("CARGO_PKG_VERSION"),
+    };
+    let cancel = run::stop_on_ctrl_c()?;
+    let json = args.message_format == MessageFormat::Json;
+    let sampling = Sampling { draw, jobs: run::jobs(args.jobs) };
+    let mut ended = |done: usize, total: usize, _: &vb_score::TaskRecord| {
+        if json {
+            output::json(&Message::Progress { done, total });
+        } else if done.is_multiple_of(total.div_ceil(10)) || done == total {
+            output::note(&format!("driven again: {done} of {total}"));
+        }
+    };
+    let verdict =
+        vb_submission::verify(&submission, &expected, &sampling, &mut ended, &cancel).map_err(failed)?;
+    let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
+    write_json(&out, &verdict)?;
+    if json {
+        output::json(&Message::Verification { verdict: &verdict, out: &out });
+    } else {
+        output::text(&told(&verdict));
+        output::note(&format!("verdict: {}", out.display()));
+    }
+    if verdict.verified {
+        return Ok(());
+    }
+    let first = verdict.findings.first().map_or_else(String::new, |f| vb_host::one_line(&f.to_string()));
+    let more = match verdict.findings.len() {
+        0 | 1 => String::new(),
+        n => format!(" (and {} more in {})", n - 1, out.display()),
+    };
+    Err(CliError::not_verified(format!("{} does not verify: {first}{more}", args.submission.display())))
+}
+
+/// A verdict for people.
+fn told(verdict: &Verification) -> String {
+    let mut by_check: BTreeMap<&str, usize> = BTreeMap::new();
+    for f in &verdict.findings {
+        *by_check.entry(&f.check).or_default() += 1;
+    }
+    let mut rows: Vec<Vec<String>> = verdict
+        .checks
+        .iter()
+        .map(|check| {
+            let result =
+                by_check.get(check.as_str()).map_or_else(|| "good".to_owned(), |n| format!("{n} found"));
+            vec![check.clone(), result]
+        })
+        .collect();
+    if let (Some(sample), Some(row)) = (&verdict.sample, rows.last_mut()) {
+        let seed = sample.seed.map_or_else(String::new, |s| format!(", seed {s}"));
+        row.push(format!("{} of {} tasks{seed}", sample.tasks.len(), sample.of));
+    }
+    let mut text = output::columns(&rows);
+    for f in &verdict.findings {
+        text += &format!("  {}\n", vb_host::one_line(&f.to_string()));
+    }
+    text
+}
+
+pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
+    // Nothing that is said here may tell of the suite, whoever reads it.
+    let hidden = |_: &dyn std::fmt::Display| {
+        CliError::input("the suite can't be used (its owner sees why with vb-harness suite validate)")
+    };
+    let suite =
+        Suite::open(places::suite(Some(&args.suite)).map_err(|e| hidden(&e))?).map_err(|e| hidden(&e))?;
+    if !is_wasm(&args.plugin)? {
+        return Err(CliError::input(format!(
+            "{} is no WASM file: only those can be kept from telling what they see",
+            args.plugin.display()
+        )));
+    }
+    let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
+    let mut wanted = RunArgs::new(&args.plugin);
+    wanted.suite = Some(suite.dir().to_owned());
+    (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
+    (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
+    let config = run::config(&wanted)?;
+    // Stopped in good order, so that the folder with the run is removed.
+    let cancel = run::stop_on_ctrl_c()?;
+    let report = vb_runner::run(&config, &mut |_| {}, &cancel).map_err(|e| match e {
+        RunError::Suite(e) => hidden(&e),
+        RunError::Store(e) if !e.is_disk_full() => {
+            CliError::output("results can't be kept in the temporary folder")
+        }
+        e => run::run_error(e),
+    })?;
+    if report.interrupted {
+        return Err(CliError::interrupted("stopped: there are no scores"));
+    }
+    if !report.summary.host_errors.is_empty() {
+        return Err(CliError::host_errors(format!(
+            "the harness or the machine failed {} tasks: there are no scores (evaluate again)",
+            report.summary.host_errors.len()
+        )));
+    }
+    let runs = Runs::read(std::slice::from_ref(&config.out)).map_err(|e| hidden(&e))?;
+    let scores = Scores::new(&runs, &suite.meta().version);
+    if let Some(out) = &args.out {
+        write_json(out, &scores)?;
+    }
+    match args.message_format {
+        MessageFormat::Json => output::json(&Message::Scores { scores: &scores }),
+        MessageFormat::Human => output::text(&scores.text()),
+    }
+    match scores.outcomes.get(&Outcome::SimError) {
+        None | Some(0) => Ok(()),
+        Some(n) => Err(CliError::sim_errors(format!("the simulation of {n} tasks failed"))),
+    }
+}
+
+fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), CliError> {
+    let fail = |e: &dyn std::fmt::Display| CliError::output(format!("cannot write {}: {e}", path.display()));
+    let mut text = serde_json::to_vec_pretty(value).map_err(|e| fail(&e))?;
+    text.push(b'\n');
+    std::fs::write(path, text).map_err(|e| fail(&e))
+}
+
+/// A name in a submission by which something that comes with the harness is looked up: strangers must not name files.
+fn plain<'a>(what: &str, name: &'a str) -> Result<&'a str, CliError> {
+    let good = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    if !name.is_empty() && name.len() <= 100 && name.chars().all(good) {
+        return Ok(name);
+    }
+    Err(CliError::input(format!(
+        "{what} {:?} of the submission can't be looked up by its name (name yours with --{what})",
+        vb_host::one_line(name)
+    )))
+}
+
+/// Whether a file is WASM, by its first bytes: of what strangers hand in nothing else is loaded unless one says so.
+fn is_wasm(path: &Path) -> Result<bool, CliError> {
+    let mut magic = [0; 4];
+    let read = std::fs::File::open(path).and_then(|mut f| f.read(&mut magic));
+    let n =
+        read.map_err(|e| CliError::input(format!("cannot read {}: {e} (give a WASM file)", path.display())))?;
+    Ok(magic[..n] == *b"\0asm")
+}
+
+/// A seed that nobody can foresee. It reaches no score: it chooses what is looked at.
+fn random() -> Result<u64, CliError> {
+    getrandom::u64().map_err(|e| CliError::internal(format!("no random number: {e} (give --seed)")))
+}
+
+/// What comes with the harness.
+fn shipped() -> Result<Shipped, CliError> {
+    let mut shipped = Shipped { soils: run::soils("default", 0.1)?.hash, ..Shipped::default() };
+    for dir in places::suites()? {
+        let suite = Suite::open(&dir).map_err(CliError::input)?;
+        let (name, tasks) = (suite.meta().name.clone(), suite.task_count() as u64);
+        shipped.suites.push(ShippedSuite { name, hash: suite.hash(), tasks });
+    }
+    for name in places::names(Data::Vehicle)? {
+        let vehicle = run::vehicle(&name)?;
+        shipped.vehicles.insert(
+            vehicle.spec.name.clone(),
+            ShippedVehicle { hash: vehicle.hash, scale: vehicle.spec.scale },
+        );
+    }
+    Ok(shipped)
+}
+
+/// An error by the exit code that it means.
+pub(crate) fn failed(e: SubmissionError) -> CliError {
+    match e {
+        SubmissionError::Write { .. } | SubmissionError::NotEmpty(_) => CliError::output(e),
+        SubmissionError::Entrant { .. } | SubmissionError::Replay { .. } => CliError::usage(e),
+        SubmissionError::Machine { .. } => CliError::host_errors(e),
+        SubmissionError::Interrupted => CliError::interrupted(e),
+        SubmissionError::Run(e) => run::run_error(e),
+        _ => CliError::input(e),
+    }
+}

@@ -1,0 +1,406 @@
+//! Holding a submission against itself and against what it says it was made with.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use vb_host::{Carrier, Plugin};
+use vb_record::{RUN_SCHEMA, RunHeader, TraceMode};
+use vb_runner::{SAMPLE_PERIOD, Soils, Vehicle};
+use vb_score::{Outcome, Summary, TaskRecord};
+use vb_world::{Selector, Suite, WorldInfo};
+
+use crate::SubmissionError;
+use crate::compare::differences;
+use crate::division::{Shipped, division, open_reasons};
+use crate::files::{self, DOCUMENT, HOLDOUT, MANIFEST, PAGE, REPORT, RUN, SMALL, VERDICT};
+use crate::make::{REPLAYS, published, report, slim, trace_files};
+use crate::manifest::{Manifest, SUBMISSION_SCHEMA, TaskEntry};
+use crate::verdict::Finding;
+
+/// Of a document that says the same, but in other bytes.
+const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
+
+/// A submission on disk.
+#[derive(Clone, Debug)]
+pub struct Submission {
+    dir: PathBuf,
+    manifest: Manifest,
+    bytes: Vec<u8>,
+}
+
+/// What a submission says it was made with, as it is at hand.
+#[derive(Clone, Debug)]
+pub struct Expected<'a> {
+    /// The suite.
+    pub suite: &'a Suite,
+    /// The plugin, loaded with the submission's limits.
+    pub plugin: &'a Plugin,
+    /// The vehicle.
+    pub vehicle: &'a Vehicle,
+    /// The soils.
+    pub soils: &'a Soils,
+    /// What may be ranked.
+    pub shipped: &'a Shipped,
+    /// Version of the harness.
+    pub harness_version: &'a str,
+}
+
+impl Submission {
+    /// Reads the manifest of the submission in `dir`.
+    ///
+    /// # Errors
+    /// If there is none, or it can't be read or is of a newer version.
+    pub fn open(dir: &Path) -> Result<Self, SubmissionError> {
+        let path = dir.join(MANIFEST);
+        if !path.exists() {
+            return Err(SubmissionError::NoSubmission(dir.to_owned()));
+        }
+        let (manifest, bytes) = files::read_json(&path, DOCUMENT, SUBMISSION_SCHEMA)?;
+        Ok(Self { dir: dir.to_owned(), manifest, bytes })
+    }
+
+    /// The manifest.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The manifest by itself.
+    #[must_use]
+    pub fn into_manifest(self) -> Manifest {
+        self.manifest
+    }
+
+    /// SHA-256 of the manifest's file.
+    #[must_use]
+    pub fn sha256(&self) -> String {
+        files::sha256(&self.bytes)
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// The run directory in it.
+    #[must_use]
+    pub fn run_dir(&self) -> PathBuf {
+        self.dir.join(RUN)
+    }
+
+    /// The files that are not as the manifest says, or that are there and shouldn't be.
+    pub(crate) fn check_files(&self) -> Result<Vec<Finding>, SubmissionError> {
+        let mut found = Vec::new();
+        let mut there = files::list(&self.dir)?;
+        for own in [MANIFEST, VERDICT, HOLDOUT] {
+            there.remove(own);
+        }
+        let mut wanted: BTreeSet<String> =
+            ["run.json", "tasks.jsonl", "summary.json"].map(|f| format!("{RUN}/{f}")).into();
+        wanted.insert(REPORT.to_owned());
+        let mut allowed = wanted.clone();
+        for task in &self.manifest.replays {
+            let [trace, series] = trace_files(task).map(|f| format!("{RUN}/{f}"));
+            wanted.insert(trace.clone());
+            allowed.extend([trace, series]);
+        }
+        for name in wanted.iter().filter(|n| !there.contains_key(*n)) {
+            found.push(Finding::new("files", name, "is missing"));
+        }
+        for name in there.keys() {
+            if !allowed.contains(name) {
+                found.push(Finding::new("files", name, "does not belong to the submission"));
+            } else if let Some(stated) = self.manifest.files.get(name) {
+                let hash = files::sha256_file(&self.dir.join(name))?;
+                if hash != *stated {
+                    found.push(Finding::new("files", name, format!("its SHA-256 is {hash}, not {stated}")));
+                }
+            } else {
+                found.push(Finding::new("files", name, "is not in the manifest"));
+            }
+        }
+        for name in self.manifest.files.keys().filter(|n| !there.contains_key(*n) && !wanted.contains(*n)) {
+            found.push(Finding::new("files", name, "is in the manifest but not there"));
+        }
+        Ok(found)
+    }
+}
+
+/// Everything that can be checked without driving, and the tasks.
+pub(crate) fn check(
+    submission: &Submission,
+    expected: &Expected<'_>,
+) -> Result<(Vec<Finding>, Vec<String>), SubmissionError> {
+    let m = &submission.manifest;
+    let mut found = submission.check_files()?;
+    if found.iter().any(|f| f.text == "is missing") {
+        return Ok((found, Vec::new()));
+    }
+    // Only now: later versions may write an older manifest with a field more.
+    if files::pretty(Path::new(MANIFEST), m)? != submission.bytes {
+        found.push(Finding::new("files", MANIFEST, UNLIKE_OURS));
+    }
+    check_run(submission, &mut found)?;
+    check_suite(m, expected.suite, &mut found);
+    check_plugin(m, expected.plugin, &mut found);
+    check_vehicle(m, expected, &mut found);
+    let rules = m.rules();
+    match &rules {
+        Err(e) => found.push(Finding::new("rules", "run.rules", e)),
+        Ok(rules) => {
+            let profile = serde_json::to_value(rules).unwrap_or_default();
+            same(&mut found, "rules", "run.rules.hash", &m.run.rules.hash, &rules.hash());
+            same(&mut found, "rules", "run.rules.name", &m.run.rules.name, &rules.name);
+            for d in differences(&m.run.rules.profile, &profile) {
+                let text = format!("{}, not {}", d.a, d.b);
+                found.push(Finding::new("rules", format!("run.rules.profile.{}", d.path), text));
+            }
+        }
+    }
+    if let Err(e) = m.limits() {
+        found.push(Finding::new("limits", "run.limits", e));
+    }
+    let records = check_tasks(submission, expected.suite, &mut found)?;
+    if let Ok(rules) = &rules {
+        let summary = Summary::new(&m.run, rules, &records, Vec::new());
+        check_summary(submission, &summary, &mut found)?;
+    }
+    check_division(m, expected.shipped, &mut found);
+    // The page is of records that were found to be records.
+    if found.is_empty()
+        && files::read(&submission.dir.join(REPORT), PAGE)? != report(&submission.dir)?.as_bytes()
+    {
+        found.push(Finding::new("report", REPORT, "is not the page that the records give"));
+    }
+    Ok((found, records.into_iter().map(|r| r.task).collect()))
+}
+
+/// Notes a field that is not what it should be.
+fn same<T: PartialEq + std::fmt::Debug + ?Sized>(
+    found: &mut Vec<Finding>,
+    check: &str,
+    field: &str,
+    is: &T,
+    should: &T,
+) {
+    if is != should {
+        found.push(Finding::new(check, format!("{MANIFEST}: {field}"), format!("is {is:?}, not {should:?}")));
+    }
+}
+
+/// `run.json` and what of the header can be judged by itself.
+fn check_run(submission: &Submission, found: &mut Vec<Finding>) -> Result<(), SubmissionError> {
+    let m = &submission.manifest;
+    let path = submission.run_dir().join("run.json");
+    let bytes = files::read(&path, SMALL)?;
+    let place = |field: &str| format!("{RUN}/run.json: {field}");
+    match serde_json::from_slice::<RunHeader>(&bytes) {
+        Err(e) => found.push(Finding::new("run", format!("{RUN}/run.json"), e)),
+        Ok(header) => {
+            let differ = differences(&header, &m.run);
+            for d in &differ {
+                found.push(Finding::new(
+                    "run",
+                    place(&d.path),
+                    format!("is {}, the manifest has {}", d.a, d.b),
+                ));
+            }
+            if differ.is_empty() && files::pretty(&path, &header)? != bytes {
+                found.push(Finding::new("run", format!("{RUN}/run.json"), UNLIKE_OURS));
+            }
+        }
+    }
+    same(found, "run", "run.schema", &m.run.schema, &RUN_SCHEMA);
+    same(found, "run", "run.sample_period", &m.run.sample_period, &SAMPLE_PERIOD);
+    let public = published(&m.run, &m.replays);
+    same(found, "run", "run.suite.path", &m.run.suite.path, &public.suite.path);
+    same(found, "run", "run.plugin.path", &m.run.plugin.path, &public.plugin.path);
+    let ranges = [
+        ("scale", m.run.scale, 0.01, 10.0),
+        ("time_step", m.run.time_step, 1e-4, 5e-3),
+        ("soil_pitch", m.run.soil_pitch, 0.01, 0.5),
+    ];
+    for (field, value, low, high) in ranges {
+        if !(low..=high).contains(&value) {
+            let text = format!("{value} is not between {low} and {high}");
+            found.push(Finding::new("run", format!("{MANIFEST}: run.{field}"), text));
+        }
+    }
+    let steps = SAMPLE_PERIOD / m.run.time_step;
+    if (steps.round() * m.run.time_step - SAMPLE_PERIOD).abs() >= 1e-9 {
+        let text = format!("{} s does not divide {SAMPLE_PERIOD} s", m.run.time_step);
+        found.push(Finding::new("run", format!("{MANIFEST}: run.time_step"), text));
+    }
+    // Without traces their mode says nothing; with them, they must be of some.
+    if m.replays.is_empty() != (m.run.trace == TraceMode::None) {
+        let text = format!("{}, with {} replays", m.run.trace.name(), m.replays.len());
+        found.push(Finding::new("run", format!("{MANIFEST}: run.trace"), text));
+    }
+    Ok(())
+}
+
+fn check_suite(m: &Manifest, suite: &Suite, found: &mut Vec<Finding>) {
+    same(found, "suite", "run.suite.hash", &m.run.suite.hash, &suite.hash());
+    same(found, "suite", "run.suite.name", &m.run.suite.name, &suite.meta().name);
+    same(found, "suite", "suite_version", &m.suite_version, &suite.meta().version);
+}
+
+fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Vec<Finding>) {
+    let carrier = match plugin.carrier() {
+        Carrier::Wasm => "wasm",
+        Carrier::Native => "native",
+        Carrier::Command => "command",
+    };
+    let p = &m.run.plugin;
+    same(found, "plugin", "run.plugin.sha256", p.sha256.as_str(), plugin.sha256());
+    same(found, "plugin", "run.plugin.name", &p.name, &plugin.metadata().name);
+    same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
+    same(found, "plugin", "run.plugin.carrier", p.carrier.as_str(), carrier);
+    let eligible = plugin.carrier() != Carrier::Command;
+    same(found, "plugin", "run.plugin.eligible_for_ranking", &p.eligible_for_ranking, &eligible);
+    same(found, "plugin", "run.plugin.sandbox", &p.sandbox.is_some(), &plugin.sandbox().is_some());
+    same(found, "plugin", "abi", m.abi.as_str(), plugin.abi().name());
+    let params: Vec<_> = m.run.params.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
+    if let Err(e) = plugin.params(&params) {
+        found.push(Finding::new("plugin", format!("{MANIFEST}: run.params"), e));
+    }
+}
+
+fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Vec<Finding>) {
+    let (vehicle, soils) = (expected.vehicle, expected.soils);
+    same(found, "vehicle", "run.vehicle.hash", &m.run.vehicle.hash, &vehicle.hash);
+    same(found, "vehicle", "run.vehicle.name", &m.run.vehicle.name, &vehicle.spec.name);
+    same(found, "vehicle", "run.soils.hash", &m.run.soils.hash, &soils.hash);
+    same(found, "vehicle", "run.soils.name", &m.run.soils.name, &soils.set.name);
+}
+
+/// The records line by line: whole, of the suite's tasks, each once, as the manifest has them. Returns them without their
+/// texts.
+fn check_tasks(
+    submission: &Submission,
+    suite: &Suite,
+    found: &mut Vec<Finding>,
+) -> Result<Vec<TaskRecord>, SubmissionError> {
+    let m = &submission.manifest;
+    let worlds: BTreeMap<&str, &WorldInfo> = suite.worlds().iter().map(|w| (w.id.as_str(), w)).collect();
+    let mut wanted: BTreeSet<String> = match &m.run.selector {
+        None => suite.worlds().iter().flat_map(|w| w.tasks.iter().map(|t| format!("{}/{t}", w.id))).collect(),
+        Some(text) => match Selector::parse(text).and_then(|s| s.select(suite)) {
+            Ok(tasks) => tasks.iter().map(ToString::to_string).collect(),
+            Err(e) => {
+                found.push(Finding::new("tasks", format!("{MANIFEST}: run.selector"), e));
+                BTreeSet::new()
+            }
+        },
+    };
+    same(found, "tasks", "run.tasks", &m.run.tasks, &(wanted.len() as u64));
+    let file = format!("{RUN}/tasks.jsonl");
+    let mut records = Vec::new();
+    let mut seen = BTreeSet::new();
+    files::each_line(&submission.dir.join(&file), |number, line, ended| {
+        let mut note = |place: String, text: String| found.push(Finding::new("tasks", place, text));
+        let record: TaskRecord = match serde_json::from_slice(line) {
+            Ok(record) => record,
+            Err(e) => {
+                note(format!("{file}: line {number}"), e.to_string());
+                return Ok(());
+            }
+        };
+        let place = format!("{file}: {}", record.task);
+        if !ended || serde_json::to_vec(&record).ok().as_deref() != Some(line) {
+            note(place.clone(), format!("line {number} is not written as `submit` writes it"));
+        }
+        if !seen.insert(record.task.clone()) {
+            note(place, "is there twice".into());
+            return Ok(());
+        }
+        if !wanted.remove(&record.task) {
+            note(place, "is no task of the run".into());
+            return Ok(());
+        }
+        let world = record.task.split('/').next().unwrap_or_default();
+        if let Some(w) = worlds.get(world) {
+            let labels = (w.id.as_str(), w.elevation, w.terrain, w.density);
+            if (record.world.as_str(), record.elevation, record.terrain, record.density) != labels {
+                note(place.clone(), "its world or labels are not those of the suite".into());
+            }
+        }
+        if record.outcome == Outcome::HostError {
+            note(place.clone(), "failed by the machine, so it is no result".into());
+        }
+        let entry = TaskEntry::from(&record);
+        match m.tasks.get(&record.task) {
+            Some(stated) => {
+                for d in differences(stated, &entry) {
+                    note(
+                        format!("{MANIFEST}: tasks.{}.{}", record.task, d.path),
+                        format!("is {}, the record has {}", d.a, d.b),
+                    );
+                }
+            }
+            None => note(format!("{MANIFEST}: tasks.{}", record.task), "is missing".into()),
+        }
+        records.push(slim(record));
+        Ok(())
+    })?;
+    for task in &wanted {
+        found.push(Finding::new("tasks", format!("{file}: {task}"), "is missing"));
+    }
+    for task in m.tasks.keys().filter(|t| !seen.contains(*t)) {
+        found.push(Finding::new("tasks", format!("{MANIFEST}: tasks.{task}"), "has no record"));
+    }
+    if m.replays.len() > REPLAYS {
+        let text = format!("are {}, not {REPLAYS} at most", m.replays.len());
+        found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
+    }
+    let mut last: Option<&String> = None;
+    for task in &m.replays {
+        if !seen.contains(task) || last.is_some_and(|l| l >= task) {
+            let text = format!("{task} is no task of the run, or is not in its place");
+            found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
+        }
+        last = Some(task);
+    }
+    Ok(records)
+}
+
+fn check_summary(
+    submission: &Submission,
+    summary: &Summary,
+    found: &mut Vec<Finding>,
+) -> Result<(), SubmissionError> {
+    for d in differences(&submission.manifest.results, &summary.all) {
+        let text = format!("is {}, the records give {}", d.a, d.b);
+        found.push(Finding::new("summary", format!("{MANIFEST}: results.{}", d.path), text));
+    }
+    let path = submission.run_dir().join("summary.json");
+    let bytes = files::read(&path, DOCUMENT)?;
+    if bytes == files::pretty(&path, summary)? {
+        return Ok(());
+    }
+    let place = format!("{RUN}/summary.json");
+    match serde_json::from_slice::<serde_json::Value>(&bytes) {
+        Err(e) => found.push(Finding::new("summary", place, e)),
+        Ok(stated) => {
+            let differ = differences(&stated, summary);
+            for d in &differ {
+                let text = format!("is {}, the records give {}", d.a, d.b);
+                found.push(Finding::new("summary", format!("{place}: {}", d.path), text));
+            }
+            if differ.is_empty() {
+                found.push(Finding::new("summary", place, "is not written as `submit` writes it"));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Vec<Finding>) {
+    let reasons = open_reasons(&m.run, shipped);
+    same(found, "division", "division", m.division.name(), division(&reasons).name());
+    for d in differences(&m.open_because, &reasons) {
+        let text = format!("is {}, by the rules it is {}", d.a, d.b);
+        found.push(Finding::new("division", format!("{MANIFEST}: open_because.{}", d.path), text));
+    }
+}

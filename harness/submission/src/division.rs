@@ -1,0 +1,143 @@
+//! Which results are ranked, and why others aren't.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use vb_host::Limits;
+use vb_record::RunHeader;
+use vb_score::Rules;
+
+/// Where results are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Division {
+    /// WASM planners as they are, under the benchmark's own conditions: every result can be repeated bit for bit by
+    /// everybody, and all had the same means.
+    Ranked,
+    /// Everything else.
+    Open,
+}
+
+impl Division {
+    /// The name in files and on pages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ranked => "ranked",
+            Self::Open => "open",
+        }
+    }
+}
+
+/// A condition of the ranked division that a run doesn't meet.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OpenReason {
+    /// The field of the run, e.g. `limits.fuel_per_step`.
+    pub field: String,
+    /// What it is, and what it would have to be.
+    pub text: String,
+}
+
+/// A suite that comes with the harness.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShippedSuite {
+    /// Its name.
+    pub name: String,
+    /// Hash of its content.
+    pub hash: String,
+    /// Number of its tasks.
+    pub tasks: u64,
+}
+
+/// A vehicle that comes with the harness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShippedVehicle {
+    /// SHA-256 of its file.
+    pub hash: String,
+    /// The scale that it is made for.
+    pub scale: f64,
+}
+
+/// What comes with the harness and may be ranked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shipped {
+    /// The suites.
+    pub suites: Vec<ShippedSuite>,
+    /// The vehicles by name.
+    pub vehicles: BTreeMap<String, ShippedVehicle>,
+    /// SHA-256 of the default soils.
+    pub soils: String,
+}
+
+/// Step of the simulation at which results are ranked, s.
+const TIME_STEP: f64 = 0.001;
+/// Side of the soil's cells at which results are ranked, m.
+const SOIL_PITCH: f64 = 0.1;
+/// The seed with which results are ranked: one seed, so that nobody can enter the best of many.
+const SEED: u64 = 0;
+
+/// The conditions of the ranked division that a run doesn't meet.
+pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason> {
+    let mut reasons = Vec::new();
+    let mut unless = |good: bool, field: &str, text: String| {
+        if !good {
+            reasons.push(OpenReason { field: field.into(), text });
+        }
+    };
+    let short = |hash: &str| vb_report::one_line(hash.get(..12).unwrap_or(hash), 12);
+    unless(
+        run.plugin.carrier == "wasm",
+        "plugin.carrier",
+        format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.carrier),
+    );
+    unless(run.params.is_empty(), "params", "parameters were given: ranked planners run as they are".into());
+    for (name, default) in Limits::default().named() {
+        let value = run.limits.get(name).copied();
+        let shown = value.map_or_else(|| "nothing".to_owned(), |v| v.to_string());
+        unless(
+            value == Some(default),
+            &format!("limits.{name}"),
+            format!("{shown}, not the default {default}"),
+        );
+    }
+    let paper = Rules::paper();
+    unless(
+        run.rules.hash == paper.hash(),
+        "rules",
+        format!("{} ({}), not {}", run.rules.name, short(&run.rules.hash), paper.name),
+    );
+    let suite = shipped.suites.iter().find(|s| s.hash == run.suite.hash);
+    unless(
+        suite.is_some(),
+        "suite",
+        format!("{} ({}) is none that comes with the harness", run.suite.name, short(&run.suite.hash)),
+    );
+    unless(
+        run.selector.is_none() && suite.is_none_or(|s| s.tasks == run.tasks),
+        "selector",
+        "not all tasks of the suite".into(),
+    );
+    let vehicle = shipped.vehicles.get(&run.vehicle.name).filter(|v| v.hash == run.vehicle.hash);
+    unless(
+        vehicle.is_some(),
+        "vehicle",
+        format!("{} ({}) is none that comes with the harness", run.vehicle.name, short(&run.vehicle.hash)),
+    );
+    let scale = vehicle.map_or(run.scale, |v| v.scale);
+    unless(run.scale == scale, "scale", format!("{}, not {scale}, for which the vehicle is made", run.scale));
+    unless(
+        run.soils.hash == shipped.soils,
+        "soils",
+        format!("{} ({}), not the default", run.soils.name, short(&run.soils.hash)),
+    );
+    unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
+    unless(run.soil_pitch == SOIL_PITCH, "soil_pitch", format!("{} m, not {SOIL_PITCH} m", run.soil_pitch));
+    unless(run.seed == SEED, "seed", format!("{}, not {SEED}", run.seed));
+    reasons
+}
+
+/// The division of a run with these reasons.
+pub(crate) fn division(reasons: &[OpenReason]) -> Division {
+    if reasons.is_empty() { Division::Ranked } else { Division::Open }
+}

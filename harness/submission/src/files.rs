@@ -1,0 +1,264 @@
+//! Files that strangers wrote: bounded, without links, with plain names.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sha2::{Digest as _, Sha256};
+
+use crate::SubmissionError;
+
+/// The manifest's name.
+pub(crate) const MANIFEST: &str = "submission.json";
+/// The verdict's name: it is the verifier's, not the entrant's.
+pub(crate) const VERDICT: &str = "verification.json";
+/// Scores on a hidden suite, which the owner puts beside.
+pub(crate) const HOLDOUT: &str = "holdout.json";
+/// The run directory in a submission.
+pub(crate) const RUN: &str = "run";
+/// The report in a submission.
+pub(crate) const REPORT: &str = "report.html";
+
+/// Most bytes of a JSON document; the manifest of a million tasks is half of it.
+pub(crate) const DOCUMENT: u64 = 256 << 20;
+/// Most bytes of a small JSON document.
+pub(crate) const SMALL: u64 = 1 << 20;
+/// Most bytes of the report.
+pub(crate) const PAGE: u64 = 64 << 20;
+/// Most bytes of a line of `tasks.jsonl`: a planner's log is bounded to far less.
+pub(crate) const LINE: u64 = 1 << 20;
+/// Most bytes of a trace.
+pub(crate) const TRACE: u64 = 64 << 20;
+/// Most bytes of a file with a planner's own series; longer ones are left out of submissions.
+pub(crate) const SERIES: u64 = 8 << 20;
+/// Most bytes of any file.
+const FILE: u64 = 4 << 30;
+/// Most files in a submission.
+const FILES: usize = 200;
+/// Deepest folder: `run/traces/WORLD/TASK.parquet`.
+const DEPTH: usize = 4;
+
+/// Names of all files below `dir` with `/` between folders, and their sizes in bytes.
+pub(crate) fn list(dir: &Path) -> Result<BTreeMap<String, u64>, SubmissionError> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![(dir.to_owned(), String::new(), 1)];
+    while let Some((folder, prefix, depth)) = open.pop() {
+        for entry in fs::read_dir(&folder).map_err(SubmissionError::read(&folder))? {
+            let entry = entry.map_err(SubmissionError::read(&folder))?;
+            let path = entry.path();
+            let refuse = |what| Err(SubmissionError::Unsafe { path: path.clone(), what });
+            let name = entry.file_name();
+            let Some(name) = name.to_str().filter(|n| is_plain(n)) else {
+                return refuse("a name that is not of letters, digits, '-', '_' and '.'");
+            };
+            // Of the entry itself: a link is not followed.
+            let meta = fs::symlink_metadata(&path).map_err(SubmissionError::read(&path))?;
+            let full = format!("{prefix}{name}");
+            if meta.is_dir() {
+                if depth == DEPTH {
+                    return refuse("a folder too deep");
+                }
+                open.push((path, format!("{full}/"), depth + 1));
+            } else if !meta.is_file() {
+                return refuse("neither a file nor a folder");
+            } else if meta.len() > FILE {
+                return Err(SubmissionError::TooLarge { path, what: "a file of bytes", limit: FILE });
+            } else {
+                found.insert(full, meta.len());
+            }
+            if found.len() + open.len() > FILES {
+                return Err(SubmissionError::TooLarge {
+                    path: dir.to_owned(),
+                    what: "a number of files",
+                    limit: FILES as u64,
+                });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Whether a name is safe on every system and in every address.
+pub(crate) fn is_plain(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    !name.is_empty() && name.len() <= 120 && !name.starts_with('.') && name.chars().all(plain)
+}
+
+/// The bytes of a file of at most `limit` bytes, which is no link.
+pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, SubmissionError> {
+    let meta = fs::symlink_metadata(path).map_err(SubmissionError::read(path))?;
+    if !meta.is_file() {
+        return Err(SubmissionError::Unsafe { path: path.to_owned(), what: "neither a file nor a folder" });
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(SubmissionError::read(path))?;
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(SubmissionError::read(path))?;
+    if bytes.len() as u64 > limit {
+        return Err(SubmissionError::TooLarge { path: path.to_owned(), what: "a file of bytes", limit });
+    }
+    Ok(bytes)
+}
+
+/// A JSON document with a number `schema`, which is one of `1..=newest`.
+pub(crate) fn read_json<T: DeserializeOwned>(
+    path: &Path,
+    limit: u64,
+    newest: u32,
+) -> Result<(T, Vec<u8>), SubmissionError> {
+    #[derive(serde::Deserialize)]
+    struct Version {
+        schema: u64,
+    }
+    let bytes = read(path, limit)?;
+    let version: Version = serde_json::from_slice(&bytes).map_err(|e| SubmissionError::damaged(path, e))?;
+    if !(1..=u64::from(newest)).contains(&version.schema) {
+        return Err(SubmissionError::Schema {
+            path: path.to_owned(),
+            found: version.schema,
+            supported: newest,
+        });
+    }
+    let value = serde_json::from_slice(&bytes).map_err(|e| SubmissionError::damaged(path, e))?;
+    Ok((value, bytes))
+}
+
+/// A JSON document as it is written.
+pub(crate) fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, SubmissionError> {
+    let mut bytes = serde_json::to_vec_pretty(value).map_err(|e| SubmissionError::damaged(path, e))?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// Writes a file whole: under another name first, so that nobody sees half of it.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), SubmissionError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let fail = SubmissionError::write;
+    fs::create_dir_all(folder).map_err(fail(folder))?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(fail(path))?;
+    std::io::Write::write_all(&mut file, bytes).map_err(fail(path))?;
+    // A temporary file is its owner's alone; a site is for everybody.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        fs::set_permissions(file.path(), fs::Permissions::from_mode(0o644)).map_err(fail(path))?;
+    }
+    file.persist(path).map_err(|e| fail(path)(e.error))?;
+    Ok(())
+}
+
+/// A directory that is new or empty.
+pub(crate) fn empty_dir(dir: &Path) -> Result<(), SubmissionError> {
+    fs::create_dir_all(dir).map_err(SubmissionError::write(dir))?;
+    let mut entries = fs::read_dir(dir).map_err(SubmissionError::write(dir))?;
+    if entries.next().is_some() { Err(SubmissionError::NotEmpty(dir.to_owned())) } else { Ok(()) }
+}
+
+/// SHA-256 of bytes, hexadecimal.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of a file, hexadecimal.
+pub(crate) fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
+    let mut file = BufReader::new(File::open(path).map_err(SubmissionError::read(path))?);
+    let mut hasher = Sha256::new();
+    loop {
+        let chunk = file.fill_buf().map_err(SubmissionError::read(path))?;
+        if chunk.is_empty() {
+            return Ok(hex(&hasher.finalize()));
+        }
+        hasher.update(chunk);
+        let read = chunk.len();
+        file.consume(read);
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
+        let _ = write!(out, "{b:02x}");
+        out
+    })
+}
+
+/// Hands over the lines of a file, none of more than [`LINE`] bytes, without what ends them; each with whether it was ended.
+pub(crate) fn each_line(
+    path: &Path,
+    mut take: impl FnMut(usize, &[u8], bool) -> Result<(), SubmissionError>,
+) -> Result<(), SubmissionError> {
+    let mut file = BufReader::new(File::open(path).map_err(SubmissionError::read(path))?);
+    let mut line = Vec::new();
+    for number in 1.. {
+        line.clear();
+        (&mut file).take(LINE + 1).read_until(b'\n', &mut line).map_err(SubmissionError::read(path))?;
+        if line.is_empty() {
+            break;
+        }
+        if line.len() as u64 > LINE {
+            return Err(SubmissionError::TooLarge {
+                path: path.to_owned(),
+                what: "a line of bytes",
+                limit: LINE,
+            });
+        }
+        let ended = line.last() == Some(&b'\n');
+        if ended {
+            line.pop();
+        }
+        take(number, &line, ended)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_huge_line_is_refused_before_it_is_in_memory() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("tasks.jsonl");
+        // A file without content on disk: 1 GiB of zeros and no end of a line.
+        File::create(&path).unwrap().set_len(1 << 30).unwrap();
+        let e = each_line(&path, |_, _, _| Ok(())).unwrap_err().to_string();
+        assert!(e.contains("a line of bytes beyond 1048576"), "{e}");
+    }
+
+    #[test]
+    fn links_odd_names_and_crowds_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("run/traces")).unwrap();
+        fs::write(dir.path().join("run/run.json"), "{}").unwrap();
+        assert_eq!(list(dir.path()).unwrap(), BTreeMap::from([("run/run.json".to_owned(), 2)]));
+        #[cfg(unix)]
+        {
+            let link = dir.path().join("run/tasks.jsonl");
+            std::os::unix::fs::symlink("/etc/passwd", &link).unwrap();
+            let e = list(dir.path()).unwrap_err().to_string();
+            assert!(e.contains("tasks.jsonl: neither a file nor a folder"), "{e}");
+            assert!(read(&link, 1 << 20).is_err(), "a link is not followed");
+            fs::remove_file(link).unwrap();
+        }
+        fs::write(dir.path().join("a b"), "").unwrap();
+        assert!(list(dir.path()).is_err());
+        fs::remove_file(dir.path().join("a b")).unwrap();
+        for k in 0..FILES {
+            fs::write(dir.path().join(k.to_string()), "").unwrap();
+        }
+        assert!(list(dir.path()).unwrap_err().to_string().contains("a number of files beyond 200"));
+    }
+
+    #[test]
+    fn newer_documents_are_refused_with_their_version() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.json");
+        fs::write(&path, "{\"schema\": 3, \"unknown\": 1}").unwrap();
+        let e = read_json::<serde_json::Value>(&path, SMALL, 2).unwrap_err().to_string();
+        assert!(e.contains("schema 3 is not supported, this version reads up to 2"), "{e}");
+        assert!(read_json::<serde_json::Value>(&path, 10, 3).unwrap_err().to_string().contains("beyond 10"));
+    }
+}

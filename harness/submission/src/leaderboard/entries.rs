@@ -1,0 +1,89 @@
+//! The submissions of a leaderboard.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use vb_report::{Figures, RunFigures, Runs};
+
+use crate::SubmissionError;
+use crate::check::Submission;
+use crate::files::{self, HOLDOUT, SMALL, VERDICT};
+use crate::manifest::Manifest;
+use crate::scores::{SCORES_SCHEMA, Scores};
+use crate::verdict::{VERIFICATION_SCHEMA, Verification};
+
+/// An accepted submission.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Name of its folder, and of that of its pages.
+    pub id: String,
+    /// Its folder.
+    pub dir: PathBuf,
+    /// Its manifest, without tasks and files.
+    pub manifest: Manifest,
+    /// The verdict.
+    pub verification: Verification,
+    /// Figures over all tasks.
+    pub figures: Figures,
+    /// Scores on the hidden suite, if the owner had it evaluated.
+    pub holdout: Option<Scores>,
+}
+
+/// The entries in `dir` by their names.
+pub(super) fn read(dir: &Path) -> Result<Vec<Entry>, SubmissionError> {
+    let mut folders = Vec::new();
+    for entry in fs::read_dir(dir).map_err(SubmissionError::read(dir))? {
+        let entry = entry.map_err(SubmissionError::read(dir))?;
+        let hidden = entry.file_name().to_string_lossy().starts_with('.');
+        if !hidden && entry.path().is_dir() {
+            folders.push(entry.path());
+        }
+    }
+    folders.sort();
+    folders.into_iter().map(|folder| read_entry(&folder)).collect()
+}
+
+fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
+    let fail = |problem: String| Err(SubmissionError::Entry { dir: dir.to_owned(), problem });
+    let Some(id) = dir.file_name().and_then(|n| n.to_str()).filter(|n| files::is_plain(n)) else {
+        return fail("its name is not of letters, digits, '-', '_' and '.' (rename the folder)".into());
+    };
+    let path = dir.join(VERDICT);
+    if !path.exists() {
+        return fail(format!("{VERDICT} is missing (run vb-harness verify on it first)"));
+    }
+    let (verification, _): (Verification, _) = files::read_json(&path, files::DOCUMENT, VERIFICATION_SCHEMA)?;
+    let submission = Submission::open(dir)?;
+    if !verification.verified {
+        let first = verification.findings.first().map_or_else(String::new, |f| format!(": {f}"));
+        return fail(format!("it did not verify{first} (take it out)"));
+    }
+    // A verdict is of one manifest, and that of all other files.
+    if verification.submission_sha256 != submission.sha256() {
+        return fail(format!("{VERDICT} is of another submission.json (verify it again)"));
+    }
+    if let Some(finding) = submission.check_files()?.first() {
+        return fail(format!("changed after it was verified: {finding} (verify it again)"));
+    }
+    submission.manifest().entrant.check()?;
+    let runs = Runs::read(&[submission.run_dir()])?;
+    let figures = RunFigures::new(&runs, &runs.runs[0]).all;
+    let holdout = match dir.join(HOLDOUT) {
+        path if path.exists() => {
+            let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA)?;
+            let run = &submission.manifest().run;
+            let own = [&run.plugin.sha256, &run.vehicle.name, &run.harness_version];
+            if own != [&scores.plugin_sha256, &scores.vehicle, &scores.harness_version] {
+                let what = "another plugin, vehicle or version of the harness";
+                return fail(format!("{HOLDOUT} is of {what} (evaluate this one)"));
+            }
+            Some(scores)
+        }
+        _ => None,
+    };
+    let mut manifest = submission.into_manifest();
+    manifest.tasks.clear();
+    manifest.files.clear();
+    let verification = Verification { division: manifest.division, ..verification };
+    Ok(Entry { id: id.to_owned(), dir: dir.to_owned(), manifest, verification, figures, holdout })
+}

@@ -1,0 +1,167 @@
+//! The page of an entry.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use vb_report::html::{document, escape, grouped, number};
+use vb_report::{Measure, one_line};
+use vb_score::Outcome;
+
+use super::index_page::{STYLE, whisker};
+use super::rank::{Board, Ranked};
+
+pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<String>) -> String {
+    let (e, m) = (&r.entry, &r.entry.manifest);
+    let text = |t: &str, most| escape(&one_line(t, most));
+    let name = text(&m.run.plugin.name, 60);
+    let who = text(&m.entrant.name, 80);
+    let who = match &m.entrant.url {
+        Some(url) => format!("<a href=\"{}\" rel=\"nofollow noopener\">{who}</a>", escape(url)),
+        None => who,
+    };
+    let division = board.division.name();
+    let mut head = format!(
+        "<h1>{name} <small>{}</small> <span class=\"tag {division}\">{division}</span></h1><p class=\"meta\">{who}</p><nav><a \
+         href=\"../../index.html\">{}</a><a href=\"report.html\">Report</a>",
+        text(&m.run.plugin.version, 30),
+        text(title, 60),
+    );
+    if !replays.is_empty() {
+        head.push_str("<a href=\"#replays\">Replays</a>");
+    }
+    head.push_str("<a href=\"#conditions\">Conditions</a><a href=\"#verification\">Verification</a></nav>");
+
+    let mut s = String::new();
+    if let Some(note) = &m.entrant.note {
+        let _ = write!(s, "<p class=\"note\">{}</p>", text(note, 500));
+    }
+    results(&mut s, board, r);
+    if !replays.is_empty() {
+        s.push_str("<section id=\"replays\"><h2>Replays</h2><ul class=\"replays\">");
+        for task in replays {
+            let _ = write!(s, "<li><a href=\"replays/{0}.html\">{0}</a></li>", escape(task));
+        }
+        s.push_str("</ul><p class=\"about\">Tasks in three dimensions, driven again by the recorded commands.</p></section>");
+    }
+    conditions(&mut s, r);
+    verification(&mut s, r);
+    let page_title = format!("{} – {}", one_line(&e.manifest.run.plugin.name, 60), one_line(title, 60));
+    document(&page_title, STYLE, &head, &s, "")
+}
+
+fn results(s: &mut String, board: &Board, r: &Ranked) {
+    let e = &r.entry;
+    let success = e.figures.mean(Measure::Success);
+    let _ = write!(
+        s,
+        "<section id=\"results\"><div class=\"cards\"><article class=\"card\"><h3>Success</h3><p class=\"big\">{}<small> %</small></p>{}<p \
+         class=\"sub\">{} of {} tasks in {} worlds{}</p></article><article class=\"card\"><h3>Rank</h3><p class=\"big\">{}{}<small> of \
+         {}</small></p><p class=\"sub\">{}</p></article>",
+        success.map_or_else(|| "–".into(), |e| number(100.0 * e.mean, 1)),
+        whisker(success),
+        grouped(e.figures.count(Outcome::Success)),
+        grouped(e.figures.tasks),
+        e.figures.worlds,
+        success.and_then(|e| e.interval).map_or_else(String::new, |i| format!(
+            "; 95 %: {} to {} %",
+            number(100.0 * i.low, 1),
+            number(100.0 * i.high, 1)
+        )),
+        r.rank,
+        if r.tied { "=" } else { "" },
+        board.entries.len(),
+        match (r.tied, board.entries.len()) {
+            (true, _) => "shared: the tasks don't tell these entries apart",
+            (false, 1) => "the only entry so far",
+            (false, _) => "told apart from the others by the tasks",
+        },
+    );
+    if let Some(h) = &e.holdout {
+        let _ = write!(
+            s,
+            "<article class=\"card\"><h3>Hold-out</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">of {} tasks that nobody has \
+             seen ({}){}</p></article>",
+            number(h.success_percent, 1),
+            grouped(h.tasks),
+            escape(&one_line(&h.suite, 60)),
+            h.success_interval_percent.map_or_else(String::new, |[low, high]| format!(
+                "; 95 %: {} to {} %",
+                number(low, 1),
+                number(high, 1)
+            ))
+        );
+    }
+    s.push_str("</div><dl class=\"figures\">");
+    for m in [Measure::Time, Measure::Roll, Measure::Pitch] {
+        let value = e.figures.mean(m).map_or_else(
+            || "–".into(),
+            |e| {
+                let v = |v: f64| number(m.shown(v), 1);
+                let interval = e
+                    .interval
+                    .map_or_else(String::new, |i| format!(" <small>[{}, {}]</small>", v(i.low), v(i.high)));
+                format!("{}{interval}", v(e.mean))
+            },
+        );
+        let _ = write!(s, "<div><dt>{}, {}</dt><dd>{value}</dd></div>", m.name(), m.unit());
+    }
+    for outcome in Outcome::ALL.iter().filter(|o| e.figures.count(**o) > 0) {
+        let name = outcome.name().replace('_', " ");
+        let _ = write!(s, "<div><dt>{name}</dt><dd>{}</dd></div>", grouped(e.figures.count(*outcome)));
+    }
+    s.push_str("</dl></section>");
+}
+
+fn conditions(s: &mut String, r: &Ranked) {
+    let m = &r.entry.manifest;
+    let text = |t: &str| escape(&one_line(t, 160));
+    let data = |name: &str, hash: &str| format!("{} <code>{}</code>", text(name), text(hash));
+    s.push_str("<section id=\"conditions\"><h2>Conditions</h2>");
+    if !m.open_because.is_empty() {
+        s.push_str("<p>In the open division, because:</p><ul class=\"notes\">");
+        for reason in &m.open_because {
+            let _ = write!(s, "<li>{}: {}</li>", text(&reason.field), text(&reason.text));
+        }
+        s.push_str("</ul>");
+    }
+    let params: Vec<String> = m.run.params.iter().map(|(k, v)| format!("{k}={v}")).collect();
+    let rows = [
+        ("plugin", data(&format!("{}, interface {}", m.run.plugin.carrier, m.abi), &m.run.plugin.sha256)),
+        ("parameters", if params.is_empty() { "none".into() } else { text(&params.join(" ")) }),
+        ("suite", data(&format!("{} {}", m.run.suite.name, m.suite_version), &m.run.suite.hash)),
+        ("tasks", text(m.run.selector.as_deref().unwrap_or("all"))),
+        ("vehicle", data(&m.run.vehicle.name, &m.run.vehicle.hash)),
+        ("soils", data(&m.run.soils.name, &m.run.soils.hash)),
+        ("rules", data(&m.run.rules.name, &m.run.rules.hash)),
+        ("scale, seed", format!("{}, {}", m.run.scale, m.run.seed)),
+        ("harness", text(&m.run.harness_version)),
+    ];
+    s.push_str("<div class=\"scroll\"><table class=\"facts\"><tbody>");
+    for (name, value) in rows {
+        let _ = write!(s, "<tr><th>{name}</th><td>{value}</td></tr>");
+    }
+    s.push_str("</tbody></table></div></section>");
+}
+
+fn verification(s: &mut String, r: &Ranked) {
+    let v = &r.entry.verification;
+    let driven = match &v.sample {
+        Some(sample) if sample.tasks.len() as u64 == sample.of => format!("all {} tasks", grouped(sample.of)),
+        Some(sample) => format!(
+            "{} of {} tasks{}",
+            grouped(sample.tasks.len() as u64),
+            grouped(sample.of),
+            sample.seed.map_or_else(String::new, |seed| format!(", drawn by seed {seed}"))
+        ),
+        None => "no task".into(),
+    };
+    let _ = write!(
+        s,
+        "<section id=\"verification\"><h2>Verification</h2><p>Harness {} drove {driven} again with this plugin and got the same \
+         trajectories, bit for bit. Also checked: {}.</p><p class=\"about\"><a href=\"submission.json\">submission.json</a> \
+         (SHA-256 <code>{}</code>), <a href=\"verification.json\">verification.json</a></p></section>",
+        escape(&one_line(&v.harness_version, 30)),
+        escape(&one_line(&v.checks.join(", "), 200)),
+        escape(&one_line(&v.submission_sha256, 64)),
+    );
+}

@@ -1,0 +1,156 @@
+//! The front page: boards with their entries.
+
+use std::fmt::Write as _;
+
+use vb_report::html::{SORTED_TABLES, document, escape, grouped, number};
+use vb_report::{Estimate, Measure, one_line};
+
+use super::rank::{Board, Ranked};
+use crate::division::Division;
+
+pub(super) const STYLE: &str = include_str!("site.css");
+const SCRIPT: &str = include_str!("site.js");
+
+/// What stands behind the figures of a division.
+const RANKED: &str = "WASM planners under the benchmark's own conditions, verified by driving tasks again.";
+const OPEN: &str =
+    "Other conditions or carriers: each entry says what differs. Figures are verified, ranks say less.";
+
+pub(super) fn page(title: &str, boards: &[Board]) -> String {
+    let title = one_line(title, 120);
+    let count: usize = boards.iter().map(|b| b.entries.len()).sum();
+    let noun = if count == 1 { "entry" } else { "entries" };
+    let head = format!(
+        "<h1>{}</h1><p class=\"meta\">{} {noun}; <a href=\"leaderboard.json\">as JSON</a>; Verti-Bench in Rust {}</p>",
+        escape(&title),
+        grouped(count as u64),
+        env!("CARGO_PKG_VERSION"),
+    );
+    let mut s = String::new();
+    if boards.is_empty() {
+        s.push_str("<p>No entry yet.</p>");
+    } else {
+        s.push_str(
+            "<form class=\"bar\" id=\"filter\" autocomplete=\"off\" hidden><label>suite <select name=\"suite\"></select></label>\
+             <label>vehicle <select name=\"vehicle\"></select></label><label>division <select name=\"division\"></select></label>\
+             <output></output></form>",
+        );
+    }
+    for b in boards {
+        board(&mut s, b);
+    }
+    s.push_str(
+        "<section><h2>How to read it</h2><p class=\"about\">Entries are in the order of their success rates; the interval is 95 %, \
+         by the bootstrap over worlds, since tasks of a world are not independent. An entry shares the rank of the best one above \
+         it (marked =) as long as the interval of their difference, paired by tasks, holds zero: nobody can say which is better. \
+         Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
+         or versions of the harness are on boards of their own.</p></section>",
+    );
+    document(&title, STYLE, &head, &s, &format!("{SORTED_TABLES}{SCRIPT}"))
+}
+
+fn board(s: &mut String, b: &Board) {
+    let m = &b.entries[0].entry.manifest;
+    let text = |t: &str| escape(&one_line(t, 60));
+    let suite = format!("{} {}", text(&m.run.suite.name), text(&m.suite_version));
+    let vehicle = text(&m.run.vehicle.name);
+    let division = b.division.name();
+    let _ = write!(
+        s,
+        "<section class=\"board\" data-suite=\"{suite}\" data-vehicle=\"{vehicle}\" data-division=\"{division}\"><h2>{suite} \
+         <small>{vehicle}</small> <span class=\"tag {division}\">{division}</span></h2><p class=\"sub\">{} {} tasks{}; rules {}; \
+         harness {}; suite hash <code title=\"{hash}\">{}</code></p>",
+        match b.division {
+            Division::Ranked => RANKED,
+            Division::Open => OPEN,
+        },
+        grouped(m.run.tasks),
+        m.run.selector.as_ref().map_or_else(String::new, |t| format!(" ({})", text(t))),
+        text(&m.run.rules.name),
+        text(&m.run.harness_version),
+        escape(m.run.suite.hash.get(..12).unwrap_or(&m.run.suite.hash)),
+        hash = escape(&m.run.suite.hash),
+    );
+    let holdout = b.entries.iter().any(|r| r.entry.holdout.is_some());
+    let _ = write!(
+        s,
+        "<div class=\"scroll\"><table class=\"sortable standings\"><thead><tr><th class=\"n\">rank</th><th>planner</th><th \
+         class=\"n\">success %</th><th class=\"plot fixed\">95 % interval</th>{}<th class=\"n wide\">time s</th><th class=\"n \
+         wide\">|roll| °</th><th class=\"n wide\">|pitch| °</th></tr></thead><tbody>",
+        if holdout { "<th class=\"n hold\">hold-out %</th>" } else { "" }
+    );
+    // Scores of several hidden suites say which each is of.
+    let suites: std::collections::BTreeSet<_> = b
+        .entries
+        .iter()
+        .filter_map(|r| r.entry.holdout.as_ref())
+        .map(|h| (&h.suite, &h.suite_version))
+        .collect();
+    for r in &b.entries {
+        row(s, r, holdout, suites.len() > 1);
+    }
+    s.push_str("</tbody></table></div></section>");
+}
+
+fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
+    let e = &r.entry;
+    let success = e.figures.mean(Measure::Success);
+    let mean = |m: Measure| cell(m, e.figures.mean(m));
+    let _ = write!(
+        s,
+        "<tr><td class=\"n rank\" data-v=\"{rank}\">{rank}{}</td><td><a href=\"entries/{id}/index.html\">{}</a> <small>{}</small><br>\
+         <small class=\"who\">{}</small></td>{}<td class=\"plot\">{}</td>",
+        if r.tied { "<small>=</small>" } else { "" },
+        escape(&one_line(&e.manifest.run.plugin.name, 60)),
+        escape(&one_line(&e.manifest.run.plugin.version, 30)),
+        escape(&one_line(&e.manifest.entrant.name, 80)),
+        mean(Measure::Success),
+        whisker(success),
+        rank = r.rank,
+        id = escape(&e.id),
+    );
+    if holdout {
+        let text = e.holdout.as_ref().map_or_else(
+            || "–".into(),
+            |h| {
+                let suite = escape(&one_line(&format!("{} {}", h.suite, h.suite_version), 40));
+                let suite = if several { format!("<br><small>{suite}</small>") } else { String::new() };
+                format!("{}{suite}", number(h.success_percent, 1))
+            },
+        );
+        let _ = write!(s, "<td class=\"n\">{text}</td>");
+    }
+    for m in [Measure::Time, Measure::Roll, Measure::Pitch] {
+        s.push_str(&mean(m).replacen("class=\"n\"", "class=\"n wide\"", 1));
+    }
+    s.push_str("</tr>");
+}
+
+/// A cell with a mean and, below, its interval.
+fn cell(measure: Measure, e: Option<Estimate>) -> String {
+    let Some(e) = e else { return "<td class=\"n\" data-v=\"\">–</td>".into() };
+    let v = |v: f64| number(measure.shown(v), 1);
+    let interval = e.interval.map_or_else(String::new, |i| {
+        format!("<br><small class=\"interval\">{} to {}</small>", v(i.low), v(i.high))
+    });
+    format!("<td class=\"n\" data-v=\"{}\">{}{interval}</td>", measure.shown(e.mean), v(e.mean))
+}
+
+/// A rate and its interval on a line from 0 to 100 %.
+pub(super) fn whisker(e: Option<Estimate>) -> String {
+    let Some(e) = e else { return String::new() };
+    let x = |v: f64| number((v * 200.0).clamp(0.0, 200.0), 1);
+    let (low, high) = e.interval.map_or((e.mean, e.mean), |i| (i.low, i.high));
+    format!(
+        "<svg viewBox=\"-4 0 208 16\" role=\"img\" aria-label=\"{}\"><path class=\"grid\" d=\"M0 3V13M50 3V13M100 3V13M150 3V13M200 3V13\"/>\
+         <path class=\"base\" d=\"M0 8H200\"/><path class=\"range s0\" d=\"M{} 8H{}\"/><circle class=\"dot f0\" cx=\"{}\" cy=\"8\" \
+         r=\"4.5\"/></svg>",
+        e.interval.map_or_else(
+            || "no interval: a single world".to_owned(),
+            |i| format!("{} to {} %", number(100.0 * i.low, 1), number(100.0 * i.high, 1))
+        ),
+        x(low),
+        x(high),
+        x(e.mean)
+    )
+}

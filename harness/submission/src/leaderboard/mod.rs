@@ -1,0 +1,97 @@
+//! The site of a leaderboard, made of verified submissions.
+//!
+//! Of an entry the figures are kept, not its tasks; records are read for two entries at a time. So the number of entries and
+//! the size of suites don't matter for memory.
+
+mod data;
+mod entries;
+mod entry_page;
+mod index_page;
+mod rank;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use vb_report::{Report, Runs};
+
+pub use data::LEADERBOARD_SCHEMA;
+pub use entries::Entry;
+pub use rank::{Board, Ranked};
+
+use crate::SubmissionError;
+use crate::files::{self, MANIFEST, RUN, VERDICT};
+
+/// The machine-readable leaderboard.
+const DATA: &str = "leaderboard.json";
+/// Folder of the entries' pages.
+const ENTRIES: &str = "entries";
+
+/// Makes pages of replays: of the tasks of an entry's run (read from its folder) into a folder, as `WORLD/TASK.html`. Returns
+/// the tasks that it made pages of.
+pub type ReplayMaker<'a> = dyn FnMut(&Entry, &Runs, &Path) -> Result<BTreeSet<String>, SubmissionError> + 'a;
+
+/// What was built.
+#[derive(Clone, Debug)]
+pub struct Site {
+    /// The boards, each with its entries in order.
+    pub boards: Vec<Board>,
+    /// The files of the front page, for messages.
+    pub files: Vec<PathBuf>,
+}
+
+/// Builds the site of the submissions in `dir`, a folder each, in `out`. That must be empty or hold such a site, which is
+/// replaced. `title` is what the site is called.
+///
+/// # Errors
+/// If a folder holds no verified submission, a plugin was submitted twice under the same conditions, or something can't be
+/// read or written. Nothing is written before all entries were looked at.
+pub fn build(
+    dir: &Path,
+    out: &Path,
+    title: &str,
+    replays: &mut ReplayMaker<'_>,
+) -> Result<Site, SubmissionError> {
+    let entries = entries::read(dir)?;
+    let boards = rank::boards(entries)?;
+    clear(out)?;
+    for board in &boards {
+        for ranked in &board.entries {
+            let entry = &ranked.entry;
+            let own = out.join(ENTRIES).join(&entry.id);
+            let mut runs = Runs::read(&[entry.dir.join(RUN)])?;
+            let made = replays(entry, &runs, &own.join("replays"))?;
+            for run in &mut runs.runs {
+                run.dir = RUN.into();
+            }
+            // Never the entrant's own page: it is made anew of his records.
+            let report = Report::new(runs).page(&made, &[]);
+            files::write(&own.join("report.html"), report.as_bytes())?;
+            for name in [MANIFEST, VERDICT] {
+                files::write(&own.join(name), &files::read(&entry.dir.join(name), files::DOCUMENT)?)?;
+            }
+            let page = entry_page::page(title, board, ranked, &made);
+            files::write(&own.join("index.html"), page.as_bytes())?;
+        }
+    }
+    let index = out.join("index.html");
+    files::write(&index, index_page::page(title, &boards).as_bytes())?;
+    // Last: a site that has it is whole.
+    let data = out.join(DATA);
+    files::write(&data, &files::pretty(&data, &data::document(title, &boards))?)?;
+    Ok(Site { boards, files: vec![index, data] })
+}
+
+/// Makes room in a folder that is empty or holds an earlier site.
+fn clear(out: &Path) -> Result<(), SubmissionError> {
+    fs::create_dir_all(out).map_err(SubmissionError::write(out))?;
+    let entries = out.join(ENTRIES);
+    let data = out.join(DATA);
+    if !data.is_file() {
+        return files::empty_dir(out);
+    }
+    if entries.exists() {
+        fs::remove_dir_all(&entries).map_err(SubmissionError::write(&entries))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,135 @@
+//! Who comes before whom, and who can't be told apart.
+
+use vb_report::statistics::Interval;
+use vb_report::{Comparison, Estimate, Measure, Runs};
+
+use super::entries::Entry;
+use crate::SubmissionError;
+use crate::division::Division;
+use crate::files::RUN;
+
+/// Entries under the same conditions, best first.
+#[derive(Clone, Debug)]
+pub struct Board {
+    /// Where they are listed.
+    pub division: Division,
+    /// The entries, at least one.
+    pub entries: Vec<Ranked>,
+}
+
+/// An entry with its rank.
+#[derive(Clone, Debug)]
+pub struct Ranked {
+    /// The entry.
+    pub entry: Entry,
+    /// One more than the number of entries that are better for certain than the first of this rank.
+    pub rank: usize,
+    /// Whether others share the rank.
+    pub tied: bool,
+    /// Success rate less that of the first of this rank, with its interval over worlds; none for that one itself.
+    pub behind: Option<Estimate>,
+}
+
+/// What entries of a board have in common. Results of other conditions, or of another version of the harness, are not
+/// comparable.
+fn conditions(e: &Entry) -> [String; 11] {
+    let (m, r) = (&e.manifest, &e.manifest.run);
+    [
+        m.division.name().to_owned(),
+        r.suite.name.clone(),
+        m.suite_version.clone(),
+        r.suite.hash.clone(),
+        r.vehicle.name.clone(),
+        r.vehicle.hash.clone(),
+        r.scale.to_string(),
+        r.rules.hash.clone(),
+        r.soils.hash.clone(),
+        r.selector.clone().unwrap_or_default(),
+        r.harness_version.clone(),
+    ]
+}
+
+/// The boards: ranked before open ones, then by number of entries, suite, vehicle and what else differs.
+pub(super) fn boards(mut entries: Vec<Entry>) -> Result<Vec<Board>, SubmissionError> {
+    // A stable sort of what is sorted by names.
+    entries.sort_by_cached_key(|e| (e.manifest.division, conditions(e)));
+    let mut boards: Vec<Vec<Entry>> = Vec::new();
+    for entry in entries {
+        match boards.last_mut() {
+            Some(board) if conditions(&board[0]) == conditions(&entry) => {
+                let same = |other: &&Entry| {
+                    let (a, b) = (&other.manifest.run, &entry.manifest.run);
+                    (&a.plugin.sha256, &a.params, &a.limits, a.seed)
+                        == (&b.plugin.sha256, &b.params, &b.limits, b.seed)
+                };
+                if let Some(other) = board.iter().find(same) {
+                    let problem = format!(
+                        "the same plugin under the same conditions as entry {} (take one of them out)",
+                        other.id
+                    );
+                    return Err(SubmissionError::Entry { dir: entry.dir, problem });
+                }
+                board.push(entry);
+            }
+            _ => boards.push(vec![entry]),
+        }
+    }
+    // What most have entered comes first.
+    boards.sort_by_key(|b| (b[0].manifest.division, std::cmp::Reverse(b.len())));
+    boards.into_iter().map(board).collect()
+}
+
+fn board(mut entries: Vec<Entry>) -> Result<Board, SubmissionError> {
+    let division = entries[0].manifest.division;
+    let value = |e: &Entry, m| e.figures.mean(m).map_or(f64::INFINITY, |e| e.mean);
+    entries.sort_by(|a, b| {
+        let rate = |e| value(e, Measure::Success);
+        rate(b)
+            .total_cmp(&rate(a))
+            .then(value(a, Measure::Time).total_cmp(&value(b, Measure::Time)))
+            .then_with(|| a.id.cmp(&b.id))
+    });
+    let mut ranked: Vec<Ranked> = Vec::with_capacity(entries.len());
+    let mut first = 0;
+    for (k, entry) in entries.into_iter().enumerate() {
+        let behind = match ranked.get(first) {
+            Some(best) => difference(&best.entry, &entry)?,
+            None => None,
+        };
+        let tied = k > 0 && !differs(behind.and_then(|b| b.interval));
+        if tied {
+            ranked[first].tied = true;
+            ranked.push(Ranked { entry, rank: first + 1, tied, behind });
+        } else {
+            first = k;
+            ranked.push(Ranked { entry, rank: k + 1, tied, behind: None });
+        }
+    }
+    Ok(Board { division, entries: ranked })
+}
+
+/// Whether an interval of a difference says that there is one. Without an interval, of a single world, nothing is known.
+fn differs(interval: Option<Interval>) -> bool {
+    interval.is_some_and(|i| i.low > 0.0 || i.high < 0.0)
+}
+
+/// How much higher the success rate of `b` is, paired by tasks, with its interval over worlds.
+fn difference(a: &Entry, b: &Entry) -> Result<Option<Estimate>, SubmissionError> {
+    let runs = Runs::read(&[a.dir.join(RUN), b.dir.join(RUN)])?;
+    let comparison = Comparison::new(&runs);
+    let differences = comparison.as_ref().and_then(|c| c.pairs.first()).map(|p| &p.differences);
+    let of_success = differences.and_then(|d| d.iter().find(|d| d.measure == Measure::Success));
+    Ok(of_success.and_then(|d| d.difference))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_interval_without_zero_tells_entries_apart() {
+        let i = |low, high| Some(Interval { estimate: 0.5 * (low + high), low, high });
+        assert!(differs(i(-0.3, -0.1)) && differs(i(0.1, 0.2)));
+        assert!(!differs(i(-0.3, 0.0)) && !differs(i(-0.1, 0.2)) && !differs(i(0.0, 0.0)) && !differs(None));
+    }
+}

@@ -1,0 +1,170 @@
+//! The manifest of a submission: `submission.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use vb_host::Limits;
+use vb_record::RunHeader;
+use vb_score::{Group, Outcome, Rules, TaskRecord};
+
+use crate::SubmissionError;
+use crate::division::{Division, OpenReason};
+
+/// Version of the layout of a submission.
+pub const SUBMISSION_SCHEMA: u32 = 1;
+
+/// Who enters, in his own words. Nobody checks them: they are shown and decide nothing.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entrant {
+    /// Person, team or institute.
+    pub name: String,
+    /// Where to read more; `https://` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub url: Option<String>,
+    /// A sentence or two on the planner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+impl Entrant {
+    /// Checks that all of it can be shown.
+    ///
+    /// # Errors
+    /// [`SubmissionError::Entrant`] with the first field that can't.
+    pub fn check(&self) -> Result<(), SubmissionError> {
+        let field = |field, text: &str, most: usize| {
+            let fail = |problem: String| Err(SubmissionError::Entrant { field, problem });
+            if text.chars().count() > most {
+                return fail(format!("longer than {most} characters"));
+            }
+            if text.chars().any(char::is_control) {
+                return fail("holds a control character (give one line)".into());
+            }
+            Ok(())
+        };
+        field("entrant", &self.name, 80)?;
+        field("note", self.note.as_deref().unwrap_or_default(), 500)?;
+        let url = self.url.as_deref().unwrap_or("https://");
+        field("url", url, 200)?;
+        let plain =
+            url.bytes().all(|b| b.is_ascii_graphic() && !matches!(b, b'"' | b'\'' | b'<' | b'>' | b'\\'));
+        if !(plain && url.starts_with("https://")) {
+            return Err(SubmissionError::Entrant {
+                field: "url",
+                problem: format!("{url:?} is no address that begins with https://"),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// What a submission says of a task; all of it is in the run's records, too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TaskEntry {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Simulated time at its end, s.
+    pub time_s: f64,
+    /// Hash over the trajectory (`docs/results.md`).
+    pub state_hash: String,
+}
+
+impl From<&TaskRecord> for TaskEntry {
+    fn from(r: &TaskRecord) -> Self {
+        Self { outcome: r.outcome, time_s: r.time_s, state_hash: r.state_hash.clone() }
+    }
+}
+
+/// What is submitted. Every field but [`Manifest::INFORMATIONAL`] is checked by [`verify`](crate::verify).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// [`SUBMISSION_SCHEMA`].
+    pub schema: u32,
+    /// Who enters.
+    pub entrant: Entrant,
+    /// Where the results are listed.
+    pub division: Division,
+    /// Why it is the open one; empty if it isn't.
+    pub open_because: Vec<OpenReason>,
+    /// Version of the planner interface that the plugin speaks.
+    pub abi: String,
+    /// Version of the suite, as it calls itself.
+    pub suite_version: String,
+    /// What was run: harness, suite, plugin, parameters, vehicle, soils, scale, seed, rules, limits. As in the run's own
+    /// `run.json`, but without paths, which are nobody's business; `trace` is `none` if no trace is carried along.
+    pub run: RunHeader,
+    /// Figures over all tasks: `all` of the summary.
+    pub results: Option<Group>,
+    /// Tasks whose traces are carried along for replays. They are always among those that are driven again.
+    pub replays: Vec<String>,
+    /// Every task.
+    pub tasks: BTreeMap<String, TaskEntry>,
+    /// SHA-256 (hexadecimal) of every other file by its name.
+    pub files: BTreeMap<String, String>,
+}
+
+impl Manifest {
+    /// Fields (dotted paths, or beginnings of such that end in a dot) that inform people and decide nothing: they are not
+    /// checked. The sandbox is that of the machine on which a native planner ran.
+    pub const INFORMATIONAL: [&str; 3] = ["entrant.", "run.started_at", "run.plugin.sandbox."];
+
+    /// The rules of the run, if they are rules.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn rules(&self) -> Result<Rules, String> {
+        // JSON is YAML; this way every value is checked.
+        let text = self.run.rules.profile.to_string();
+        Rules::from_yaml("run.rules.profile", &text).map_err(|e| e.to_string())
+    }
+
+    /// The limits of the run, if they are limits.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn limits(&self) -> Result<Limits, String> {
+        let names = Limits::default().named().map(|(name, _)| name);
+        if self.run.limits.keys().map(String::as_str).ne({
+            let mut sorted = names;
+            sorted.sort_unstable();
+            sorted
+        }) {
+            return Err(format!("want {}", names.join(", ")));
+        }
+        let value = |(name, value): (&String, &u64)| {
+            let value = match (name.as_str(), value) {
+                ("wasm_watchdog", 0) => false.into(),
+                ("wasm_watchdog", 1) => true.into(),
+                _ => serde_json::Value::from(*value),
+            };
+            (name.clone(), value)
+        };
+        let object: serde_json::Map<_, _> = self.run.limits.iter().map(value).collect();
+        let limits: Limits =
+            serde_json::from_value(object.into()).map_err(|e: serde_json::Error| e.to_string())?;
+        limits.validate().map_err(|e| e.to_string())?;
+        Ok(limits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_addresses_that_run_nothing_are_shown() {
+        let with = |url: &str| Entrant { name: "a".into(), url: Some(url.into()), note: None }.check();
+        with("https://example.org/a?b=c#d").unwrap();
+        for url in
+            ["javascript:alert(1)", "http://a", "https://a\"onclick=b", "https://a b", "data:text/html,a", ""]
+        {
+            assert!(with(url).is_err(), "{url}");
+        }
+        let named = |name: &str| Entrant { name: name.into(), ..Entrant::default() }.check();
+        named("Ünï <b> & Co.").unwrap();
+        assert!(named("a\nb").is_err() && named(&"a".repeat(81)).is_err());
+    }
+}

@@ -1,0 +1,206 @@
+//! Driving tasks again.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use vb_record::TraceMode;
+use vb_runner::{Event, RunConfig};
+use vb_score::{Outcome, Rules, TaskRecord};
+use vb_world::TaskRef;
+
+use crate::SubmissionError;
+use crate::check::{Expected, Submission, check};
+use crate::compare::differences;
+use crate::division::{division, open_reasons};
+use crate::files::{self, RUN, SERIES, TRACE};
+use crate::make::trace_files;
+use crate::sample::draw;
+use crate::verdict::{Finding, SampleTaken, VERIFICATION_SCHEMA, Verification};
+
+/// Which tasks are driven again, and how.
+#[derive(Clone, Debug)]
+pub struct Sampling {
+    /// Number of tasks and the seed that draws them; none: all. The tasks with traces come on top.
+    pub draw: Option<(usize, u64)>,
+    /// Number of worker threads.
+    pub jobs: usize,
+}
+
+/// Verifies a submission: holds it against itself and `expected`, and if nothing is found, drives a sample of its tasks again
+/// and compares every record, trajectory hash and trace. `ended` hears of each task (done, of how many); setting `cancel`
+/// stops.
+///
+/// # Errors
+/// If the submission can't be read, was made by another version of the harness, or the machine fails. What isn't as it should
+/// be is no error, but in the verdict.
+pub fn verify(
+    submission: &Submission,
+    expected: &Expected<'_>,
+    sampling: &Sampling,
+    ended: &mut dyn FnMut(usize, usize, &TaskRecord),
+    cancel: &AtomicBool,
+) -> Result<Verification, SubmissionError> {
+    let m = submission.manifest();
+    if m.run.harness_version != expected.harness_version {
+        return Err(SubmissionError::Version {
+            path: submission.dir().to_owned(),
+            made: m.run.harness_version.clone(),
+            this: expected.harness_version.to_owned(),
+        });
+    }
+    let (mut findings, mut tasks) = check(submission, expected)?;
+    tasks.sort();
+    let checks = Verification::CHECKS.map(str::to_owned).to_vec();
+    let mut verdict = Verification {
+        schema: VERIFICATION_SCHEMA,
+        harness_version: expected.harness_version.to_owned(),
+        verified: false,
+        submission_sha256: submission.sha256(),
+        plugin_sha256: expected.plugin.sha256().to_owned(),
+        suite_hash: expected.suite.hash(),
+        division: division(&open_reasons(&m.run, expected.shipped)),
+        checks,
+        findings: Vec::new(),
+        sample: None,
+    };
+    let rules = m.rules();
+    if let (true, Ok(rules)) = (findings.is_empty(), rules) {
+        let sample: BTreeSet<String> = match sampling.draw {
+            None => tasks.iter().cloned().collect(),
+            Some((count, seed)) => draw(&tasks, count, seed, &m.replays),
+        };
+        let again = Again { submission, expected, rules, jobs: sampling.jobs };
+        findings = again.drive(&sample, ended, cancel)?;
+        verdict.sample = Some(SampleTaken {
+            seed: sampling.draw.map(|(_, seed)| seed),
+            of: tasks.len() as u64,
+            tasks: sample.into_iter().collect(),
+        });
+    } else {
+        verdict.checks.pop();
+    }
+    verdict.verified = findings.is_empty();
+    verdict.findings = findings;
+    Ok(verdict)
+}
+
+struct Again<'a> {
+    submission: &'a Submission,
+    expected: &'a Expected<'a>,
+    rules: Rules,
+    jobs: usize,
+}
+
+impl Again<'_> {
+    fn drive(
+        &self,
+        sample: &BTreeSet<String>,
+        ended: &mut dyn FnMut(usize, usize, &TaskRecord),
+        cancel: &AtomicBool,
+    ) -> Result<Vec<Finding>, SubmissionError> {
+        let scratch = tempfile::tempdir().map_err(SubmissionError::write(&std::env::temp_dir()))?;
+        let m = self.submission.manifest();
+        let (shown, plain): (Vec<&String>, Vec<&String>) = sample.iter().partition(|t| m.replays.contains(t));
+        let mut records = BTreeMap::new();
+        // Of tasks that nobody sees no traces are needed.
+        for (tasks, trace, name) in [(shown, m.run.trace, "shown"), (plain, TraceMode::None, "plain")] {
+            if tasks.is_empty() {
+                continue;
+            }
+            let config = self.config(&tasks, trace, &scratch.path().join(name));
+            let mut tell = |event| {
+                if let Event::TaskEnded(record) = event {
+                    records.insert(record.task.clone(), *record);
+                    if let Some(record) = records.last_key_value().map(|(_, r)| r) {
+                        ended(records.len(), sample.len(), record);
+                    }
+                }
+            };
+            let report = vb_runner::run(&config, &mut tell, cancel)?;
+            if report.interrupted {
+                return Err(SubmissionError::Interrupted);
+            }
+        }
+        let failed: Vec<_> = records.values().filter(|r| r.outcome == Outcome::HostError).collect();
+        if let Some(first) = failed.first() {
+            return Err(SubmissionError::Machine { failed: failed.len(), example: first.task.clone() });
+        }
+        let mut found = Vec::new();
+        self.compare_records(&records, &mut found)?;
+        for task in &m.replays {
+            self.compare_traces(&scratch.path().join("shown"), task, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    fn config(&self, tasks: &[&String], trace: TraceMode, out: &Path) -> RunConfig {
+        let (m, e) = (self.submission.manifest(), self.expected);
+        let named = |task: &&String| {
+            let (world, task) = task.split_once('/')?;
+            Some(TaskRef { world: world.to_owned(), task: task.to_owned() })
+        };
+        RunConfig {
+            suite: e.suite.clone(),
+            tasks: tasks.iter().filter_map(named).collect(),
+            selector: m.run.selector.clone(),
+            plugin: e.plugin.clone(),
+            plugin_path: Default::default(),
+            params: m.run.params.iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
+            vehicle: e.vehicle.clone(),
+            soils: e.soils.clone(),
+            rules: self.rules.clone(),
+            time_step: m.run.time_step,
+            scale: m.run.scale,
+            seed: m.run.seed,
+            jobs: self.jobs,
+            trace,
+            out: out.to_owned(),
+            resume: false,
+            started_at: String::new(),
+            harness_version: e.harness_version.to_owned(),
+        }
+    }
+
+    fn compare_records(
+        &self,
+        again: &BTreeMap<String, TaskRecord>,
+        found: &mut Vec<Finding>,
+    ) -> Result<(), SubmissionError> {
+        let file = format!("{RUN}/tasks.jsonl");
+        let path = self.submission.dir().join(&file);
+        files::each_line(&path, |_, line, _| {
+            let stated: TaskRecord =
+                serde_json::from_slice(line).map_err(|e| SubmissionError::damaged(&path, e))?;
+            let Some(driven) = again.get(&stated.task) else { return Ok(()) };
+            for d in differences(&stated, driven) {
+                let place = format!("{file}: {}: {}", stated.task, d.path);
+                found.push(Finding::new("rerun", place, format!("is {}, driven again it is {}", d.a, d.b)));
+            }
+            Ok(())
+        })
+    }
+
+    fn compare_traces(
+        &self,
+        again: &Path,
+        task: &str,
+        found: &mut Vec<Finding>,
+    ) -> Result<(), SubmissionError> {
+        for (name, limit) in trace_files(task).into_iter().zip([TRACE, SERIES]) {
+            let content = |dir: &Path, limit| {
+                let path = dir.join(&name);
+                if path.metadata().is_ok_and(|m| m.len() <= limit) {
+                    files::read(&path, limit).map(Some)
+                } else {
+                    Ok(None)
+                }
+            };
+            if content(&self.submission.run_dir(), limit)? != content(again, limit)? {
+                let text = "is not what comes out when the task is driven again";
+                found.push(Finding::new("rerun", format!("{RUN}/{name}"), text));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,211 @@
+//! Sites of accepted submissions: ranks, ties, boards, texts of strangers, and what can't be shown.
+
+// Helpers of tests may unwrap as tests do.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use common::{Bench, bench, sha256};
+use serde_json::{Value, json};
+use vb_submission::leaderboard::{self, Site};
+use vb_submission::{Scores, SubmissionError};
+
+const HOSTILE: &str = "</script><script>document.title='owned'</script><img src=x onerror=alert(1)>";
+
+/// An accepted entry: the honest submission after a change, with the verdict that the owner would have given.
+fn accept(b: &Bench, dir: &str, id: &str, change: impl FnOnce(&mut Value, &mut Vec<Value>)) {
+    let own = format!("{dir}/{id}");
+    b.copy("honest", &own);
+    let mut manifest = b.json("honest/submission.json");
+    let mut records = b.records("honest/run/tasks.jsonl");
+    change(&mut manifest, &mut records);
+    b.write_records(&format!("{own}/run/tasks.jsonl"), &records);
+    b.write_json(&format!("{own}/run/run.json"), &manifest["run"]);
+    for file in ["run/tasks.jsonl", "run/run.json"] {
+        manifest["files"][file] = sha256(&fs::read(b.path(&own).join(file)).unwrap()).into();
+    }
+    b.write_json(&format!("{own}/submission.json"), &manifest);
+    let verdict = json!({
+        "schema": 1, "harness_version": "0.1.0", "verified": true,
+        "submission_sha256": sha256(&fs::read(b.path(&own).join("submission.json")).unwrap()),
+        "plugin_sha256": manifest["run"]["plugin"]["sha256"], "suite_hash": manifest["run"]["suite"]["hash"],
+        "division": manifest["division"], "checks": ["files"], "findings": [],
+        "sample": {"seed": 7, "of": 4, "tasks": ["w001/t00"]},
+    });
+    fs::write(b.path(&own).join("verification.json"), verdict.to_string()).unwrap();
+}
+
+/// Another planner: each has a plugin of its own.
+fn planner(manifest: &mut Value, name: &str) {
+    manifest["run"]["plugin"]["name"] = name.into();
+    manifest["run"]["plugin"]["sha256"] = sha256(name.as_bytes()).into();
+}
+
+fn fail(record: &mut Value) {
+    record["outcome"] = "stuck".into();
+    record["three_way"] = "stuck".into();
+}
+
+fn build(b: &Bench, dir: &str, out: &str) -> Result<Site, SubmissionError> {
+    leaderboard::build(&b.path(dir), &b.path(out), "A board", &mut |_, _, _| Ok(BTreeSet::new()))
+}
+
+fn board(b: &Bench, out: &str) -> Value {
+    serde_json::from_slice(&fs::read(b.path(out).join("leaderboard.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn ties_share_a_rank_and_certain_differences_part() {
+    let b = bench();
+    accept(b, "ranks", "best", |m, _| planner(m, "best"));
+    // One task of four in one world of two: nobody knows.
+    accept(b, "ranks", "close", |m, r| {
+        planner(m, "close");
+        fail(&mut r[0]);
+    });
+    accept(b, "ranks", "worse", |m, r| {
+        planner(m, "worse");
+        r.iter_mut().for_each(fail);
+    });
+    accept(b, "ranks", "worst-too", |m, r| {
+        planner(m, "worst-too");
+        r.iter_mut().for_each(fail);
+    });
+    let site = build(b, "ranks", "ranks-site").unwrap();
+    let found: Vec<(String, usize, bool)> =
+        site.boards[0].entries.iter().map(|r| (r.entry.id.clone(), r.rank, r.tied)).collect();
+    let expected = [("best", 1, true), ("close", 1, true), ("worse", 3, true), ("worst-too", 3, true)];
+    assert_eq!(found, expected.map(|(id, rank, tied)| (id.to_owned(), rank, tied)));
+    let data = board(b, "ranks-site");
+    let entries = &data["boards"][0]["entries"];
+    assert_eq!((&entries[1]["rank"], &entries[1]["tied"]), (&1.into(), &true.into()));
+    assert_eq!(entries[1]["success_rate"]["mean"], 0.75);
+    // Two worlds, of which one has half its tasks: draws of them give 0, 1/4 and 1/2.
+    assert_eq!(entries[1]["behind_first_of_rank"]["mean"], -0.25);
+    assert_eq!(entries[2]["outcomes"]["stuck"], 4);
+    for page in ["index.html", "entries/best/index.html", "entries/best/report.html"] {
+        let text = fs::read_to_string(b.path("ranks-site").join(page)).unwrap();
+        assert!(text.contains("Content-Security-Policy"), "{page}");
+    }
+    let text = fs::read_to_string(b.path("ranks-site/index.html")).unwrap();
+    assert!(text.contains("data-v=\"1\">1<small>=</small>"), "{text}");
+}
+
+#[test]
+fn other_conditions_are_other_boards() {
+    let b = bench();
+    accept(b, "boards", "a", |_, _| {});
+    accept(b, "boards", "open", |m, _| {
+        m["run"]["params"] = json!({"speed": "3"});
+        m["division"] = "open".into();
+        m["open_because"] = json!([{"field": "params", "text": "parameters were given"}]);
+    });
+    accept(b, "boards", "other-version", |m, _| {
+        planner(m, "x");
+        m["run"]["harness_version"] = "0.0.9".into();
+    });
+    accept(b, "boards", "other-vehicle", |m, _| {
+        planner(m, "y");
+        m["run"]["vehicle"] = json!({"name": "gator", "hash": "aa"});
+    });
+    let site = build(b, "boards", "boards-site").unwrap();
+    let divisions: Vec<&str> = site.boards.iter().map(|b| b.division.name()).collect();
+    assert_eq!(divisions, ["ranked", "ranked", "ranked", "open"]);
+    let page = fs::read_to_string(b.path("boards-site/entries/open/index.html")).unwrap();
+    assert!(page.contains("params: parameters were given"), "{page}");
+    // A site is replaced, what is gone vanishes; anything else in the way is left alone.
+    fs::remove_dir_all(b.path("boards/open")).unwrap();
+    build(b, "boards", "boards-site").unwrap();
+    assert!(!b.path("boards-site/entries/open").exists());
+    fs::create_dir_all(b.path("not-a-site")).unwrap();
+    fs::write(b.path("not-a-site/thesis.tex"), "").unwrap();
+    assert!(build(b, "boards", "not-a-site").unwrap_err().to_string().contains("is not empty"));
+}
+
+#[test]
+fn texts_of_strangers_reach_pages_as_text() {
+    let b = bench();
+    accept(b, "hostile", "evil", |m, r| {
+        planner(m, HOSTILE);
+        m["run"]["plugin"]["version"] = HOSTILE.into();
+        m["entrant"] = json!({"name": HOSTILE, "note": HOSTILE});
+        m["suite_version"] = HOSTILE.into();
+        m["run"]["harness_version"] = HOSTILE.into();
+        m["run"]["rules"]["name"] = HOSTILE.into();
+        m["run"]["params"] = json!({HOSTILE: HOSTILE});
+        m["division"] = "open".into();
+        m["open_because"] = json!([{"field": HOSTILE, "text": HOSTILE}]);
+        fail(&mut r[0]);
+        r[0]["reason"] = HOSTILE.into();
+    });
+    build(b, "hostile", "hostile-site").unwrap();
+    let mut seen = 0;
+    for page in ["index.html", "entries/evil/index.html", "entries/evil/report.html"] {
+        let text = fs::read_to_string(b.path("hostile-site").join(page)).unwrap();
+        assert!(!text.contains("<script>document") && !text.contains("<img"), "{page}: {text}");
+        seen += text.matches("&lt;img src=x").count();
+    }
+    assert!(seen > 8, "{seen}");
+}
+
+#[test]
+fn what_is_not_verified_or_changed_since_is_refused_by_name() {
+    let b = bench();
+    let refused = |words: &str, change: &dyn Fn(&Path)| {
+        let _ = fs::remove_dir_all(b.path("refused"));
+        accept(b, "refused", "a", |_, _| {});
+        change(&b.path("refused/a"));
+        let e = build(b, "refused", "refused-site").unwrap_err().to_string();
+        assert!(e.contains(words) && e.contains("refused/a") && !e.contains('\n'), "{words}: {e}");
+        assert!(!b.path("refused-site").exists(), "nothing is written");
+    };
+    let edit = |dir: &Path, file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(dir.join(file)).unwrap();
+        assert!(text.contains(from), "{file}: {from}");
+        fs::write(dir.join(file), text.replace(from, to)).unwrap();
+    };
+    refused("verification.json is missing", &|d| fs::remove_file(d.join("verification.json")).unwrap());
+    refused("did not verify", &|d| edit(d, "verification.json", "\"verified\":true", "\"verified\":false"));
+    refused("is of another submission.json", &|d| edit(d, "submission.json", "A team", "B team"));
+    refused("tasks.jsonl: its SHA-256", &|d| edit(d, "run/tasks.jsonl", "success", "rollover"));
+    refused("schema 2", &|d| edit(d, "verification.json", "\"schema\":1", "\"schema\":2"));
+    refused("does not belong", &|d| fs::write(d.join("x.txt"), "").unwrap());
+    // The same plugin twice, under another name.
+    accept(b, "refused", "b", |m, _| m["entrant"]["name"] = "Copyist".into());
+    let e = build(b, "refused", "refused-site").unwrap_err().to_string();
+    assert!(e.contains("x.txt"), "{e}");
+    fs::remove_file(b.path("refused/a/x.txt")).unwrap();
+    let e = build(b, "refused", "refused-site").unwrap_err().to_string();
+    assert!(e.contains("refused/b: the same plugin under the same conditions as entry a"), "{e}");
+}
+
+/// Everything a run knows that scores must not tell.
+#[test]
+fn scores_hold_nothing_of_tasks_worlds_logs_or_the_suites_identity() {
+    let b = bench();
+    let mut records = b.records("run/tasks.jsonl");
+    fail(&mut records[0]);
+    records[0]["reason"] = "SECRET-REASON".into();
+    records[0]["log"] = json!(["SECRET-LOG"]);
+    records[0]["backtrace"] = json!(["SECRET-TRACE"]);
+    records[0]["fault"] = "SECRET-FAULT".into();
+    b.copy("run", "hidden-run");
+    b.write_records("hidden-run/tasks.jsonl", &records);
+    let runs = vb_report::Runs::read(&[b.path("hidden-run")]).unwrap();
+    let scores = Scores::new(&runs, "1");
+    let text = format!("{}{}", serde_json::to_string_pretty(&scores).unwrap(), scores.text());
+    let path = b.dir.path().to_str().unwrap();
+    for word in ["SECRET", "w001", "w002", "t00", &b.suite.hash(), &b.suite.hash()[..8], path, "somebody"] {
+        assert!(!text.contains(word), "{word}: {text}");
+    }
+    assert_eq!((scores.tasks, scores.success_percent), (4, 75.0));
+    // No number carries more than three digits or so of what the planner did.
+    let numbers = [scores.time_mean_s, scores.roll_mean_deg, scores.pitch_mean_deg];
+    for v in numbers.into_iter().flatten() {
+        assert_eq!(v, (v * 10.0).round() / 10.0);
+    }
+}
