@@ -6,6 +6,12 @@ use crate::powertrain::Wheels;
 use crate::state::Controls;
 
 impl Vehicle {
+    /// What a governor leaves of a throttle.
+    pub(super) fn governed(&self, throttle: f64) -> f64 {
+        let speed = self.v.dot(&(self.q * V3::x()));
+        self.governor.map_or(throttle, |g| throttle.min(g.ceiling(speed)))
+    }
+
     /// Advances the spins; returns the torque of driveline and brake on each wheel, which the chassis reacts.
     pub(super) fn spin_wheels(&mut self, controls: Controls, dt: f64) -> [f64; MAX_WHEELS] {
         let n = self.corners.len();
@@ -22,8 +28,7 @@ impl Vehicle {
             brakes: &brakes[..n],
             torques: &mut torques[..n],
         };
-        let speed = self.v.dot(&(self.q * V3::x()));
-        let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(speed)));
+        let throttle = self.governed(controls.throttle);
         self.drive.advance(throttle, &mut wheels, dt);
         for (c, spin) in self.corners.iter_mut().zip(spins) {
             c.spin = spin;

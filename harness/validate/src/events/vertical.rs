@@ -207,27 +207,25 @@ fn step_climb(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     })?;
     let limit = pace.length(limit);
     o.figure("highest step climbed", limit, "m");
-    if bench.spec.tracks.is_some() {
+    let (expected, source) = if bench.spec.tracks.is_some() {
         let front = g.hub(0, 0.0, 0.0).z - g.hub(2, g.rest[2], 0.0).z + g.corners[2].radius;
-        o.theory(
-            "highest step climbed",
-            Expected::Between(front - g.corners[0].radius, front + g.corners[0].radius),
+        let reach = g.corners[0].radius;
+        (
+            Expected::Between(front - reach, front + reach),
             "up to where the belt rises in front it runs up any step; a wall is what its front wheel does not reach over",
-        );
-        if let Some(series) = best {
-            o.series.push(series);
-        }
-        return Ok(o);
-    }
-    o.theory(
-        "highest step climbed",
-        if bench.spec.axles.iter().all(|a| a.driven) {
+        )
+    } else {
+        let wheels = if bench.spec.axles.iter().all(|a| a.driven) {
             Expected::Between(0.25 * g.radius, 2.0 * g.radius)
         } else {
             Expected::AtMost(2.0 * g.radius)
-        },
-        "driven wheels all round climb a quarter of their radius; a diameter is a wall (Bekker 1969, ch. 2)",
-    );
+        };
+        (
+            wheels,
+            "driven wheels all round climb a quarter of their radius; a diameter is a wall (Bekker 1969, ch. 2)",
+        )
+    };
+    o.theory("highest step climbed", expected, source);
     if let Some(series) = best {
         let mut plot = Plot::new("Height of the reference point on the highest step", "x, m", "height, m");
         plot.ours(format!("{limit:.2} m"), series.pairs("x", "z"));

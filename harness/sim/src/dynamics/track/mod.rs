@@ -16,7 +16,7 @@ mod span;
 use super::{Corner, Forces, Ground, Vehicle};
 use crate::powertrain::Wheels;
 use crate::soil::{Footprint, TRACK};
-use crate::spec::{RigidTyre, TyreSpec, VehicleSpec};
+use crate::spec::{Tracks, TyreSpec, VehicleSpec};
 use crate::state::Controls;
 use crate::track::{Course, Disc};
 use crate::tyre::{Patch, Tyre};
@@ -58,12 +58,7 @@ pub(super) struct Track {
 /// What doesn't change.
 #[derive(Clone)]
 struct Data {
-    thickness: f64,
-    tension: f64,
-    stiffness: f64,
-    damping: f64,
-    resistance: [f64; 2],
-    steering_torque: f64,
+    spec: Tracks,
     /// Radius of a wheel of the tyre by which spans are computed, its stiffness per depth, m and N/m.
     radius: f64,
     hardness: f64,
@@ -132,7 +127,6 @@ impl Track {
             .collect();
         let course = Course::around(&discs);
         let TyreSpec::Rigid(tyre) = v.tyre_of(&v.axles[1]) else { return None };
-        let tyre: &RigidTyre = tyre;
         // A point every two thicknesses of the belt or so.
         let points = |length: f64| ((length / (2.0 * t.thickness)) as usize).clamp(2, 8);
         let spans = course.spans()[..count - 1]
@@ -153,12 +147,7 @@ impl Track {
             width: tyre.width,
             design_length: length,
             data: Data {
-                thickness: t.thickness,
-                tension: t.tension,
-                stiffness: t.stiffness,
-                damping: t.damping,
-                resistance: t.resistance,
-                steering_torque: t.steering_torque,
+                spec: t.clone(),
                 radius: tyre.radius,
                 hardness: tyre.vertical_stiffness,
                 spacing: tyre.relaxation_length,
@@ -230,7 +219,7 @@ impl Track {
     /// Pulls the wheels with the belt's tension, once its contacts are known.
     fn pull(&mut self, turn: &M3, corners: &[Corner], forces: &mut [Forces], dt: f64) {
         let count = self.count();
-        let outer = 0.5 * self.data.thickness;
+        let outer = 0.5 * self.data.spec.thickness;
         for j in 0..count {
             let radius = self.course.discs()[j].radius + outer;
             self.thrust[j] -= forces[self.wheel(j)].spin_moment / radius;
@@ -238,20 +227,21 @@ impl Track {
         let length = self.course.length() + self.bent();
         let rate = (length - self.length) / dt;
         self.length = length;
-        let stretch = self.data.stiffness * (length - self.design_length) + self.data.damping * rate;
-        let mean = (self.data.tension + stretch).max(0.0);
+        let stretch =
+            self.data.spec.stiffness * (length - self.design_length) + self.data.spec.damping * rate;
+        let mean = (self.data.spec.tension + stretch).max(0.0);
         let total: f64 = self.thrust.iter().sum();
         // The slack side doesn't push.
         let slack = (mean - 0.5 * total).max(-total).max(0.0);
-        let mut tensions = slack;
+        let mut tension = slack;
         for j in 0..count {
             // Of the two sides of the sprocket the one whose tension is that of the first span, or of the last.
-            let before = if j == 0 { slack + total } else { tensions };
-            let before = if j == 0 && self.sprocket != 0 { slack } else { before };
-            if j > 0 || self.sprocket != 0 {
-                tensions += self.thrust[j];
+            let leads = self.sprocket == 0;
+            let before = if j == 0 && leads { slack + total } else { tension };
+            if j > 0 || !leads {
+                tension += self.thrust[j];
             }
-            let after = if j + 1 == count && self.sprocket != 0 { slack } else { tensions };
+            let after = if j + 1 == count && !leads { slack } else { tension };
             let spans = self.course.spans();
             let e = [spans[(j + count - 1) % count].direction, spans[j].direction];
             let mut force = Self::in_world(turn, e[1]) * after - Self::in_world(turn, e[0]) * before;
@@ -287,7 +277,7 @@ impl Track {
         self.speed = 0.0;
         self.length = self.design_length;
         for s in &mut self.spans {
-            *s = Span { tension: self.data.tension, points: s.points, ..Span::default() };
+            *s = Span { tension: self.data.spec.tension, points: s.points, ..Span::default() };
         }
     }
 
@@ -339,23 +329,22 @@ impl Vehicle {
             spins[i] = t.sprocket_spin();
             moments[i] = -radius * t.thrust.iter().sum::<f64>();
             let load: f64 = (0..t.count()).map(|j| self.corners[t.wheel(j)].load).sum();
-            let [rest, growth] = t.data.resistance;
+            let [rest, growth] = t.data.spec.resistance;
             let friction = (rest + growth * t.speed.abs()) * load * radius;
             let brake = controls.brake * self.corners[t.wheel(t.sprocket)].brake_torque;
-            let steering = if i == inner { self.steering.abs() * t.data.steering_torque } else { 0.0 };
+            let steering = if i == inner { self.steering.abs() * t.data.spec.steering_torque } else { 0.0 };
             brakes[i] = friction + brake + steering;
         }
         let mut wheels =
             Wheels { spins: &mut spins, moments: &moments, brakes: &brakes, torques: &mut torques };
-        let speed = self.v.dot(&(self.q * V3::x()));
-        let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(speed)));
+        let throttle = self.governed(controls.throttle);
         self.drive.advance(throttle, &mut wheels, dt);
         let mut all = [0.0; super::MAX_WHEELS];
         for (i, t) in self.tracks.iter_mut().enumerate() {
             t.speed = spins[i] * t.pitch_radius();
             all[t.wheel(t.sprocket)] = torques[i];
             for j in 0..t.count() {
-                let outer = t.course.discs()[j].radius + 0.5 * t.data.thickness;
+                let outer = t.course.discs()[j].radius + 0.5 * t.data.spec.thickness;
                 self.corners[t.wheel(j)].spin = t.speed / outer;
             }
         }

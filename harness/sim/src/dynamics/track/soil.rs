@@ -17,7 +17,7 @@ impl Track {
     /// bend as parabolas.
     fn outline(&mut self, forces: &[Forces], corners: &[Corner], up: &V3) {
         let [middle, level] = self.data.middle;
-        let face = 0.5 * self.data.thickness;
+        let face = 0.5 * self.data.spec.thickness;
         let discs = self.course.discs();
         let spans = self.course.spans();
         let last = discs.len() - 1;
@@ -41,9 +41,9 @@ impl Track {
                 let run = s.length * dx;
                 let part = (x - x0) / run;
                 let bend = self.spans[j].sag / -dx;
-                let z = z0 + (x - x0) * dz / dx + 4.0 * part * (1.0 - part) * bend;
-                let slope = dz / dx + 4.0 * (1.0 - 2.0 * part) * bend / run;
                 let shape = 4.0 * part * (1.0 - part);
+                let z = z0 + (x - x0) * dz / dx + shape * bend;
+                let slope = dz / dx + 4.0 * (1.0 - 2.0 * part) * bend / run;
                 let rate =
                     rising(j) * (1.0 - part) + rising(j + 1) * part + shape * self.spans[j].sag_rate / -dx;
                 self.footprint.set(k, level - z, slope, rate);

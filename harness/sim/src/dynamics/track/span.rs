@@ -28,7 +28,7 @@ impl Track {
     /// Force of a span that gives way by `depth` at a part of its way, N.
     pub(super) fn string_force(&self, j: usize, part: f64, depth: f64) -> f64 {
         let length = self.course.spans()[j].length;
-        let tension = self.spans[j].tension + self.data.stiffness * 2.0 * depth * depth / length;
+        let tension = self.spans[j].tension + self.data.spec.stiffness * 2.0 * depth * depth / length;
         // Nearer to a wheel it is the stiffer, up to four times.
         let lever = (4.0 * part * (1.0 - part)).clamp(0.25, 1.0);
         4.0 * tension / (length * lever) * depth
@@ -42,7 +42,7 @@ impl Track {
         if outward.z > -0.1 {
             return None;
         }
-        let face = 0.5 * self.data.thickness;
+        let face = 0.5 * self.data.spec.thickness;
         let count = self.spans[j].points;
         let strip = STRIP * self.width;
         // Both ends clear of all ground nearby: so is all between them.
@@ -101,7 +101,7 @@ impl Track {
             turn.column(1).into_owned(),
             -Self::in_world(turn, span.outward()),
         ]);
-        let size = [span.length, self.width, self.data.thickness];
+        let size = [span.length, self.width, self.data.spec.thickness];
         let contact = ground.obstacles.plate_contact(size, &middle, &axes)?;
         let along = (contact.point - middle).dot(&axes.column(0));
         let part = (0.5 - along / span.length).clamp(0.0, 1.0);
