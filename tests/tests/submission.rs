@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use vb_tests::{Browser, Carrier, Mini, pid, plugin};
+use vb_tests::{Bench, Browser, Carrier, Mini, pid, plugin};
 
 const HOSTILE: &str = "<img src=x onerror=\"document.title='owned'\"><script>alert(1)</script>";
 
@@ -255,6 +255,21 @@ fn accepted(mini: &Mini) {
     }
     mini.suite("hidden", "holdout", &["w003"]);
     mini.ok(&["evaluate", "--plugin", text(&pid), "--suite", "hidden", "--out", "accepted/pid/holdout.json"]);
+}
+
+#[test]
+fn replays_that_cannot_be_carried_along_are_refused_before_anything_is_driven() {
+    let bench = Bench::new();
+    let submit = |replays: &str| {
+        let pid = pid();
+        let args =
+            ["submit", "--plugin", text(&pid), "--suite", "smoke", "--out", "s", "--entrant", "A team"];
+        bench.run(&[&args[..], &["--replays", replays]].concat()).error(2)
+    };
+    let many = submit("w001,w002,w003/t00");
+    assert!(many.contains("w001/t00: one of 21 tasks, of which 20 at most"), "{many}");
+    assert!(submit("w999").contains("no world \"w999\" in suite \"smoke\""));
+    assert!(bench.files(".").is_empty(), "{:?}", bench.files(".").keys());
 }
 
 #[test]

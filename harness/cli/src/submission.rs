@@ -40,6 +40,22 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     if args.out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(failed(SubmissionError::NotEmpty(args.out.clone())));
     }
+    let suite = match &args.run {
+        Some(dir) => {
+            let reader = RunReader::open(dir).map_err(CliError::input)?;
+            replay::suite_of(reader.header(), args.suite.as_deref())?
+        }
+        None => suite::open(args.suite.as_deref())?,
+    };
+    let replays = match &args.replays {
+        Some(selector) => {
+            let tasks = suite::select(&suite, Some(selector))?;
+            let names: Vec<_> = tasks.iter().map(ToString::to_string).collect();
+            vb_submission::check_replays(&names).map_err(failed)?;
+            Some(names)
+        }
+        None => None,
+    };
     let (dir, ended) = match &args.run {
         Some(dir) => (dir.clone(), Ok(())),
         None => {
@@ -58,15 +74,6 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     {
         return ended;
     }
-    let reader = RunReader::open(&dir).map_err(CliError::input)?;
-    let suite = replay::suite_of(reader.header(), args.suite.as_deref())?;
-    let replays = match &args.replays {
-        Some(selector) => {
-            let tasks = suite::select(&suite, Some(selector))?;
-            Some(tasks.iter().map(ToString::to_string).collect())
-        }
-        None => None,
-    };
     let plugin = planner::load_quietly(&args.plugin, &Limits::default(), false)
         .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
     let shipped = shipped()?;

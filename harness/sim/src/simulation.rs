@@ -48,9 +48,11 @@ impl Default for SimOptions {
 /// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks, m, unless the simulation has failed.
 const FASTEST: f64 = 200.0;
 const DEEPEST: f64 = 1.5;
-/// Steps between two looks for obstacles in reach, and between two looks for ground under the hull.
+/// Steps between two looks for obstacles in reach.
 const LOOK_AROUND: u64 = 16;
-const LOOK_DOWN: u64 = 4;
+/// How near the hull comes to ground or obstacles at full scale before rapier is asked, m: beyond the 0.02 m at which it
+/// begins to see contacts.
+const HULL_NEAR: f64 = 0.025;
 
 /// One vehicle in one world. A clone is a snapshot: it goes on exactly as the original does.
 #[derive(Clone)]
@@ -64,7 +66,6 @@ pub struct Simulation {
     /// Of each of the vehicle's tyres.
     wheels: Vec<WheelShape>,
     chassis: ChassisContacts,
-    hull_near: bool,
     steps: u64,
     /// Steps in which the contact solver ran.
     contact_steps: u64,
@@ -106,7 +107,6 @@ impl Simulation {
             options,
             vehicle,
             chassis,
-            hull_near: true,
             steps: 0,
             contact_steps: 0,
         };
@@ -231,17 +231,15 @@ impl Simulation {
             obstacles: &self.obstacles,
         };
         self.vehicle.accelerate(controls, &mut ground, &self.wheels, dt);
-        if self.steps.is_multiple_of(LOOK_DOWN) {
-            let margin = 0.05 * self.world.scale + self.vehicle.v.norm() * dt * LOOK_DOWN as f64;
-            self.hull_near = self.chassis.may_touch(
-                &self.world.heightfield,
-                &self.obstacles,
-                &self.vehicle.x,
-                &self.vehicle.q,
-                margin,
-            );
-        }
-        if self.hull_near {
+        let way = (self.vehicle.v.norm() + self.vehicle.w.norm() * self.chassis.bound()) * dt;
+        let near = self.chassis.may_touch(
+            &self.world.heightfield,
+            &self.obstacles,
+            &self.vehicle.x,
+            &self.vehicle.q,
+            HULL_NEAR * self.world.scale + way,
+        );
+        if near {
             let v = &mut self.vehicle;
             let friction = self
                 .soil
@@ -399,7 +397,6 @@ impl Simulation {
         v.x.z = self.world.heightfield.height(v.x.x, v.x.y) + height;
         v.v = V3::zeros();
         v.w = V3::zeros();
-        self.hull_near = true;
         self.energy.forget();
     }
 
@@ -413,7 +410,6 @@ impl Simulation {
         v.v = V3::zeros();
         v.w = V3::zeros();
         v.reset_wheels();
-        self.hull_near = true;
         self.energy.forget();
     }
 

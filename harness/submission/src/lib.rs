@@ -24,7 +24,7 @@ mod verdict;
 pub use check::{Expected, Submission};
 pub use division::{Division, OpenReason, Shipped, ShippedSuite, ShippedVehicle};
 pub use error::SubmissionError;
-pub use make::{Request, make};
+pub use make::{Request, check_replays, make};
 pub use manifest::{Entrant, Manifest, SUBMISSION_SCHEMA, TaskEntry};
 pub use rerun::{Sampling, verify};
 pub use scores::{SCORES_SCHEMA, Scores};

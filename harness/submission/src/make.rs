@@ -136,6 +136,23 @@ struct Survey {
     replays: Vec<String>,
 }
 
+/// Whether a submission can carry the replays of all these tasks.
+///
+/// # Errors
+/// If there are too many.
+pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
+    match wanted {
+        [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {
+            task: first.clone(),
+            problem: format!(
+                "one of {} tasks, of which {REPLAYS} at most can be carried along",
+                wanted.len()
+            ),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Looks through a run: whether it is finished, and which tasks are to be shown.
 fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, SubmissionError> {
     let header = reader.header();
@@ -169,12 +186,8 @@ fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, Submi
         replays.sort();
         return Ok(Survey { replays });
     };
+    check_replays(wanted)?;
     let fail = |task: &str, problem: String| Err(SubmissionError::Replay { task: task.to_owned(), problem });
-    if wanted.len() > REPLAYS {
-        let problem =
-            format!("one of {} tasks, of which {REPLAYS} at most can be carried along", wanted.len());
-        return fail(&wanted[0], problem);
-    }
     for task in wanted {
         if !names.contains(task) {
             return fail(task, "not a task of the run".into());

@@ -11,6 +11,7 @@ mod protocol;
 mod raster;
 mod results;
 mod site;
+mod submission;
 mod suite;
 
 use vb_score::Rules;
@@ -38,6 +39,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "protocol", run: protocol::run, seeds: protocol::seeds },
     Target { name: "settings", run: settings, seeds: settings_seeds },
     Target { name: "limits", run: limits::run, seeds: limits::seeds },
+    Target { name: "submission", run: submission::run, seeds: submission::seeds },
     Target { name: "raster", run: raster::run, seeds: raster::seeds },
 ];
 

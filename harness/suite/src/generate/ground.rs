@@ -10,7 +10,13 @@ use vb_world::{Semantics, SoilLevel, SoilLevels, Terrain, TerrainClass};
 /// Largest numbers of rigid and of deformable clusters in a mixed world: all the classes there are.
 const MIXED_LIMITS: [usize; 2] = [7, 3];
 
-pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rng: &mut Stream) -> Semantics {
+pub(crate) fn semantics(
+    grid: &GridParams,
+    g: &GroundParams,
+    ground: Terrain,
+    levels: SoilLevels,
+    rng: &mut Stream,
+) -> Semantics {
     let classes = cluster_classes(g, ground, rng);
     let centres = centres(g, classes.len(), rng);
     let n = g.patches;
@@ -31,15 +37,27 @@ pub(crate) fn semantics(grid: &GridParams, g: &GroundParams, ground: Terrain, rn
         }
     }
     let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
-    // Each class of a world has one level, all three equally likely.
-    let mut level = |class: TerrainClass| {
-        let drawn = SoilLevel::ALL[between(0, 2, rng)];
-        // A class that isn't there has no level to keep.
-        if patches.contains(&class) { drawn } else { SoilLevel::default() }
+    // A class that isn't there has no level to keep.
+    let kept = |class, level| if patches.contains(&class) { level } else { SoilLevel::default() };
+    let soil = SoilLevels {
+        mud: kept(TerrainClass::Mud, levels.mud),
+        sand: kept(TerrainClass::Sand, levels.sand),
+        snow: kept(TerrainClass::Snow, levels.snow),
     };
-    let [mud, sand, snow] = [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow].map(&mut level);
-    let soil = SoilLevels { mud, sand, snow };
     Semantics { rows: n, cols: n, patch, classes: patches, friction: frictions, soil }
+}
+
+/// Levels of soil of the world at an index, whose elevation level is `index` modulo 3. They are dealt out among the worlds
+/// of that level whose ground yields: soft, medium and hard go round the three classes, so that each of these has each of
+/// them equally often, now one way round and now the other, so that all six ways to give them come up.
+pub(crate) fn soil_levels(order: &[Terrain], index: usize) -> SoilLevels {
+    let yields = |i: &usize| order[i % order.len()] != Terrain::Rigid;
+    let dealt = (index % 3..index).step_by(3).filter(yields).count() + index % 3;
+    let level = |class: usize| {
+        let turn = if (dealt / 3).is_multiple_of(2) { class } else { 2 * class };
+        SoilLevel::ALL[(dealt + turn) % 3]
+    };
+    SoilLevels { mud: level(0), sand: level(1), snow: level(2) }
 }
 
 /// Friction of a patch of a class, drawn; 0 where the ground yields.
@@ -97,4 +115,29 @@ fn centres(g: &GroundParams, count: usize, rng: &mut Stream) -> Vec<[usize; 2]> 
 /// Uniform in low..=high.
 fn between(low: usize, high: usize, rng: &mut Stream) -> usize {
     low + rng.below((high - low + 1) as u64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn each_class_of_soil_gets_each_level_equally_often_at_every_elevation() {
+        let rules = include_str!("../../../../tasks/generator/default.yaml");
+        let order = crate::generate::GeneratorParams::parse(rules).unwrap().ground.order;
+        let mut counts = BTreeMap::new();
+        let mut ways = BTreeMap::new();
+        for index in (0..900).filter(|i| order[i % order.len()] != Terrain::Rigid) {
+            let soil = soil_levels(&order, index);
+            for (class, level) in [("mud", soil.mud), ("sand", soil.sand), ("snow", soil.snow)] {
+                *counts.entry((class, index % 3, level.name())).or_insert(0) += 1;
+            }
+            *ways.entry([soil.mud, soil.sand, soil.snow].map(SoilLevel::name)).or_insert(0) += 1;
+        }
+        assert_eq!(counts.len(), 27);
+        assert!(counts.values().all(|n| (39..=41).contains(n)), "{counts:?}");
+        assert_eq!(ways.len(), 6, "all orders of three levels: {ways:?}");
+        assert!(ways.values().all(|n| (57..=63).contains(n)), "{ways:?}");
+    }
 }

@@ -93,7 +93,7 @@ const LAYOUTS: usize = 20;
 /// Between-world factors of the height spread lie within this many standard deviations of their logarithm.
 const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]
@@ -174,8 +174,8 @@ impl Generator<'_> {
     /// Generates the world at an index. It depends on rules, model, seed and index alone, so that a longer suite begins
     /// with the worlds of a shorter one.
     ///
-    /// Labels are dealt out rather than drawn: nine consecutive worlds have all nine pairs of level and density, and
-    /// grounds follow each other in the order that the rules give, again and again.
+    /// Labels are dealt out rather than drawn: nine consecutive worlds have all nine pairs of level and density, grounds
+    /// follow each other in the order that the rules give, again and again, and so do levels of soil.
     ///
     /// # Errors
     /// If the rules leave no room or no way.
@@ -186,7 +186,9 @@ impl Generator<'_> {
         let elevation = Elevation::ALL[index % 3];
         let density = Density::ALL[(index + index / 3) % 3];
         let ground = rules.ground.order[index % rules.ground.order.len()];
-        let semantics = ground::semantics(&rules.grid, &rules.ground, ground, &mut stream("semantics"));
+        let levels = ground::soil_levels(&rules.ground.order, index);
+        let semantics =
+            ground::semantics(&rules.grid, &rules.ground, ground, levels, &mut stream("semantics"));
         let (heightfield, ends) =
             self.ground_with_ends(&id, elevation, &semantics, &mut stream("elevation"))?;
         let mut world = World {

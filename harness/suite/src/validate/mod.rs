@@ -6,6 +6,7 @@
 mod duplicates;
 mod footprint;
 mod labels;
+mod released;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -18,7 +19,7 @@ use duplicates::Fingerprints;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use vb_world::{Part, Suite, SuiteError, World};
+use vb_world::{Part, Suite, SuiteError, SuiteMeta, World};
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -243,6 +244,15 @@ fn whole(suite: &Suite, findings: &mut Findings<'_>) {
     if suite.worlds().is_empty() {
         let text = format!("{}: worlds: is empty, there is nothing to drive: add worlds", index.display());
         findings.say(Severity::Warning, Rule::Content, text);
+    }
+    if let Some(released) = released::hash_of(suite).filter(|released| *released != suite.hash()) {
+        let SuiteMeta { name, version, .. } = suite.meta();
+        let text = format!(
+            "{}: version: {name} {version} was released with the hash {released}, and this one's is {}: give what was changed a version or a name of its own",
+            index.display(),
+            suite.hash()
+        );
+        findings.say(Severity::Error, Rule::Content, text);
     }
     for folder in folders(&suite.dir().join("worlds")) {
         if suite.worlds().iter().all(|w| w.id != folder) {

@@ -322,3 +322,20 @@ fn many_findings_of_a_kind_are_counted_not_listed() {
     assert_eq!(found.len(), SHOWN + 1, "{found:#?}");
     assert!(found[SHOWN].text.contains("1 more finding of the rule obstacles"), "{found:?}");
 }
+
+#[test]
+fn a_changed_suite_under_the_name_and_version_of_a_released_one_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let meta = |version: &str| SuiteMeta {
+        name: "smoke".into(),
+        version: version.into(),
+        description: String::new(),
+        provenance: Provenance::Authored { by: "a test".into() },
+    };
+    let suite = |version| Suite::write(dir.path().join(version), &meta(version), &[good()]).unwrap();
+    let found = validate(&suite("1"), &Limits::default(), |_, _| {});
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!((found[0].severity, found[0].rule), (Severity::Error, Rule::Content));
+    assert!(found[0].text.contains("smoke 1 was released with the hash"), "{}", found[0].text);
+    assert_eq!(validate(&suite("1-mine"), &Limits::default(), |_, _| {}), []);
+}

@@ -1,0 +1,411 @@
+//! The chassis among ground and obstacles, as rapier sees it, and when rapier has to be asked at all.
+
+use super::separation::{InReach, separation};
+use super::{Cuboid, OBSTACLE_FRICTION, Obstacles, extents, from_vector, points, rotation, vector};
+use crate::spec::VehicleSpec;
+use crate::{M3, Quat, V3};
+use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightFieldFlags};
+use rapier3d_f64::parry::utils::Array2;
+use rapier3d_f64::prelude::*;
+use vb_world::{Heightfield, World};
+
+/// The chassis as rapier sees it: one body with the hull, among the ground and the obstacles.
+pub(crate) struct ChassisContacts {
+    physics: PhysicsWorld,
+    body: RigidBodyHandle,
+    ground: ColliderHandle,
+    /// The hull's convex parts, relative to the chassis' centre of mass.
+    parts: Vec<ConvexPolyhedron>,
+    /// Lowest and highest coordinates of the hull, relative to the centre of mass.
+    low: V3,
+    high: V3,
+    bound: f64,
+    looks: Looks,
+}
+
+/// What looks for ground near the hull leave to the next one, to save work: it changes no answer.
+#[derive(Clone, Default)]
+struct Looks {
+    near: Option<Near>,
+    clear: Option<Clear>,
+}
+
+/// The part and the triangle of the ground that were within reach of each other last.
+#[derive(Clone, Copy)]
+struct Near {
+    part: usize,
+    cell: [usize; 2],
+    upper: bool,
+}
+
+/// How far the hull was clear of the ground.
+#[derive(Clone)]
+struct Clear {
+    x: V3,
+    axes: M3,
+    /// Distance to the ground, at least, m.
+    gap: f64,
+}
+
+/// What is left of a clearance for rounding, m.
+const ROUNDING: f64 = 1e-9;
+/// How far around the hull the ground is looked at, over the hull's bound.
+const ROOM: f64 = 0.15;
+
+impl Clone for ChassisContacts {
+    /// With all that the solver carries from step to step, so that original and clone go on alike. rapier's pipelines
+    /// hold nothing between steps and are made anew.
+    fn clone(&self) -> Self {
+        let p = &self.physics;
+        let physics = PhysicsWorld {
+            gravity: p.gravity,
+            integration_parameters: p.integration_parameters,
+            islands: p.islands.clone(),
+            broad_phase: p.broad_phase.clone(),
+            narrow_phase: p.narrow_phase.clone(),
+            bodies: p.bodies.clone(),
+            colliders: p.colliders.clone(),
+            impulse_joints: p.impulse_joints.clone(),
+            multibody_joints: p.multibody_joints.clone(),
+            soft_bodies: p.soft_bodies.clone(),
+            ..PhysicsWorld::default()
+        };
+        Self { physics, parts: self.parts.clone(), looks: self.looks.clone(), ..*self }
+    }
+}
+
+impl ChassisContacts {
+    /// `mass` and `inertia` are of the whole vehicle, about `com` relative to the chassis' centre of mass.
+    pub(crate) fn new(v: &VehicleSpec, world: &World, mass: f64, inertia: V3, com: V3, dt: f64) -> Self {
+        let mut physics = PhysicsWorld::new();
+        physics.narrow_phase.set_query_dispatcher(InReach);
+        physics.gravity = Vector::ZERO;
+        physics.integration_parameters.dt = dt;
+        // Of which the solver's tolerances are fractions.
+        physics.integration_parameters.length_unit = world.scale;
+        // Four by default, for steps of 1/60 s: ours are finer as they are.
+        physics.integration_parameters.num_solver_iterations = 1;
+        // A hull that touches the ground at one place must not sink in at another before rapier looks there.
+        physics.integration_parameters.normalized_contact_recycle_distance =
+            physics.integration_parameters.normalized_prediction_distance;
+        let ground = physics.insert_collider(
+            ground_collider(&world.heightfield)
+                .friction(1.0)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .restitution(0.0),
+            None,
+        );
+        for o in &world.obstacles {
+            if let Some(c) = ColliderBuilder::convex_hull(&points(&o.hull())) {
+                let q = Quat::from_axis_angle(&V3::z_axis(), o.yaw);
+                let at = Vector::new(o.x, o.y, o.base_z(&world.heightfield));
+                physics.insert_collider(
+                    c.position(Pose::from_parts(at, rotation(&q)))
+                        .friction(OBSTACLE_FRICTION)
+                        .friction_combine_rule(CoefficientCombineRule::Min)
+                        .restitution(0.0),
+                    None,
+                );
+            }
+        }
+        let chassis_com = V3::from(v.chassis.com);
+        let properties = MassProperties::new(vector(&com), mass, vector(&inertia));
+        let body = physics.insert_body(
+            RigidBodyBuilder::dynamic()
+                .additional_mass_properties(properties)
+                .gyroscopic_forces_enabled(false)
+                .can_sleep(false),
+        );
+        let mut parts = Vec::new();
+        for part in v.chassis.hull.iter().cloned().chain(wheel_faces(v)) {
+            let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
+            if let Some(solid) = ConvexPolyhedron::from_convex_hull(&points(&relative)) {
+                physics.insert_collider(
+                    ColliderBuilder::new(SharedShape::new(solid.clone()))
+                        .density(0.0)
+                        .friction(v.chassis.friction)
+                        .friction_combine_rule(CoefficientCombineRule::Min)
+                        .restitution(0.0),
+                    Some(body),
+                );
+                parts.push(solid);
+            }
+        }
+        let vertices = || parts.iter().flat_map(|part| part.points()).map(|p| from_vector(*p));
+        let (low, high) = extents(vertices());
+        let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
+        Self { physics, body, ground, parts, low, high, bound, looks: Looks::default() }
+    }
+
+    /// Distance from the centre of mass within which the hull lies, m.
+    pub(crate) fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Whether the hull may come within `margin` of ground or obstacles.
+    pub(crate) fn may_touch(
+        &mut self,
+        ground: &Heightfield,
+        obstacles: &Obstacles,
+        x: &V3,
+        q: &Quat,
+        margin: f64,
+    ) -> bool {
+        let r = q.to_rotation_matrix();
+        let hull = Cuboid {
+            centre: x + r * (0.5 * (self.low + self.high)),
+            half: 0.5 * (self.high - self.low),
+            axes: *r.matrix(),
+        };
+        if obstacles.any_within(&hull, margin) {
+            return true;
+        }
+        if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {
+            return false;
+        }
+        self.looks.clear = None;
+        let pose = Pose::from_parts(vector(x), rotation(q));
+        if self.looks.near.is_some_and(|near| self.gap_to(ground, &pose, near, margin) <= margin) {
+            return true;
+        }
+        match self.gap(ground, &pose, margin) {
+            // Under the ground a hull has no triangle near it either.
+            Ok(gap) if x.z > ground.height(x.x, x.y) => {
+                self.looks.clear = Some(Clear { x: *x, axes: *r.matrix(), gap });
+                false
+            }
+            Ok(_) => true,
+            Err(near) => {
+                self.looks.near = Some(near);
+                true
+            }
+        }
+    }
+
+    /// Whether the hull can't have come within `margin` of the ground since it was clear.
+    fn is_still_clear(&self, c: &Clear, x: &V3, axes: &M3, margin: f64) -> bool {
+        let moved = (x - c.x).norm() + (axes - c.axes).norm() * self.bound;
+        c.gap - moved > margin + ROUNDING
+    }
+
+    /// A lower bound on the distance from one part of the hull to one triangle of the ground, m; not followed beyond `enough`.
+    fn gap_to(&self, ground: &Heightfield, pose: &Pose, near: Near, enough: f64) -> f64 {
+        let Near { part, cell: [row, col], upper } = near;
+        let node = |row: usize, col: usize| {
+            let (x, y) = (col as f64 * ground.pitch(), row as f64 * ground.pitch());
+            let node = Vector::new(x - ground.half_x(), y - ground.half_y(), ground.node(row, col));
+            pose.inverse_transform_point(node)
+        };
+        let third = if upper { node(row + 1, col) } else { node(row, col + 1) };
+        separation(&self.parts[part], [node(row, col), node(row + 1, col + 1), third], enough)
+    }
+
+    /// A lower bound on the distance from the hull to the ground, m, as far as the ground is looked at; or, where that is
+    /// within `margin`, what is near.
+    fn gap(&self, ground: &Heightfield, pose: &Pose, margin: f64) -> Result<f64, Near> {
+        let cells = |low: f64, high: f64, half: f64, count: usize| {
+            let index = |v: f64| (((v + half) / ground.pitch()).max(0.0) as usize).min(count - 2);
+            index(low)..=index(high)
+        };
+        let room = (ROOM * self.bound).max(2.0 * margin);
+        let mut gap = room;
+        for (part, solid) in self.parts.iter().enumerate() {
+            let (low, high) = extents(solid.points().iter().map(|p| from_vector(*pose * *p)));
+            for row in cells(low.y - room, high.y + room, ground.half_y(), ground.rows()) {
+                for col in cells(low.x - room, high.x + room, ground.half_x(), ground.cols()) {
+                    let top = ground
+                        .node(row, col)
+                        .max(ground.node(row, col + 1))
+                        .max(ground.node(row + 1, col))
+                        .max(ground.node(row + 1, col + 1));
+                    if low.z - top >= gap {
+                        continue;
+                    }
+                    for upper in [false, true] {
+                        let near = Near { part, cell: [row, col], upper };
+                        gap = gap.min(self.gap_to(ground, pose, near, gap));
+                        if gap <= margin {
+                            return Err(near);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(gap)
+    }
+
+    /// Lets rapier resolve the contacts of one step: takes the velocities that the forces gave, returns pose and
+    /// velocities at the end of the step.
+    pub(crate) fn resolve(&mut self, friction: f64, x: &mut V3, q: &mut Quat, v: &mut V3, w: &mut V3) {
+        self.physics.colliders[self.ground].set_friction(friction);
+        let body = &mut self.physics.bodies[self.body];
+        body.set_position(Pose::from_parts(vector(x), rotation(q)), true);
+        // rapier's linear velocity is that of the body's centre of mass, which isn't the chassis' own.
+        let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
+        body.set_linvel(vector(&(*v + w.cross(&offset))), true);
+        body.set_angvel(vector(w), true);
+        self.physics.step();
+        let body = &self.physics.bodies[self.body];
+        let r = body.rotation();
+        *x = from_vector(body.translation());
+        *q = Quat::from_quaternion(nalgebra::Quaternion::new(r.w, r.x, r.y, r.z));
+        *w = from_vector(body.angvel());
+        let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
+        *v = from_vector(body.linvel()) - w.cross(&offset);
+    }
+}
+
+/// Blocks within the wheels, at design height, that reach from face to face, if the vehicle lies on those.
+fn wheel_faces(v: &VehicleSpec) -> Vec<Vec<[f64; 3]>> {
+    // Narrow enough to stay within the outline of a wheel that has moved in its springs.
+    const SHARE: f64 = 0.3;
+    let mut blocks = Vec::new();
+    for axle in v.axles.iter().filter(|_| v.chassis.wheel_faces) {
+        let (tyre, spindle) = (v.tyre_of(axle), axle.suspension.linkage.spindle());
+        let reach = SHARE * tyre.radius();
+        for side in [1.0, -1.0] {
+            let [x, y, z] =
+                [0, 1, 2].map(|k| axle.position[k] + if k == 1 { side } else { 1.0 } * spindle[k]);
+            let corner = |k: usize| {
+                let sign = |bit: usize| if k & bit == 0 { 1.0 } else { -1.0 };
+                [x + sign(1) * reach, y + sign(2) * 0.5 * tyre.width(), z + sign(4) * reach]
+            };
+            blocks.push((0..8).map(corner).collect());
+        }
+    }
+    blocks
+}
+
+/// The ground as rapier's heightfield. Its own height axis is y: it is turned about x, which makes its row 0 the
+/// north; its cells are cut from south-west to north-east like ours.
+fn ground_collider(ground: &Heightfield) -> ColliderBuilder {
+    let heights =
+        Array2::from_fn(ground.rows(), ground.cols(), |row, col| ground.node(ground.rows() - 1 - row, col));
+    let scale = Vector::new(2.0 * ground.half_x(), 1.0, 2.0 * ground.half_y());
+    let upright = rotation(&Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::FRAC_PI_2));
+    ColliderBuilder::heightfield_with_flags(heights, scale, HeightFieldFlags::FIX_INTERNAL_EDGES)
+        .position(Pose::from_parts(Vector::ZERO, upright))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d_f64::parry::query::{Ray, distance};
+
+    fn rough(n: usize, std: f64) -> Heightfield {
+        let mut stream = vb_math::rng::Stream::new(6, &["hull"]);
+        Heightfield::new(n, n, 1.0, (0..n * n).map(|_| stream.normal(0.0, std)).collect())
+    }
+
+    fn hmmwv_over(ground: &Heightfield) -> ChassisContacts {
+        let spec = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(spec, "hmmwv.yaml").unwrap();
+        let world = World::uniform("test", ground.clone(), vb_world::TerrainClass::Concrete, 0.6);
+        ChassisContacts::new(&spec, &world, 2000.0, V3::repeat(1000.0), V3::zeros(), 1e-3)
+    }
+
+    /// A flight over the ground, now near and now far.
+    fn flight(k: u32) -> (V3, Quat) {
+        let t = 4e-3 * f64::from(k);
+        let x = V3::new(
+            19.0 * vb_math::sin(0.1 * t),
+            15.0 * vb_math::sin(0.13 * t),
+            0.7 + 0.4 * vb_math::sin(0.7 * t),
+        );
+        (x, Quat::from_euler_angles(0.2 * vb_math::sin(t), 0.15 * vb_math::sin(1.7 * t), 0.2 * t))
+    }
+
+    #[test]
+    fn what_is_remembered_of_the_hulls_clearance_changes_no_answer() {
+        let ground = rough(41, 0.12);
+        let mut hull = hmmwv_over(&ground);
+        let obstacles = Obstacles::none();
+        let (mut near, mut saved) = (0, 0);
+        for k in 0..8000 {
+            let (x, q) = flight(k);
+            let margin = 0.05 + 0.03 * vb_math::sin(0.02 * f64::from(k)).abs();
+            let remembered = hull.looks.clone();
+            let touches = hull.may_touch(&ground, &obstacles, &x, &q, margin);
+            let clear = |c: &Clear| hull.is_still_clear(c, &x, q.to_rotation_matrix().matrix(), margin);
+            saved += u32::from(remembered.clear.as_ref().is_some_and(clear));
+            let after = std::mem::take(&mut hull.looks);
+            assert_eq!(touches, hull.may_touch(&ground, &obstacles, &x, &q, margin), "look {k}");
+            hull.looks = after;
+            near += u32::from(touches);
+        }
+        assert!((1000..7000).contains(&near), "{near}");
+        assert!(saved > 1000, "{saved} looks were saved");
+    }
+
+    #[test]
+    fn no_contact_of_the_hull_is_overlooked_and_few_are_supposed() {
+        // Against parry's distance between each part and each triangle around.
+        let ground = rough(41, 0.12);
+        let mut hull = hmmwv_over(&ground);
+        let field = hull.physics.colliders[hull.ground].clone();
+        let triangles: Vec<_> = field.shape().as_heightfield().unwrap().triangles().collect();
+        let (mut within, mut supposed) = (0, 0);
+        for k in (0..8000).step_by(8) {
+            let (x, q) = flight(k);
+            let pose = Pose::from_parts(vector(&x), rotation(&q));
+            let mut nearest = f64::INFINITY;
+            for t in triangles.iter().filter(|t| (*field.position() * t.a - vector(&x)).length() < 5.0) {
+                for part in &hull.parts {
+                    let away = distance(&pose, part, field.position(), t).unwrap().distance;
+                    nearest = nearest.min(away);
+                }
+            }
+            let touches = hull.may_touch(&ground, &Obstacles::none(), &x, &q, 0.05);
+            if nearest <= 0.05 {
+                within += 1;
+                assert!(touches, "{nearest} m at {k}");
+            } else {
+                supposed += u32::from(touches);
+            }
+        }
+        assert!(within > 200, "{within}");
+        assert!(supposed < within / 5, "{supposed} of {within}");
+    }
+
+    #[test]
+    fn triangles_out_of_reach_make_no_difference_to_a_contact() {
+        let ground = rough(41, 0.12);
+        let manifolds = |filter: bool, x: V3, q: Quat| {
+            let mut hull = hmmwv_over(&ground);
+            if !filter {
+                hull.physics
+                    .narrow_phase
+                    .set_query_dispatcher(rapier3d_f64::parry::query::DefaultQueryDispatcher);
+            }
+            let (mut x, mut q, mut v, mut w) = (x, q, V3::new(3.0, 0.0, -1.0), V3::zeros());
+            hull.resolve(0.6, &mut x, &mut q, &mut v, &mut w);
+            (v, w)
+        };
+        let mut touched = 0;
+        for k in (0..8000).step_by(40) {
+            let (x, q) = flight(k);
+            let (plain, filtered) = (manifolds(false, x, q), manifolds(true, x, q));
+            assert_eq!(plain, filtered, "{k}");
+            touched += u32::from(plain.0.z > -0.999);
+        }
+        assert!(touched > 50, "{touched}");
+    }
+
+    #[test]
+    fn the_chassis_and_the_tyres_see_one_ground() {
+        // An asymmetric surface, so that a flipped axis or the other diagonal would show.
+        let (rows, cols) = (7, 9);
+        let h = (0..rows * cols).map(|i| 0.37 * f64::from((i * 7919 % 101) as u8) * 0.05).collect();
+        let ground = Heightfield::new(rows, cols, 1.0, h);
+        let mut world = PhysicsWorld::new();
+        let handle = world.insert_collider(ground_collider(&ground), None);
+        let collider = &world.colliders[handle];
+        for k in 0..200 {
+            let x = -3.9 + 7.8 * f64::from(k % 20) / 19.0;
+            let y = -2.9 + 5.8 * f64::from(k / 20) / 9.0;
+            let ray = Ray::new(Vector::new(x, y, 10.0), Vector::new(0.0, 0.0, -1.0));
+            let t = collider.shape().cast_ray(collider.position(), &ray, 20.0, true).unwrap();
+            assert!((10.0 - t - ground.height(x, y)).abs() < 1e-9, "({x}, {y})");
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Submissions, as the owner of a leaderboard takes them from strangers.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use vb_submission::{Submission, leaderboard};
+
+use crate::site::Site;
+
+/// The entry's folder below the one that a leaderboard is built of.
+const ENTRY: &str = "entries/pid";
+
+/// A submission of one task on a suite of one world; its report is a stand-in.
+const FILES: [(&str, &[u8]); 7] = [
+    ("submission.json", include_bytes!("../seeds/submission-v1/submission.json")),
+    ("verification.json", include_bytes!("../seeds/submission-v1/verification.json")),
+    ("report.html", include_bytes!("../seeds/submission-v1/report.html")),
+    ("run/run.json", include_bytes!("../seeds/submission-v1/run/run.json")),
+    ("run/summary.json", include_bytes!("../seeds/submission-v1/run/summary.json")),
+    ("run/tasks.jsonl", include_bytes!("../seeds/submission-v1/run/tasks.jsonl")),
+    ("run/traces/w001/t00.parquet", include_bytes!("../seeds/submission-v1/run/traces/w001/t00.parquet")),
+];
+
+fn site() -> Site {
+    let files = FILES.map(|(name, bytes)| (PathBuf::from(ENTRY).join(name), bytes.to_vec()));
+    Site::new().with(files.to_vec())
+}
+
+pub(crate) fn run(data: &[u8]) {
+    thread_local!(static SITE: Site = site());
+    SITE.with(|site| {
+        site.replacing(data, |dir| {
+            if let Ok(submission) = Submission::open(&dir.join(ENTRY)) {
+                let manifest = submission.manifest();
+                let _ = (manifest.rules(), manifest.limits(), manifest.entrant.check());
+            }
+            let out = dir.join("site");
+            let _ = leaderboard::build(&dir.join("entries"), &out, "t", &mut |_, _, _| Ok(BTreeSet::new()));
+        });
+    });
+}
+
+pub(crate) fn seeds() -> Vec<Vec<u8>> {
+    site().seeds()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The seed is a submission of the first released layout: it must stay readable for ever.
+    #[test]
+    fn a_submission_of_layout_1_is_listed_on_a_leaderboard() {
+        let site = site();
+        let dir = site.path();
+        let built = leaderboard::build(&dir.join("entries"), &dir.join("site"), "t", &mut |_, _, _| {
+            Ok(BTreeSet::new())
+        });
+        let boards = built.expect("a site").boards;
+        assert_eq!(boards.len(), 1);
+        assert_eq!(boards[0].entries.len(), 1);
+    }
+}
