@@ -87,6 +87,17 @@ impl Task {
             Err(PlannerError(format!("parameter `{key}`: {value} is not a finite number")))
         }
     }
+
+    /// The value of a parameter as a finite number above 0, as speeds and lengths are.
+    ///
+    /// # Errors
+    /// If the planner doesn't declare the parameter, or its value is not such a number.
+    pub fn param_positive(&self, key: &str) -> Result<f64, PlannerError> {
+        match self.param_f64(key)? {
+            value if value > 0.0 => Ok(value),
+            value => Err(PlannerError(format!("parameter `{key}`: {value} is not above 0"))),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -112,5 +123,9 @@ mod tests {
             assert!(message.contains(&format!("`{key}`")), "{message}");
         }
         assert!(task("fast").param_f64("speed").unwrap_err().to_string().contains("`fast`"));
+        for value in ["0", "-2"] {
+            let message = task(value).param_positive("speed").unwrap_err().to_string();
+            assert_eq!(message, format!("parameter `speed`: {value} is not above 0"));
+        }
     }
 }

@@ -110,25 +110,21 @@ fn best(scores: &[f64; REGIONS]) -> usize {
 impl Planner for Eh {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let scale = task.vehicle.scale;
-        let positive = |key: &str| match task.param_f64(key)? {
-            value if value > 0.0 => Ok(value),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is not above 0"))),
-        };
         let terrain = task.param_f64("terrain")?;
         if !(0.0..=1.0).contains(&terrain) {
             return Err(PlannerError::new(format!("parameter `terrain`: {terrain} is not from 0 to 1")));
         }
-        let lookahead = positive("lookahead")? * scale;
+        let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
             elevation: task.elevation.clone(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
-            region: positive("region")? * scale,
+            region: task.param_positive("region")? * scale,
             terrain,
             roughness: task.param_f64("roughness")?,
             kp: task.param_f64("kp")?,
             // Speeds scale by the root of the lengths (Froude).
-            target_speed: positive("speed")? * scale.sqrt(),
+            target_speed: task.param_positive("speed")? * scale.sqrt(),
             speed: SpeedController::new(task.param_f64("speed_kp")? / scale.sqrt(), 0.0),
             period: task.control_period,
             explain: task.param_as::<u32>("explain")? != 0,

@@ -50,11 +50,7 @@ struct Expert {
 impl Planner for Expert {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let scale = task.vehicle.scale;
-        let positive = |key: &str| match task.param_f64(key)? {
-            value if value > 0.0 => Ok(value),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is not above 0"))),
-        };
-        let caution = positive("caution")?;
+        let caution = task.param_positive("caution")?;
         let variant: u64 = task.param_as("variant")?;
         let mut ground = Ground::new(task, caution);
         if variant > 0 {
@@ -62,11 +58,11 @@ impl Planner for Expert {
         }
         // Without a way of its own it has the global path.
         let way = route::route(task, &ground).unwrap_or_else(|| task.path.clone());
-        let lookahead = positive("lookahead")? * scale;
+        let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
             follower: Follower::new(Path::new(&way)?, 2.0 * lookahead),
             lookahead,
-            target: positive("speed")? * scale.sqrt(),
+            target: task.param_positive("speed")? * scale.sqrt(),
             speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
             period: task.control_period,
             anchor: (task.start.x, task.start.y, 0.0),

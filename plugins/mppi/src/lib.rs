@@ -38,7 +38,7 @@ vb_sdk::export_planner! {
         obstacle: 10.0 => "weight of obstacles and edges",
         margin: 1.0 => "distance between vehicle and obstacle that costs nothing, m at full scale",
         pace: 3.0 => "weight of the deviation from the target speed",
-        effort: 0.02 => "weight of steering",
+        effort: 0.2 => "weight of steering",
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
     }
@@ -60,10 +60,7 @@ impl Planner for MppiPlanner {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
-        let positive = |key: &str| match task.param_f64(key)? {
-            value if value > 0.0 => Ok(value),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is not above 0"))),
-        };
+        let positive = |key| task.param_positive(key);
         let count = |key: &str| match task.param_as::<usize>(key)? {
             0 => Err(PlannerError::new(format!("parameter `{key}`: 0 is not above 0"))),
             n if n > 1_000_000 => Err(PlannerError::new(format!("parameter `{key}`: {n} is above 1000000"))),

@@ -17,7 +17,7 @@ const DEFAULTS: [(&str, &str); 16] = [
     ("obstacle", "10"),
     ("margin", "1"),
     ("pace", "3"),
-    ("effort", "0.02"),
+    ("effort", "0.2"),
     ("speed_kp", "1"),
     ("explain", "0"),
 ];

@@ -65,10 +65,7 @@ impl Planner for PidRelease {
         } else {
             grid.block_squares(squares)?;
         }
-        let target_speed = match task.param_f64("speed")? {
-            value if value > 0.0 => value,
-            value => return Err(format!("parameter `speed`: {value} is not above 0").into()),
-        };
+        let target_speed = task.param_positive("speed")?;
         Ok(Self {
             goal: grid.cell(task.goal.x, task.goal.y),
             grid: grid.inflated(INFLATION),

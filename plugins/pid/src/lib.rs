@@ -59,11 +59,7 @@ impl Steering {
 
 impl Planner for Pid {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        let positive = |key: &str| match task.param_f64(key)? {
-            value if value > 0.0 => Ok(value),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is not above 0"))),
-        };
-        let lookahead = positive("lookahead")? * task.vehicle.scale;
+        let lookahead = task.param_positive("lookahead")? * task.vehicle.scale;
         Ok(Self {
             // Twice the look-ahead is more than it moves in a step, and less than it takes to reach another bend.
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
@@ -76,7 +72,7 @@ impl Planner for Pid {
                 last: None,
             },
             // Speeds scale by the root of the lengths (Froude).
-            target_speed: positive("speed")? * task.vehicle.scale.sqrt(),
+            target_speed: task.param_positive("speed")? * task.vehicle.scale.sqrt(),
             speed: SpeedController::new(task.param_f64("speed_kp")? / task.vehicle.scale.sqrt(), 0.0),
             period: task.control_period,
         })
