@@ -68,8 +68,8 @@ fn generate(suite: &Path, ground: &str) -> Result<(), Failure> {
     let text = only(ground, &text)
         .ok_or_else(|| Failure::new(format!("{} has no line `order: […]`", params.display())))?;
     let own = suite.with_extension("yaml");
-    let written = std::fs::create_dir_all(suite.parent().unwrap_or(suite))
-        .and_then(|()| std::fs::write(&own, text));
+    let written =
+        std::fs::create_dir_all(suite.parent().unwrap_or(suite)).and_then(|()| std::fs::write(&own, text));
     written.map_err(|e| Failure::new(format!("can't write {}: {e}", own.display())))?;
     let mut command = Command::new(built("vb-harness"));
     command.args(["suite", "generate", "--seed", SEED, "--worlds", WORLDS, "--params"]).arg(&own);
