@@ -321,8 +321,13 @@ mod tests {
         let mut hull = hmmwv_over(&ground);
         let obstacles = Obstacles::none();
         let (mut near, mut saved) = (0, 0);
-        for k in 0..8000 {
-            let (x, q) = flight(k);
+        for k in 0..9000 {
+            let (mut x, mut q) = flight(k);
+            if k >= 8000 {
+                // Straight down, where it nears the ground by all of its way.
+                (x, q) = flight(8000);
+                x.z += 0.5 - 1e-3 * f64::from(k - 8000);
+            }
             let margin = 0.05 + 0.03 * vb_math::sin(0.02 * f64::from(k)).abs();
             let remembered = hull.looks.clone();
             let touches = hull.may_touch(&ground, &obstacles, &x, &q, margin);
