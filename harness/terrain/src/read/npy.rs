@@ -1,7 +1,7 @@
 //! NumPy arrays of two dimensions.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read as _};
 use std::path::Path;
 
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
@@ -11,9 +11,35 @@ use crate::Raster;
 
 const WANTED: &str = "f4, f8, u1, u2 or i2";
 
+/// Longest header of an array that is no record, in bytes: NumPy's take 118.
+const HEADER: usize = 4096;
+/// Brackets that open in it at most: those of the shape, of order and kind.
+const BRACKETS: usize = 16;
+
+/// Refuses headers on which the reader of arrays would spend all memory or time there is: it takes memory for whatever length they
+/// state, and twice the time for every bracket within another.
+fn check_header(path: &Path) -> Result<(), Flaw> {
+    let mut start = Vec::new();
+    File::open(path)?.take(HEADER as u64).read_to_end(&mut start)?;
+    let length = match start.get(6..12) {
+        Some(&[1, _, a, b, ..]) => usize::from(u16::from_le_bytes([a, b])),
+        Some(&[_, _, a, b, c, d]) => u32::from_le_bytes([a, b, c, d]) as usize,
+        _ => 0,
+    };
+    if length > HEADER {
+        return Err(Flaw::Damaged(format!("its header states {length} bytes, more than {HEADER}")));
+    }
+    let header = &start[..start.len().min(length + 12)];
+    if header.iter().filter(|b| b"([{".contains(b)).count() > BRACKETS {
+        return Err(Flaw::Damaged("its header has brackets within brackets".into()));
+    }
+    Ok(())
+}
+
 /// Reads an array of floats or small integers.
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     let size = std::fs::metadata(path)?.len();
+    check_header(path)?;
     let file = NpyFile::new(BufReader::new(File::open(path)?)).map_err(|e| match e.kind() {
         std::io::ErrorKind::UnexpectedEof => Flaw::Truncated("it ends in the header".into()),
         _ => Flaw::Damaged(line(&e)),
@@ -50,4 +76,24 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
 fn samples<T: Deserialize + Into<f64>>(file: NpyFile<BufReader<File>>) -> Result<Vec<f64>, Flaw> {
     let data = file.data::<T>().map_err(|e| Flaw::Damaged(line(&e)))?;
     data.map(|v| v.map(Into::into)).collect::<Result<_, _>>().map_err(|e| Flaw::Truncated(line(&e)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both were found by libFuzzer.
+    #[test]
+    fn headers_that_would_take_all_memory_or_time_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.npy");
+        let nested = format!("{{'descr': '<f4', 'shape': ({}2, 3), }}", "[".repeat(60));
+        let length = (nested.len() as u16).to_le_bytes();
+        let nested = [b"\x93NUMPY\x01\x00", &length[..], nested.as_bytes()].concat();
+        let endless = [&b"\x93NUMPY\x02\x00\x00\x00\xfb\xff"[..], &[b' '; 200]].concat();
+        for bytes in [nested, endless] {
+            std::fs::write(&path, bytes).unwrap();
+            assert!(matches!(read(&path), Err(Flaw::Damaged(_))));
+        }
+    }
 }
