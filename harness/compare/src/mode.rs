@@ -54,8 +54,8 @@ const HULL: [f64; 4] = [1.0, 0.5, 0.1, 0.1];
 /// Greatest rate of the recorded steering command, 1/s: 0.05 in a step of 5 ms.
 const STEERING_RATE: f64 = 10.0;
 
-/// Our vehicle with the hull, the faces of wheels, the steering rate and the rigid tyres of the recorded one, as a document that the harness
-/// reads.
+/// Our vehicle with the hull, the faces of wheels, the steering rate and the rigid tyres of the recorded one, as a document
+/// that the harness reads.
 pub(crate) fn recorded_vehicle(file: &Path) -> Result<String, CompareError> {
     let text =
         std::fs::read_to_string(file).map_err(|source| CompareError::Io { path: file.into(), source })?;
