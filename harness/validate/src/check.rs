@@ -25,6 +25,13 @@ impl Kind {
     pub fn name(self) -> &'static str {
         ["theory", "published", "chrono", "convergence"][self as usize]
     }
+
+    /// The set-up of its references, for people: "throttle 0.3, in Chrono's set-up".
+    #[must_use]
+    pub fn setup(self) -> &'static str {
+        ["theory's set-up", "the published set-up", "Chrono's set-up", "the convergence set-up"]
+            [self as usize]
+    }
 }
 
 /// What a figure should be.
@@ -108,6 +115,8 @@ pub struct Check {
     pub expectation: Expectation,
     /// What was measured; none if the event has no such figure or did not get so far.
     pub measured: Option<f64>,
+    /// The references in whose set-up it was measured ([`crate::Setup`]); none for the vehicle as it is.
+    pub setup: Option<Kind>,
     /// Unit of both.
     pub unit: String,
     /// The outcome.
@@ -115,6 +124,7 @@ pub struct Check {
 }
 
 impl Check {
+    /// Of figures that were measured with the vehicle as it is.
     pub(crate) fn new(expectation: Expectation, figures: &[crate::Figure]) -> Self {
         let figure = figures.iter().find(|f| f.name == expectation.figure);
         let measured = figure.map(|f| f.value).filter(|v| v.is_finite());
@@ -123,7 +133,20 @@ impl Check {
             (None, Some(v)) if expectation.expected.admits(v) => Verdict::Pass,
             (None, _) => Verdict::Fail,
         };
-        Self { expectation, measured, unit: figure.map_or("", |f| f.unit).to_owned(), verdict }
+        Self { expectation, measured, setup: None, unit: figure.map_or("", |f| f.unit).to_owned(), verdict }
+    }
+
+    /// Of figures that were measured in the set-up of the expectation's kind.
+    pub(crate) fn in_setup(expectation: Expectation, figures: &[crate::Figure]) -> Self {
+        let setup = Some(expectation.kind);
+        Self { setup, ..Self::new(expectation, figures) }
+    }
+
+    /// What it is held against: its kind, and whether it was measured in that kind's set-up.
+    #[must_use]
+    pub fn against(&self) -> String {
+        let kind = self.expectation.kind.name();
+        if self.setup.is_some() { format!("{kind}, in its set-up") } else { kind.to_owned() }
     }
 }
 

@@ -197,6 +197,8 @@ impl Series {
 pub enum LineKind {
     /// Our simulation.
     Ours,
+    /// Our simulation in the set-up of a reference that is drawn beside it.
+    Setup,
     /// A reference run or publication.
     Reference,
     /// Theory, or the ideal.
@@ -241,9 +243,10 @@ impl Plot {
         Self { map: true, ..Self::new(title, x, y) }
     }
 
-    /// Range of x over our own lines.
+    /// Range of x over our own lines, those in a set-up included.
     pub(crate) fn span(&self) -> [f64; 2] {
-        let ours = self.lines.iter().filter(|l| l.kind == LineKind::Ours).flat_map(|l| &l.points);
+        let own = |l: &&Line| matches!(l.kind, LineKind::Ours | LineKind::Setup);
+        let ours = self.lines.iter().filter(own).flat_map(|l| &l.points);
         ours.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p[0]), b.max(p[0])])
     }
 

@@ -3,7 +3,8 @@
 //! An [`Event`] drives the vehicle over ground made for it and measures [`Figure`]s and time series. An
 //! [`Expectation`] says what a figure should be, by which source and how closely; together they make a [`Check`].
 //! Theory is computed from the vehicle's own data, so it holds for every vehicle; figures of one vehicle come from a
-//! file ([`References`], `tasks/validation/*.yaml`). [`run`] runs events side by side and gives a [`Report`], which
+//! file ([`References`], `tasks/validation/*.yaml`), held against the vehicle in the set-up of their runs where the file states
+//! one ([`Setup`]). [`run`] runs events side by side and gives a [`Report`], which
 //! writes itself as a page, as JSON and as CSV.
 //!
 //! Units in figures, series and files are those named beside them: SI, angles in degrees, as people read them.
@@ -17,6 +18,7 @@ mod reference;
 mod report;
 mod rig;
 mod run;
+mod setup;
 mod theory;
 
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
@@ -25,4 +27,5 @@ pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Plot, Series};
 pub use events::{event, events};
 pub use reference::{Curve, References};
 pub use report::{Counts, Report, expected, number};
-pub use run::{EventResult, RunOptions, run};
+pub use run::{EventResult, InSetup, RunOptions, run};
+pub use setup::Setup;

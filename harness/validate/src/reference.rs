@@ -2,10 +2,12 @@
 
 use crate::check::{Expectation, Expected, Kind};
 use crate::error::ValidateError;
-use crate::events::event;
+use crate::events::{event, events};
+use crate::setup::{self, Setup};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use vb_sim::VehicleSpec;
 
 /// What is known of one vehicle beside theory. The file format is `tasks/validation/*.yaml`; see there for an example.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +16,8 @@ pub struct References {
     pub expectations: BTreeMap<String, Vec<Expectation>>,
     /// Reference curves to draw beside ours.
     pub curves: Vec<Curve>,
+    /// The set-up in which references of a kind were made, where it is not the vehicle as it is.
+    pub setups: BTreeMap<Kind, Setup>,
 }
 
 /// A reference curve.
@@ -24,6 +28,8 @@ pub struct Curve {
     pub event: String,
     /// Titles of the plots that show it.
     pub plots: Vec<String>,
+    /// What kind of reference it is.
+    pub kind: Kind,
     /// For the legend.
     pub label: String,
     /// The label of our line that it belongs to: both have one colour.
@@ -39,6 +45,8 @@ pub struct Curve {
 struct File {
     schema: u32,
     vehicle: String,
+    #[serde(default)]
+    setups: BTreeMap<Kind, setup::Entry>,
     events: BTreeMap<String, Vec<Entry>>,
     #[serde(default)]
     curves: Vec<Curve>,
@@ -97,11 +105,11 @@ impl Entry {
 }
 
 impl References {
-    /// Reads a file and checks that it is for this vehicle.
+    /// Reads a file and checks that it is for this vehicle, which is given as its own file has it.
     ///
     /// # Errors
     /// [`ValidateError::ReferencesUnreadable`] or [`ValidateError::ReferencesInvalid`], which name file and field.
-    pub fn load(path: &Path, vehicle: &str) -> Result<Self, ValidateError> {
+    pub fn load(path: &Path, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
         let text = std::fs::read_to_string(path).map_err(|e| ValidateError::ReferencesUnreadable {
             path: path.to_owned(),
             reason: e.to_string(),
@@ -113,7 +121,7 @@ impl References {
     ///
     /// # Errors
     /// [`ValidateError::ReferencesInvalid`].
-    pub fn parse(text: &str, file: &str, vehicle: &str) -> Result<Self, ValidateError> {
+    pub fn parse(text: &str, file: &str, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
         let invalid = |field: String, reason: String| ValidateError::ReferencesInvalid {
             file: file.to_owned(),
             field,
@@ -126,8 +134,8 @@ impl References {
                 format!("{} is unknown; this version reads 1", read.schema),
             ));
         }
-        if read.vehicle != vehicle {
-            let reason = format!("{:?} is not the vehicle under test, {vehicle:?}", read.vehicle);
+        if read.vehicle != vehicle.name {
+            let reason = format!("{:?} is not the vehicle under test, {:?}", read.vehicle, vehicle.name);
             return Err(invalid("vehicle".to_owned(), reason));
         }
         let mut expectations = BTreeMap::new();
@@ -149,7 +157,26 @@ impl References {
                 return Err(invalid(format!("curves[{i}].points"), format!("{p} is not a number to draw")));
             }
         }
-        Ok(Self { expectations, curves: read.curves })
+        let mut references = Self { expectations, curves: read.curves, setups: BTreeMap::new() };
+        for (kind, entry) in read.setups {
+            let at = format!("setups.{}", kind.name());
+            if let Some(reason) = setup::refused(kind) {
+                return Err(invalid(at, reason));
+            }
+            if !events().iter().any(|e| references.concern(e.name, kind)) {
+                return Err(invalid(at, "there is no figure and no curve of this kind".to_owned()));
+            }
+            let setup =
+                entry.setup(vehicle).map_err(|(field, reason)| invalid(format!("{at}.{field}"), reason))?;
+            references.setups.insert(kind, setup);
+        }
+        Ok(references)
+    }
+
+    /// Whether a figure or a curve of this kind belongs to an event.
+    pub(crate) fn concern(&self, event: &str, kind: Kind) -> bool {
+        self.expectations.get(event).is_some_and(|list| list.iter().any(|e| e.kind == kind))
+            || self.curves.iter().any(|c| c.event == event && c.kind == kind)
     }
 }
 
@@ -157,11 +184,16 @@ impl References {
 mod tests {
     use super::*;
 
+    fn car() -> VehicleSpec {
+        let text = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        VehicleSpec { name: "car".to_owned(), ..VehicleSpec::parse(text, "hmmwv.yaml").unwrap() }
+    }
+
     fn parsed(entry: &str) -> Result<Expected, String> {
         let text = format!(
             "schema: 1\nvehicle: car\nevents:\n  braking:\n    - {{figure: a, kind: chrono, source: s, {entry}}}\n"
         );
-        References::parse(&text, "car.yaml", "car")
+        References::parse(&text, "car.yaml", &car())
             .map(|r| r.expectations["braking"][0].expected)
             .map_err(|e| e.to_string())
     }
@@ -189,10 +221,36 @@ mod tests {
         let e = parsed("at_least: 3, at_most: 2").unwrap_err();
         assert!(e.contains("3 is greater than at_most, 2"), "{e}");
         let other =
-            References::parse("schema: 1\nvehicle: car\nevents: {}\n", "car.yaml", "bus").unwrap_err();
-        assert!(other.to_string().contains("\"bus\""), "{other}");
-        let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", "car")
+            References::parse("schema: 1\nvehicle: bus\nevents: {}\n", "bus.yaml", &car()).unwrap_err();
+        assert!(other.to_string().contains("\"bus\" is not the vehicle under test, \"car\""), "{other}");
+        let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", &car())
             .unwrap_err();
         assert!(e.to_string().contains("events.flying: there is no event flying (one of: suspension"), "{e}");
+    }
+
+    #[test]
+    fn a_set_up_is_refused_with_field_and_value_where_it_says_nothing_of_a_reference() {
+        let read = |setups: &str| {
+            let text = format!(
+                "schema: 1\nvehicle: car\nsetups: {setups}\nevents:\n  braking:\n    \
+                 - {{figure: a, kind: chrono, source: s, at_least: 1}}\n"
+            );
+            References::parse(&text, "car.yaml", &car()).map_err(|e| e.to_string())
+        };
+        let good = read("{chrono: {about: rigid, tyre: rigid}}").unwrap();
+        assert_eq!(good.setups[&Kind::Chrono].ground.tyre.model(), "rigid");
+        for (setups, says) in [
+            ("{theory: {about: a}}", "car.yaml: setups.theory: theory is held against the vehicle as it is"),
+            ("{convergence: {about: a}}", "car.yaml: setups.convergence: convergence is held against"),
+            ("{published: {about: a}}", "car.yaml: setups.published: there is no figure and no curve"),
+            ("{chrono: {about: a, tyre: square}}", "car.yaml: setups.chrono.tyre: \"square\" is not among"),
+            ("{chrono: {about: a, soil_width: 0}}", "car.yaml: setups.chrono.soil_width: 0 must be"),
+            ("{chrono: {about: a, tire: rigid}}", "tire"),
+            ("{chrono: {tyre: rigid}}", "about"),
+            ("{mercury: {about: a}}", "mercury"),
+        ] {
+            let error = read(setups).unwrap_err();
+            assert!(error.contains(says), "{setups}: {error}");
+        }
     }
 }

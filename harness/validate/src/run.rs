@@ -1,9 +1,9 @@
 //! Running events, side by side.
 
-use crate::check::{Check, Verdict};
+use crate::check::{Check, Kind, Verdict};
 use crate::error::ValidateError;
 use crate::event::{Bench, Event, LineKind, Outcome};
-use crate::events::{event, events, fits};
+use crate::events::{event, events, fits, on_soil};
 use crate::reference::References;
 use crate::report::Report;
 use std::sync::Mutex;
@@ -37,15 +37,34 @@ pub struct EventResult {
     pub outcome: Outcome,
     /// Why its simulation failed, if it did.
     pub failure: Option<String>,
-    /// Its figures held against theory, then against the references.
+    /// The same event driven in the set-ups of references that it has; see [`crate::Setup`].
+    pub setups: Vec<InSetup>,
+    /// Its figures held against theory, then against the references: those with a set-up against the figures in it.
     pub checks: Vec<Check>,
 }
 
+/// One event, driven in the set-up of a kind of references.
+#[derive(Clone, Debug)]
+pub struct InSetup {
+    /// The references.
+    pub kind: Kind,
+    /// What it measured; empty if its simulation failed.
+    pub outcome: Outcome,
+    /// Why its simulation failed, if it did.
+    pub failure: Option<String>,
+}
+
 impl EventResult {
-    /// Whether it was driven to its end and no check failed.
+    /// Whether it was driven to its end, in every set-up, and no check failed.
     #[must_use]
     pub fn passed(&self) -> bool {
-        self.failure.is_none() && self.checks.iter().all(|c| c.verdict != Verdict::Fail)
+        self.broken().next().is_none() && self.checks.iter().all(|c| c.verdict != Verdict::Fail)
+    }
+
+    /// Why simulations failed, if any did, and in which set-up.
+    pub fn broken(&self) -> impl Iterator<Item = String> {
+        let in_setup = |s: &InSetup| s.failure.as_ref().map(|why| format!("in {}: {why}", s.kind.setup()));
+        self.failure.clone().into_iter().chain(self.setups.iter().filter_map(in_setup))
     }
 }
 
@@ -73,6 +92,11 @@ pub fn run(
         }
     }
     let bench = Bench::new(spec, soils, options.step)?;
+    let mut others = Vec::new();
+    for (kind, setup) in &references.setups {
+        let ready = |vehicle| Bench::new(vehicle, soils, options.step);
+        others.push((*kind, ready(&setup.ground)?, ready(&setup.soil)?));
+    }
     let wanted: Vec<&'static Event> = events()
         .iter()
         .filter(|e| fits(e, spec))
@@ -85,7 +109,7 @@ pub fn run(
             let k = next.fetch_add(1, Ordering::Relaxed);
             // The events at the end of the list take longest: they go first.
             let Some(index) = wanted.len().checked_sub(k + 1) else { return };
-            let result = drive(wanted[index], &bench, references);
+            let result = drive(wanted[index], &bench, &others, references);
             finished(&result);
             results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((index, result));
         }
@@ -99,32 +123,60 @@ pub fn run(
     let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     results.sort_by_key(|r| r.0);
     let results = results.into_iter().map(|r| r.1).collect();
-    Ok(Report { vehicle: spec.clone(), step: options.step, results })
+    let setups = references.setups.iter().map(|(kind, s)| (*kind, s.about.clone())).collect();
+    Ok(Report { vehicle: spec.clone(), step: options.step, setups, results })
 }
 
-fn drive(event: &'static Event, bench: &Bench<'_>, references: &References) -> EventResult {
-    let (mut outcome, failure) = match event.run(bench) {
+/// Drives an event with the vehicle as it is and in the set-ups of its references (a kind, the vehicle on rigid ground and on
+/// soil), and judges it.
+fn drive(
+    event: &'static Event,
+    bench: &Bench<'_>,
+    others: &[(Kind, Bench<'_>, Bench<'_>)],
+    references: &References,
+) -> EventResult {
+    let driven = |bench: &Bench<'_>| match event.run(bench) {
         Ok(outcome) => (outcome, None),
         Err(e) => (Outcome::default(), Some(e.to_string())),
     };
+    let (mut outcome, failure) = driven(bench);
+    let mut setups = Vec::new();
+    for (kind, ground, soil) in others.iter().filter(|o| references.concern(event.name, o.0)) {
+        let (outcome, failure) = driven(if on_soil(event) { soil } else { ground });
+        setups.push(InSetup { kind: *kind, outcome, failure });
+    }
     let known = references.expectations.get(event.name).into_iter().flatten();
-    let checks =
-        outcome.theory.iter().chain(known).map(|e| Check::new(e.clone(), &outcome.figures)).collect();
+    let checks = known.map(|e| match setups.iter().find(|s| s.kind == e.kind) {
+        Some(s) => Check::in_setup(e.clone(), &s.outcome.figures),
+        None => Check::new(e.clone(), &outcome.figures),
+    });
+    let theory = outcome.theory.iter().map(|e| Check::new(e.clone(), &outcome.figures));
+    let checks = theory.chain(checks).collect();
+    draw(event, &mut outcome, &setups, references);
+    EventResult { event, outcome, failure, setups, checks }
+}
+
+/// Draws the curves of references beside our lines, with our lines in the set-up of theirs.
+fn draw(event: &Event, outcome: &mut Outcome, setups: &[InSetup], references: &References) {
     for curve in references.curves.iter().filter(|c| c.event == event.name) {
+        let other = setups.iter().find(|s| s.kind == curve.kind);
         for plot in outcome.plots.iter_mut().filter(|p| curve.plots.contains(&p.title)) {
             let case = plot.lines.iter().find(|l| l.label == curve.beside).map_or(0, |l| l.case);
+            let same = other.and_then(|s| s.outcome.plots.iter().find(|p| p.title == plot.title));
+            if let Some(line) = same.and_then(|p| p.lines.iter().find(|l| l.label == curve.beside)) {
+                let label = format!("{}, in {}", line.label, curve.kind.setup());
+                plot.line(LineKind::Setup, case, label, line.points.clone());
+            }
             let [from, to] = plot.span();
             let points = curve.points.iter().copied().filter(|p| p[0] >= from && p[0] <= to).collect();
             plot.line(LineKind::Reference, case, curve.label.clone(), points);
         }
     }
-    EventResult { event, outcome, failure, checks }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Kind;
 
     fn hmmwv() -> VehicleSpec {
         VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
@@ -132,7 +184,7 @@ mod tests {
 
     fn references() -> References {
         let text = include_str!("../../../tasks/validation/hmmwv.yaml");
-        References::parse(text, "hmmwv.yaml", "hmmwv").unwrap()
+        References::parse(text, "hmmwv.yaml", &hmmwv()).unwrap()
     }
 
     fn only(events: &[&str]) -> RunOptions {

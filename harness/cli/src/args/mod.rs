@@ -372,7 +372,8 @@ pub(crate) struct VehicleTestArgs {
     /// Directory for report.html, results.json and the time series; default: runs/test-VEHICLE-N
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Tyre to put on: the name of one of the vehicle's, e.g. rigid
+    /// Tyre to put on: the name of one of the vehicle's, e.g. rigid. References with a set-up of their own are held against
+    /// the vehicle in that set-up, whatever this says
     #[arg(long, value_name = "NAME")]
     pub(crate) tyre: Option<String>,
     /// Event to run; may be repeated; default: all

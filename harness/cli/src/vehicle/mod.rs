@@ -108,7 +108,7 @@ struct EventMessage<'a> {
     name: &'a str,
     passed: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
-    failure: Option<&'a str>,
+    failure: Option<String>,
     checks: &'a [Check],
 }
 
@@ -132,13 +132,13 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         return Err(CliError::usage("no vehicle given (see vb-harness vehicle test --help)"));
     };
     let (_, mut spec) = load(wanted)?;
+    let references = match args.references.clone().or_else(|| places::references(&spec.name)) {
+        Some(path) => References::load(&path, &spec).map_err(CliError::input)?,
+        None => References::default(),
+    };
     if let Some(tyre) = &args.tyre {
         spec = spec.with_tyre(tyre).map_err(CliError::usage)?;
     }
-    let references = match args.references.clone().or_else(|| places::references(&spec.name)) {
-        Some(path) => References::load(&path, &spec.name).map_err(CliError::input)?,
-        None => References::default(),
-    };
     let mut soils = Vec::new();
     for name in places::names(places::Data::Soils)? {
         let path = places::data(places::Data::Soils, &name)?;
@@ -171,11 +171,12 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     match args.message_format {
         MessageFormat::Json => {
             for r in &report.results {
+                let broken: Vec<String> = r.broken().collect();
                 output::json(&EventMessage {
                     event: "vehicle_event",
                     name: r.event.name,
                     passed: r.passed(),
-                    failure: r.failure.as_deref(),
+                    failure: (!broken.is_empty()).then(|| broken.join("; ")),
                     checks: &r.checks,
                 });
             }
@@ -195,7 +196,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     if report.passed() {
         return Ok(());
     }
-    let broken = report.results.iter().filter(|r| r.failure.is_some()).count();
+    let broken = report.results.iter().filter(|r| r.broken().next().is_some()).count();
     let also = if broken > 0 {
         format!(", and {broken} events could not be driven to their end")
     } else {
@@ -215,8 +216,8 @@ fn table(results: &[EventResult]) -> String {
     let head = ["", "event", "figure", "measured", "expected", "unit", "against"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for r in results {
-        if let Some(failure) = &r.failure {
-            rows.push(vec!["FAIL".to_owned(), r.event.name.to_owned(), failure.clone()]);
+        for failure in r.broken() {
+            rows.push(vec!["FAIL".to_owned(), r.event.name.to_owned(), failure]);
         }
         for c in &r.checks {
             let verdict = match c.verdict {
@@ -231,7 +232,7 @@ fn table(results: &[EventResult]) -> String {
                 c.measured.map_or_else(|| "not reached".to_owned(), vb_validate::number),
                 vb_validate::expected(c.expectation.expected),
                 c.unit.clone(),
-                c.expectation.kind.name().to_owned(),
+                c.against(),
             ]);
         }
     }

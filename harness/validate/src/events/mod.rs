@@ -65,6 +65,9 @@ const WHEELS_ONLY: [&str; 7] = [
     soil_wheel::WHEEL.name,
     soil_wheel::SECOND_PASS.name,
 ];
+/// Of the vehicle on soil, where its set-up may be another than on rigid ground.
+const ON_SOIL: [&str; 5] =
+    [soil::REST.name, soil::ACCELERATION.name, soil::GRADE.name, soil::GRID.name, tracks::PULL.name];
 const TRACKS_ONLY: [&str; 3] = [tracks::TURNING.name, tracks::TRENCH.name, tracks::PULL.name];
 
 /// Whether an event says something of a vehicle: some are of wheels, some of tracks.
@@ -72,6 +75,11 @@ const TRACKS_ONLY: [&str; 3] = [tracks::TURNING.name, tracks::TRENCH.name, track
 pub fn fits(event: &Event, spec: &VehicleSpec) -> bool {
     let not: &[&str] = if spec.tracks.is_some() { &WHEELS_ONLY } else { &TRACKS_ONLY };
     !not.contains(&event.name)
+}
+
+/// Whether an event puts the vehicle on soil.
+pub(crate) fn on_soil(event: &Event) -> bool {
+    ON_SOIL.contains(&event.name)
 }
 
 /// All events, in the order of the report.

@@ -7,8 +7,9 @@ mod text;
 use crate::check::{Check, Kind, Verdict};
 use crate::error::ValidateError;
 use crate::event::Figure;
-use crate::run::EventResult;
+use crate::run::{EventResult, InSetup};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 pub use text::{expected, number};
 use vb_sim::VehicleSpec;
@@ -20,6 +21,8 @@ pub struct Report {
     pub vehicle: VehicleSpec,
     /// The step, s.
     pub step: f64,
+    /// What the set-ups are in which references were held against the vehicle, by their kind.
+    pub setups: BTreeMap<Kind, String>,
     /// In the order of [`crate::events`].
     pub results: Vec<EventResult>,
 }
@@ -40,6 +43,8 @@ struct ResultsFile<'a> {
     schema: u32,
     vehicle: &'a str,
     step_s: f64,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    setups: &'a BTreeMap<Kind, String>,
     checks: Counts,
     events: Vec<EventEntry<'a>>,
 }
@@ -52,7 +57,24 @@ struct EventEntry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<&'a str>,
     figures: &'a [Figure],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    setups: Vec<SetupEntry<'a>>,
     checks: &'a [Check],
+}
+
+/// The event in the set-up of a reference.
+#[derive(Serialize)]
+struct SetupEntry<'a> {
+    setup: Kind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<&'a str>,
+    figures: &'a [Figure],
+}
+
+impl<'a> SetupEntry<'a> {
+    fn new(driven: &'a InSetup) -> Self {
+        Self { setup: driven.kind, failure: driven.failure.as_deref(), figures: &driven.outcome.figures }
+    }
 }
 
 impl Report {
@@ -94,19 +116,22 @@ impl Report {
             passed: r.passed(),
             failure: r.failure.as_deref(),
             figures: &r.outcome.figures,
+            setups: r.setups.iter().map(SetupEntry::new).collect(),
             checks: &r.checks,
         });
         let file = ResultsFile {
             schema: 1,
             vehicle: &self.vehicle.name,
             step_s: self.step,
+            setups: &self.setups,
             checks: self.counts(None),
             events: events.collect(),
         };
         serde_json::to_string_pretty(&file).map_or_else(|e| format!("{{\"error\":\"{e}\"}}"), |t| t + "\n")
     }
 
-    /// Writes `report.html`, `results.json` and `series/EVENT-CASE.csv` to a directory, which is made if it isn't there.
+    /// Writes `report.html`, `results.json`, `series/EVENT-CASE.csv` and, of drives in a set-up, `series/EVENT-CASE-KIND.csv`
+    /// to a directory, which is made if it isn't there.
     ///
     /// # Errors
     /// [`ValidateError::Write`].
@@ -121,6 +146,12 @@ impl Report {
         for r in &self.results {
             for s in &r.outcome.series {
                 write(&series.join(format!("{}-{}.csv", r.event.name, file_name(&s.name))), &s.csv())?;
+            }
+            for (setup, s) in
+                r.setups.iter().flat_map(|d| d.outcome.series.iter().map(|s| (d.kind.name(), s)))
+            {
+                let name = format!("{}-{}-{setup}.csv", r.event.name, file_name(&s.name));
+                write(&series.join(name), &s.csv())?;
             }
         }
         write(&dir.join("results.json"), &self.json())?;

@@ -4,6 +4,7 @@ use super::Report;
 use super::svg::{escape, plot};
 use super::text::{expected, number};
 use crate::check::{Check, Expected, Kind, Verdict};
+use crate::event::Figure;
 use crate::run::EventResult;
 use std::fmt::Write as _;
 
@@ -84,11 +85,20 @@ fn summary(s: &mut String, report: &Report) {
         "<p>A reference that is known to be unsound decides nothing: it is shown beside the figure with the reason, and theory \
          decides in its place.</p>",
     );
+    for (kind, about) in &report.setups {
+        let _ = write!(
+            s,
+            "<p><b>In {}</b> are measured what is held against it and the lines that are drawn beside it: the vehicle with what \
+             its runs were made with. All else is measured with the vehicle as it is. {}.</p>",
+            kind.setup(),
+            escape(about.trim_end_matches('.'))
+        );
+    }
     s.push_str("<nav><ol>");
     for r in &report.results {
         let failed = r.checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
         let class = if r.passed() { "pass" } else { "fail" };
-        let text = match (r.failure.is_some(), failed) {
+        let text = match (r.broken().next().is_some(), failed) {
             (true, _) => "simulation failed".to_owned(),
             (false, 0) if r.checks.is_empty() => String::new(),
             (false, 0) => format!("{} pass", r.checks.iter().filter(|c| c.verdict == Verdict::Pass).count()),
@@ -114,8 +124,8 @@ fn failures(s: &mut String, report: &Report) {
     s.push_str("<h3>What fails</h3><table class=\"checks\"><tbody>");
     for r in &report.results {
         let link = format!("<a href=\"#{}\">{}</a>", r.event.name, escape(r.event.title));
-        if let Some(failure) = &r.failure {
-            let _ = write!(s, "<tr><td>{link}</td><td colspan=\"6\">{}</td></tr>", escape(failure));
+        for failure in r.broken() {
+            let _ = write!(s, "<tr><td>{link}</td><td colspan=\"6\">{}</td></tr>", escape(&failure));
         }
         for c in r.checks.iter().filter(|c| c.verdict == Verdict::Fail) {
             let _ = write!(
@@ -127,7 +137,7 @@ fn failures(s: &mut String, report: &Report) {
                 expected(c.expectation.expected),
                 c.unit,
                 deviation(c),
-                c.expectation.kind.name(),
+                c.against(),
             );
         }
     }
@@ -142,8 +152,8 @@ fn section(s: &mut String, r: &EventResult) {
         escape(r.event.title),
         escape(r.event.about)
     );
-    if let Some(failure) = &r.failure {
-        let _ = write!(s, "<p class=\"failure\">The simulation failed: {}</p>", escape(failure));
+    for failure in r.broken() {
+        let _ = write!(s, "<p class=\"failure\">The simulation failed: {}</p>", escape(&failure));
     }
     for note in &r.outcome.notes {
         let _ = write!(s, "<p class=\"note\">{}</p>", escape(note));
@@ -156,22 +166,35 @@ fn section(s: &mut String, r: &EventResult) {
         s.push_str("</div>");
     }
     checks(s, r);
-    let judged = |name: &str| r.checks.iter().any(|c| c.expectation.figure == name);
-    let rest: Vec<_> = r.outcome.figures.iter().filter(|f| !judged(&f.name)).collect();
-    if !rest.is_empty() {
-        s.push_str("<details><summary>Figures without a reference</summary><table class=\"figures\"><tbody>");
-        for f in rest {
-            let value = if f.value.is_finite() { number(f.value) } else { "not reached".to_owned() };
-            let _ = write!(
-                s,
-                "<tr><td>{}</td><td class=\"n\">{value}</td><td class=\"u\">{}</td></tr>",
-                escape(&f.name),
-                f.unit
-            );
-        }
-        s.push_str("</tbody></table></details>");
+    rest(s, r, None, &r.outcome.figures);
+    for driven in &r.setups {
+        rest(s, r, Some(driven.kind), &driven.outcome.figures);
     }
     s.push_str("</section>");
+}
+
+/// Figures, of the vehicle as it is or in a set-up, that are held against nothing.
+fn rest(s: &mut String, r: &EventResult, setup: Option<Kind>, figures: &[Figure]) {
+    let judged = |name: &str| r.checks.iter().any(|c| c.setup == setup && c.expectation.figure == name);
+    let rest: Vec<_> = figures.iter().filter(|f| !judged(&f.name)).collect();
+    if rest.is_empty() {
+        return;
+    }
+    let within = setup.map_or_else(String::new, |kind| format!(" in {}", kind.setup()));
+    let _ = write!(
+        s,
+        "<details><summary>Figures{within} without a reference</summary><table class=\"figures\"><tbody>"
+    );
+    for f in rest {
+        let value = if f.value.is_finite() { number(f.value) } else { "not reached".to_owned() };
+        let _ = write!(
+            s,
+            "<tr><td>{}</td><td class=\"n\">{value}</td><td class=\"u\">{}</td></tr>",
+            escape(&f.name),
+            f.unit
+        );
+    }
+    s.push_str("</tbody></table></details>");
 }
 
 fn checks(s: &mut String, r: &EventResult) {
@@ -187,9 +210,12 @@ fn checks(s: &mut String, r: &EventResult) {
         let why = c.expectation.unsound.as_ref().map_or_else(String::new, |u| {
             format!("<br><span class=\"unsound\">not judged: {}</span>", escape(u))
         });
+        let tag = c
+            .setup
+            .map_or_else(String::new, |kind| format!("<br><span class=\"tag\">in {}</span>", kind.setup()));
         let _ = write!(
             s,
-            "<tr class=\"{}\"><td>{}</td><td class=\"n\">{measured}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
+            "<tr class=\"{}\"><td>{}{tag}</td><td class=\"n\">{measured}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
              <td class=\"n\">{}</td><td>{}</td><td class=\"source\"><b>{}</b> {}{why}</td></tr>",
             if c.verdict == Verdict::Fail { "failed" } else { "" },
             escape(&c.expectation.figure),

@@ -186,6 +186,7 @@ pub(super) fn plot(p: &Plot) -> String {
 fn class(kind: LineKind) -> &'static str {
     match kind {
         LineKind::Ours => "ours",
+        LineKind::Setup => "setup",
         LineKind::Reference => "reference",
         LineKind::Theory => "theory",
     }
