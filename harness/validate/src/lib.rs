@@ -17,6 +17,7 @@ mod geometry;
 mod reference;
 mod report;
 mod rig;
+mod rigid_wheel;
 mod run;
 mod setup;
 mod theory;

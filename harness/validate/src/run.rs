@@ -177,6 +177,7 @@ fn draw(event: &Event, outcome: &mut Outcome, setups: &[InSetup], references: &R
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn hmmwv() -> VehicleSpec {
         VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap()
@@ -205,6 +206,86 @@ mod tests {
         let curve = plot.lines.iter().find(|l| l.kind == LineKind::Reference).unwrap();
         assert!(curve.points.len() > 5 && curve.points.iter().all(|p| p[0] >= from && p[0] <= to));
         assert_eq!(curve.case, plot.lines[0].case, "one colour for one case");
+    }
+
+    #[test]
+    fn references_of_a_kind_are_held_against_the_vehicle_in_their_set_up_and_theory_against_it_as_it_is() {
+        let plain = References { setups: BTreeMap::new(), ..references() };
+        let [as_it_is, both] = [plain, references()]
+            .map(|r| run(&hmmwv(), &[], &r, &only(&["drop"]), |_| {}).unwrap().results.remove(0));
+        assert!(as_it_is.setups.is_empty() && both.setups.len() == 1);
+        assert_eq!(as_it_is.outcome.figures, both.outcome.figures, "the first drive knows of no set-up");
+        let [own, other] = [&both.outcome, &both.setups[0].outcome];
+        let name = "final reference height";
+        assert!(own.value(name) != other.value(name), "the brush yields more than the rigid tyre");
+        for (before, check) in as_it_is.checks.iter().zip(&both.checks) {
+            let name = &check.expectation.figure;
+            let theirs = check.expectation.kind == Kind::Chrono;
+            assert_eq!(check.setup, theirs.then_some(Kind::Chrono), "{name}");
+            assert_eq!(check.measured, if theirs { other } else { own }.value(name), "{name}");
+            assert_eq!((before.setup, before.measured), (None, own.value(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn beside_a_reference_curve_is_our_line_in_its_set_up() {
+        let report = run(&hmmwv(), &[], &references(), &only(&["drop"]), |_| {}).unwrap();
+        let lines = &report.results[0].outcome.plots[0].lines;
+        let of = |kind: LineKind| lines.iter().find(|l| l.kind == kind).unwrap();
+        let [ours, setup] = [of(LineKind::Ours), of(LineKind::Setup)];
+        assert_eq!(setup.label, format!("{}, in Chrono's set-up", ours.label));
+        assert_eq!(setup.case, ours.case, "one colour for one case");
+        assert!(setup.points != ours.points && setup.points.len() > 50);
+    }
+
+    #[test]
+    fn results_and_page_and_files_tell_what_was_measured_in_a_set_up() {
+        let report = run(&hmmwv(), &[], &references(), &only(&["drop", "free-fall"]), |_| {}).unwrap();
+        let file: serde_json::Value = serde_json::from_str(&report.json()).unwrap();
+        assert!(file["setups"]["chrono"].as_str().unwrap().starts_with("Rigid tyres"));
+        let [drop, fall] = [&file["events"][0], &file["events"][1]];
+        assert_eq!((&drop["event"], &fall["event"]), (&"drop".into(), &"free-fall".into()));
+        assert!(fall.get("setups").is_none(), "nothing of Chrono's is held against it");
+        assert_eq!(drop["setups"][0]["setup"], "chrono");
+        let figures = drop["setups"][0]["figures"].as_array().unwrap();
+        assert_eq!(figures.len(), drop["figures"].as_array().unwrap().len());
+        for check in drop["checks"].as_array().unwrap() {
+            let chrono = check["kind"] == "chrono";
+            assert_eq!(check["setup"], if chrono { "chrono".into() } else { serde_json::Value::Null });
+            if chrono {
+                let same = figures.iter().find(|f| f["name"] == check["figure"]).unwrap();
+                assert_eq!(check["measured"], same["value"], "{check}");
+            }
+        }
+        let page = report.page();
+        assert!(page.contains("<br><span class=\"tag\">in Chrono's set-up</span>"));
+        assert!(page.contains("Figures in Chrono's set-up without a reference"));
+        assert!(page.contains("<polyline class=\"setup c0\""));
+        let dir = std::env::temp_dir().join(format!("vb-validate-{}", std::process::id()));
+        report.write(&dir).unwrap();
+        let names: Vec<String> = std::fs::read_dir(dir.join("series"))
+            .unwrap()
+            .map(|f| f.unwrap().file_name().into_string().unwrap())
+            .collect();
+        std::fs::remove_dir_all(&dir).unwrap();
+        let has = |name: &str| names.iter().any(|n| n == name);
+        assert!(has("drop-drop.csv") && has("drop-drop-chrono.csv"), "{names:?}");
+        assert!(has("free-fall-fall.csv") && !has("free-fall-fall-chrono.csv"), "{names:?}");
+    }
+
+    #[test]
+    fn the_set_up_is_the_same_whatever_tyre_is_put_on() {
+        let checks = |spec: &VehicleSpec| {
+            let report = run(spec, &[], &references(), &only(&["static"]), |_| {}).unwrap();
+            let of = |kind: Kind| -> Vec<Option<f64>> {
+                let all = report.results[0].checks.iter();
+                all.filter(|c| c.expectation.kind == kind).map(|c| c.measured).collect()
+            };
+            (of(Kind::Theory), of(Kind::Chrono))
+        };
+        let (brush, fiala) = (checks(&hmmwv()), checks(&hmmwv().with_tyre("fiala").unwrap()));
+        assert!(brush.1 == fiala.1 && !brush.1.is_empty());
+        assert!(brush.0 != fiala.0, "theory's are of the tyre that is on");
     }
 
     #[test]

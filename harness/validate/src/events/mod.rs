@@ -98,3 +98,18 @@ pub fn event(name: &str) -> Result<&'static Event, ValidateError> {
         known: EVENTS.iter().map(|e| e.name).collect::<Vec<_>>().join(", "),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_event_that_speaks_of_soil_and_drives_a_vehicle_is_on_soil() {
+        let of_plates_and_single_wheels =
+            [soil_wheel::PLATE.name, soil_wheel::WHEEL.name, soil_wheel::SECOND_PASS.name];
+        for e in events().iter().filter(|e| !of_plates_and_single_wheels.contains(&e.name)) {
+            let speaks = [e.title, e.about].iter().any(|t| t.to_lowercase().contains("soil"));
+            assert_eq!(on_soil(e), speaks, "{}", e.name);
+        }
+    }
+}
