@@ -74,6 +74,27 @@ fn a_test_writes_a_page_that_needs_nothing_else_and_results_and_series() {
 }
 
 #[test]
+fn the_table_tells_which_checks_were_measured_in_the_set_up_of_their_reference() {
+    let bench = Bench::new();
+    let text = bench.ok(&["vehicle", "test", "hmmwv", "--out", "r", "--event", "static", "--tyre", "tmeasy"]);
+    let line = |of: &str| text.lines().find(|l| l.contains(of)).expect("a line").trim_end().to_owned();
+    assert!(line("load front left").ends_with("chrono, in its set-up"), "{text}");
+    assert!(line("sum of wheel loads").ends_with("theory"), "{text}");
+    let results = bench.json("r/results.json");
+    let event = &results["events"][0];
+    assert_eq!(event["setups"][0]["setup"], "chrono");
+    let in_setup = event["setups"][0]["figures"].as_array().expect("figures");
+    let height = |figures: &[Value]| {
+        let found = figures.iter().find(|f| f["name"] == "height of the reference point");
+        found.expect("the figure")["value"].as_f64().expect("a number")
+    };
+    let own = height(event["figures"].as_array().expect("figures"));
+    // The rigid tyre of the set-up yields 2.4 mm, TMeasy's some centimetres.
+    assert!(height(in_setup) > own + 0.01, "{} m, as it is {own} m", height(in_setup));
+    assert!(bench.files("r").keys().any(|f| f.to_string_lossy().ends_with("-chrono.csv")));
+}
+
+#[test]
 fn the_whole_test_measures_every_figure_that_it_is_held_against() {
     let bench = Bench::new();
     let done = bench.run(&["vehicle", "test", "hmmwv", "--out", "r"]);
@@ -161,6 +182,9 @@ fn bad_input_to_a_test_is_one_line_that_says_what_to_do() {
     );
     let args = ["hmmwv", "--references", "r.yaml", "--out", "r"];
     refused(&args, BAD_INPUT, &["r.yaml: events.braking[0].value: give value with share or tolerance"]);
+    let setup = "setups: {chrono: {about: a, tyre: square}}\nevents:\n  static:\n    - {figure: pitch, at_least: 0, kind: chrono, source: s}\n";
+    bench.write("r.yaml", &format!("schema: 1\nvehicle: hmmwv\n{setup}"));
+    refused(&args, BAD_INPUT, &["r.yaml: setups.chrono.tyre: \"square\" is not among them", "rigid"]);
     bench.write("file", "");
     refused(&["hmmwv", "--event", "static", "--out", "file/r"], OUTPUT, &["file/r"]);
     assert!(bench.ok(&["vehicle", "test", "--list"]).lines().count() > 15);

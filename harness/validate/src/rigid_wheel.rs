@@ -10,7 +10,7 @@
 //! - R_c = b (∫ p dz in front − ∫ p dz behind), the second of which is p₀² / (2 k_e).
 //!
 //! With k_e → ∞ and the parabola x² = 2 R y that is Bekker's wheel, whose own closed form also breaks a series off
-//! (ibid., eqs. 2.97, 2.98). It has no elasticity, which takes a sixth to a fifth of the resistance on firm soil.
+//! (ibid., eqs. 2.97, 2.98). It has no elasticity.
 
 use std::f64::consts::FRAC_PI_2;
 use vb_math::{acos, cos, sin};
@@ -149,15 +149,16 @@ mod tests {
 
     #[test]
     fn without_elasticity_it_is_bekkers_wheel() {
-        // Of n = 1 Bekker's series has no more terms, so that only the parabola in place of the circle is left.
-        for (k, n, share) in [(2e7, 1.0, 0.01), (2e7, 1.1, 0.025), (8e6, 0.8, 0.07)] {
+        // Of n = 1 Bekker's series has no more terms, so that only the parabola in place of the circle is left. Of other n it
+        // has: ∫ (1 − s²)ⁿ ds from 0 to 1 is 2 % more than the (3 − n)/3 that it keeps for n = 1.1, 4 % less for 0.8.
+        for (k, n, share) in [(2e7, 1.0, 0.01), (2e7, 1.1, 0.03), (8e6, 0.8, 0.07)] {
             let wheel = WHEEL.on(&soil(k, n, 1e13)).unwrap();
             let (z, rc) = bekker(k, n);
             assert!(z < 0.03, "{z} m is small beside the radius");
             assert!(near(wheel.sinkage, z, share), "n {n}: {} m, Bekker {z}", wheel.sinkage);
             assert!(near(wheel.resistance, rc, share), "n {n}: {} N, Bekker {rc}", wheel.resistance);
             assert!(near(wheel.length, (2.0 * WHEEL.radius * z - z * z).sqrt(), share), "{}", wheel.length);
-            assert!(wheel.rebound < 1e-6 * z);
+            assert!(wheel.rebound < 1e-5 * z);
         }
     }
 
