@@ -168,8 +168,18 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// Marks of the tasks whose start is moved along x, and by how much, m.
-const MOVED: [(&str, f64); 2] = [("_p", 1e-3), ("_m", -1e-3)];
+/// Marks of the tasks whose start is moved, and by how much along x and y, m: all around it, by less than what the lines
+/// of the two vehicles part in the first seconds.
+const MOVED: [(&str, [f64; 2]); 8] = [
+    ("_e", [0.1, 0.0]),
+    ("_ne", [0.07, 0.07]),
+    ("_n", [0.0, 0.1]),
+    ("_nw", [-0.07, 0.07]),
+    ("_w", [-0.1, 0.0]),
+    ("_sw", [-0.07, -0.07]),
+    ("_s", [0.0, -0.1]),
+    ("_se", [0.07, -0.07]),
+];
 
 /// Writes the worlds with the recorded tasks alone, each as it is and with its start moved.
 fn write_suite(
@@ -183,11 +193,13 @@ fn write_suite(
         let mut world = world.clone();
         world.tasks.retain(|t| runs.iter().any(|r| r.world == *id && r.task_id() == t.id));
         for task in world.tasks.clone() {
-            for (mark, by) in MOVED {
+            for (mark, [east, north]) in MOVED {
                 let mut moved = task.clone();
                 moved.id += mark;
-                moved.start.x += by;
-                moved.path[0][0] += by;
+                moved.start.x += east;
+                moved.start.y += north;
+                moved.path[0][0] += east;
+                moved.path[0][1] += north;
                 world.tasks.push(moved);
             }
         }
@@ -213,6 +225,8 @@ fn drive(
     command.args(["--soils", "original", "--param", &format!("speed={SPEED}")]);
     if mode.planner() == "pid-release" {
         command.args(["--param", &format!("obstacles={}", mode::obstacle_squares(world))]);
+        // The recorded planner had a plan when it started.
+        command.args(["--param", "first_plan=0"]);
     }
     let output =
         command.output().map_err(|source| CompareError::Io { path: args.harness.clone(), source })?;

@@ -39,7 +39,11 @@ fn step(c: &mut Criterion) {
         ("mud at 0.05 m, flat", on_soil(TerrainClass::Mud), 0.05),
     ] {
         let options = SimOptions { soil_pitch, ..SimOptions::default() };
-        let start = || common::soil_start(&world, &common::soils(), [-50.0, 0.0], 0.0, options);
+        let (model, soils) = (common::model(common::hmmwv()), common::soils());
+        let start = || {
+            let start = vb_world::Pose2 { x: -50.0, y: 0.0, yaw: 0.0 };
+            vb_sim::Simulation::new(world.clone(), &model, &soils, start, options).expect("it settles")
+        };
         group.bench_function(name, |b| {
             let mut sim = start();
             b.iter(|| {

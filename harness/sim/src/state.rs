@@ -23,7 +23,8 @@ pub struct WheelState {
     pub deflection: f64,
     /// Normal force of the ground and of obstacles, N.
     pub load: f64,
-    /// Greatest depth below undisturbed soil, m; 0 on rigid ground.
+    /// How deep the wheel's lowest point in its middle plane lies below undisturbed soil that it presses on, m; 0 on rigid
+    /// ground. Of a track's wheel, how deep the belt lies under it.
     pub sinkage: f64,
 }
 

@@ -22,6 +22,8 @@ pub struct Setup {
 pub(crate) struct Entry {
     about: String,
     tyre: Option<String>,
+    /// Range of travel over which linkages are solved, m, around 0, of suspensions that have no stops.
+    free_travel: Option<[f64; 2]>,
     /// As [`vb_sim::Chassis::resistance`], on rigid ground: that of the runs comes from their contact with it.
     resistance: Option<Vec<[f64; 2]>>,
     /// Width of the tyres on soil, m.
@@ -37,6 +39,18 @@ impl Entry {
                 SimError::VehicleInvalid { reason, .. } => ("tyre".to_owned(), reason),
                 other => ("tyre".to_owned(), other.to_string()),
             })?;
+        }
+        if let Some(range) = self.free_travel {
+            let [low, high] = range;
+            if !(low.is_finite() && high.is_finite() && low < 0.0 && high > 0.0) {
+                let reason = format!("[{low}, {high}] must be a range around 0");
+                return Err(("free_travel".to_owned(), reason));
+            }
+            for suspension in soil.axles.iter_mut().map(|a| &mut a.suspension) {
+                if suspension.stops.take().is_some() {
+                    suspension.range = range;
+                }
+            }
         }
         let mut ground = soil.clone();
         if let Some(table) = self.resistance {
@@ -119,6 +133,20 @@ mod tests {
     }
 
     #[test]
+    fn suspensions_with_free_travel_have_no_stops() {
+        let setup = read("free_travel: [-0.16, 0.24]").unwrap();
+        for axle in setup.ground.axles.iter().chain(&setup.soil.axles) {
+            assert!(axle.suspension.stops.is_none());
+            assert_eq!(axle.suspension.range, [-0.16, 0.24]);
+        }
+        // A wheel that is fixed to the chassis has no travel, and one that has no stops keeps its range.
+        let mut vehicle = vehicle();
+        vehicle.axles[1].suspension.stops = None;
+        let entry: Entry = vb_world::yaml::parse("{about: a, free_travel: [-0.16, 0.24]}").unwrap();
+        assert_eq!(entry.setup(&vehicle).unwrap().ground.axles[1].suspension.range, [-0.16, 0.16]);
+    }
+
+    #[test]
     fn a_setup_changes_nothing_that_it_does_not_state() {
         let setup = read("").unwrap();
         assert!(setup.ground == vehicle() && setup.soil == vehicle());
@@ -134,6 +162,7 @@ mod tests {
     fn what_the_vehicle_lacks_and_what_is_no_number_is_refused_with_field_and_value() {
         for (fields, says) in [
             ("tyre: square", "tyre: \"square\" is not among them; choose one of brush, fiala, rigid, tmeasy"),
+            ("free_travel: [0.1, 0.2]", "free_travel: [0.1, 0.2] must be a range around 0"),
             ("soil_width: -0.3", "soil_width: -0.3 must be a positive number"),
             ("soil_width: .nan", "soil_width: NaN must be a positive number"),
             ("resistance: []", "resistance: needs at least one point"),

@@ -4,7 +4,7 @@
 //! Every 0.1 s it plans anew from where it is: A* on a map of pixels (see [`grid`]), one Bézier curve through all its
 //! cells. It steers by the angle between the heading and the bearing of the curve's first point that is at least 10 m
 //! away and in front, one per radian, changing by at most 0.05 every 5 ms; the original does not limit it to the lock,
-//! this interface does. Until the first plan, at 0.1 s, it aims east. Throttle and brake come from a proportional
+//! this interface does. Until the first plan, at `first_plan`, it aims east. Throttle and brake come from a proportional
 //! controller of the forward speed, gain 1. Terrain is ignored. All lengths are in pixels of the elevation map, 1 m at
 //! full scale.
 
@@ -21,6 +21,7 @@ vb_sdk::export_planner! {
     control_period: 0.005,
     params: {
         speed: 4.0 => "target speed, m/s",
+        first_plan: 0.1 => "time of the first plan, s",
         obstacles: "" => "blocked squares of pixels as ROW:COLUMN:HALF;..., north row 0; default: from the occupancy map",
     }
 }
@@ -66,6 +67,7 @@ impl Planner for PidRelease {
             grid.block_squares(squares)?;
         }
         let target_speed = task.param_positive("speed")?;
+        let first_plan = task.param_f64("first_plan")?;
         Ok(Self {
             goal: grid.cell(task.goal.x, task.goal.y),
             grid: grid.inflated(INFLATION),
@@ -74,7 +76,7 @@ impl Planner for PidRelease {
             period: task.control_period,
             path: Vec::new(),
             local_goal: 0,
-            next_plan: PLAN_PERIOD,
+            next_plan: first_plan,
             steering: 0.0,
         })
     }
@@ -136,7 +138,7 @@ mod tests {
             occupancy: Map { frame: half, data: vec![0; 256 * 256] },
             goal: Point2 { x: -60.0, y: 0.0 },
             control_period: 0.005,
-            params: [("speed", "4.0"), ("obstacles", "")]
+            params: [("speed", "4.0"), ("first_plan", "0.1"), ("obstacles", "")]
                 .iter()
                 .map(|(k, d)| Param { key: (*k).into(), value: value(k, d) })
                 .collect(),
@@ -162,6 +164,13 @@ mod tests {
         // At 0.1 s the way west is planned: now the error is +90°.
         assert!((p.step(&at(0.1, 0.5, 0.5, north, 4.5)).unwrap().steering + 0.95).abs() < 1e-12);
         assert_eq!(p.step(&at(0.105, 0.5, 0.5, north, 4.5)).unwrap().brake, 0.5);
+    }
+
+    #[test]
+    fn it_plans_at_its_start_if_told_to() {
+        let mut p = PidRelease::init(&task(&[("first_plan", "0")])).unwrap();
+        let north = std::f64::consts::FRAC_PI_2;
+        assert_eq!(p.step(&at(0.0, 0.5, 0.5, north, 0.0)).unwrap().steering, 0.05, "west, where the goal is");
     }
 
     #[test]

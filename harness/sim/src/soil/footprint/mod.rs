@@ -38,7 +38,7 @@ pub(crate) struct SoilForce {
     pub(crate) moment: V3,
     /// Component of the force away from the ground, N.
     pub(crate) load: f64,
-    /// Greatest sinkage below the undisturbed surface, m.
+    /// How deep the lowest point of a wheel's middle plane lies below the undisturbed surface, m; 0 for a belt.
     pub(crate) sinkage: f64,
     /// What the implicit treatment of damping and unloading adds to the wheel's mass.
     pub(crate) inertia: M3,
@@ -150,7 +150,10 @@ impl Footprint<WHEEL> {
             .try_normalize(0.3)
             .map(|along| Frame { along, axis: motion.axis, up: along.cross(&motion.axis) })
             .filter(|f| near && f.up.z > 0.1);
-        self.advance(ground, surface, under, motion, frame, &normal, dt)
+        let tilt = motion.axis.dot(&normal);
+        let reach = self.shape.radius * (1.0 - tilt * tilt).max(0.0).sqrt();
+        let force = self.advance(ground, surface, under, motion, frame, &normal, dt)?;
+        Some(SoilForce { sinkage: (reach - height).max(0.0), ..force })
     }
 }
 
@@ -297,7 +300,7 @@ impl<const N: usize> Footprint<N> {
             compaction: -sum.pressure,
             moment: frame.world(&sum.moment),
             load: sum.force.dot(&frame.local(normal)),
-            sinkage: sum.sinkage,
+            sinkage: 0.0,
             inertia: axes * M3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * axes.transpose(),
         })
     }

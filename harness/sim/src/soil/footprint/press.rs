@@ -15,7 +15,6 @@ pub(super) struct Sum {
     /// Component of the pressure along the heading.
     pub(super) pressure: f64,
     pub(super) moment: V3,
-    pub(super) sinkage: f64,
     /// xx, xy, xz, yy, yz, zz.
     pub(super) inertia: [f64; 6],
     /// Strips in contact.
@@ -253,10 +252,9 @@ impl<const N: usize> Footprint<N> {
                 *total += *part;
             }
             lanes.displaced += (deeper - plastic) * area;
-            let depth = contact.select(sinkage, zero);
-            lanes.sinkage = depth.simd_gt(lanes.sinkage).select(depth, lanes.sinkage);
             bits |= contact.to_bitmask() << g;
             if let Some(stations) = &mut self.stations {
+                let depth = contact.select(sinkage, zero);
                 stations.add(simd, g, &force, along, body.offset, implicit, depth);
             }
         }
@@ -272,7 +270,6 @@ impl<const N: usize> Footprint<N> {
             *all += total(*part);
         }
         sum.displaced += total(lanes.displaced);
-        sum.sinkage = (*lanes.sinkage).into_iter().fold(sum.sinkage, f64::max);
         sum.strips += 1;
         let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
         sum.span = Some(sum.span.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
@@ -286,21 +283,13 @@ struct Lanes<S: Simd> {
     moment: [f64x4<S>; 3],
     inertia: [f64x4<S>; 6],
     displaced: f64x4<S>,
-    sinkage: f64x4<S>,
 }
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
     fn new(simd: S) -> Self {
         let zero = f64x4::splat(simd, 0.0);
-        Self {
-            force: [zero; 3],
-            pressure: zero,
-            moment: [zero; 3],
-            inertia: [zero; 6],
-            displaced: zero,
-            sinkage: zero,
-        }
+        Self { force: [zero; 3], pressure: zero, moment: [zero; 3], inertia: [zero; 6], displaced: zero }
     }
 }
 

@@ -14,6 +14,8 @@ const STEEPEST: f64 = 3.0;
 /// An outline and where its stations are.
 #[derive(Clone, Debug)]
 pub(super) struct Shape<const N: usize> {
+    /// Of a wheel, m; 0 for a belt.
+    pub(super) radius: f64,
     /// Distance from the hub within which all of the outline is, m.
     pub(super) reach: f64,
     /// Height of the hub above the ground, m, up to which the footprint is kept.
@@ -63,6 +65,7 @@ impl<const N: usize> Shape<N> {
             rim: lengths,
         };
         Self {
+            radius: 0.0,
             reach: 0.0,
             near: 0.0,
             width,
@@ -102,7 +105,14 @@ impl Shape<WHEEL> {
         let (sin, cos) = (shape.xs.map(|x| x / radius), half.map(|h| h / radius));
         let rim = std::array::from_fn(|k| shape.lengths[k] * radius / half[k]);
         let radial = Directions { normal: [sin.map(|s| -s), [0.0; WHEEL], cos], tangent: [cos, sin], rim };
-        Self { reach: vb_math::hypot(radius, width), near: (1.0 + CLEARANCE) * radius, half, radial, ..shape }
+        Self {
+            radius,
+            reach: vb_math::hypot(radius, width),
+            near: (1.0 + CLEARANCE) * radius,
+            half,
+            radial,
+            ..shape
+        }
     }
 }
 
