@@ -275,7 +275,7 @@ impl<const N: usize> Footprint<N> {
         dt: f64,
     ) -> Option<SoilForce> {
         if self.live {
-            self.transport(&mut ground.grid, motion, frame, dt);
+            self.transport(simd, &mut ground.grid, motion, frame, dt);
         } else {
             self.enter(&ground.grid, motion, frame);
         }

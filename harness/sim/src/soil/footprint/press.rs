@@ -301,7 +301,7 @@ fn total<S: Simd>(lanes: f64x4<S>) -> f64 {
 }
 
 #[inline(always)]
-fn store<S: Simd, const N: usize>(row: &mut Row<N>, g: usize, value: f64x4<S>) {
+pub(super) fn store<S: Simd, const N: usize>(row: &mut Row<N>, g: usize, value: f64x4<S>) {
     value.store_slice(&mut row[g..g + LANES]);
 }
 

@@ -1,9 +1,11 @@
 //! The soil's states move through the footprint as the wheel moves over the ground.
 
 use super::super::grid::Grid;
-use super::{FIRST, Footprint, Frame, Row};
+use super::press::store;
+use super::{FIRST, Footprint, Frame, LANES, Row};
 use crate::V3;
 use crate::tyre::WheelMotion;
+use fearless_simd::{Simd, f64x4, prelude::*};
 
 /// Part of the grid's pitch by which a wheel slides before it looks at the ground beside it again.
 const SLIDE: f64 = 0.02;
@@ -13,7 +15,14 @@ const STILL: f64 = 1e-6;
 impl<const N: usize> Footprint<N> {
     /// Moves the states by upwind differences.
     #[inline(always)]
-    pub(super) fn transport(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, dt: f64) {
+    pub(super) fn transport<S: Simd>(
+        &mut self,
+        simd: S,
+        grid: &mut Grid,
+        m: &WheelMotion,
+        f: &Frame,
+        dt: f64,
+    ) {
         let edge = self.shape.xs[Self::LAST];
         for strip in 0..self.shape.strips {
             let arm = m.axis * self.shape.offset(strip);
@@ -33,10 +42,10 @@ impl<const N: usize> Footprint<N> {
             let shares: Row<N> = self.shape.inverse_lengths.map(|i| (part * i).min(1.0));
             let [a, b] = &mut self.shear;
             for _ in 0..parts {
-                advect(&mut self.plastic[strip], cell.plastic, forward, &shares);
-                advect(&mut self.raised[strip], cell.raised, forward, &shares);
-                advect(&mut a[strip], 0.0, forward, &shares);
-                advect(&mut b[strip], 0.0, forward, &shares);
+                advect(simd, &mut self.plastic[strip], cell.plastic, forward, &shares);
+                advect(simd, &mut self.raised[strip], cell.raised, forward, &shares);
+                advect(simd, &mut a[strip], 0.0, forward, &shares);
+                advect(simd, &mut b[strip], 0.0, forward, &shares);
             }
             // Fast wheels leave more than a cell a step.
             let last = if forward { FIRST } else { Self::LAST };
@@ -48,14 +57,14 @@ impl<const N: usize> Footprint<N> {
         }
         let distance = m.velocity.dot(&m.axis) * dt;
         if distance.abs() > STILL * dt {
-            self.slide(grid, m, f, distance);
+            self.slide(simd, grid, m, f, distance);
         }
     }
 
     /// Moves the states across the footprint of a wheel that slides to the left by `distance`. What lies beside the
     /// wheel is taken from and left to the grid every couple of millimetres.
     #[inline(always)]
-    fn slide(&mut self, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
+    fn slide<S: Simd>(&mut self, simd: S, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
         let (strips, width) = (self.shape.strips, self.shape.width);
         let strip = |i: usize| if distance > 0.0 { i } else { strips - 1 - i };
         let turned = self.aside * distance < 0.0;
@@ -74,28 +83,31 @@ impl<const N: usize> Footprint<N> {
             }
         }
         let c = (distance.abs() * strips as f64 / width).min(1.0);
+        let (zero, c) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, c));
+        let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         // From where states leave towards where they enter, so that each still finds its neighbour's old state.
         for i in 0..strips {
             let (to, from) = (strip(i), (i + 1 < strips).then(|| strip(i + 1)));
-            let upstream = |states: &[Row<N>], inflow: &Row<N>| from.map_or(*inflow, |from| states[from]);
-            let plastic = upstream(&self.plastic, &self.beside[0]);
-            let raised = upstream(&self.raised, &self.beside[1]);
-            for k in FIRST..=Self::LAST {
+            for g in (0..N).step_by(LANES) {
+                let (plastic, raised) = match from {
+                    Some(from) => (load(&self.plastic[from], g), load(&self.raised[from], g)),
+                    None => (load(&self.beside[0], g), load(&self.beside[1], g)),
+                };
+                let (depth, heap) = (load(&self.plastic[to], g), load(&self.raised[to], g));
                 // A strip that is partly on new ground is pressed into it as deep as it stands: new ground adds its
                 // share of the pressure under which it yields, not the stiffness of a wall that lifts the wheel.
-                let pressed = self.pressed[to][k];
-                let change = c * (raised[k] - self.raised[to][k]);
-                let depth = &mut self.plastic[to][k];
-                *depth += c * (plastic[k].max(pressed) - *depth);
-                self.raised[to][k] += change;
-                if pressed > 0.0 {
-                    *depth = (*depth + change).max(0.0);
-                }
-            }
-            for states in &mut self.shear {
-                let upstream = from.map_or([0.0; N], |from| states[from]);
-                for (state, up) in states[to].iter_mut().zip(&upstream) {
-                    *state += c * (up - *state);
+                let pressed = load(&self.pressed[to], g);
+                let change = c * (raised - heap);
+                let entering = plastic.simd_gt(pressed).select(plastic, pressed);
+                let moved = depth + c * (entering - depth);
+                let deepened = moved + change;
+                let deepened = deepened.simd_gt(zero).select(deepened, zero);
+                store(&mut self.plastic[to], g, pressed.simd_gt(zero).select(deepened, moved));
+                store(&mut self.raised[to], g, heap + change);
+                for states in &mut self.shear {
+                    let upstream = from.map_or(zero, |from| load(&states[from], g));
+                    let state = load(&states[to], g);
+                    store(&mut states[to], g, state + c * (upstream - state));
                 }
             }
         }
@@ -104,17 +116,26 @@ impl<const N: usize> Footprint<N> {
 
 /// Moves a row of states backward (`forward`: the wheel moves forward) by the given shares of each station's length.
 #[inline(always)]
-fn advect<const N: usize>(row: &mut Row<N>, inflow: f64, forward: bool, shares: &Row<N>) {
+fn advect<S: Simd, const N: usize>(simd: S, row: &mut Row<N>, inflow: f64, forward: bool, shares: &Row<N>) {
+    let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
+    let moved = |old: f64x4<S>, neighbour: f64x4<S>, g: usize| old + (neighbour - old) * load(shares, g);
     // In place, from where states leave towards where they enter, so that each still finds its neighbour's old state.
+    // What has no neighbour is no station, and moves nowhere.
     if forward {
         row[N - 2] = inflow;
-        for k in 0..N - 1 {
-            row[k] += (row[k + 1] - row[k]) * shares[k];
+        let mut old = load(row, 0);
+        for g in (0..N).step_by(LANES) {
+            let next = if g + LANES < N { load(row, g + LANES) } else { old };
+            store(row, g, moved(old, old.slide::<1>(next), g));
+            old = next;
         }
     } else {
         row[FIRST - 1] = inflow;
-        for k in (1..N).rev() {
-            row[k] += (row[k - 1] - row[k]) * shares[k];
+        let mut old = load(row, N - LANES);
+        for g in (0..N).step_by(LANES).rev() {
+            let next = if g > 0 { load(row, g - LANES) } else { old };
+            store(row, g, moved(old, next.slide::<{ LANES - 1 }>(old), g));
+            old = next;
         }
     }
 }
