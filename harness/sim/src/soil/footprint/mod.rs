@@ -442,4 +442,39 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_sinkage_of_a_wheel_is_that_of_its_middle_plane_whatever_its_tilt_and_the_grid() {
+        let law = SoilLaw {
+            k_phi: 2e6,
+            k_c: 0.0,
+            n: 1.0,
+            cohesion: 0.0,
+            friction_angle_deg: 30.0,
+            shear_modulus: 0.01,
+            elastic_stiffness: 2e8,
+            damping: 0.0,
+            pressure: PressureDirection::Radial,
+            bulldozing: None,
+        };
+        // A plane that rises by 0.2 to the left.
+        let surface = Heightfield::new(9, 9, 1.0, (0..81).map(|i| 0.2 * f64::from(i / 9)).collect());
+        let normal = normal_of([0.0, 0.2]);
+        let below = V3::new(0.3, 0.1, surface.height(0.3, 0.1));
+        for tilt in [0.0, 0.1, -0.3_f64] {
+            for pitch in [0.1, 0.05, 0.02] {
+                let mut ground = SoilGround::of_one(law.prepare(), [4.0, 4.0], pitch);
+                let mut wheel = Footprint::wheel(0.47, 0.25, pitch);
+                let left = normal.cross(&V3::x());
+                let axis = left * vb_math::cos(tilt) + normal * vb_math::sin(tilt);
+                // The lowest point of the circle is 3 cm deep.
+                let hub = below + normal * (0.47 * vb_math::cos(tilt) - 0.03);
+                let still = V3::zeros();
+                let motion = WheelMotion { hub, velocity: still, rotation: still, axis, spin: 0.0 };
+                let under = ground.under(hub.x, hub.y, 0.47);
+                let force = wheel.step(&mut ground, &surface, under, &motion, 1e-3).unwrap();
+                assert!((force.sinkage - 0.03).abs() < 1e-9, "{tilt}, {pitch} m: {}", force.sinkage);
+            }
+        }
+    }
 }
