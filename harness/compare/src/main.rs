@@ -1,6 +1,7 @@
 //! `vb-compare`: drives the tasks that Project Chrono was recorded on, with the original's planner, speed and rules,
 //! and puts both results side by side. `cargo xtask compare-chrono` builds what it needs and runs it.
 
+mod cost;
 mod mode;
 mod reference;
 mod table;
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Parser;
+use cost::Cost;
 use mode::Mode;
 use reference::Run;
 use table::{Ours, Row};
@@ -134,6 +136,7 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     std::fs::write(&vehicle, mode::recorded_vehicle(&args.vehicle)?)
         .map_err(|source| CompareError::Io { path: vehicle.clone(), source })?;
     let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
+    let mut costs: BTreeMap<Terrain, Cost> = BTreeMap::new();
     for mode in Mode::ALL {
         eprintln!("driving: {}", mode.title());
         let mut of_mode = BTreeMap::new();
@@ -143,7 +146,15 @@ fn compare(args: &Args) -> Result<(), CompareError> {
                 continue;
             }
             let chosen = if mode == Mode::Physics { &vehicle } else { &args.vehicle };
-            match drive(args, &suite, world, mode, chosen)? {
+            let before = cost::of_children();
+            let driven = drive(args, &suite, world, mode, chosen)?;
+            if let (Mode::Shipped, Ok(list), Some(before), Some(after)) =
+                (mode, &driven, before, cost::of_children())
+            {
+                let simulated = list.iter().map(|r| r.time_s).sum();
+                costs.entry(world.terrain).or_default().add(Cost { processor: after - before, simulated });
+            }
+            match driven {
                 Ok(list) => of_mode.extend(list.into_iter().map(|r| (r.task.clone(), r))),
                 Err(message) => drop(refused.insert(world.terrain, message)),
             }
@@ -162,6 +173,8 @@ fn compare(args: &Args) -> Result<(), CompareError> {
         report += &format!("\n## {}\n\n{}", mode.title(), table::aggregate(&rows, mode));
     }
     report += &format!("\n## Tasks\n\n{}", table::tasks(&rows));
+    let runs: Vec<&Run> = rows.iter().map(|r| &r.run).collect();
+    report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &costs));
     let file = args.out.join("compare.md");
     std::fs::write(&file, &report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
     eprintln!("results: {}", file.display());

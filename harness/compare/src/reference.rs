@@ -45,6 +45,8 @@ pub(crate) struct Run {
     pub(crate) pitch: f64,
     /// Distance from the goal marker at its end, m.
     pub(crate) goal_distance: f64,
+    /// Processor time a simulated second, s.
+    pub(crate) cost: f64,
 }
 
 impl Run {
@@ -97,6 +99,7 @@ const TIME: usize = 5;
 const ROLL: usize = 7;
 const PITCH: usize = 9;
 const GOAL_DISTANCE: usize = 18;
+const COST: usize = 25;
 
 fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
     let cells: Vec<&str> = text.trim().split(',').collect();
@@ -129,6 +132,7 @@ fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
         roll: number(file, 1, &cells, ROLL)?,
         pitch: number(file, 1, &cells, PITCH)?,
         goal_distance: number(file, 1, &cells, GOAL_DISTANCE)?,
+        cost: number(file, 1, &cells, COST)?,
     })
 }
 
@@ -147,7 +151,7 @@ mod tests {
             ("w001/t00", Elevation::High, Terrain::Rigid)
         );
         assert_eq!((run.end, run.time, run.roll, run.pitch), (End::Stuck, 16.31, 3.969, 4.863));
-        assert_eq!(run.goal_distance, 104.532);
+        assert_eq!((run.goal_distance, run.cost), (104.532, 1.8767));
     }
 
     #[test]

@@ -166,7 +166,18 @@ mod tests {
 
     fn run(end: End, time: f64, roll: f64) -> Run {
         let (elevation, terrain) = (Elevation::Medium, Terrain::Rigid);
-        Run { world: 8, pair: 3, elevation, terrain, end, time, roll, pitch: 2.0, goal_distance: 61.7 }
+        Run {
+            world: 8,
+            pair: 3,
+            elevation,
+            terrain,
+            end,
+            time,
+            roll,
+            pitch: 2.0,
+            goal_distance: 61.7,
+            cost: 0.5,
+        }
     }
 
     fn record(outcome: &str, time: f64, roll: f64) -> TaskRecord {

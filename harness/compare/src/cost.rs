@@ -1,0 +1,100 @@
+//! What simulating costs: processor time a simulated second.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use vb_world::Terrain;
+
+use crate::reference::Run;
+
+/// Processor time and simulated time, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    pub(crate) processor: f64,
+    pub(crate) simulated: f64,
+}
+
+impl Cost {
+    pub(crate) fn add(&mut self, other: Self) {
+        self.processor += other.processor;
+        self.simulated += other.simulated;
+    }
+
+    fn rate(self) -> Option<f64> {
+        (self.simulated > 0.0 && self.processor > 0.0).then(|| self.processor / self.simulated)
+    }
+}
+
+/// Processor time of all programs that this one has started and that have ended, s; none where the system doesn't tell.
+pub(crate) fn of_children() -> Option<f64> {
+    #[cfg(unix)]
+    {
+        let mut usage = std::mem::MaybeUninit::<libc::rusage>::zeroed();
+        // SAFETY: the call writes a rusage to where the pointer points, which has room for one.
+        let status = unsafe { libc::getrusage(libc::RUSAGE_CHILDREN, usage.as_mut_ptr()) };
+        // SAFETY: all its fields are numbers, for which zeros are as good as what the call wrote.
+        let usage = unsafe { usage.assume_init() };
+        let seconds = |t: libc::timeval| t.tv_sec as f64 + 1e-6 * t.tv_usec as f64;
+        (status == 0).then(|| seconds(usage.ru_utime) + seconds(usage.ru_stime))
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// Chrono's cost and ours by ground, as Markdown.
+pub(crate) fn table(runs: &[&Run], ours: &BTreeMap<Terrain, Cost>) -> String {
+    let mut out = String::from("| ground | Chrono | here | ratio |\n|---|---|---|---|\n");
+    for terrain in [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable] {
+        let mut theirs = Cost::default();
+        for run in runs.iter().filter(|r| r.terrain == terrain) {
+            theirs.add(Cost { processor: run.cost * run.time, simulated: run.time });
+        }
+        let rates = (theirs.rate(), ours.get(&terrain).and_then(|c| c.rate()));
+        let Some(chrono) = rates.0 else { continue };
+        let here = rates.1.map_or_else(|| "–".into(), |v| format!("{:.1} ms", 1e3 * v));
+        let ratio = rates.1.map_or_else(|| "–".into(), |v| format!("{:.0}", chrono / v));
+        let _ = writeln!(out, "| {} | {:.0} ms | {here} | {ratio} |", terrain.name(), 1e3 * chrono);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::End;
+    use vb_world::Elevation;
+
+    #[test]
+    fn costs_are_weighed_by_simulated_time_and_a_ground_without_ours_has_no_ratio() {
+        let run = |terrain, time, cost| Run {
+            world: 1,
+            pair: 0,
+            elevation: Elevation::Low,
+            terrain,
+            end: End::Success,
+            time,
+            roll: 1.0,
+            pitch: 1.0,
+            goal_distance: 8.0,
+            cost,
+        };
+        let runs =
+            [run(Terrain::Rigid, 30.0, 0.4), run(Terrain::Rigid, 10.0, 0.8), run(Terrain::Mixed, 9.0, 0.5)];
+        let ours = BTreeMap::from([(Terrain::Rigid, Cost { processor: 2.0, simulated: 400.0 })]);
+        // (30 · 0.4 + 10 · 0.8) / 40 = 0.5 s.
+        let table = table(&runs.each_ref(), &ours);
+        assert!(
+            table.ends_with("| rigid | 500 ms | 5.0 ms | 100 |\n| mixed | 500 ms | – | – |\n"),
+            "{table}"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_time_of_a_child_that_worked_counts() {
+        let before = of_children().unwrap();
+        let work = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done";
+        assert!(std::process::Command::new("sh").args(["-c", work]).status().unwrap().success());
+        assert!(of_children().unwrap() > before);
+    }
+}
