@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use vb_world::Terrain;
 
-use crate::reference::Run;
+use crate::reference::{GROUNDS, Run};
 
 /// Processor time and simulated time, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ pub(crate) fn of_children() -> Option<f64> {
 /// Chrono's cost and ours by ground, as Markdown.
 pub(crate) fn table(runs: &[&Run], ours: &BTreeMap<Terrain, Cost>) -> String {
     let mut out = String::from("| ground | Chrono | here | ratio |\n|---|---|---|---|\n");
-    for terrain in [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable] {
+    for terrain in GROUNDS {
         let mut theirs = Cost::default();
         for run in runs.iter().filter(|r| r.terrain == terrain) {
             theirs.add(Cost { processor: run.cost * run.time, simulated: run.time });

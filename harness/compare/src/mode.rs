@@ -54,11 +54,12 @@ const HULL: [f64; 4] = [1.0, 0.5, 0.1, 0.1];
 /// Greatest rate of the recorded steering command, 1/s: 0.05 in a step of 5 ms.
 const STEERING_RATE: f64 = 10.0;
 
-/// Travel over which the recorded vehicle's linkages are solved, m: it has no stops, and its records show up to 0.21 m.
+/// Travel over which the recorded vehicle's linkages are solved, m: it has no stops, and its records show up to 0.21 m
+/// (`tasks/validation/hmmwv.yaml`, `free_travel`).
 const TRAVEL: [f64; 2] = [-0.16, 0.24];
 
-/// Our vehicle with the hull, the faces of wheels, the steering rate, the suspensions without stops and the rigid tyres of the recorded one, as a document
-/// that the harness reads.
+/// Our vehicle with the hull, the faces of wheels, the steering rate, the suspensions without stops and the rigid tyres
+/// of the recorded one, as a document that the harness reads.
 pub(crate) fn recorded_vehicle(file: &Path) -> Result<String, CompareError> {
     let text =
         std::fs::read_to_string(file).map_err(|source| CompareError::Io { path: file.into(), source })?;
@@ -153,6 +154,14 @@ mod tests {
         theirs["tyre"] = ours["tyre"].clone();
         theirs["tyres"] = ours["tyres"].clone();
         assert_eq!(ours, theirs);
+    }
+
+    #[test]
+    fn its_suspensions_and_tyres_are_those_of_the_canonical_comparisons() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/validation/hmmwv.yaml");
+        let references: Value = yaml::parse(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        let setup = &references["setups"]["chrono"];
+        assert_eq!((&setup["free_travel"], &setup["tyre"]), (&json!(TRAVEL), &json!("rigid")));
     }
 
     #[test]

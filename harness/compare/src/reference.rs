@@ -7,6 +7,9 @@ use vb_world::{Elevation, Terrain};
 
 use crate::CompareError;
 
+/// Grounds, in the order of tables.
+pub(crate) const GROUNDS: [Terrain; 3] = [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable];
+
 /// How a recorded run ended, by the released code's rules; falling off the map is the recorder's own addition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
@@ -88,8 +91,7 @@ pub(crate) fn runs(dir: &Path) -> Result<Vec<Run>, CompareError> {
             runs.push(parse(&path, &read(&path)?)?);
         }
     }
-    let ground =
-        |r: &Run| [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable].iter().position(|t| *t == r.terrain);
+    let ground = |r: &Run| GROUNDS.iter().position(|t| *t == r.terrain);
     runs.sort_by_key(|r| (ground(r), r.elevation, r.world, r.pair));
     Ok(runs)
 }

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use vb_score::{Outcome, TaskRecord};
-use vb_world::{Elevation, Terrain};
+use vb_world::Elevation;
 
 use crate::mode::Mode;
-use crate::reference::{End, Run};
+use crate::reference::{End, GROUNDS, Run};
 
 /// Our records of one task: as it is, and with the start moved by 0.1 m all around.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ fn own_cell(pair: Pair<'_>) -> String {
     };
     let mark = if agree(pair) { "" } else { "**≠** " };
     let (arrive, all) = pair.1.arrivals();
-    let chance = if arrive % all == 0 { String::new() } else { format!(" ({arrive} of {all})") };
+    let chance = if arrive == 0 || arrive == all { String::new() } else { format!(" ({arrive} of {all})") };
     format!("{mark}{text}{chance}")
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn aggregate(rows: &[Row], mode: Mode) -> String {
         "| ground | level | tasks | same outcome | of most starts | of one start or more | successes: Chrono | here \
          | time, here / Chrono | mean \\|roll\\| | mean \\|pitch\\| |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for terrain in [Terrain::Rigid, Terrain::Mixed, Terrain::Deformable] {
+    for terrain in GROUNDS {
         for elevation in Elevation::ALL {
             let group: Vec<Pair<'_>> = pairs
                 .iter()
@@ -163,6 +163,7 @@ pub(crate) fn aggregate(rows: &[Row], mode: Mode) -> String {
 mod tests {
     use super::*;
     use serde_json::json;
+    use vb_world::Terrain;
 
     fn run(end: End, time: f64, roll: f64) -> Run {
         let (elevation, terrain) = (Elevation::Medium, Terrain::Rigid);
