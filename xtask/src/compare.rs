@@ -11,19 +11,24 @@ fn shared() -> PathBuf {
     std::env::var_os("VB_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from)
 }
 
-/// Builds harness, planners and `vb-compare`, and lets it drive the recorded tasks. Without the recorded runs it says
-/// so, and that is all.
-pub(crate) fn compare_chrono() -> Result<(), Failure> {
+/// Builds harness, planners and `vb-compare`, and lets it drive the recorded tasks: the few of which there are time
+/// series, or `all` of which the end is known. Without the recorded runs it says so, and that is all.
+pub(crate) fn compare_chrono(all: bool) -> Result<(), Failure> {
     let shared = shared();
-    let recorded = shared.join("reference/chrono/tasks");
-    if !recorded.is_dir() {
+    let (option, name, folder) = if all {
+        ("--all", "reference/chrono/all-tasks.csv", "compare-chrono-all")
+    } else {
+        ("--recorded", "reference/chrono/tasks", "compare-chrono")
+    };
+    let recorded = shared.join(name);
+    if !recorded.exists() {
         step(&format!("skipped: no recorded runs at {} (set VB_SHARED)", recorded.display()));
         return Ok(());
     }
     step("building the harness and the comparison");
     cargo(&["build", "--release", "--package", "vb-harness", "--package", "vb-compare"])?;
     plugins::build(&default_plugin_dir())?;
-    let out = target_dir().join("compare-chrono");
+    let out = target_dir().join(folder);
     if out.exists() {
         std::fs::remove_dir_all(&out)
             .map_err(|e| Failure::new(format!("can't remove {}: {e}", out.display())))?;
@@ -31,12 +36,6 @@ pub(crate) fn compare_chrono() -> Result<(), Failure> {
     let mut command = Command::new(built("vb-compare"));
     command.arg("--harness").arg(built("vb-harness")).arg("--plugins").arg(default_plugin_dir());
     command.arg("--vehicle").arg(root().join("tasks/vehicles/hmmwv.yaml"));
-    command
-        .arg("--recorded")
-        .arg(recorded)
-        .arg("--original")
-        .arg(shared.join("verti-bench"))
-        .arg("--out")
-        .arg(out);
+    command.arg(option).arg(recorded).arg("--original").arg(shared.join("verti-bench")).arg("--out").arg(out);
     run(&mut command)
 }

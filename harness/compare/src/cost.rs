@@ -76,6 +76,7 @@ mod tests {
             roll: 1.0,
             pitch: 1.0,
             goal_distance: 8.0,
+            roll_end: None,
             cost,
         };
         let runs =

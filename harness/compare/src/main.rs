@@ -33,8 +33,11 @@ struct Args {
     #[arg(long, value_name = "FILE")]
     vehicle: PathBuf,
     /// Folder of the recorded runs: wW_P.txt and .csv
-    #[arg(long, value_name = "DIR")]
-    recorded: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "all")]
+    recorded: Option<PathBuf>,
+    /// Table of many runs, a line each: they are driven with the recorded vehicle alone, from one start
+    #[arg(long, value_name = "FILE", conflicts_with = "recorded")]
+    all: Option<PathBuf>,
     /// The original's BenchMaps folder, or one of its parents
     #[arg(long, value_name = "DIR")]
     original: PathBuf,
@@ -98,9 +101,10 @@ impl CompareError {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    for (what, dir) in [("recorded runs", &args.recorded), ("original worlds", &args.original)] {
-        if !dir.is_dir() {
-            eprintln!("skipped: no {what} at {}; nothing to compare with", dir.display());
+    let runs = args.recorded.iter().chain(&args.all).map(|p| ("recorded runs", p));
+    for (what, path) in runs.chain([("original worlds", &args.original)]) {
+        if !path.exists() {
+            eprintln!("skipped: no {what} at {}; nothing to compare with", path.display());
             return ExitCode::SUCCESS;
         }
     }
@@ -118,11 +122,19 @@ const SPEED: f64 = 4.0;
 
 fn compare(args: &Args) -> Result<(), CompareError> {
     let source = Source::find(&args.original)?.ground(Ground::AsSimulated);
+    let recorded = match (&args.recorded, &args.all) {
+        (_, Some(file)) => reference::table(file)?,
+        (Some(dir), None) => reference::runs(dir)?,
+        (None, None) => Vec::new(),
+    };
     let (runs, missing): (Vec<Run>, Vec<Run>) =
-        reference::runs(&args.recorded)?.into_iter().partition(|r| source.ids().any(|id| id == r.world));
+        recorded.into_iter().partition(|r| source.ids().any(|id| id == r.world));
     for run in missing {
         eprintln!("skipped: {}: the original's world {} is not there", run.task(), run.world);
     }
+    // A table has enough runs that chance evens out.
+    let (modes, moved): (&[Mode], &[_]) =
+        if args.all.is_some() { (&[Mode::Physics], &[]) } else { (&Mode::ALL, &MOVED) };
     eprintln!("importing the worlds of {} recorded runs", runs.len());
     let mut worlds: BTreeMap<u32, World> = BTreeMap::new();
     for run in &runs {
@@ -131,13 +143,13 @@ fn compare(args: &Args) -> Result<(), CompareError> {
         }
     }
     let suite = args.out.join("suite");
-    write_suite(&suite, source.meta(), &runs, &worlds)?;
+    write_suite(&suite, source.meta(), &runs, &worlds, moved)?;
     let vehicle = args.out.join("recorded-vehicle.yaml");
     std::fs::write(&vehicle, mode::recorded_vehicle(&args.vehicle)?)
         .map_err(|source| CompareError::Io { path: vehicle.clone(), source })?;
     let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
     let mut costs: BTreeMap<Terrain, Cost> = BTreeMap::new();
-    for mode in Mode::ALL {
+    for &mode in modes {
         eprintln!("driving: {}", mode.title());
         let mut of_mode = BTreeMap::new();
         let mut refused: BTreeMap<Terrain, String> = BTreeMap::new();
@@ -169,14 +181,22 @@ fn compare(args: &Args) -> Result<(), CompareError> {
         .map(|run| Row { ours: records.iter().map(|of_mode| ours(&run, of_mode)).collect(), run })
         .collect();
     let mut report = String::from("# Whole tasks: Project Chrono and here\n");
+    if args.all.is_some() {
+        report += &format!("\n{}\n{}", table::ends(&rows), table::tasks(&rows, modes));
+        return write_report(&args.out, &report);
+    }
     for mode in Mode::ALL {
         report += &format!("\n## {}\n\n{}", mode.title(), table::aggregate(&rows, mode));
     }
-    report += &format!("\n## Tasks\n\n{}", table::tasks(&rows));
+    report += &format!("\n## Tasks\n\n{}", table::tasks(&rows, modes));
     let runs: Vec<&Run> = rows.iter().map(|r| &r.run).collect();
     report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &costs));
-    let file = args.out.join("compare.md");
-    std::fs::write(&file, &report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
+    write_report(&args.out, &report)
+}
+
+fn write_report(out: &Path, report: &str) -> Result<(), CompareError> {
+    let file = out.join("compare.md");
+    std::fs::write(&file, report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
     eprintln!("results: {}", file.display());
     Ok(())
 }
@@ -200,15 +220,16 @@ fn write_suite(
     meta: SuiteMeta,
     runs: &[Run],
     worlds: &BTreeMap<u32, World>,
+    starts: &[(&str, [f64; 2])],
 ) -> Result<(), CompareError> {
     let mut writer = SuiteWriter::create(dir, meta)?;
     for (id, world) in worlds {
         let mut world = world.clone();
         world.tasks.retain(|t| runs.iter().any(|r| r.world == *id && r.task_id() == t.id));
         for task in world.tasks.clone() {
-            for (mark, [east, north]) in MOVED {
+            for (mark, [east, north]) in starts {
                 let mut moved = task.clone();
-                moved.id += mark;
+                moved.id += *mark;
                 moved.start.x += east;
                 moved.start.y += north;
                 moved.path[0][0] += east;

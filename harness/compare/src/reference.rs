@@ -1,4 +1,4 @@
-//! The recorded runs of Project Chrono: `w{world}_{pair}.txt`, one line a run.
+//! The recorded runs of Project Chrono: `w{world}_{pair}.txt`, one line a run, or one table of many runs.
 
 use std::fmt;
 use std::path::Path;
@@ -17,6 +17,36 @@ pub(crate) enum End {
     Stuck,
     Timeout,
     FellOffMap,
+}
+
+impl End {
+    fn named(name: &str) -> Option<Self> {
+        match name {
+            "success" => Some(Self::Success),
+            "stuck" => Some(Self::Stuck),
+            "timeout" => Some(Self::Timeout),
+            "fell_off_map" => Some(Self::FellOffMap),
+            _ => None,
+        }
+    }
+}
+
+/// What a record may say in these columns.
+const ENDS: &str = "success, stuck, timeout or fell_off_map";
+const LEVELS: &str = "low, mid or high";
+const TERRAINS: &str = "rigid, deformable or mixed";
+
+fn level(name: &str) -> Option<Elevation> {
+    match name {
+        "low" => Some(Elevation::Low),
+        "mid" => Some(Elevation::Medium),
+        "high" => Some(Elevation::High),
+        _ => None,
+    }
+}
+
+fn ground(name: &str) -> Option<Terrain> {
+    Terrain::ALL.into_iter().find(|t| t.name() == name)
 }
 
 impl fmt::Display for End {
@@ -48,6 +78,8 @@ pub(crate) struct Run {
     pub(crate) pitch: f64,
     /// Distance from the goal marker at its end, m.
     pub(crate) goal_distance: f64,
+    /// |roll| at its end, degrees; none where the record doesn't tell.
+    pub(crate) roll_end: Option<f64>,
     /// Processor time a simulated second, s.
     pub(crate) cost: f64,
 }
@@ -91,8 +123,60 @@ pub(crate) fn runs(dir: &Path) -> Result<Vec<Run>, CompareError> {
             runs.push(parse(&path, &read(&path)?)?);
         }
     }
-    let ground = |r: &Run| GROUNDS.iter().position(|t| *t == r.terrain);
-    runs.sort_by_key(|r| (ground(r), r.elevation, r.world, r.pair));
+    sort(&mut runs);
+    Ok(runs)
+}
+
+fn sort(runs: &mut [Run]) {
+    runs.sort_by_key(|r| (GROUNDS.iter().position(|t| *t == r.terrain), r.elevation, r.world, r.pair));
+}
+
+/// The runs of a table with a header, in the same order: a line a run, of which those with the variant `base` (or
+/// without such a column) count.
+pub(crate) fn table(file: &Path) -> Result<Vec<Run>, CompareError> {
+    let text = read(file)?;
+    let mut lines = text.lines().enumerate();
+    let header: Vec<&str> = lines.next().map(|(_, l)| l.split(',').collect()).unwrap_or_default();
+    let column = |name: &str| {
+        let found = header.iter().position(|h| *h == name);
+        found.ok_or_else(|| CompareError::reference(file, 1, format!("there is no column {name}")))
+    };
+    let (world, pair, outcome) = (column("world")?, column("pair")?, column("outcome")?);
+    let (elevation, terrain, time) = (column("level")?, column("terrain")?, column("time_s")?);
+    let (roll, pitch) = (column("mean_abs_roll_deg")?, column("mean_abs_pitch_deg")?);
+    let (goal_distance, roll_end) = (column("goal_distance_m")?, column("roll_end_deg")?);
+    let cost = column("cpu_s_per_sim_s")?;
+    let variant = column("variant").ok();
+    let mut runs = Vec::new();
+    for (k, text) in lines {
+        let line = k + 1;
+        let cells: Vec<&str> = text.trim().split(',').collect();
+        let cell = |column: usize| cells.get(column).copied().unwrap_or_default();
+        let flaw = |column: usize, want: &str| {
+            CompareError::reference(
+                file,
+                line,
+                format!("{}: {:?} is not {want}", header[column], cell(column)),
+            )
+        };
+        if variant.is_some_and(|v| cell(v) != "base") {
+            continue;
+        }
+        runs.push(Run {
+            world: cell(world).parse().map_err(|_| flaw(world, "the number of a world"))?,
+            pair: cell(pair).parse().map_err(|_| flaw(pair, "the number of a pair"))?,
+            elevation: level(cell(elevation)).ok_or_else(|| flaw(elevation, LEVELS))?,
+            terrain: ground(cell(terrain)).ok_or_else(|| flaw(terrain, TERRAINS))?,
+            end: End::named(cell(outcome)).ok_or_else(|| flaw(outcome, ENDS))?,
+            time: number(file, line, &cells, time)?,
+            roll: number(file, line, &cells, roll)?,
+            pitch: number(file, line, &cells, pitch)?,
+            goal_distance: number(file, line, &cells, goal_distance)?,
+            roll_end: Some(number(file, line, &cells, roll_end)?.abs()),
+            cost: number(file, line, &cells, cost)?,
+        });
+    }
+    sort(&mut runs);
     Ok(runs)
 }
 
@@ -110,30 +194,20 @@ fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
         CompareError::reference(file, 1, format!("column {}: {found:?} is not {want}", column + 1))
     };
     let cell = |column: usize| cells.get(column).copied().unwrap_or_default();
-    let end = match cell(4) {
-        "success" => End::Success,
-        "stuck" => End::Stuck,
-        "timeout" => End::Timeout,
-        "fell_off_map" => End::FellOffMap,
-        _ => return Err(flaw(4, "success, stuck, timeout or fell_off_map")),
-    };
-    let elevation = match cell(1) {
-        "low" => Elevation::Low,
-        "mid" => Elevation::Medium,
-        "high" => Elevation::High,
-        _ => return Err(flaw(1, "low, mid or high")),
-    };
-    let terrain = Terrain::ALL.into_iter().find(|t| t.name() == cell(2));
+    let end = End::named(cell(4)).ok_or_else(|| flaw(4, ENDS))?;
+    let elevation = level(cell(1)).ok_or_else(|| flaw(1, LEVELS))?;
+    let terrain = ground(cell(2));
     Ok(Run {
         world: cell(0).parse().map_err(|_| flaw(0, "the number of a world"))?,
         pair: cell(3).parse().map_err(|_| flaw(3, "the number of a pair"))?,
         elevation,
-        terrain: terrain.ok_or_else(|| flaw(2, "rigid, deformable or mixed"))?,
+        terrain: terrain.ok_or_else(|| flaw(2, TERRAINS))?,
         end,
         time: number(file, 1, &cells, TIME)?,
         roll: number(file, 1, &cells, ROLL)?,
         pitch: number(file, 1, &cells, PITCH)?,
         goal_distance: number(file, 1, &cells, GOAL_DISTANCE)?,
+        roll_end: None,
         cost: number(file, 1, &cells, COST)?,
     })
 }
@@ -167,6 +241,28 @@ mod tests {
             assert!(message.contains(expected), "{message}");
         }
         assert!(parse(Path::new("w1_0.txt"), "").is_err());
+    }
+
+    #[test]
+    fn a_table_is_read_by_its_header_and_its_flaws_are_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("all.csv");
+        let header = "level,world,terrain,pair,variant,outcome,time_s,mean_abs_roll_deg,mean_abs_pitch_deg,\
+                      goal_distance_m,roll_end_deg,cpu_s_per_sim_s\n";
+        let line =
+            |variant: &str, roll: &str| format!("mid,7,rigid,2,{variant},stuck,20,4,3,61,{roll},0.1\n");
+        let write = |lines: String| std::fs::write(&file, format!("{header}{lines}")).unwrap();
+        write(line("base", "-44.5") + &line("ms1", "3"));
+        let runs = table(&file).unwrap();
+        assert_eq!(runs.len(), 1, "variants of the recording are left out");
+        let run = &runs[0];
+        assert_eq!((run.world, run.pair, run.elevation, run.end), (7, 2, Elevation::Medium, End::Stuck));
+        assert_eq!((run.time, run.goal_distance, run.roll_end, run.cost), (20.0, 61.0, Some(44.5), 0.1));
+        write(line("base", "much"));
+        let message = table(&file).unwrap_err().to_string();
+        assert!(message.contains("all.csv: line 2: column 11: \"much\" is not a number"), "{message}");
+        std::fs::write(&file, "world,pair\n").unwrap();
+        assert!(table(&file).unwrap_err().to_string().contains("there is no column outcome"));
     }
 
     #[test]

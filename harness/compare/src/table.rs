@@ -74,13 +74,13 @@ fn level(elevation: Elevation) -> &'static str {
 }
 
 /// One line a task.
-pub(crate) fn tasks(rows: &[Row]) -> String {
+pub(crate) fn tasks(rows: &[Row], modes: &[Mode]) -> String {
     let mut out = String::from("| world, pair | ground | level | Chrono |");
-    for mode in Mode::ALL {
+    for mode in modes {
         let _ = write!(out, " {} |", mode.title());
     }
     out.push_str("\n|---|---|---|---|");
-    out.push_str(&"---|".repeat(Mode::ALL.len()));
+    out.push_str(&"---|".repeat(modes.len()));
     out.push('\n');
     for Row { run, ours } in rows {
         let theirs = cell(&run.end.to_string(), run.time, run.roll, run.pitch, run.goal_distance);
@@ -117,6 +117,54 @@ fn cell(outcome: &str, time: f64, roll: f64, pitch: f64, goal_distance: f64) -> 
     } else {
         format!("{outcome} after {time:.0} s, {goal_distance:.0} m short")
     }
+}
+
+/// Roll at the end beyond which a failed run counts as rolled over, degrees: that of the paper's failures.
+const ROLLED_OVER: f64 = 30.0;
+
+/// How the runs of the first mode ended beside Chrono's, one line a ground and level and one for all.
+///
+/// The paired difference of arrivals is given in its standard errors, sqrt(b + c − (b − c)²/n), where b and c tasks were
+/// done in one simulator alone.
+pub(crate) fn ends(rows: &[Row]) -> String {
+    let pairs: Vec<Pair<'_>> = rows.iter().filter_map(|r| Some((&r.run, r.ours[0].as_ref()?))).collect();
+    let mut out = String::from(
+        "| ground | level | tasks | arrives: Chrono | here | Chrono alone | here alone | difference / its error | same end \
+         | rolled over at the end: Chrono | here |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let mut line = |ground: &str, level: &str, group: &[Pair<'_>]| {
+        let count = |test: &dyn Fn(Pair<'_>) -> bool| group.iter().filter(|p| test(**p)).count();
+        let (theirs, own) = (count(&|p| p.0.end == End::Success), count(&|p| p.1.succeeds()));
+        let both = count(&|p| p.0.end == End::Success && p.1.succeeds());
+        let (b, c, n) = ((theirs - both) as f64, (own - both) as f64, group.len() as f64);
+        let error = (b + c - (b - c) * (b - c) / n).sqrt();
+        let difference = if error > 0.0 { format!("{:+.1}", (c - b) / error) } else { "–".to_owned() };
+        let over = |roll: Option<f64>| roll.is_some_and(|r| r.abs() > ROLLED_OVER);
+        let _ = writeln!(
+            out,
+            "| {ground} | {level} | {} | {theirs} | {own} | {} | {} | {difference} | {} ({:.0} %) | {} | {} |",
+            group.len(),
+            theirs - both,
+            own - both,
+            count(&agree),
+            100.0 * count(&agree) as f64 / n,
+            count(&|p| p.0.end != End::Success && over(p.0.roll_end)),
+            count(&|p| !p.1.succeeds() && over(p.1.nominal.metrics.map(|m| m.roll_end_deg))),
+        );
+    };
+    for terrain in GROUNDS {
+        for elevation in Elevation::ALL {
+            let within = |p: &&Pair<'_>| p.0.terrain == terrain && p.0.elevation == elevation;
+            let group: Vec<Pair<'_>> = pairs.iter().filter(within).copied().collect();
+            if !group.is_empty() {
+                line(terrain.name(), level(elevation), &group);
+            }
+        }
+    }
+    if !pairs.is_empty() {
+        line("all", "", &pairs);
+    }
+    out
 }
 
 /// One line a ground and level, for one mode.
@@ -177,6 +225,7 @@ mod tests {
             roll,
             pitch: 2.0,
             goal_distance: 61.7,
+            roll_end: None,
             cost: 0.5,
         }
     }
@@ -222,8 +271,27 @@ mod tests {
     }
 
     #[test]
+    fn ends_are_counted_with_the_error_of_a_paired_difference_and_rollovers_of_failures_alone() {
+        let mut rows: Vec<Row> = [
+            row(End::Success, "success", "stuck", [30.0, 31.0], [4.0, 3.0]),
+            row(End::Success, "stuck", "stuck", [30.0, 31.0], [4.0, 3.0]),
+            row(End::Success, "stuck", "stuck", [30.0, 31.0], [4.0, 3.0]),
+            row(End::Stuck, "success", "stuck", [30.0, 31.0], [4.0, 3.0]),
+        ]
+        .into();
+        for (row, theirs, own) in [(0, 50.0, 50.0), (1, 50.0, -31.0), (2, 0.0, 29.0), (3, 60.0, 60.0)] {
+            rows[row].run.roll_end = Some(theirs);
+            let ours = rows[row].ours[0].as_mut().unwrap();
+            ours.nominal.metrics.as_mut().unwrap().roll_end_deg = own;
+        }
+        // b = 2, c = 1, n = 4: −1 / sqrt(3 − 1/4) = −0.6.
+        let expected = "| 4 | 3 | 2 | 2 | 1 | -0.6 | 1 (25 %) | 1 | 1 |\n";
+        assert_eq!(ends(&rows).matches(expected).count(), 2, "{}", ends(&rows));
+    }
+
+    #[test]
     fn a_task_shows_how_both_ended_and_how_many_starts_arrive_where_that_depends_on_the_start() {
-        let line = |row: Row| tasks(&[row]).lines().last().unwrap_or_default().to_owned();
+        let line = |row: Row| tasks(&[row], &Mode::ALL).lines().last().unwrap_or_default().to_owned();
         let same = line(row(End::Success, "success", "stuck", [30.0, 31.0], [4.0, 3.0]));
         assert_eq!(same, "| 8, 3 | rigid | mid | 30.0 s, 4.0°, 2.0° | 31.0 s, 3.0°, 1.0° (2 of 3) | – | – |");
         let other = line(row(End::Success, "out_of_bounds", "stuck", [30.0, 20.4], [4.0, 3.0]));
