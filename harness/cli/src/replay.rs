@@ -9,8 +9,8 @@ use vb_record::{RunHeader, RunReader};
 use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Setting, page, write_mcap};
 use vb_report::Runs;
 use vb_runner::Soils;
-use vb_score::{Rules, StartRule, SuccessRule, TaskRecord};
-use vb_sim::{SimOptions, Start, VehicleModel, VehicleSpec};
+use vb_score::{Rules, SuccessRule, TaskRecord};
+use vb_sim::{SimOptions, VehicleModel, VehicleSpec};
 use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
@@ -172,10 +172,7 @@ impl Player {
             }
             let trace = part.reader.trace(task).map_err(CliError::input)?;
             let repeated = part.soils.as_ref().zip(part.rules.as_ref()).and_then(|(soils, rules)| {
-                let start = match rules.start {
-                    StartRule::Settled => Start::Settled,
-                    StartRule::Dropped { height_m } => Start::Dropped { height: height_m * scale },
-                };
+                let start = vb_runner::start(rules.start, scale);
                 let header = &part.header;
                 let options = SimOptions {
                     step: header.time_step,

@@ -32,6 +32,9 @@ struct Args {
     /// Our vehicle
     #[arg(long, value_name = "FILE")]
     vehicle: PathBuf,
+    /// The recorded vehicle
+    #[arg(long, value_name = "FILE")]
+    recorded_vehicle: PathBuf,
     /// Folder of the recorded runs: wW_P.txt and .csv
     #[arg(long, value_name = "DIR", required_unless_present = "all")]
     recorded: Option<PathBuf>,
@@ -65,16 +68,6 @@ enum CompareError {
         /// The line, counted from 1.
         line: usize,
         /// What is wrong there.
-        problem: String,
-    },
-    /// The vehicle can't be given the recorded one's hull.
-    #[error("{}: {field}: {problem}", file.display())]
-    Vehicle {
-        /// The file.
-        file: PathBuf,
-        /// The field.
-        field: String,
-        /// What is wrong.
         problem: String,
     },
     /// The original's worlds can't be imported.
@@ -144,9 +137,6 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     }
     let suite = args.out.join("suite");
     write_suite(&suite, source.meta(), &runs, &worlds, moved)?;
-    let vehicle = args.out.join("recorded-vehicle.yaml");
-    std::fs::write(&vehicle, mode::recorded_vehicle(&args.vehicle)?)
-        .map_err(|source| CompareError::Io { path: vehicle.clone(), source })?;
     let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
     let mut costs: BTreeMap<Terrain, Cost> = BTreeMap::new();
     for &mode in modes {
@@ -157,7 +147,7 @@ fn compare(args: &Args) -> Result<(), CompareError> {
             if refused.contains_key(&world.terrain) {
                 continue;
             }
-            let chosen = if mode == Mode::Physics { &vehicle } else { &args.vehicle };
+            let chosen = if mode == Mode::Physics { &args.recorded_vehicle } else { &args.vehicle };
             let before = cost::of_children();
             let driven = drive(args, &suite, world, mode, chosen)?;
             if let (Mode::Shipped, Ok(list), Some(before), Some(after)) =

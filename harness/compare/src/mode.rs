@@ -1,11 +1,6 @@
 //! What is held equal with the recorded runs, and the inputs that this takes.
 
-use std::path::Path;
-
-use serde_json::{Value, json};
-use vb_world::{ObstacleKind, World, yaml};
-
-use crate::CompareError;
+use vb_world::{ObstacleKind, World};
 
 /// A comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,61 +43,6 @@ impl Mode {
     }
 }
 
-/// Half extents of the recorded vehicle's collision box and the height of its centre above the reference point, m
-/// (facts §4.4: 2.0 × 1.0 × 0.2 m, centred at (0, 0, 0.1)).
-const HULL: [f64; 4] = [1.0, 0.5, 0.1, 0.1];
-/// Greatest rate of the recorded steering command, 1/s: 0.05 in a step of 5 ms.
-const STEERING_RATE: f64 = 10.0;
-
-/// Travel over which the recorded vehicle's linkages are solved, m: it has no stops, and its records show up to 0.21 m
-/// (`tasks/validation/hmmwv.yaml`, `free_travel`).
-const TRAVEL: [f64; 2] = [-0.16, 0.24];
-
-/// Our vehicle with the hull, the faces of wheels, the steering rate, the suspensions without stops and the rigid tyres
-/// of the recorded one, as a document that the harness reads.
-pub(crate) fn recorded_vehicle(file: &Path) -> Result<String, CompareError> {
-    let text =
-        std::fs::read_to_string(file).map_err(|source| CompareError::Io { path: file.into(), source })?;
-    let flaw = |field: &str, problem: String| CompareError::Vehicle {
-        file: file.into(),
-        field: field.into(),
-        problem,
-    };
-    let mut vehicle: Value = yaml::parse(&text).map_err(|e| flaw(&e.field, e.problem))?;
-    let [x, y, z, above] = HULL;
-    let corner = |k: usize| {
-        let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        [sign(2) * x, sign(1) * y, above + sign(0) * z]
-    };
-    let hull: Vec<_> = (0..8).map(corner).collect();
-    let tyre = vehicle.as_object_mut().and_then(|v| v.remove("tyres")).and_then(|t| t.get("rigid").cloned());
-    let Some(Value::Object(tyre)) = tyre else {
-        return Err(flaw("tyres.rigid", "is missing: the recorded vehicle has rigid tyres".into()));
-    };
-    const PLACE: &str = "the tyre";
-    let changes =
-        [("/chassis/hull", json!([hull])), ("/steering/rate", json!(STEERING_RATE)), ("/tyre", json!(PLACE))];
-    for (field, value) in changes {
-        match vehicle.pointer_mut(field) {
-            Some(place) => *place = value,
-            None => return Err(flaw(field, "is missing: the comparison sets it".into())),
-        }
-    }
-    for axle in vehicle["axles"].as_array_mut().into_iter().flatten() {
-        let suspension = axle.get_mut("suspension").and_then(Value::as_object_mut);
-        if let Some(suspension) = suspension.filter(|s| s.contains_key("stops")) {
-            suspension.remove("stops");
-            suspension.insert("range".to_owned(), json!(TRAVEL));
-        }
-    }
-    // Chrono's wheels are cylinders, which lie on their faces when the vehicle has tipped over.
-    vehicle["chassis"]["wheel_faces"] = json!(true);
-    // JSON is YAML. A tyre's model is its first key, and a JSON value has its keys sorted.
-    let (model, rest): (Vec<_>, Vec<_>) = tyre.iter().partition(|(key, _)| *key == "model");
-    let fields: Vec<_> = model.into_iter().chain(rest).map(|(k, v)| format!("{}:{v}", json!(k))).collect();
-    Ok(vehicle.to_string().replace(&json!(PLACE).to_string(), &format!("{{{}}}", fields.join(","))))
-}
-
 /// The squares that the original burns into its obstacle bitmap (facts §1.7), as the `pid-release` planner takes
 /// them: around the pixel of an obstacle's centre, with as many whole metres as its box is wide, halved and cut.
 pub(crate) fn obstacle_squares(world: &World) -> String {
@@ -123,54 +63,54 @@ pub(crate) fn obstacle_squares(world: &World) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
+    use serde_json::{Value, json};
+    use std::path::{Path, PathBuf};
     use vb_suite::import::{Ground, Source};
+    use vb_world::yaml;
 
     #[test]
-    fn the_recorded_vehicle_differs_in_hull_faces_tyres_stops_and_steering_rate_alone() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/vehicles/hmmwv.yaml");
-        let ours: Value = yaml::parse(&std::fs::read_to_string(&file).unwrap()).unwrap();
-        let mut theirs: Value = yaml::parse(&recorded_vehicle(&file).unwrap()).unwrap();
-        let hull: Vec<Vec<[f64; 3]>> = serde_json::from_value(theirs["chassis"]["hull"].clone()).unwrap();
-        let range = |axis: usize| {
-            let values = || hull[0].iter().map(|v| v[axis]);
-            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    fn the_recorded_vehicle_is_ours_but_for_what_its_file_says() {
+        let read = |name: &str| -> Value {
+            let file = root().join(format!("tasks/vehicles/{name}.yaml"));
+            yaml::parse(&std::fs::read_to_string(file).unwrap()).unwrap()
         };
-        assert_eq!((hull.len(), hull[0].len()), (1, 8));
-        assert_eq!([range(0), range(1), range(2)], [[-1.0, 1.0], [-0.5, 0.5], [0.0, 0.2]]);
+        let (ours, mut theirs) = (read("hmmwv"), read("hmmwv-released"));
+        let mut tyre = theirs["tyre"].clone();
+        let dilation = tyre.as_object_mut().unwrap().remove("dilation");
+        assert_eq!(
+            dilation,
+            Some(json!({"step": 0.005, "reach": 0.06})),
+            "the solver's step and both envelopes"
+        );
+        assert_eq!(tyre, ours["tyres"]["rigid"]);
         assert_eq!(theirs["steering"]["rate"], 10.0);
-        assert_eq!(theirs["chassis"].as_object_mut().unwrap().remove("wheel_faces"), Some(json!(true)));
-        theirs["chassis"]["hull"] = ours["chassis"]["hull"].clone();
-        theirs["steering"]["rate"] = ours["steering"]["rate"].clone();
+        let setup: Value = {
+            let file = root().join("tasks/validation/hmmwv.yaml");
+            yaml::parse(&std::fs::read_to_string(file).unwrap()).unwrap()
+        };
         for (axle, own) in
             theirs["axles"].as_array_mut().unwrap().iter_mut().zip(ours["axles"].as_array().unwrap())
         {
             let suspension = &mut axle["suspension"];
             assert!(suspension.get("stops").is_none() && own["suspension"].get("stops").is_some());
-            assert_eq!(suspension["range"], json!([-0.16, 0.24]));
+            assert_eq!(suspension["range"], setup["setups"]["chrono"]["free_travel"]);
             *suspension = own["suspension"].clone();
         }
-        assert_eq!(theirs["tyre"]["model"], "rigid");
-        theirs["tyre"] = ours["tyre"].clone();
-        theirs["tyres"] = ours["tyres"].clone();
+        let (mut ours, own) = (ours.clone(), theirs.as_object_mut().unwrap());
+        for field in ["name", "description", "max_speed", "tyre", "tyres", "steering"] {
+            ours.as_object_mut().unwrap().remove(field);
+            own.remove(field);
+        }
+        for field in ["hull", "wheel_faces"] {
+            ours["chassis"].as_object_mut().unwrap().remove(field);
+            own["chassis"].as_object_mut().unwrap().remove(field);
+        }
+        ours["powertrain"].as_object_mut().unwrap().remove("governor");
         assert_eq!(ours, theirs);
     }
 
-    #[test]
-    fn its_suspensions_and_tyres_are_those_of_the_canonical_comparisons() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/validation/hmmwv.yaml");
-        let references: Value = yaml::parse(&std::fs::read_to_string(&file).unwrap()).unwrap();
-        let setup = &references["setups"]["chrono"];
-        assert_eq!((&setup["free_travel"], &setup["tyre"]), (&json!(TRAVEL), &json!("rigid")));
-    }
-
-    #[test]
-    fn a_vehicle_without_the_field_is_refused() {
-        let dir = tempfile::tempdir().unwrap();
-        let file = dir.path().join("cart.yaml");
-        std::fs::write(&file, "chassis: {mass: 3}\ntyres: {rigid: {model: rigid}}\n").unwrap();
-        let message = recorded_vehicle(&file).unwrap_err().to_string();
-        assert!(message.contains("cart.yaml: /chassis/hull: is missing"), "{message}");
+    fn root() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
     }
 
     /// Against the original's own obstacle bitmaps: 129 rows of 132 bytes from byte 1078 on, bottom row first, 255 on

@@ -6,7 +6,16 @@ use std::process::Command;
 fn without_reference_data_it_says_so_and_ends_well() {
     let out = tempfile::tempdir().expect("a folder");
     let result = Command::new(env!("CARGO_BIN_EXE_vb-compare"))
-        .args(["--harness", "vb-harness", "--plugins", "plugins", "--vehicle", "hmmwv.yaml"])
+        .args([
+            "--harness",
+            "vb-harness",
+            "--plugins",
+            "plugins",
+            "--vehicle",
+            "a.yaml",
+            "--recorded-vehicle",
+            "b.yaml",
+        ])
         .args(["--recorded", "no/recorded/runs", "--original", "no/worlds", "--out"])
         .arg(out.path().join("out"))
         .output()

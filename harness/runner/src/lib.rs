@@ -13,6 +13,6 @@ mod trial;
 
 pub use brief::{StaticShape, planner_task, planner_vehicle, static_shape};
 pub use error::RunError;
-pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, run};
+pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, run, start};
 pub use state_hash::StateHash;
 pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, sample};

@@ -107,6 +107,17 @@ pub struct RunReport {
     pub interrupted: bool,
 }
 
+/// How the simulator starts a trial under a rule in a world of a scale.
+#[must_use]
+pub fn start(rule: StartRule, scale: f64) -> Start {
+    match rule {
+        StartRule::Settled => Start::Settled,
+        StartRule::Dropped { height_m, raster_stretch } => {
+            Start::Dropped { height: height_m * scale, stretch: raster_stretch }
+        }
+    }
+}
+
 /// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run soon: tasks in flight are
 /// given up, all others are on disk.
 ///
@@ -117,10 +128,7 @@ pub fn run(
     on_event: &mut dyn FnMut(Event),
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
-    let start = match config.rules.start {
-        StartRule::Settled => Start::Settled,
-        StartRule::Dropped { height_m } => Start::Dropped { height: height_m * config.scale },
-    };
+    let start = start(config.rules.start, config.scale);
     let options =
         SimOptions { step: config.time_step, soil_pitch: config.soils.pitch, start, ..SimOptions::default() };
     let prepared = prepare(config, options)?;

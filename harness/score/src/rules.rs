@@ -51,7 +51,20 @@ pub enum StartRule {
     Dropped {
         /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
         height_m: f64,
+        /// By how much the raster is stretched from which the ground's height is read: it is that at the place over this
+        /// number. 1 if left out.
+        #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
+        raster_stretch: f64,
     },
+}
+
+fn unstretched() -> f64 {
+    1.0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_unstretched(stretch: &f64) -> bool {
+    *stretch == 1.0
 }
 
 impl StartRule {
@@ -262,7 +275,11 @@ impl Rules {
                 fail(field, v.to_string(), "an angle between 0 and 180 degrees")
             }
         };
-        if let StartRule::Dropped { height_m } = self.start {
+        if let StartRule::Dropped { height_m, raster_stretch } = self.start {
+            if !(0.5..=2.0).contains(&raster_stretch) {
+                let found = raster_stretch.to_string();
+                return fail("start.dropped.raster_stretch", found, "a number between 0.5 and 2");
+            }
             positive("start.dropped.height_m", height_m)?;
             if height_m > 100.0 {
                 return fail("start.dropped.height_m", height_m.to_string(), "at most 100");
@@ -328,7 +345,7 @@ mod tests {
         assert_eq!(release.stuck, Some(StuckRule::Slow { speed_m_per_s: 0.01 / 0.005, duration_s: 10.0 }));
         assert_eq!((release.rollover, release.out_of_bounds), (None, None));
         // Facts 4.5: level, the reference point 1 m above the ground, and the loop runs from there.
-        assert_eq!(release.start, StartRule::Dropped { height_m: 1.0 });
+        assert_eq!(release.start, StartRule::Dropped { height_m: 1.0, raster_stretch: 129.0 / 128.0 });
         assert_eq!(paper.start, StartRule::Settled);
         let dev = Rules::resolve("dev").unwrap();
         assert_eq!(dev.rollover.unwrap().when, RollTime::AnyTime);
@@ -352,10 +369,12 @@ mod tests {
         let with = |start: &str| Rules::from_yaml("a", &format!("{text}\nstart: {start}\n"));
         assert_eq!(with("settled").unwrap().hash(), Rules::paper().hash());
         let dropped = with("{dropped: {height_m: 0.5}}").unwrap();
-        assert_eq!(dropped.start, StartRule::Dropped { height_m: 0.5 });
+        assert_eq!(dropped.start, StartRule::Dropped { height_m: 0.5, raster_stretch: 1.0 });
         assert_ne!(dropped.hash(), Rules::paper().hash());
         let e = with("{dropped: {height_m: -1}}").unwrap_err().to_string();
         assert!(e.contains("start.dropped.height_m: -1 must be a positive number"), "{e}");
+        let e = with("{dropped: {height_m: 1, raster_stretch: 0}}").unwrap_err().to_string();
+        assert!(e.contains("start.dropped.raster_stretch: 0 must be a number between 0.5 and 2"), "{e}");
         assert!(with("flying").unwrap_err().to_string().contains("flying"));
     }
 

@@ -34,6 +34,9 @@ pub enum Start {
     Dropped {
         /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
         height: f64,
+        /// The ground's height is taken at the place over this number: 1, or how far the raster is stretched that it is
+        /// read from.
+        stretch: f64,
     },
 }
 
@@ -115,8 +118,8 @@ impl Simulation {
                 simulation.place(start);
                 simulation.settle()?;
             }
-            Start::Dropped { height } => {
-                simulation.place_above(start, height);
+            Start::Dropped { height, stretch } => {
+                simulation.place_above(start, height, stretch);
                 simulation.check()?;
             }
         }
@@ -172,13 +175,13 @@ impl Simulation {
         }
     }
 
-    /// Leaves the vehicle level in the air with its reference point `height` above the ground there, or as much
-    /// higher as it takes to touch nothing.
-    fn place_above(&mut self, start: Pose2, height: f64) {
+    /// Leaves the vehicle level in the air with its reference point `height` above the ground, whose height is read at the
+    /// place over `stretch`, or as much higher as it takes to touch nothing.
+    fn place_above(&mut self, start: Pose2, height: f64, stretch: f64) {
         let ground = &self.world.heightfield;
         let (_, high) = ground.range();
         self.vehicle.q = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
-        let mut z = ground.height(start.x, start.y) + height;
+        let mut z = ground.height(start.x / stretch, start.y / stretch) + height;
         loop {
             self.vehicle.x = V3::new(start.x, start.y, z) - self.vehicle.q * self.reference;
             if self.is_free() || z > high + height.max(3.0) {

@@ -327,7 +327,7 @@ fn a_clone_goes_on_exactly_like_the_original() {
 #[test]
 fn a_dropped_start_falls_freely_from_its_height_with_the_clock_running_and_lands() {
     let world = flat_soil(TerrainClass::Mud);
-    let options = SimOptions { start: Start::Dropped { height: 1.0 }, ..SimOptions::default() };
+    let options = SimOptions { start: Start::Dropped { height: 1.0, stretch: 1.0 }, ..SimOptions::default() };
     let mut sim = soil_start(&world, &original_soils(), [3.0, 0.0], 0.5, options);
     let (s, (_, _, yaw)) = (sim.state(), sim.state().roll_pitch_yaw());
     assert_eq!((sim.time(), s.velocity.norm()), (0.0, 0.0));
@@ -340,7 +340,7 @@ fn a_dropped_start_falls_freely_from_its_height_with_the_clock_running_and_lands
     let s = sim.state();
     assert!(s.velocity.norm() < 1e-3 && s.wheels.iter().all(|w| w.sinkage > 0.05), "{s:?}");
     // Where it would touch something it starts higher.
-    let low = SimOptions { start: Start::Dropped { height: 0.1 }, ..options };
+    let low = SimOptions { start: Start::Dropped { height: 0.1, stretch: 1.0 }, ..options };
     let sim = soil_start(&world, &original_soils(), [3.0, 0.0], 0.5, low);
     assert!(sim.state().position.z > 0.45, "wheels hang 0.47 m below: {}", sim.state().position.z);
 }

@@ -1,9 +1,11 @@
 //! Contacts of the chassis (rapier) and of the wheels with obstacles (parry), looked for only where something is near.
 
 mod chassis;
+mod facets;
 mod separation;
 
 pub(crate) use chassis::ChassisContacts;
+pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
 
 use crate::spec::TyreSpec;
 use crate::tyre::Contact;
@@ -175,6 +177,8 @@ pub(crate) struct WheelShape {
     core: Cylinder,
     margin: f64,
     bound: f64,
+    /// Of a tyre that the ground doesn't deform.
+    hard: Option<HardWheel>,
 }
 
 impl WheelShape {
@@ -182,7 +186,12 @@ impl WheelShape {
         let (radius, width) = (tyre.radius(), tyre.width());
         let margin = (0.4 * width).min(0.3 * radius);
         let core = Cylinder::new(0.5 * width - margin, radius - margin);
-        Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width) }
+        let hard = matches!(tyre, TyreSpec::Rigid(_)).then(|| HardWheel::new(radius, width));
+        Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width), hard }
+    }
+
+    pub(crate) fn hard(&self) -> Option<&HardWheel> {
+        self.hard.as_ref()
     }
 
     fn contact(&self, solid: &Solid, hub: &V3, axis: &V3) -> Option<Contact> {

@@ -9,6 +9,7 @@
 
 mod beam;
 mod energy;
+mod facets;
 mod pose;
 mod solve;
 mod spin;
@@ -24,6 +25,7 @@ use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, mo
 use crate::tyre::{Clearance, Envelope, Patch, Tyre};
 use crate::{GRAVITY, M3, Quat, V3};
 use beam::Beam;
+use facets::FacetPatches;
 use std::sync::Arc;
 use track::Track;
 use vb_world::{Heightfield, Semantics};
@@ -60,6 +62,8 @@ struct Corner {
     spin: f64,
     ground_patch: Patch,
     obstacle_patch: Patch,
+    /// Of a hard wheel: its contacts with the ground, which then has no patch of its own.
+    facets: FacetPatches,
     /// No state: it saves work.
     clearance: Clearance,
     /// None where the wheel is part of a track, which has one for all.
@@ -189,6 +193,7 @@ impl Vehicle {
                     spin: 0.0,
                     ground_patch: Patch::default(),
                     obstacle_patch: Patch::default(),
+                    facets: FacetPatches::default(),
                     clearance: Clearance::default(),
                     footprint: spec.tracks.is_none().then(|| Footprint::wheel(radius, width, soil_pitch)),
                     sinkage: 0.0,
@@ -256,7 +261,7 @@ impl Vehicle {
         let corners = self.corners.iter().flat_map(|c| {
             let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
             let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
-            motion.into_iter().chain(c.footprint.iter().flat_map(Footprint::digest))
+            motion.into_iter().chain(c.facets.digest()).chain(c.footprint.iter().flat_map(Footprint::digest))
         });
         let tracks = self.tracks.iter().flat_map(Track::digest);
         corners.chain([self.steering]).chain(self.drive.inner_state()).chain(tracks)
@@ -280,6 +285,7 @@ impl Vehicle {
         for c in &mut self.corners {
             (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
             (c.ground_patch, c.obstacle_patch) = (Patch::default(), Patch::default());
+            c.facets = FacetPatches::default();
         }
         self.tracks.iter_mut().for_each(Track::reset);
     }

@@ -18,7 +18,24 @@ impl Vehicle {
             let reach = envelope.radius();
             let under =
                 if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
+            let facets = match (&under, wheels[c.tyre].hard()) {
+                // A track's wheels stand on its belt.
+                (Under::Rigid, Some(wheel)) if c.footprint.is_some() => {
+                    wheel.facets(ground.heightfield, &hub, &axis, tyre.reach())
+                }
+                _ => None,
+            };
+            let before = std::mem::take(&mut c.facets);
             let contact = match under {
+                Under::Rigid if let Some(facets) = &facets => {
+                    for (facet, contact) in facets.iter() {
+                        let friction = ground.semantics.friction_at(contact.point.x, contact.point.y);
+                        let mut patch = before.before(*facet, &contact.normal);
+                        c.load += motion.tyre_force(tyre, contact, friction, &mut patch, f, dt);
+                        c.facets.push(*facet, contact.normal, patch);
+                    }
+                    None
+                }
                 Under::Rigid => {
                     envelope.query_where(ground.heightfield, &hub, &axis, &mut c.clearance, |_, _| 1.0)
                 }

@@ -45,6 +45,23 @@ pub struct RigidTyre {
     pub tangential_damping: f64,
     /// Distance over which a rolling wheel sheds its bristle's deflection, m.
     pub relaxation_length: f64,
+    /// How sliding lifts the wheel off rigid ground; left out: not at all, as in nature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dilation: Option<Dilation>,
+}
+
+/// What the cone complementarity of a time-stepping solver does to a contact that slides: it keeps a gap of step · μ ·
+/// sliding speed, since its friction cone is made convex by letting the normal velocity grow with the sliding one
+/// (Anitescu, Optimization-based simulation of nonsmooth rigid multibody dynamics, Mathematical Programming 105, 2006;
+/// Tasora and Anitescu, Computer Methods in Applied Mechanics and Engineering 200, 2011). A wheel that spins stands
+/// on ground that a wheel which rolls doesn't reach.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dilation {
+    /// The solver's step, s.
+    pub step: f64,
+    /// Greatest gap at which it still sees a contact, m.
+    pub reach: f64,
 }
 
 /// A brush with parabolic pressure and relaxation lengths (Pacejka, Tire and Vehicle Dynamics, 2012, ch. 3 and 7).

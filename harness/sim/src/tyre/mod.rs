@@ -104,6 +104,11 @@ impl Tyre {
         &self.envelope
     }
 
+    /// Greatest gap at which the tyre still feels the ground, m.
+    pub(crate) fn reach(&self) -> f64 {
+        if let Model::Rigid(m) = &self.model { m.reach() } else { 0.0 }
+    }
+
     /// Damping along the contact's normal, N s/m, which the equations of motion take in implicitly.
     pub(crate) fn damping(&self) -> f64 {
         self.damping
@@ -133,15 +138,22 @@ impl Tyre {
         dt: f64,
     ) -> Option<Reaction> {
         let n = contact.normal;
-        let elastic = self.vertical_force(contact.depth);
+        // Ice without any friction would divide by zero.
+        let friction = friction.max(1e-6);
+        let mut depth = contact.depth;
+        if let Model::Rigid(m) = &self.model
+            && m.reach() > 0.0
+        {
+            let velocity = motion.velocity + motion.rotation.cross(&(contact.point - motion.hub));
+            depth += m.lift((velocity - n * velocity.dot(&n)).norm(), friction);
+        }
+        let elastic = self.vertical_force(depth.max(0.0));
         // The damper does no more than the spring, so that contacts begin and end without a jump.
         let load = elastic - (self.damping * motion.velocity.dot(&n)).clamp(-elastic, elastic);
         if load <= 0.0 {
             *patch = Patch::default();
             return None;
         }
-        // Ice without any friction would divide by zero.
-        let friction = friction.max(1e-6);
         // A contact at the wheel's side has no rolling direction; any one in its plane will do.
         let along = motion
             .axis

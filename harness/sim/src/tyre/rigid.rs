@@ -1,7 +1,7 @@
 //! The hard cylinder.
 
 use super::patch::{Carcass, Creep, Patch, Slide, norm, stick};
-use crate::spec::RigidTyre;
+use crate::spec::{Dilation, RigidTyre};
 
 /// Coulomb friction of a hard cylinder: the bristle's force, up to the friction circle.
 #[derive(Clone, Debug)]
@@ -11,6 +11,7 @@ pub(crate) struct Rigid {
     pub(crate) bristle: Carcass,
     /// Force over slip of a rolling wheel, N.
     slip_stiffness: f64,
+    dilation: Option<Dilation>,
 }
 
 impl Rigid {
@@ -20,7 +21,18 @@ impl Rigid {
             friction: t.friction,
             bristle: Carcass { stiffness: [t.tangential_stiffness; 2], damping: [t.tangential_damping; 2] },
             slip_stiffness: t.tangential_stiffness * t.relaxation_length,
+            dilation: t.dilation,
         }
+    }
+
+    /// Greatest gap at which the wheel still feels the ground, m.
+    pub(crate) fn reach(&self) -> f64 {
+        self.dilation.map_or(0.0, |d| d.reach)
+    }
+
+    /// By how much a contact that slides at `speed` (m/s) on ground of a friction is lifted, m.
+    pub(crate) fn lift(&self, speed: f64, friction: f64) -> f64 {
+        self.dilation.map_or(0.0, |d| d.step * friction.min(self.friction) * speed)
     }
 
     pub(crate) fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {

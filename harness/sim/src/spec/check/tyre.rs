@@ -63,6 +63,13 @@ impl Check<'_> {
                 ("relaxation_length", t.relaxation_length),
             ],
         )?;
+        if let Some(d) = t.dilation {
+            self.all_positive(&format!("{at}.dilation"), &[("step", d.step), ("reach", d.reach)])?;
+            if d.reach > t.radius {
+                let reason = format!("{} is more than the tyre's radius, {}", d.reach, t.radius);
+                return self.fail(&format!("{at}.dilation.reach"), reason);
+            }
+        }
         self.not_negative(&format!("{at}.tangential_damping"), t.tangential_damping)
     }
 

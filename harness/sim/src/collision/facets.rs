@@ -1,0 +1,193 @@
+//! A hard wheel on the facets of the ground: one contact with each that it touches.
+//!
+//! A wheel in a corner stands on the floor and leans on the wall, each with a force and friction of its own; an average
+//! of both can neither hold it nor lift it as they do. A facet is touched where the wheel's lowest point along the
+//! facet's normal lies over it; else at an edge or a corner, where the ground falls away on its other side.
+
+use super::{from_vector, rotation, vector};
+use crate::tyre::Contact;
+use crate::{Quat, V3};
+use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
+use rapier3d_f64::parry::shape::{Cylinder, Triangle};
+use rapier3d_f64::prelude::*;
+use vb_world::Heightfield;
+
+/// Greatest number of contacts of a wheel with the ground; what a corner between four walls would have.
+pub(crate) const MOST: usize = 6;
+
+/// Margin around the core of a hard wheel over its radius: far more than it is pressed into the ground, so that core and
+/// ground stay apart, and little enough that its edges are sharp.
+const MARGIN: f64 = 0.06;
+/// Inclination of a wheel to a facet over which its contact moves from the middle of its width to its edge, rad: less than
+/// what a hard tyre's deflection takes, and enough that it doesn't jump.
+const UPRIGHT: f64 = 0.02;
+/// How far beyond an edge the ground is looked at to see whether it falls away there, over the wheel's radius.
+const BEYOND: f64 = 0.02;
+
+/// The contacts of a wheel with the ground, and of which facet each is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facets {
+    count: usize,
+    found: [(usize, Contact); MOST],
+}
+
+impl Facets {
+    fn none() -> Self {
+        let nothing = Contact { point: V3::zeros(), normal: V3::zeros(), depth: 0.0 };
+        Self { count: 0, found: [(0, nothing); MOST] }
+    }
+
+    /// Number of the facet, and the contact; the depth is negative where the wheel is yet that far from the ground.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &(usize, Contact)> {
+        self.found[..self.count].iter()
+    }
+
+    /// Keeps a contact unless it is one that a neighbour has at their common edge; the deepest where there is no room.
+    fn keep(&mut self, facet: usize, contact: Contact, alike: f64) {
+        let same =
+            |c: &Contact| (c.point - contact.point).norm() < alike && c.normal.dot(&contact.normal) > 0.9999;
+        if self.found[..self.count].iter().any(|(_, c)| same(c)) {
+            return;
+        }
+        if self.count < MOST {
+            self.found[self.count] = (facet, contact);
+            self.count += 1;
+            return;
+        }
+        let shallowest = self.found.iter_mut().min_by(|a, b| a.1.depth.total_cmp(&b.1.depth));
+        if let Some(place) = shallowest.filter(|place| place.1.depth < contact.depth) {
+            *place = (facet, contact);
+        }
+    }
+}
+
+/// A hard cylinder: a core inflated by a margin.
+#[derive(Clone)]
+pub(crate) struct HardWheel {
+    core: Cylinder,
+    margin: f64,
+    bound: f64,
+}
+
+/// A wheel in place.
+struct Wheel<'a> {
+    shape: &'a HardWheel,
+    hub: V3,
+    axis: V3,
+    pose: Pose,
+    /// Farthest distance at which a contact is reported, m.
+    reach: f64,
+}
+
+impl HardWheel {
+    /// For a wheel's radius and width, m.
+    pub(crate) fn new(radius: f64, width: f64) -> Self {
+        let margin = (MARGIN * radius).min(0.25 * width);
+        let core = Cylinder::new(0.5 * width - margin, radius - margin);
+        Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width) }
+    }
+
+    /// The contacts with the ground of the wheel with centre `hub` and axle direction `axis` (unit, to the left), and
+    /// where it is within `reach` (m) of the ground. None where the wheel is not wholly over the grid.
+    pub(crate) fn facets(&self, ground: &Heightfield, hub: &V3, axis: &V3, reach: f64) -> Option<Facets> {
+        let bound = self.bound + reach;
+        if !ground.contains(hub.x.abs() + bound, hub.y.abs() + bound) {
+            return None;
+        }
+        // parry's cylinders stand along y.
+        let turn = Quat::rotation_between(&V3::y(), axis)
+            .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI));
+        let pose = Pose::from_parts(vector(hub), rotation(&turn));
+        let wheel = Wheel { shape: self, hub: *hub, axis: *axis, pose, reach };
+        let index = |v: f64, half: f64, count: usize| (((v + half) / ground.pitch()) as usize).min(count - 2);
+        let (half_x, half_y) = (ground.half_x(), ground.half_y());
+        let mut found = Facets::none();
+        for row in index(hub.y - bound, half_y, ground.rows())..=index(hub.y + bound, half_y, ground.rows()) {
+            for col in
+                index(hub.x - bound, half_x, ground.cols())..=index(hub.x + bound, half_x, ground.cols())
+            {
+                let node = |row: usize, col: usize| {
+                    let (x, y) = (col as f64 * ground.pitch(), row as f64 * ground.pitch());
+                    V3::new(x - half_x, y - half_y, ground.node(row, col))
+                };
+                let corners =
+                    [node(row, col), node(row, col + 1), node(row + 1, col + 1), node(row + 1, col)];
+                if corners.iter().all(|c| c.z < hub.z - bound) {
+                    continue;
+                }
+                let [south_west, south_east, north_east, north_west] = corners;
+                let halves = [[south_west, south_east, north_east], [south_west, north_east, north_west]];
+                for (half, triangle) in halves.iter().enumerate() {
+                    if let Some(contact) = wheel.touches(triangle, ground) {
+                        let facet = 2 * (row * ground.cols() + col) + half;
+                        found.keep(facet, contact, 0.02 * self.radius());
+                    }
+                }
+            }
+        }
+        Some(found)
+    }
+
+    /// Of the whole wheel, m.
+    fn radius(&self) -> f64 {
+        self.core.radius + self.margin
+    }
+}
+
+impl Wheel<'_> {
+    /// The contact with one triangle, counter-clockwise from above.
+    fn touches(&self, [a, b, c]: &[V3; 3], ground: &Heightfield) -> Option<Contact> {
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let height = normal.dot(&(self.hub - a));
+        let core = &self.shape.core;
+        let lean = normal.dot(&self.axis);
+        let level = (1.0 - lean * lean).max(0.0).sqrt();
+        let lowest = height - core.radius * level - core.half_height * lean.abs() - self.shape.margin;
+        // Out of reach; or the hub is behind the facet, which then isn't the one that is touched.
+        if lowest > self.reach || height <= 0.0 {
+            return None;
+        }
+        if level > 1e-3 {
+            let down = (self.axis * lean - normal) / level;
+            let aside = -core.half_height * (lean / UPRIGHT).clamp(-1.0, 1.0);
+            let under = self.hub + down * core.radius + self.axis * aside;
+            let away = normal.dot(&(under - a));
+            let foot = under - normal * away;
+            if is_over(&foot, [a, b, c]) {
+                return Some(Contact { point: foot, normal, depth: self.shape.margin - away });
+            }
+        }
+        self.touches_edge(Triangle::new(vector(a), vector(b), vector(c)), &normal, ground)
+    }
+
+    /// The contact with an edge or a corner of a triangle beside the wheel's lowest point.
+    fn touches_edge(&self, triangle: Triangle, facet: &V3, ground: &Heightfield) -> Option<Contact> {
+        let inverse = self.pose.inverse();
+        let start = inverse.translation.try_normalize().unwrap_or(Vector::Z);
+        let mut simplex = VoronoiSimplex::new();
+        simplex.reset(CsoPoint::from_shapes(&self.pose, &triangle, &self.shape.core, start));
+        let farthest = self.shape.margin + self.reach;
+        let found =
+            gjk::closest_points(&self.pose, &triangle, &self.shape.core, farthest, true, &mut simplex);
+        let GJKResult::ClosestPoints(on_ground, on_core, out) = found else { return None };
+        let depth = self.shape.margin - (on_core - on_ground).dot(out);
+        if depth <= -self.reach {
+            return None;
+        }
+        let (point, normal) = (from_vector(on_ground), from_vector(out));
+        // Beyond the edge the ground must fall away from the contact's plane: where it doesn't, another facet is nearer.
+        let outward = (normal - facet * normal.dot(facet)).try_normalize(1e-6)?;
+        let step = BEYOND * self.shape.radius();
+        let there = point + outward * step;
+        let beyond = V3::new(there.x, there.y, ground.height(there.x, there.y)) - point;
+        (beyond.dot(&normal) <= 1e-6 * step).then_some(Contact { point, normal, depth })
+    }
+}
+
+/// Whether a point in the plane of a triangle lies on it.
+fn is_over(p: &V3, [a, b, c]: [&V3; 3]) -> bool {
+    // Seen from above, which no facet of a heightfield is edge on.
+    let side =
+        |from: &V3, to: &V3| (to.x - from.x) * (p.y - from.y) - (to.y - from.y) * (p.x - from.x) >= 0.0;
+    side(a, b) && side(b, c) && side(c, a)
+}
