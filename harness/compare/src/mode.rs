@@ -101,7 +101,7 @@ mod tests {
             ours.as_object_mut().unwrap().remove(field);
             own.remove(field);
         }
-        for field in ["hull", "wheel_faces"] {
+        for field in ["hull", "hull_passes_soil", "wheel_faces"] {
             ours["chassis"].as_object_mut().unwrap().remove(field);
             own["chassis"].as_object_mut().unwrap().remove(field);
         }

@@ -197,6 +197,7 @@ impl Simulation {
         let touches = self.vehicle.hubs().zip(self.vehicle.envelopes()).any(|((hub, axis), envelope)| {
             hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
         });
+        self.chassis.pass_over(self.soil.soil_at(self.vehicle.x.x, self.vehicle.x.y).is_some());
         let margin = 0.02 * self.world.scale;
         !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, margin)
     }
@@ -234,6 +235,7 @@ impl Simulation {
             obstacles: &self.obstacles,
         };
         self.vehicle.accelerate(controls, &mut ground, &self.wheels, dt);
+        self.chassis.pass_over(self.soil.soil_at(self.vehicle.x.x, self.vehicle.x.y).is_some());
         let way = (self.vehicle.v.norm() + self.vehicle.w.norm() * self.chassis.bound()) * dt;
         let near = self.chassis.may_touch(
             &self.world.heightfield,

@@ -14,8 +14,12 @@ pub(crate) struct ChassisContacts {
     physics: PhysicsWorld,
     body: RigidBodyHandle,
     ground: ColliderHandle,
-    /// The hull's convex parts, relative to the chassis' centre of mass.
+    /// The convex parts of hull and wheels' faces, relative to the chassis' centre of mass.
     parts: Vec<ConvexPolyhedron>,
+    /// How many of them, the first ones, soil doesn't stop.
+    passing: usize,
+    /// Whether there is soil below.
+    over_soil: bool,
     /// Lowest and highest coordinates of the hull, relative to the centre of mass.
     low: V3,
     high: V3,
@@ -47,6 +51,8 @@ struct Clear {
     gap: f64,
 }
 
+/// The ground's group of colliders.
+const GROUND: Group = Group::GROUP_1;
 /// What is left of a clearance for rounding, m.
 const ROUNDING: f64 = 1e-9;
 /// How far around the hull the ground is looked at, over the hull's bound.
@@ -90,6 +96,7 @@ impl ChassisContacts {
             physics.integration_parameters.normalized_prediction_distance;
         let ground = physics.insert_collider(
             ground_collider(&world.heightfield)
+                .collision_groups(InteractionGroups::new(GROUND, Group::ALL, InteractionTestMode::And))
                 .friction(1.0)
                 .friction_combine_rule(CoefficientCombineRule::Min)
                 .restitution(0.0),
@@ -117,7 +124,8 @@ impl ChassisContacts {
                 .can_sleep(false),
         );
         let mut parts = Vec::new();
-        for part in v.chassis.hull.iter().cloned().chain(wheel_faces(v)) {
+        let mut passing = 0;
+        for (number, part) in v.chassis.hull.iter().cloned().chain(wheel_faces(v)).enumerate() {
             let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
             if let Some(solid) = ConvexPolyhedron::from_convex_hull(&points(&relative)) {
                 physics.insert_collider(
@@ -129,12 +137,31 @@ impl ChassisContacts {
                     Some(body),
                 );
                 parts.push(solid);
+                if v.chassis.hull_passes_soil && number < v.chassis.hull.len() {
+                    passing = parts.len();
+                }
             }
         }
         let vertices = || parts.iter().flat_map(|part| part.points()).map(|p| from_vector(*p));
         let (low, high) = extents(vertices());
         let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
-        Self { physics, body, ground, parts, low, high, bound, looks: Looks::default() }
+        let looks = Looks::default();
+        Self { physics, body, ground, parts, passing, over_soil: false, low, high, bound, looks }
+    }
+
+    /// Takes note of whether there is soil below, which may not stop the hull.
+    pub(crate) fn pass_over(&mut self, soil: bool) {
+        if self.passing == 0 || self.over_soil == soil {
+            return;
+        }
+        self.over_soil = soil;
+        self.looks = Looks::default();
+        let meets = if soil { Group::ALL & !GROUND } else { Group::ALL };
+        let hull = self.physics.bodies[self.body].colliders()[..self.passing].to_vec();
+        for handle in hull {
+            let groups = InteractionGroups::new(Group::ALL, meets, InteractionTestMode::And);
+            self.physics.colliders[handle].set_collision_groups(groups);
+        }
     }
 
     /// Distance from the centre of mass within which the hull lies, m.
@@ -209,7 +236,8 @@ impl ChassisContacts {
         };
         let room = (ROOM * self.bound).max(2.0 * margin);
         let mut gap = room;
-        for (part, solid) in self.parts.iter().enumerate() {
+        let passing = if self.over_soil { self.passing } else { 0 };
+        for (part, solid) in self.parts.iter().enumerate().skip(passing) {
             let (low, high) = extents(solid.points().iter().map(|p| from_vector(*pose * *p)));
             for row in cells(low.y - room, high.y + room, ground.half_y(), ground.rows()) {
                 for col in cells(low.x - room, high.x + room, ground.half_x(), ground.cols()) {

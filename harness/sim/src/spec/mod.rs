@@ -128,6 +128,10 @@ pub struct Chassis {
     /// since a tyre carries on its tread only.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub wheel_faces: bool,
+    /// Whether soil doesn't stop the hull, which then touches rigid ground and obstacles alone: as in the original, whose
+    /// soil is felt only within patches of 1.0 × 0.6 m about the wheels.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub hull_passes_soil: bool,
     /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }
