@@ -22,6 +22,7 @@ mod suspension;
 mod track;
 mod tyre;
 
+pub use dynamics::WheelStand;
 pub use error::SimError;
 pub use model::VehicleModel;
 pub use powertrain::DriveState;

@@ -418,6 +418,13 @@ impl Simulation {
         self.energy.forget();
     }
 
+    /// Gives the vehicle a velocity (m/s, world axes) as a whole, without turning; wheels keep their spins. For slides and trips.
+    pub fn throw(&mut self, velocity: [f64; 3]) {
+        self.vehicle.v = V3::from(velocity);
+        self.vehicle.w = V3::zeros();
+        self.energy.forget();
+    }
+
     /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`crate::GRAVITY`]) at first. Not part
     /// of [`Self::visit_state`]: whoever changes it does so again in a repeated run.
     pub fn set_gravity(&mut self, gravity: [f64; 3]) {

@@ -14,9 +14,9 @@ pub(crate) struct Corner {
     pub(crate) side: f64,
     /// Of its tyre, m.
     pub(crate) radius: f64,
-    width: f64,
+    pub(crate) width: f64,
     axle: usize,
-    mount: V3,
+    pub(crate) mount: V3,
     mass: f64,
     pub(crate) spin_inertia: f64,
     steered: bool,
@@ -25,12 +25,12 @@ pub(crate) struct Corner {
 /// Masses and linkages of a vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Geometry {
-    axles: Vec<AxleKinematics>,
+    pub(crate) axles: Vec<AxleKinematics>,
     pub(crate) corners: Vec<Corner>,
     chassis_mass: f64,
-    chassis_com: V3,
+    pub(crate) chassis_com: V3,
     chassis_inertia: V3,
-    hull: Vec<V3>,
+    pub(crate) hull: Vec<V3>,
     /// Of the vehicle's tyre, m; axles may have others.
     pub(crate) radius: f64,
     /// Travel of each wheel on level ground, m.
@@ -109,7 +109,8 @@ impl Geometry {
         vb_math::atan2(-axis.x, axis.y)
     }
 
-    fn com_at(&self, travels: &[f64]) -> V3 {
+    /// Centre of mass of the whole vehicle in the chassis frame with these travels, m.
+    pub(crate) fn com_at(&self, travels: &[f64]) -> V3 {
         let wheels = (0..self.corners.len()).map(|i| self.hub(i, travels[i], 0.0) * self.corners[i].mass);
         (self.chassis_com * self.chassis_mass + wheels.sum::<V3>()) / self.mass
     }
@@ -147,6 +148,13 @@ impl Geometry {
         let spins: f64 =
             self.corners.iter().zip(&s.wheels).map(|(c, w)| 0.5 * c.spin_inertia * w.speed * w.speed).sum();
         self.weight() * com.z + 0.5 * self.mass * v.norm_squared() + turning + spins
+    }
+
+    /// Moment of inertia about the long axis through the centre of mass of the whole vehicle, wheels at design height, kg m².
+    pub(crate) fn roll_inertia(&self) -> f64 {
+        let about = |mass: f64, at: V3| mass * ((at - self.com).y.powi(2) + (at - self.com).z.powi(2));
+        let wheels = (0..self.corners.len()).map(|i| about(self.corners[i].mass, self.hub(i, 0.0, 0.0)));
+        self.chassis_inertia.x + about(self.chassis_mass, self.chassis_com) + wheels.sum::<f64>()
     }
 
     /// Distance between the first and the last axle, wheels at design height, m.

@@ -20,6 +20,7 @@ mod rig;
 mod rigid_wheel;
 mod run;
 mod setup;
+mod statics;
 mod theory;
 
 pub use check::{Check, Expectation, Expected, Kind, Verdict};

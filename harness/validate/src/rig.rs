@@ -42,6 +42,28 @@ pub(crate) fn profile(
     world(heights(length, width, pitch, height), friction)
 }
 
+/// Level ground with two frictions: one to the left of the line y = 0, where y > 0, and one to the right.
+pub(crate) fn split(left: f64, right: f64) -> Arc<World> {
+    let mut world = World::uniform("rig", Heightfield::flat(5, 5, 10.0, 0.0), TerrainClass::Concrete, left);
+    let s = &mut world.semantics;
+    (s.rows, s.classes, s.friction) = (2, vec![TerrainClass::Concrete; 2], vec![right, left]);
+    Arc::new(world)
+}
+
+/// Heights that depend on x and y, over `length` × `width` m, nodes `pitch` apart.
+pub(crate) fn relief(
+    length: f64,
+    width: f64,
+    pitch: f64,
+    friction: f64,
+    height: impl Fn(f64, f64) -> f64,
+) -> Arc<World> {
+    let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
+    let place = |k: usize, count: usize| (k as f64 - 0.5 * (count - 1) as f64) * pitch;
+    let heights = (0..rows * cols).map(|i| height(place(i % cols, cols), place(i / cols, rows))).collect();
+    world(Heightfield::new(rows, cols, pitch, heights), friction)
+}
+
 fn heights(length: f64, width: f64, pitch: f64, height: impl Fn(f64) -> f64) -> Heightfield {
     let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
     let line: Vec<f64> = (0..cols).map(|c| height((c as f64 - 0.5 * (cols - 1) as f64) * pitch)).collect();

@@ -13,6 +13,7 @@ mod facets;
 mod pose;
 mod solve;
 mod spin;
+mod stand;
 mod track;
 mod wheel;
 
@@ -26,6 +27,7 @@ use crate::tyre::{Clearance, Envelope, Patch, Tyre};
 use crate::{GRAVITY, M3, Quat, V3};
 use beam::Beam;
 use facets::FacetPatches;
+pub use stand::WheelStand;
 use std::sync::Arc;
 use track::Track;
 use vb_world::{Heightfield, Semantics};

@@ -6,12 +6,15 @@ mod energy;
 mod grades;
 mod kinematics;
 mod longitudinal;
+mod obstacle;
 mod rest;
 mod slopes;
 mod soil;
 mod soil_wheel;
+mod tipping;
 mod tracks;
 mod turning;
+mod twist;
 mod tyres;
 mod vertical;
 
@@ -42,6 +45,11 @@ const EVENTS: &[Event] = &[
     vertical::DROP,
     vertical::STEP_CLIMB,
     tracks::TRENCH,
+    obstacle::OBSTACLES,
+    twist::TWIST,
+    twist::SPLIT_GRIP,
+    tipping::TIP_OVER,
+    tipping::OVERTURNED,
     energy::FREE_FALL,
     energy::ENERGY,
     soil_wheel::PLATE,
@@ -56,12 +64,15 @@ const EVENTS: &[Event] = &[
 ];
 
 /// Of tyres, of wheels that roll without slip about one centre, and of single wheels: nothing of a track.
-const WHEELS_ONLY: [&str; 7] = [
+const WHEELS_ONLY: [&str; 10] = [
     tyres::TYRES.name,
     longitudinal::ROLLING.name,
     cornering::CORNERING.name,
     cornering::STEP_STEER.name,
     cornering::BODY_ROLL.name,
+    obstacle::OBSTACLES.name,
+    twist::TWIST.name,
+    twist::SPLIT_GRIP.name,
     soil_wheel::WHEEL.name,
     soil_wheel::SECOND_PASS.name,
 ];

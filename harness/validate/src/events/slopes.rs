@@ -115,7 +115,7 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     }
     let g = &bench.geometry;
     let mut lean = Plot::new("Load on the upper wheels", "tilt, °", "sum of loads / weight");
-    for (label, spec) in [("as it is", sticky(bench.spec)), ("without springs", stiff(bench))] {
+    for (label, spec) in [("as it is", sticky(bench.spec)), ("without springs", stiff(bench.spec))] {
         let mut d = Drive::with_spec(
             bench,
             &spec,
@@ -166,10 +166,10 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 }
 
 /// Friction with which no vehicle slides before it tips.
-const TIP_FRICTION: f64 = 4.0;
+pub(super) const TIP_FRICTION: f64 = 4.0;
 
 /// The vehicle with tyres that have this friction. Fiala's and TMeasy take the ground's by themselves.
-fn sticky(spec: &VehicleSpec) -> VehicleSpec {
+pub(super) fn sticky(spec: &VehicleSpec) -> VehicleSpec {
     let mut spec = spec.clone();
     let own = spec.axles.iter_mut().filter_map(|a| a.tyre.as_mut());
     for tyre in own.chain(std::iter::once(&mut spec.tyre)) {
@@ -183,8 +183,8 @@ fn sticky(spec: &VehicleSpec) -> VehicleSpec {
 }
 
 /// The vehicle with its wheels fixed to the chassis at design height.
-fn stiff(bench: &Bench<'_>) -> VehicleSpec {
-    let mut spec = sticky(bench.spec);
+pub(super) fn stiff(spec: &VehicleSpec) -> VehicleSpec {
+    let mut spec = sticky(spec);
     for axle in &mut spec.axles {
         let spindle = axle.suspension.linkage.spindle();
         axle.steering = None;

@@ -1,0 +1,179 @@
+//! Where a vehicle comes to rest on wheels that stand at different heights: its springs, stops and anti-roll bars in balance
+//! with the weight, by Newton's method. Independent of the simulator's equations of motion: of its tables only the lengths
+//! of struts over travel are used.
+
+use crate::event::Bench;
+use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
+use vb_sim::{AntiRoll, Linkage, Side, Spring, StrutStops, Tyre};
+
+/// A vehicle at rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Standing {
+    /// Normal forces of the ground, N; 0 of a wheel that hangs.
+    pub(crate) loads: Vec<f64>,
+    /// Travels, m, positive in compression.
+    pub(crate) travels: Vec<f64>,
+    /// Positive right side down, rad.
+    pub(crate) roll: f64,
+}
+
+/// Springs and stops of one line of action.
+type Element = (Option<Spring>, Option<StrutStops>);
+
+/// Statics of a vehicle on vertical forces alone, as on ground that is level under each wheel and doesn't resist sideways.
+pub(crate) struct Statics<'a> {
+    bench: &'a Bench<'a>,
+    tyres: Vec<Tyre>,
+    /// Of each axle.
+    elements: Vec<Vec<Element>>,
+}
+
+/// Parts in which the heights grow from level ground to what is asked for: Newton's method starts each from the last.
+const PARTS: u32 = 40;
+const ITERATIONS: usize = 60;
+/// Residual, over the weight, that counts as balance.
+const BALANCED: f64 = 1e-9;
+
+impl<'a> Statics<'a> {
+    /// None for a vehicle with an axle that turns about a pin, or with tracks: its wheels aren't sprung one by one.
+    pub(crate) fn new(bench: &'a Bench<'a>) -> Option<Self> {
+        let spec = bench.spec;
+        let pinned = |l: &Linkage| matches!(l, Linkage::PivotAxle(_));
+        if spec.tracks.is_some() || spec.axles.iter().any(|a| pinned(&a.suspension.linkage)) {
+            return None;
+        }
+        let elements = spec.axles.iter().map(|a| {
+            let torsion = match &a.suspension.linkage {
+                Linkage::TorsionArm(t) => t.torsion,
+                _ => None,
+            };
+            let torsion = torsion.map(|t| {
+                (Some(Spring::Linear { stiffness: t.stiffness, free_length: 0.0, preload: t.preload }), None)
+            });
+            let struts = a.suspension.struts.iter().map(|s| (s.spring.clone(), s.stops.clone()));
+            torsion.into_iter().chain(struts).collect()
+        });
+        let tyres = spec.axles.iter().flat_map(|a| [Tyre::new(spec.tyre_of(a)), Tyre::new(spec.tyre_of(a))]);
+        Some(Self { bench, tyres: tyres.collect(), elements: elements.collect() })
+    }
+
+    /// At rest with the ground at these heights (m) under the wheels; none where no balance is found.
+    pub(crate) fn at(&self, ground: &[f64]) -> Option<Standing> {
+        let g = &self.bench.geometry;
+        let count = g.corners.len();
+        // Height of the reference point, roll, pitch, travels.
+        let mut u = DVector::zeros(3 + count);
+        u[0] = g.corners[0].radius - g.hub(0, g.rest[0], 0.0).z - self.tyres[0].deflection(g.weight() / count as f64);
+        u.rows_mut(3, count).copy_from_slice(&g.rest);
+        for part in 0..=PARTS {
+            let share = f64::from(part) / f64::from(PARTS);
+            let heights: Vec<f64> = ground.iter().map(|h| h * share).collect();
+            u = self.balance(&heights, u)?;
+        }
+        let (_, loads) = self.residual(ground, &u);
+        Some(Standing { loads, travels: u.iter().skip(3).copied().collect(), roll: u[1] })
+    }
+
+    fn balance(&self, ground: &[f64], mut u: DVector<f64>) -> Option<DVector<f64>> {
+        let n = u.len();
+        for _ in 0..ITERATIONS {
+            let (r, _) = self.residual(ground, &u);
+            if r.norm() < BALANCED {
+                return Some(u);
+            }
+            let mut slope = DMatrix::zeros(n, n);
+            for k in 0..n {
+                let h = 1e-7 * self.bench.spec.scale;
+                let (mut above, mut below) = (u.clone(), u.clone());
+                above[k] += h;
+                below[k] -= h;
+                let change = self.residual(ground, &above).0 - self.residual(ground, &below).0;
+                slope.set_column(k, &(change / (2.0 * h)));
+            }
+            let step = slope.lu().solve(&r)?;
+            // The loads have corners where wheels lift and stops begin: no step that makes the balance worse, while there is one.
+            let better = |share: f64| self.residual(ground, &(&u - &step * share)).0.norm() < r.norm();
+            let share = [1.0, 0.5, 0.25, 0.1, 0.03, 0.01].into_iter().find(|s| better(*s)).unwrap_or(0.003);
+            u -= step * share;
+        }
+        None
+    }
+
+    /// What is out of balance, over the weight: vertical force and moments of the whole, forces of each wheel; and the loads, N.
+    fn residual(&self, ground: &[f64], u: &DVector<f64>) -> (DVector<f64>, Vec<f64>) {
+        let g = &self.bench.geometry;
+        let count = g.corners.len();
+        let travels: Vec<f64> = u.iter().skip(3).copied().collect();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), u[2])
+            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), u[1]);
+        let com = turn * g.com_at(&travels);
+        let (mut r, mut loads) = (DVector::zeros(u.len()), Vec::with_capacity(count));
+        r[0] = -g.weight();
+        for i in 0..count {
+            let foot = self.foot(i, &travels, &turn);
+            let load = self.tyres[i].vertical_force((ground[i] - u[0] - foot.z).max(0.0));
+            r[0] += load;
+            r[1] += load * (foot.y - com.y) / g.track();
+            r[2] += load * (foot.x - com.x) / g.wheelbase();
+            loads.push(load);
+        }
+        let h = 1e-6 * self.bench.spec.scale;
+        for i in 0..count {
+            let linkage = &self.bench.spec.axles[i / 2].suspension.linkage;
+            if matches!(linkage, Linkage::Rigid(_)) {
+                r[3 + i] = travels[i] / g.radius * g.weight();
+                continue;
+            }
+            let (mut above, mut below) = (travels.clone(), travels.clone());
+            above[i] += h;
+            below[i] -= h;
+            let rises = |of: &dyn Fn(&[f64]) -> f64| (of(&above) - of(&below)) / (2.0 * h);
+            let axle = 2 * (i / 2);
+            let work: f64 = (axle..axle + 2)
+                .map(|j| loads[j] * rises(&|q: &[f64]| self.foot(j, q, &turn).z))
+                .sum();
+            let weight = g.weight() * rises(&|q: &[f64]| (turn * g.com_at(q)).z);
+            r[3 + i] = work - weight - self.push(i, &travels);
+        }
+        (r / g.weight(), loads)
+    }
+
+    /// Lowest point of a wheel's circle relative to the reference point, world axes, m.
+    fn foot(&self, wheel: usize, travels: &[f64], turn: &UnitQuaternion<f64>) -> Vector3<f64> {
+        let g = &self.bench.geometry;
+        let axle = 2 * (wheel / 2);
+        let side = if wheel == axle { Side::Left } else { Side::Right };
+        let pose = g.axles[wheel / 2].wheel(side, [travels[axle], travels[axle + 1]], 0.0);
+        let axis = turn * pose.axis;
+        let down = axis * axis.z - Vector3::z();
+        turn * (g.corners[wheel].mount + pose.hub) + down.normalize() * g.corners[wheel].radius
+    }
+
+    /// Force with which springs, stops and bar push a wheel down: the work that they take in over its travel, N.
+    fn push(&self, wheel: usize, travels: &[f64]) -> f64 {
+        let axle = wheel / 2;
+        let suspension = &self.bench.spec.axles[axle].suspension;
+        let kinematics = &self.bench.geometry.axles[axle];
+        let at = |shift: f64| {
+            let mut q = [travels[2 * axle], travels[2 * axle + 1]];
+            q[wheel % 2] += shift;
+            [Side::Left, Side::Right].map(|s| kinematics.wheel(s, q, 0.0))
+        };
+        let h = 1e-6 * self.bench.spec.scale;
+        let (below, now, above) = (at(-h), at(0.0), at(h));
+        let mut force = suspension.stops.as_ref().map_or(0.0, |s| s.force(travels[wheel]));
+        for side in 0..2 {
+            for (k, (spring, stops)) in self.elements[axle].iter().enumerate() {
+                let length = now[side].struts[k];
+                let apart = spring.as_ref().map_or(0.0, |s| s.force(length))
+                    + stops.as_ref().map_or(0.0, |s| s.force(length));
+                force += apart * (below[side].struts[k] - above[side].struts[k]) / (2.0 * h);
+            }
+        }
+        if let Some(AntiRoll::Travel { stiffness } | AntiRoll::Bar { stiffness, .. }) = suspension.anti_roll {
+            let twist = |p: &[vb_sim::WheelPose; 2]| p[0].bar - p[1].bar;
+            force += stiffness * twist(&now) * (twist(&above) - twist(&below)) / (2.0 * h);
+        }
+        force
+    }
+}
