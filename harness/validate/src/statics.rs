@@ -4,7 +4,7 @@
 
 use crate::event::Bench;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
-use vb_sim::{AntiRoll, Linkage, Side, Spring, StrutStops, Tyre};
+use vb_sim::{AntiRoll, Linkage, Side, Spring, StrutStops, Tyre, TyreSpec};
 
 /// A vehicle at rest.
 #[derive(Clone, Debug)]
@@ -30,6 +30,8 @@ pub(crate) struct Statics<'a> {
 
 /// Parts in which the heights grow from level ground to what is asked for: Newton's method starts each from the last.
 const PARTS: u32 = 40;
+/// Inclination of a hard wheel at which it stands on its edge, rad: little enough, and not none, for which Newton's method has no slope.
+const ON_EDGE: f64 = 0.02;
 const ITERATIONS: usize = 60;
 /// Residual, over the weight, that counts as balance.
 const BALANCED: f64 = 1e-9;
@@ -110,11 +112,16 @@ impl<'a> Statics<'a> {
         let (mut r, mut loads) = (DVector::zeros(u.len()), Vec::with_capacity(count));
         r[0] = -g.weight();
         for i in 0..count {
-            let foot = self.foot(i, &travels, &turn);
-            let load = self.tyres[i].vertical_force((ground[i] - u[0] - foot.z).max(0.0));
-            r[0] += load;
-            r[1] += load * (foot.y - com.y) / g.track();
-            r[2] += load * (foot.x - com.x) / g.wheelbase();
+            let mut load = 0.0;
+            for (aside, share) in self.strips(i, &travels, &turn) {
+                let foot = self.foot(i, aside, &travels, &turn);
+                let depth = (ground[i] - u[0] - foot.z).max(0.0);
+                let part = share * self.tyres[i].vertical_force(depth);
+                r[0] += part;
+                r[1] += part * (foot.y - com.y) / g.track();
+                r[2] += part * (foot.x - com.x) / g.wheelbase();
+                load += part;
+            }
             loads.push(load);
         }
         let h = 1e-6 * self.bench.spec.scale;
@@ -129,24 +136,49 @@ impl<'a> Statics<'a> {
             below[i] -= h;
             let rises = |of: &dyn Fn(&[f64]) -> f64| (of(&above) - of(&below)) / (2.0 * h);
             let axle = 2 * (i / 2);
-            let work: f64 = (axle..axle + 2)
-                .map(|j| loads[j] * rises(&|q: &[f64]| self.foot(j, q, &turn).z))
-                .sum();
+            let mut work = 0.0;
+            for j in axle..axle + 2 {
+                for (aside, share) in self.strips(j, &travels, &turn) {
+                    let depth = ground[j] - u[0] - self.foot(j, aside, &travels, &turn).z;
+                    let part = share * self.tyres[j].vertical_force(depth.max(0.0));
+                    work += part * rises(&|q: &[f64]| self.foot(j, aside, q, &turn).z);
+                }
+            }
             let weight = g.weight() * rises(&|q: &[f64]| (turn * g.com_at(q)).z);
             r[3 + i] = work - weight - self.push(i, &travels);
         }
         (r / g.weight(), loads)
     }
 
-    /// Lowest point of a wheel's circle relative to the reference point, world axes, m.
-    fn foot(&self, wheel: usize, travels: &[f64], turn: &UnitQuaternion<f64>) -> Vector3<f64> {
+    /// Direction of a wheel's axle, to the left, and its centre relative to the reference point, world axes, m.
+    fn wheel(&self, wheel: usize, travels: &[f64], turn: &UnitQuaternion<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let g = &self.bench.geometry;
         let axle = 2 * (wheel / 2);
         let side = if wheel == axle { Side::Left } else { Side::Right };
         let pose = g.axles[wheel / 2].wheel(side, [travels[axle], travels[axle + 1]], 0.0);
-        let axis = turn * pose.axis;
+        (turn * pose.axis, turn * (g.corners[wheel].mount + pose.hub))
+    }
+
+    /// Circles of a wheel that bear it: how far each lies to the left of its middle (m), and its share of the stiffness. A
+    /// hard wheel that leans stands on its edge; the width of a soft one presses evenly, as two circles a radius of gyration from its
+    /// middle do (Rill, Road Vehicle Dynamics, 2012, ch. 3).
+    fn strips(&self, wheel: usize, travels: &[f64], turn: &UnitQuaternion<f64>) -> Vec<(f64, f64)> {
+        let width = self.bench.geometry.corners[wheel].width;
+        let axle = &self.bench.spec.axles[wheel / 2];
+        if matches!(self.bench.spec.tyre_of(axle), TyreSpec::Rigid(_)) {
+            let (axis, _) = self.wheel(wheel, travels, turn);
+            vec![(-0.5 * width * (axis.z / ON_EDGE).clamp(-1.0, 1.0), 1.0)]
+        } else {
+            let strip = width / 12.0_f64.sqrt();
+            vec![(strip, 0.5), (-strip, 0.5)]
+        }
+    }
+
+    /// Lowest point of a wheel's circle `aside` of its middle (m), relative to the reference point, world axes, m.
+    fn foot(&self, wheel: usize, aside: f64, travels: &[f64], turn: &UnitQuaternion<f64>) -> Vector3<f64> {
+        let (axis, hub) = self.wheel(wheel, travels, turn);
         let down = axis * axis.z - Vector3::z();
-        turn * (g.corners[wheel].mount + pose.hub) + down.normalize() * g.corners[wheel].radius
+        hub + axis * aside + down.normalize() * self.bench.geometry.corners[wheel].radius
     }
 
     /// Force with which springs, stops and bar push a wheel down: the work that they take in over its travel, N.
