@@ -65,7 +65,9 @@ impl<'a> Statics<'a> {
         let count = g.corners.len();
         // Height of the reference point, roll, pitch, travels.
         let mut u = DVector::zeros(3 + count);
-        u[0] = g.corners[0].radius - g.hub(0, g.rest[0], 0.0).z - self.tyres[0].deflection(g.weight() / count as f64);
+        u[0] = g.corners[0].radius
+            - g.hub(0, g.rest[0], 0.0).z
+            - self.tyres[0].deflection(g.weight() / count as f64);
         u.rows_mut(3, count).copy_from_slice(&g.rest);
         for part in 0..=PARTS {
             let share = f64::from(part) / f64::from(PARTS);
@@ -151,7 +153,12 @@ impl<'a> Statics<'a> {
     }
 
     /// Direction of a wheel's axle, to the left, and its centre relative to the reference point, world axes, m.
-    fn wheel(&self, wheel: usize, travels: &[f64], turn: &UnitQuaternion<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    fn wheel(
+        &self,
+        wheel: usize,
+        travels: &[f64],
+        turn: &UnitQuaternion<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
         let g = &self.bench.geometry;
         let axle = 2 * (wheel / 2);
         let side = if wheel == axle { Side::Left } else { Side::Right };

@@ -84,8 +84,7 @@ impl WheelStand {
             }
         } else {
             let envelope = self.tyre.envelope();
-            let found =
-                envelope.query_where(ground, &motion.hub, &axis, &mut self.clearance, |_, _| 1.0);
+            let found = envelope.query_where(ground, &motion.hub, &axis, &mut self.clearance, |_, _| 1.0);
             match found {
                 Some(contact) => feel(&self.tyre, &contact, &mut self.patch),
                 None => self.patch = Patch::default(),
