@@ -448,9 +448,13 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             ),
             "energy: √(2 m g Δz / I) of the height that it loses",
         );
+        if diverged {
+            o.series.push(d.finish());
+            continue;
+        }
         o.expect(
             &format!("{label}: speed after 10 s"),
-            if diverged { f64::NAN } else { s.velocity.norm() },
+            s.velocity.norm(),
             "m/s",
             Expected::AtMost(pace.speed(0.02)),
             "it lies still",
@@ -458,7 +462,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let end = degrees(s.roll_pitch_yaw().0).rem_euclid(360.0);
         o.expect(
             &format!("{label}: roll at the end"),
-            if diverged { f64::NAN } else { end },
+            end,
             "°",
             Expected::Within {
                 value: degrees(rests(bench, &points, roll)).rem_euclid(360.0),
@@ -468,9 +472,6 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         );
         plot.ours(label, trace.into_iter().step_by(10).collect());
         o.series.push(d.finish());
-        if diverged {
-            continue;
-        }
         let half = bench.at_step(0.5 * bench.options.step);
         let from = roll - 0.3;
         let (ours, finer) = (fall(bench, from)?, fall(&half, from)?);
