@@ -152,7 +152,7 @@ impl Geometry {
 
     /// Moment of inertia about the long axis through the centre of mass of the whole vehicle, wheels at design height, kg m².
     pub(crate) fn roll_inertia(&self) -> f64 {
-        let about = |mass: f64, at: V3| mass * ((at - self.com).y.powi(2) + (at - self.com).z.powi(2));
+        let about = |mass: f64, at: V3| mass * (at - self.com).yz().norm_squared();
         let wheels = (0..self.corners.len()).map(|i| about(self.corners[i].mass, self.hub(i, 0.0, 0.0)));
         self.chassis_inertia.x + about(self.chassis_mass, self.chassis_com) + wheels.sum::<f64>()
     }

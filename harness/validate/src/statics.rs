@@ -113,11 +113,11 @@ impl<'a> Statics<'a> {
         let com = turn * g.com_at(&travels);
         let (mut r, mut loads) = (DVector::zeros(u.len()), Vec::with_capacity(count));
         r[0] = -g.weight();
-        for i in 0..count {
+        for (i, level) in ground.iter().enumerate() {
             let mut load = 0.0;
             for (aside, share) in self.strips(i, &travels, &turn) {
                 let foot = self.foot(i, aside, &travels, &turn);
-                let depth = (ground[i] - u[0] - foot.z).max(0.0);
+                let depth = (level - u[0] - foot.z).max(0.0);
                 let part = share * self.tyres[i].vertical_force(depth);
                 r[0] += part;
                 r[1] += part * (foot.y - com.y) / g.track();
@@ -139,9 +139,9 @@ impl<'a> Statics<'a> {
             let rises = |of: &dyn Fn(&[f64]) -> f64| (of(&above) - of(&below)) / (2.0 * h);
             let axle = 2 * (i / 2);
             let mut work = 0.0;
-            for j in axle..axle + 2 {
+            for (j, level) in ground.iter().enumerate().skip(axle).take(2) {
                 for (aside, share) in self.strips(j, &travels, &turn) {
-                    let depth = ground[j] - u[0] - self.foot(j, aside, &travels, &turn).z;
+                    let depth = level - u[0] - self.foot(j, aside, &travels, &turn).z;
                     let part = share * self.tyres[j].vertical_force(depth.max(0.0));
                     work += part * rises(&|q: &[f64]| self.foot(j, aside, q, &turn).z);
                 }
@@ -214,5 +214,34 @@ impl<'a> Statics<'a> {
             force += stiffness * twist(&now) * (twist(&above) - twist(&below)) / (2.0 * h);
         }
         force
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sim::VehicleSpec;
+
+    #[test]
+    fn loads_bear_the_weight_at_its_place_and_depend_on_differences_of_height_alone() {
+        let text = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(text, "hmmwv.yaml").unwrap();
+        let bench = Bench::new(&spec, &[], 1e-3).unwrap();
+        let statics = Statics::new(&bench).unwrap();
+        let weight = bench.geometry.weight();
+        let level = statics.at(&[0.0; 4]).unwrap();
+        assert!((level.loads.iter().sum::<f64>() / weight - 1.0).abs() < 1e-6);
+        assert!((level.loads[0] - level.loads[1]).abs() < 1e-6 * weight && level.roll.abs() < 1e-6);
+        let higher = statics.at(&[0.3; 4]).unwrap();
+        let same = |a: &Standing, b: &Standing| {
+            a.loads.iter().zip(&b.loads).all(|(a, b)| (a - b).abs() < 1e-6 * weight)
+        };
+        assert!(same(&level, &higher));
+        // Little enough that all wheels bear: what one side of an axle gains the other loses, and the other axle as much.
+        let twisted = statics.at(&[0.02, 0.0, 0.0, 0.02]).unwrap();
+        let gained: Vec<f64> = twisted.loads.iter().zip(&level.loads).map(|(a, b)| a - b).collect();
+        assert!(gained[0] > 0.0 && gained[3] > 0.0 && gained.iter().sum::<f64>().abs() < 1e-6 * weight);
+        assert!((gained[0] + gained[1]).abs() < 0.01 * gained[0], "{gained:?}");
+        assert!((gained[0] - gained[3]).abs() < 0.05 * gained[0], "{gained:?}");
     }
 }

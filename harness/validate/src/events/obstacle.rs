@@ -34,6 +34,18 @@ pub(super) const OBSTACLES: Event = Event {
 /// the direction in which the wheel meets its edge.
 const PITCH: f64 = 0.15;
 
+/// A wheel that is let roll.
+#[derive(Clone, Copy)]
+struct Run {
+    /// What moves with the hub along x and along z, kg.
+    mass: [f64; 2],
+    /// Over √(g r).
+    speed: f64,
+    /// Of its centre along x at first, and where it meets what it rolls onto, over the radius.
+    from: f64,
+    met: f64,
+}
+
 /// A wheel to be put on the stand.
 #[derive(Clone, Copy)]
 struct Wheel<'a> {
@@ -56,7 +68,7 @@ impl Wheel<'_> {
     }
 
     /// √(r/g), s.
-    fn while_(&self) -> f64 {
+    fn beat(&self) -> f64 {
         (self.radius / GRAVITY).sqrt()
     }
 
@@ -83,7 +95,7 @@ impl Wheel<'_> {
     fn drive(&self, ground: &Heightfield, friction: f64, at: [f64; 2], push: f64, goal: f64) -> (bool, f64) {
         let mut stand = self.stand([self.share; 2], at[0], at[1]);
         stand.spin = 0.2 * self.pace() / self.radius;
-        let steps = (12.0 * self.while_() / self.step) as usize;
+        let steps = (12.0 * self.beat() / self.step) as usize;
         let (mut torque, mut count) = (0.0, 0.0);
         for k in 0..steps {
             stand.advance(ground, friction, [push, -self.load], true);
@@ -110,15 +122,12 @@ impl Wheel<'_> {
         GRAVITY * mass[0].max(mass[1])
     }
 
-    /// Rolls freely at `speed` (over √(g r)) from `from` until `end` says so of its centre over the radius and of the time over
-    /// √(r/g) since it passed `after`; the share of its energy of motion that is lost then.
+    /// Rolls freely until `end` says so of its centre over the radius and of the time over √(r/g) since it met what it
+    /// rolls onto; the share of its energy of motion that is lost then, not a number if it never does.
     fn roll(
         &self,
         ground: &Heightfield,
-        mass: [f64; 2],
-        speed: f64,
-        from: f64,
-        after: f64,
+        Run { mass, speed, from, met }: Run,
         end: impl Fn(f64, f64) -> bool,
         series: &mut Series,
     ) -> f64 {
@@ -130,11 +139,11 @@ impl Wheel<'_> {
         let first = self.energy(&stand, mass);
         let motion = first - weight * stand.hub.z;
         let mut since = 0.0;
-        for k in 0..(30.0 * self.while_() / self.step) as usize {
+        for k in 0..(30.0 * self.beat() / self.step) as usize {
             stand.advance(ground, self.friction, [0.0, -weight], false);
             let x = stand.hub.x / self.radius;
-            if x > after {
-                since += self.step / self.while_();
+            if x > met {
+                since += self.step / self.beat();
             }
             let lost = (first - self.energy(&stand, mass)) / motion;
             series.rows.push(vec![
@@ -295,7 +304,12 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
             let ground = w.ground(|x| if x > -1e-9 { h } else { 0.0 });
             let met = -sin(angle);
             let mut s = series(&format!("step-{h}-{}", label.replace(' ', "-")));
-            let value = w.roll(&ground, mass, 0.7, met - 0.3, met, |_, since| since > 0.25, &mut s);
+            let value = w.roll(
+                &ground,
+                Run { mass, speed: 0.7, from: met - 0.3, met },
+                |_, since| since > 0.25,
+                &mut s,
+            );
             let (_, theory) = w.impact(mass, angle);
             lost(o, &format!("at a step of {h} radii, {label}"), value, theory, inelastic);
             o.series.push(s);
@@ -304,7 +318,12 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
     let angle = radians(30.0);
     let (ground, met) = w.corner(angle);
     let mut s = series("facet-30");
-    let value = w.roll(&ground, alone, 0.7, met - 0.3, met, |_, since| since > 0.15, &mut s);
+    let value = w.roll(
+        &ground,
+        Run { mass: alone, speed: 0.7, from: met - 0.3, met },
+        |_, since| since > 0.15,
+        &mut s,
+    );
     lost(o, "at a facet of 30°, wheel alone", value, w.impact(alone, angle).1, inelastic);
     o.series.push(s);
     // Up and down a ridge whose sides are six nodes long, slowly enough that it doesn't leave the ground at the top.
@@ -314,7 +333,8 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
     let speed = (2.6 * side * tan(angle) / (1.0 + k / w.own)).sqrt() / kept;
     let mut s = series("ridge");
     let end = side + 0.5;
-    let value = w.roll(&ground, alone, speed, -side - 1.0, end, |x, _| x > end, &mut s);
+    let value =
+        w.roll(&ground, Run { mass: alone, speed, from: -side - 1.0, met: end }, |x, _| x > end, &mut s);
     let theory = 1.0 - kept * kept * kept * kept;
     lost(o, "over a ridge of 20°, wheel alone", value, theory, "an impact at either foot: 1 − (u/v)⁴");
     o.series.push(s);
@@ -324,7 +344,7 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
     let mut stand = w.stand(alone, -5.0, 0.0);
     let deflection = vb_sim::Tyre::new(w.tyre).deflection(w.weight(alone) * cos(angle));
     stand.hub.z = (w.radius - deflection) / cos(angle) - stand.hub.x * tan(angle);
-    let seconds = 4.0 * w.while_();
+    let seconds = 4.0 * w.beat();
     for _ in 0..(seconds / w.step) as usize {
         stand.advance(&ground, w.friction, [0.0, -w.weight(alone)], false);
     }
@@ -337,4 +357,35 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
         Expected::share(theory, 0.02),
         "g sin / (1 + J/(m r²))",
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sim::VehicleSpec;
+
+    #[test]
+    fn an_impact_of_a_wheel_alone_keeps_its_angular_momentum_about_the_edge() {
+        let text = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(text, "hmmwv.yaml").unwrap();
+        let (radius, own, spin_inertia) = (0.5, 80.0, 6.0);
+        let wheel = Wheel {
+            tyre: &spec.tyre,
+            radius,
+            load: 6000.0,
+            share: 600.0,
+            own,
+            spin_inertia,
+            friction: 0.9,
+            step: 1e-3,
+        };
+        for h in [0.1, 0.4, 0.9] {
+            let (kept, lost) = wheel.impact([own; 2], acos(1.0 - h));
+            let k = spin_inertia / (radius * radius);
+            assert!((kept - (1.0 - h * own / (own + k))).abs() < 1e-12, "{kept}");
+            assert!((lost - (1.0 - kept * kept)).abs() < 1e-12);
+            // What can't move with the wheel along x costs nothing if the wheel itself weighs nothing.
+            assert!(wheel.impact([1e9, 1e-3], acos(1.0 - h)).1 < 1e-5);
+        }
+    }
 }

@@ -45,7 +45,7 @@ impl Raised {
         match self {
             Self::Diagonal => wheel == 0 || wheel == count - 1,
             Self::One => wheel == 0,
-            Self::Left => wheel % 2 == 0,
+            Self::Left => wheel.is_multiple_of(2),
         }
     }
 
@@ -133,10 +133,10 @@ fn twist(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             let expected = Expected::Within { value, tolerance: 0.2 + 0.03 * value.abs() };
             o.theory(roll, expected, "statics of springs, stops, bars and tyres");
         }
-        for i in 0..g.corners.len() {
-            o.figure(format!("{label}: load {}", g.corners[i].name), s.wheels[i].load, "N");
+        for ((c, w), line) in g.corners.iter().zip(&s.wheels).zip(&mut ours) {
+            o.figure(format!("{label}: load {}", c.name), w.load, "N");
             if raised == Raised::Diagonal {
-                ours[i].push([height, s.wheels[i].load]);
+                line.push([height, w.load]);
             }
         }
         o.series.push(d.finish());
