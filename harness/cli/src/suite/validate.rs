@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
+use vb_runner::static_shape;
+use vb_sim::{SimOptions, VehicleModel};
 use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
 
 use crate::args::ValidateArgs;
@@ -29,11 +31,7 @@ enum Message<'a> {
 
 pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     let suite = super::open(Some(&args.suite))?;
-    let mut limits = Limits::default();
-    if let Some(wanted) = &args.vehicle {
-        let (_, spec) = vehicle::load(wanted)?;
-        limits.vehicle = Vehicle { length: spec.length, width: spec.width };
-    }
+    let mut limits = Limits::of(footprint(&args.vehicle)?);
     limits.clearance = args.clearance.unwrap_or(limits.clearance);
     limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
     let json = args.format.json();
@@ -73,6 +71,15 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
         ));
     }
     Ok(())
+}
+
+/// What a vehicle takes up of the full-size world, in which suites are stored.
+fn footprint(wanted: &str) -> Result<Vehicle, CliError> {
+    let (_, spec) = vehicle::load(wanted)?;
+    let scale = spec.scale;
+    let shape = VehicleModel::new(spec).and_then(|model| static_shape(&model, SimOptions::default()));
+    let shape = shape.map_err(CliError::input)?;
+    Ok(Vehicle { length: shape.length / scale, width: shape.width / scale })
 }
 
 fn number(n: usize, what: &str) -> String {
