@@ -130,6 +130,7 @@ fn compare(args: &Args) -> Result<(), CompareError> {
             place.insert(source.world(run.world)?);
         }
     }
+    let lean = cost::without_fixed_pairs(&args.recorded.join("../all-tasks.csv"))?;
     let suite = args.out.join("suite");
     write_suite(&suite, source.meta(), &runs, &worlds)?;
     let vehicle = args.out.join("recorded-vehicle.yaml");
@@ -174,7 +175,7 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     }
     report += &format!("\n## Tasks\n\n{}", table::tasks(&rows));
     let runs: Vec<&Run> = rows.iter().map(|r| &r.run).collect();
-    report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &costs));
+    report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &lean, &costs));
     let file = args.out.join("compare.md");
     std::fs::write(&file, &report).map_err(|source| CompareError::Io { path: file.clone(), source })?;
     eprintln!("results: {}", file.display());
