@@ -1,4 +1,4 @@
-//! The suites in `tasks/`: made by the generator, from seeds that stand here.
+//! The suites in `tasks/`: made by the harness, from seeds that stand here.
 
 use std::path::Path;
 use std::process::Command;

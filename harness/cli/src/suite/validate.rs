@@ -86,3 +86,16 @@ fn number(n: usize, what: &str) -> String {
     let s = if n == 1 { "" } else { "s" };
     format!("{n} {what}{s}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_car_takes_up_what_it_would_at_full_size() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tasks/vehicles/verti4wheeler.yaml");
+        let v = footprint(file).unwrap();
+        // 0.49 m of hull, and 2 (0.1 + 0.0205) m over the tyres, of a car of 1/10.
+        assert!((v.length - 4.9).abs() < 0.02 && (v.width - 2.41).abs() < 0.01, "{v:?}");
+    }
+}

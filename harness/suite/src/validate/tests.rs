@@ -115,8 +115,8 @@ fn a_changed_world_is_told_by_its_hash_and_checked_all_the_same() {
 
 #[test]
 fn a_start_or_goal_where_the_vehicle_touches_an_obstacle_is_an_error() {
-    // Two metres beside the start's centre: the point is free, the vehicle of 2.1 m width is not, nor is the path.
-    let found = after(|w| w.obstacles.push(cube(60.0, 2.0, 1.5)));
+    // Its edge lies 0.95 m beside the start's centre: the point is free, the vehicle of 2.1 m width is not, nor is the path.
+    let found = after(|w| w.obstacles.push(cube(60.0, 1.7, 1.5)));
     let errors: Vec<_> = found.iter().filter(|f| f.rule == Rule::Ends).collect();
     // Start of t00, goal of t05.
     assert_eq!(errors.len(), 2, "{found:#?}");
@@ -134,7 +134,7 @@ fn a_start_where_the_vehicle_stands_over_the_edge_is_an_error() {
         w.tasks[0].path.insert(0, [62.5, 0.0]);
         w.tasks[0].path.splice(1..1, [[61.6, 0.0], [60.8, 0.0]]);
     });
-    only(&found, Severity::Error, Rule::Ends, &["tasks[0] (t00).start", "[64.84,", "outside the world"]);
+    only(&found, Severity::Error, Rule::Ends, &["tasks[0] (t00).start", "[64.83,", "outside the world"]);
 }
 
 #[test]
@@ -188,10 +188,10 @@ fn a_path_through_an_obstacle_is_an_error_and_one_close_to_it_a_warning() {
         &["tasks[0] (t00).path[", "obstacles[0] at 3.40 m", "3.5 m"],
     );
     only(
-        &near(1.2),
+        &near(1.0),
         Severity::Error,
         Rule::Path,
-        &["obstacles[0] at 1.20 m", "half the vehicle's width of 1.28 m"],
+        &["obstacles[0] at 1.00 m", "half the vehicle's width of 1.05 m"],
     );
 }
 
