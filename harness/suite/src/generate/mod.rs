@@ -14,6 +14,7 @@ pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
     GroundParams, Normal, ObstacleParams, ParamsError, StandParams, TaskParams,
 };
+pub(crate) use params::{check_path, check_stand, within};
 
 use crate::path::{PathError, PathParams, Planner};
 use crate::surface::counted_from_lowest;
