@@ -10,11 +10,11 @@ use vb_terrain::bands::Pass;
 use vb_terrain::data::{Data, Scan};
 use vb_terrain::model::{Header, Weights};
 use vb_terrain::shape::{BLOCK, LATENT};
-use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, spectral_distance};
+use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, spectral_distance, windows};
 use vb_terrain::tiles::{Tile, Tiles};
 
 use crate::error::TrainError;
-use crate::finish::{DRAWN, drawn, rounded, windows};
+use crate::finish::{DRAWN, drawn, rounded};
 use crate::loss;
 use crate::network::Network;
 use crate::trainer::{CUT, Losses, SIDE, Settings, middle, tensors};
@@ -178,7 +178,9 @@ pub(crate) fn measure(
     }
     let surfaces = drawn(header, weights, passes, MEASURED)?;
     let mut made = Spectrum::new(SIDE);
-    windows(&surfaces, |w| made.add(w));
+    for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
+        made.add(&window);
+    }
     let (real, made) = (real.radial(), made.radial());
     /// The mean is taken away.
     const FIRST: usize = 1;
@@ -219,11 +221,11 @@ pub(crate) fn look_of_scans(scans: &[&Scan], header: &Header) -> Look {
 /// What drawn surfaces look like.
 fn look_of_drawn(surfaces: Vec<Vec<f64>>, pitch: f64) -> Look {
     let mut spectrum = Spectrum::new(SIDE / 2);
-    windows(&surfaces, |w| {
-        for part in halves(&Raster::new(SIDE, SIDE, w.to_vec())) {
+    for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
+        for part in halves(&Raster::new(SIDE, SIDE, window)) {
             spectrum.add(part.values());
         }
-    });
+    }
     let rasters: Vec<_> = surfaces.into_iter().map(|s| Raster::new(DRAWN, DRAWN, s)).collect();
     look(&rasters, pitch, &spectrum)
 }

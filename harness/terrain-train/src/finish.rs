@@ -6,7 +6,7 @@ use vb_terrain::Request;
 use vb_terrain::bands::{BANDS, Curve, OCTAVES_REACH, Pass, Plane, REACH, STEEPNESS_REACH};
 use vb_terrain::data::{Layer, Scan};
 use vb_terrain::model::{Header, Model, SCHEMA, Weights};
-use vb_terrain::stats::{Spectrum, deviation, percentile_of_sorted};
+use vb_terrain::stats::{Spectrum, deviation, percentile_of_sorted, windows};
 use vb_terrain::tiles::Tiles;
 
 use crate::error::TrainError;
@@ -59,7 +59,9 @@ pub(crate) fn finish<'a>(
     }
     let power = |surfaces: &[Vec<f64>]| {
         let mut made = Spectrum::new(SIDE);
-        windows(surfaces, |w| made.add(w));
+        for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
+            made.add(&window);
+        }
         made.radial()[WAVE]
     };
     let lacking = real.radial()[WAVE] - power(&without);
@@ -101,18 +103,6 @@ pub(crate) fn drawn(
             Ok(model.surface(&request).map_err(|e| internal(&e))?.heights().to_vec())
         })
         .collect()
-}
-
-/// Windows as large as a tile, side by side over surfaces.
-pub(crate) fn windows(surfaces: &[Vec<f64>], mut tell: impl FnMut(&[f64])) {
-    for surface in surfaces {
-        for i in 0..(DRAWN / SIDE) * (DRAWN / SIDE) {
-            let corner = (i / (DRAWN / SIDE) * SIDE) * DRAWN + i % (DRAWN / SIDE) * SIDE;
-            let window: Vec<f64> =
-                (0..SIDE).flat_map(|r| surface[corner + r * DRAWN..][..SIDE].iter().copied()).collect();
-            tell(&window);
-        }
-    }
 }
 
 /// Values of surfaces at the shares of the knots; none where no surface has any.

@@ -46,6 +46,17 @@ pub fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
 }
 
+/// Square windows of `side` × `side` samples, side by side over a row-major surface; what is left over in the south and east is
+/// passed over.
+pub fn windows(heights: &[f64], cols: usize, side: usize) -> impl Iterator<Item = Vec<f64>> {
+    let across = cols / side.max(1);
+    let down = heights.len() / cols.max(1) / side.max(1);
+    (0..across * down).map(move |i| {
+        let corner = i / across * side * cols + i % across * side;
+        (0..side).flat_map(|r| heights[corner + r * cols..][..side].iter().copied()).collect()
+    })
+}
+
 /// Mean power of square windows by wave number: entry k is the mean over all waves of about k periods along a side, k from
 /// 0 to half the side.
 #[derive(Clone, Debug)]
@@ -181,6 +192,15 @@ mod tests {
         // Ten times the power everywhere: 10 dB.
         let ten: Vec<f64> = r.iter().map(|p| 10.0 * p).collect();
         assert!((spectral_distance(&ten, &r, 1) - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn windows_lie_side_by_side() {
+        // Of 3 rows of 5: two windows of 2 × 2 in the first two rows.
+        let heights: Vec<f64> = (0..15).map(f64::from).collect();
+        let all: Vec<_> = windows(&heights, 5, 2).collect();
+        assert_eq!(all, [[0.0, 1.0, 5.0, 6.0], [2.0, 3.0, 7.0, 8.0]]);
+        assert_eq!(windows(&[], 0, 4).count(), 0);
     }
 
     #[test]
