@@ -67,8 +67,7 @@ pub(crate) fn finish<'a>(
     let lacking = real.radial()[WAVE] - power(&without);
     let mut header = Header { swell: [rounded((lacking / power(&swell)).max(0.0).sqrt()), 0.0], ..header };
     let scans: Vec<&Layer> = scans.flat_map(|s| &s.layers).collect();
-    let real =
-        Looks::of(scans.iter().map(|l| (&l.heights.values()[..], l.heights.cols(), &l.measured[..])), None);
+    let real = Looks::of(scans.iter().map(|l| (l.heights.values(), l.heights.cols(), &l.measured[..])), None);
     while passes.len() < PASSES {
         let surfaces = drawn(&header, weights, &passes, FITTED)?;
         let whole = vec![true; DRAWN * DRAWN];
