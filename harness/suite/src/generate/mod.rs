@@ -94,7 +94,7 @@ const LAYOUTS: usize = 20;
 /// Between-world factors of the height spread lie within this many standard deviations of their logarithm.
 const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]
