@@ -355,6 +355,8 @@ fn a_hull_that_passes_soil_is_not_held_by_it_but_a_vehicle_that_lies_on_its_side
     let start = |passes: bool| {
         let mut vehicle = hmmwv();
         vehicle.chassis.hull_passes_soil = passes;
+        // What it lies on when it has tipped over.
+        vehicle.chassis.wheel_faces = true;
         let at = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
         Simulation::new(world.clone(), &model(vehicle), &soils, at, SimOptions::default())
             .expect("it settles")

@@ -193,6 +193,9 @@ impl ChassisContacts {
         if obstacles.any_within(&hull, margin) {
             return true;
         }
+        if self.passing == self.parts.len() {
+            return false;
+        }
         if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {
             return false;
         }

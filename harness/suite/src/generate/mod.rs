@@ -87,7 +87,7 @@ pub enum GenerateError {
 type Pairs = Vec<[[f64; 2]; 2]>;
 
 /// Surfaces drawn before giving up on starts and goals.
-const SURFACES: usize = 2000;
+const SURFACES: usize = 400;
 /// Obstacle layouts drawn before giving up on paths.
 const LAYOUTS: usize = 20;
 
