@@ -2,6 +2,7 @@
 
 mod common;
 use common::{controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils};
+use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{Controls, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, Start, WheelRig};
 use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};
 
@@ -369,7 +370,7 @@ fn a_hull_that_passes_soil_is_not_held_by_it_but_a_vehicle_that_lies_on_its_side
     let ((held, contacts), (free, none)) = (stands(false), stands(true));
     assert!(contacts > 0 && none == 0, "contacts of the hull: {contacts}, {none}");
     assert!(held > 0.65 && free < 0.55, "the reference point stands at {held} and at {free} m");
-    for roll in [1.57, -1.57, 3.14] {
+    for roll in [FRAC_PI_2, -FRAC_PI_2, PI] {
         let mut sim = start(true);
         sim.overturn(roll, 1.5);
         sim.advance(controls(0.0, 0.0, 0.0), 4000).expect("it stays simulated");
