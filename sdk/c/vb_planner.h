@@ -99,8 +99,8 @@ typedef struct vb_vehicle {
     const char *name;
     double scale; /* 1, 1/6 or 1/10 */
     double mass;
-    double length;
-    double width;
+    double length; /* of what collides, hull and tyres; so are width and height */
+    double width;  /* wheels straight ahead, without mirrors; half of it to each side of the centre line */
     double height;
     double wheelbase; /* between the first and the last axle */
     double track;

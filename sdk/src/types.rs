@@ -47,11 +47,12 @@ pub struct Vehicle {
     pub scale: f64,
     /// Mass, kg, all included.
     pub mass: f64,
-    /// Overall length, m.
+    /// Length of what collides, hull and tyres, m.
     pub length: f64,
-    /// Overall width, m.
+    /// Width of what collides, hull and tyres with the wheels straight ahead, m: without mirrors. Half of it lies to each
+    /// side of the centre line.
     pub width: f64,
-    /// Overall height, m.
+    /// Height of what collides above flat ground, m.
     pub height: f64,
     /// Distance between the first and the last axle, m.
     pub wheelbase: f64,

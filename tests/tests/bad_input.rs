@@ -301,7 +301,7 @@ fn what_the_command_line_names_must_exist() {
         (&["--memory", "lots"], USAGE, &["lots", "256M"]),
         (&["--resume"], USAGE, &["--out"]),
         (&["--sped", "5"], USAGE, &["--sped"]),
-        (&["--suite", "nowhere"], BAD_INPUT, &["nowhere", "smoke, vb-100"]),
+        (&["--suite", "nowhere"], BAD_INPUT, &["nowhere", "smoke, testbed, vb-100"]),
         (&["--rules", "papper"], BAD_INPUT, &["papper", "paper, release, dev"]),
         (&["--vehicle", "bicycle"], BAD_INPUT, &["bicycle", "hmmwv"]),
         (&["--soils", "slush"], BAD_INPUT, &["slush", "default, original, wong"]),
@@ -317,7 +317,7 @@ fn what_the_command_line_names_must_exist() {
         (&["drive"], USAGE, &["drive"]),
         (&["score"], USAGE, &["RUN"]),
         (&["score", "nothing"], BAD_INPUT, &["nothing", "run.json"]),
-        (&["suite", "show", "nowhere"], BAD_INPUT, &["nowhere", "smoke, vb-100"]),
+        (&["suite", "show", "nowhere"], BAD_INPUT, &["nowhere", "smoke, testbed, vb-100"]),
         (&["suite", "validate", "./nowhere"], BAD_INPUT, &["nowhere/suite.yaml"]),
         (&["tasks", "list", "--tasks", "w999"], USAGE, &["w999"]),
     ];

@@ -1,35 +1,44 @@
-//! The suites in `tasks/`: made by the generator, from seeds that stand here.
+//! The suites in `tasks/`: made by the harness, from seeds that stand here.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crate::run::{Failure, output, run, step};
 use crate::{built, root, target_dir};
 
-/// Name, version, seed and number of worlds of each. A suite that has been released stays as it is: whatever changes
-/// it makes a new version.
-const SUITES: [(&str, &str, &str, &str); 2] = [("smoke", "1", "2025", "10"), ("vb-100", "1", "2026", "100")];
+/// How a suite is made.
+struct Made {
+    name: &'static str,
+    version: &'static str,
+    /// What of `vb-harness suite` makes it, with its seed and whatever else it takes.
+    by: &'static [&'static str],
+}
 
-fn generate(name: &str, version: &str, seed: &str, worlds: &str, out: &Path) -> Result<(), Failure> {
+/// A suite that has been released stays as it is: whatever changes it makes a new version.
+const SUITES: [Made; 3] = [
+    Made { name: "smoke", version: "2", by: &["generate", "--seed", "2025", "--worlds", "10"] },
+    Made { name: "testbed", version: "1", by: &["testbed", "--seed", "2027"] },
+    Made { name: "vb-100", version: "2", by: &["generate", "--seed", "2026", "--worlds", "100"] },
+];
+
+fn make(suite: &Made, out: &Path) -> Result<(), Failure> {
     let _ = std::fs::remove_dir_all(out);
     let mut command = Command::new(built("vb-harness"));
-    command.args(["suite", "generate", "--name", name, "--suite-version", version]);
-    command.args(["--seed", seed, "--worlds", worlds]).arg("--out").arg(out);
+    command.arg("suite").args(suite.by).args(["--name", suite.name, "--suite-version", suite.version]);
+    command.arg("--out").arg(out);
     run(&mut command)
 }
 
 /// Writes all of them into `tasks/`.
 pub(crate) fn write() -> Result<(), Failure> {
-    SUITES.iter().try_for_each(|(name, version, seed, worlds)| {
-        generate(name, version, seed, worlds, &root().join("tasks").join(name))
-    })
+    SUITES.iter().try_for_each(|suite| make(suite, &root().join("tasks").join(suite.name)))
 }
 
-/// Compares all of them with what the generator makes, byte by byte.
+/// Compares all of them with what is made now, byte by byte.
 pub(crate) fn check() -> Result<(), Failure> {
-    for (name, version, seed, worlds) in SUITES {
-        let made: PathBuf = target_dir().join("suites").join(name);
-        generate(name, version, seed, worlds, &made)?;
+    for suite in SUITES {
+        let (name, made) = (suite.name, target_dir().join("suites").join(suite.name));
+        make(&suite, &made)?;
         let mut diff = Command::new("diff");
         diff.args(["--recursive", "--brief", "--exclude=proof.json"])
             .arg(root().join("tasks").join(name))

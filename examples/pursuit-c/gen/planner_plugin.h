@@ -27,7 +27,8 @@ typedef struct vertibench_planner_types_vehicle_t {
   double   scale;
   // kg, all included.
   double   mass;
-  // Overall length, width and height, m.
+  // Length, width and height above flat ground of what collides, m: hull and tyres with the wheels straight
+  // ahead, without mirrors. Half of the width lies to each side of the centre line.
   double   length;
   double   width;
   double   height;

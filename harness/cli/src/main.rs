@@ -63,6 +63,7 @@ fn main() -> ExitCode {
         Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
         Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
         Some(args::Command::Suite(args::SuiteCommand::Site(args))) => site::make(&args),
+        Some(args::Command::Suite(args::SuiteCommand::Testbed(args))) => suite::testbed(&args),
         Some(args::Command::Tasks(args::TasksCommand::List(args))) => suite::tasks(&args),
         Some(args::Command::Vehicle(args::VehicleCommand::List(args))) => vehicle::list(&args),
         Some(args::Command::Vehicle(args::VehicleCommand::Show(args))) => vehicle::show(&args),

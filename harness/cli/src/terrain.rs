@@ -1,10 +1,12 @@
 //! `vb-harness terrain`.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::process::Command;
 
 use vb_terrain::read::{Holes, read};
-use vb_terrain::stats::{deviation, percentile, slopes};
+use vb_terrain::repair::repair;
+use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
 use vb_terrain::write::{Kind, shaded};
 use vb_terrain::{Model, Request, share};
 use vb_world::Elevation;
@@ -83,35 +85,55 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Tells heights and slopes of elevation files.
+/// Samples along the windows whose power is measured, and the waves in one that its exponent is fitted over.
+const WINDOW: usize = 32;
+const WAVES: RangeInclusive<usize> = 1..=10;
+
+/// Tells heights, slopes and the spectrum's exponent of elevation files.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
-    let head =
-        ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99"].map(str::to_owned).to_vec();
-    let mut rows = vec![head];
-    let (mut steep, mut deviations) = (Vec::new(), Vec::new());
-    let row = |name: String, size: String, pitch: f64, std: f64, steep: &mut [f64]| {
-        let degrees = [0.5, 0.9, 0.95, 0.99].map(|s| format!("{:.1}", percentile(steep, s)));
+    let head = ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99", "p99.5", "power"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    let (mut steep, mut deviations, mut power) = (Vec::new(), Vec::new(), Vec::new());
+    let row = |name: String, size: String, pitch: f64, std: f64, steep: &mut [f64], power: &[Vec<f64>]| {
+        let degrees = [0.5, 0.9, 0.95, 0.99, 0.995].map(|s| format!("{:.1}", percentile(steep, s)));
         let start = [name, size, format!("{pitch} m"), format!("{std:.3} m")];
-        start.into_iter().chain(degrees).collect::<Vec<_>>()
+        start.into_iter().chain(degrees).chain([law(power)]).collect::<Vec<_>>()
     };
     for path in &args.files {
-        let raster = read(path, Holes::Refuse).map_err(CliError::input)?;
+        let mut raster = read(path, Holes::Refuse).map_err(CliError::input)?;
+        if args.repair {
+            repair(&mut raster);
+        }
         let pitch = args.pitch.or(raster.pitch()).unwrap_or(1.0);
         let heights: Vec<f64> = raster.values().iter().map(|v| v * args.height_unit).collect();
         let mut own = slopes(&heights, raster.cols(), pitch);
         let std = deviation(&heights);
+        // Each file's power over its variance: a steep file counts as much as a level one.
+        let mut parts: Vec<Vec<f64>> = windows(&heights, raster.cols(), WINDOW).collect();
+        for v in parts.iter_mut().flatten() {
+            *v /= std;
+        }
         let size = format!("{} x {}", raster.cols(), raster.rows());
         if !args.summary {
-            rows.push(row(path.display().to_string(), size, pitch, std, &mut own));
+            rows.push(row(path.display().to_string(), size, pitch, std, &mut own, &parts));
         }
         steep.append(&mut own);
+        power.append(&mut parts);
         deviations.push(std);
     }
     let mean = deviations.iter().sum::<f64>() / deviations.len().max(1) as f64;
     if args.summary || args.files.len() > 1 {
         let pitch = args.pitch.unwrap_or(1.0);
-        rows.push(row(format!("all {}", args.files.len()), "-".into(), pitch, mean, &mut steep));
+        rows.push(row(format!("all {}", args.files.len()), "-".into(), pitch, mean, &mut steep, &power));
     }
     output::text(&output::columns(&rows));
     Ok(())
+}
+
+/// The power law of these windows; none where there is no window, or nothing rises or falls.
+fn law(windows: &[Vec<f64>]) -> String {
+    let mut spectrum = Spectrum::new(WINDOW);
+    windows.iter().for_each(|w| spectrum.add(w));
+    let exponent = exponent(&spectrum.radial(), WAVES);
+    if exponent.is_finite() { format!("k^{exponent:.2}") } else { "-".into() }
 }

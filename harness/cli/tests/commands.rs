@@ -63,7 +63,11 @@ fn the_built_in_suites_are_listed_shown_and_valid() {
     assert!(shown.contains("w001") && shown.contains("w010"), "{shown}");
     assert_eq!(succeed(&dir, &["tasks", "list", "--suite", "smoke"]).lines().count(), 100);
     assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 1000, "vb-100 is the default");
-    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100  100 worlds, 1000 tasks"));
+    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100   100 worlds, 1000 tasks"));
+    assert!(succeed(&dir, &["suite", "list"]).contains("testbed  2 worlds, 10 tasks"));
+    succeed(&dir, &["suite", "testbed", "--seed", "1", "--out", "bed"]);
+    let valid = succeed(&dir, &["suite", "validate", "bed", "--vehicle", "verti4wheeler"]);
+    assert!(valid.contains("2 worlds, 10 tasks, all valid"), "{valid}");
 }
 
 #[test]

@@ -47,8 +47,17 @@ fn a_surface_is_drawn_to_a_file_with_a_picture_and_measured() {
     let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split_whitespace().collect()).collect();
     assert_eq!(rows.len(), 4, "{table}");
     let std = |row: usize| rows[row][6].parse::<f64>().unwrap();
+    assert_eq!(rows[0][rows[0].len() - 2..], ["p99.5", "power"], "{table}");
+    // A window of 32 × 32 fits on no 40 × 30 nodes; on 64 × 64 four do, and power falls with the wave number.
+    assert_eq!(rows[1].last(), Some(&"-"), "{table}");
     // 30 % of the relief.
     assert!((std(2) / std(1) - 0.3).abs() < 0.01, "{table}");
+    let args = ["terrain", "generate", "--seed", "5", "--size", "64", "--out", "e.npy"];
+    assert!(harness(&dir, &args).status.success());
+    let measured = harness(&dir, &["terrain", "measure", "--repair", "e.npy"]);
+    let table = String::from_utf8(measured.stdout).unwrap();
+    let power = table.split_whitespace().last().unwrap().strip_prefix("k^").unwrap();
+    assert!((-3.0..-1.0).contains(&power.parse::<f64>().unwrap()), "{table}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! and puts both results side by side. `cargo xtask compare-chrono` builds what it needs and runs it.
 
 mod cost;
+mod gap;
 mod mode;
 mod reference;
 mod table;
@@ -173,6 +174,10 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     let mut report = String::from("# Whole tasks: Project Chrono and here\n");
     if args.all.is_some() {
         report += &format!("\n{}\n{}", table::ends(&rows), table::tasks(&rows, modes));
+        let records = args.all.as_ref().map(|file| file.with_file_name("diverging"));
+        if let Some(dir) = records.filter(|dir| dir.is_dir()) {
+            report += &format!("\n## The gap under Chrono's wheels\n\n{}", gap::table(&gaps(&dir, &worlds)?));
+        }
         return write_report(&args.out, &report);
     }
     for mode in Mode::ALL {
@@ -180,8 +185,32 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     }
     report += &format!("\n## Tasks\n\n{}", table::tasks(&rows, modes));
     let runs: Vec<&Run> = rows.iter().map(|r| &r.run).collect();
-    report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &costs));
+    let lean = match &args.recorded {
+        // Beside them, where it is at hand.
+        Some(dir) if dir.join("../all-tasks.csv").exists() => {
+            cost::without_fixed_pairs(&reference::table(&dir.join("../all-tasks.csv"))?)
+        }
+        _ => BTreeMap::new(),
+    };
+    report += &format!("\n## Processor time a simulated second\n\n{}", cost::table(&runs, &lean, &costs));
     write_report(&args.out, &report)
+}
+
+/// The wheels that carry in Chrono's records over rigid worlds, wWORLD_PAIR.csv.
+fn gaps(dir: &Path, worlds: &BTreeMap<u32, World>) -> Result<Vec<gap::Sample>, CompareError> {
+    let io = |source| CompareError::Io { path: dir.into(), source };
+    let entries = std::fs::read_dir(dir).map_err(io)?;
+    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<Result<_, _>>().map_err(io)?;
+    files.sort();
+    let mut samples = Vec::new();
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "csv")) {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let id = name.strip_prefix('w').and_then(|n| n.split('_').next()).and_then(|n| n.parse().ok());
+        if let Some(world) = id.and_then(|id: u32| worlds.get(&id)).filter(|w| w.terrain == Terrain::Rigid) {
+            samples.extend(gap::samples(file, &reference::Series::read(file)?, &world.heightfield)?);
+        }
+    }
+    Ok(samples)
 }
 
 fn write_report(out: &Path, report: &str) -> Result<(), CompareError> {

@@ -77,6 +77,7 @@ mod tests {
         let (ours, mut theirs) = (read("hmmwv"), read("hmmwv-released"));
         let mut tyre = theirs["tyre"].clone();
         let dilation = tyre.as_object_mut().unwrap().remove("dilation");
+        assert_eq!(tyre.as_object_mut().unwrap().remove("contact"), Some(json!("facets")));
         assert_eq!(
             dilation,
             Some(json!({"step": 0.005, "reach": 0.06})),

@@ -212,6 +212,36 @@ fn parse(file: &Path, text: &str) -> Result<Run, CompareError> {
     })
 }
 
+/// A record's time series: numbers under a header.
+#[derive(Clone, Debug)]
+pub(crate) struct Series {
+    header: Vec<String>,
+    pub(crate) rows: Vec<Vec<f64>>,
+}
+
+impl Series {
+    pub(crate) fn read(file: &Path) -> Result<Self, CompareError> {
+        Self::parse(file, &read(file)?)
+    }
+
+    pub(crate) fn parse(file: &Path, text: &str) -> Result<Self, CompareError> {
+        let mut lines = text.lines().enumerate();
+        let header: Vec<String> =
+            lines.next().map(|(_, l)| l.split(',').map(str::to_owned).collect()).unwrap_or_default();
+        let mut rows = Vec::new();
+        for (k, line) in lines {
+            let cells: Vec<&str> = line.split(',').collect();
+            let row = (0..header.len()).map(|column| number(file, k + 1, &cells, column));
+            rows.push(row.collect::<Result<Vec<f64>, _>>()?);
+        }
+        Ok(Self { header, rows })
+    }
+
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
+        self.header.iter().position(|h| h == name)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,11 +8,13 @@ mod brief;
 pub mod conformance;
 mod error;
 mod run;
+mod shape;
 mod state_hash;
 mod trial;
 
-pub use brief::{StaticShape, planner_task, planner_vehicle, static_shape};
+pub use brief::{planner_task, planner_vehicle};
 pub use error::RunError;
 pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, run, start};
+pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;
 pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, sample};

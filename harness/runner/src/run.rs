@@ -15,7 +15,8 @@ use vb_sdk::Param;
 use vb_sim::{SimOptions, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
-use crate::brief::{Terms, planner_task, planner_vehicle, static_shape};
+use crate::brief::{Terms, planner_task, planner_vehicle};
+use crate::shape::static_shape;
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
 
 /// A vehicle and the hash of its description, by which runs are told apart.

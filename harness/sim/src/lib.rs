@@ -30,10 +30,10 @@ pub use simulation::{SimOptions, Simulation, Start};
 pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
 pub use spec::{
     AntiRoll, Axle, Beam, BrushTyre, Chassis, Converter, Damper, Differential, Dilation, DoubleWishbone,
-    Driveline, DrivenAxle, Engine, FialaTyre, Gearbox, Governor, KnuckleDrive, Knuckles, LeafAxle, Linkage,
-    LockUp, Multilink, Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod, SingleWishbone, SolidAxle,
-    Spring, SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops, Suspension, TmeasyTyre, Torsion,
-    TorsionArm, Tracks, TyreSpec, VehicleSpec,
+    Driveline, DrivenAxle, Engine, FialaTyre, Gearbox, Governor, HardContact, KnuckleDrive, Knuckles,
+    LeafAxle, Linkage, LockUp, Multilink, Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod,
+    SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops,
+    Suspension, TmeasyTyre, Torsion, TorsionArm, Tracks, TyreSpec, VehicleSpec,
 };
 pub use state::{Controls, VehicleState, WheelState};
 pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};

@@ -53,6 +53,8 @@ const FASTEST: f64 = 200.0;
 const DEEPEST: f64 = 1.5;
 /// Steps between two looks for obstacles in reach.
 const LOOK_AROUND: u64 = 16;
+/// Vertical part of the vehicle's up direction below which it lies on its side or roof.
+const LYING: f64 = 0.5;
 /// How near the hull comes to ground or obstacles at full scale before rapier is asked, m: beyond the 0.02 m at which it
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
@@ -191,13 +193,20 @@ impl Simulation {
         }
     }
 
+    /// Tells the hull what is below it.
+    fn pass_over_soil(&mut self) {
+        let v = &self.vehicle;
+        let upright = (v.q * V3::z()).z > LYING;
+        self.chassis.pass_over(self.soil.soil_at(v.x.x, v.x.y).is_some(), upright);
+    }
+
     /// Whether neither wheels nor hull touch anything.
     fn is_free(&mut self) -> bool {
+        self.pass_over_soil();
         let ground = &self.world.heightfield;
         let touches = self.vehicle.hubs().zip(self.vehicle.envelopes()).any(|((hub, axis), envelope)| {
             hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
         });
-        self.chassis.pass_over(self.soil.soil_at(self.vehicle.x.x, self.vehicle.x.y).is_some());
         let margin = 0.02 * self.world.scale;
         !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, margin)
     }
@@ -235,7 +244,7 @@ impl Simulation {
             obstacles: &self.obstacles,
         };
         self.vehicle.accelerate(controls, &mut ground, &self.wheels, dt);
-        self.chassis.pass_over(self.soil.soil_at(self.vehicle.x.x, self.vehicle.x.y).is_some());
+        self.pass_over_soil();
         let way = (self.vehicle.v.norm() + self.vehicle.w.norm() * self.chassis.bound()) * dt;
         let near = self.chassis.may_touch(
             &self.world.heightfield,

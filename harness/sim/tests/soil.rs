@@ -1,9 +1,10 @@
 //! Wheels and the HMMWV on soil, against the theory of rigid wheels and against Chrono 9.0.1's reference runs.
 
 mod common;
-use common::{controls, hold_speed, original_soils, soil_start, soil_world, soils, wong_soils};
+use common::{controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils};
+use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{Controls, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, Start, WheelRig};
-use vb_world::{Heightfield, SoilLevel, SoilLevels, TerrainClass};
+use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};
 
 /// The HMMWV's wheel in a soil bin, as the closed form has it (peers.md §5.3): W = 6369 N, b = 0.3175 m, r = 0.467 m.
 fn rig() -> WheelRig {
@@ -343,4 +344,36 @@ fn a_dropped_start_falls_freely_from_its_height_with_the_clock_running_and_lands
     let low = SimOptions { start: Start::Dropped { height: 0.1, stretch: 1.0 }, ..options };
     let sim = soil_start(&world, &original_soils(), [3.0, 0.0], 0.5, low);
     assert!(sim.state().position.z > 0.45, "wheels hang 0.47 m below: {}", sim.state().position.z);
+}
+
+#[test]
+fn a_hull_that_passes_soil_is_not_held_by_it_but_a_vehicle_that_lies_on_its_side_stays_above() {
+    // A ridge along the vehicle between its wheels, 0.7 m high: the hull's belly would stand on it.
+    let (rows, cols) = (81, 81);
+    let heights = (0..rows * cols).map(|i| if i / cols == 40 { 0.7 } else { 0.0 }).collect();
+    let world = soil_world(Heightfield::new(rows, cols, 0.5, heights), TerrainClass::Sand);
+    let soils = original_soils();
+    let start = |passes: bool| {
+        let mut vehicle = hmmwv();
+        vehicle.chassis.hull_passes_soil = passes;
+        // What it lies on when it has tipped over.
+        vehicle.chassis.wheel_faces = true;
+        let at = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+        Simulation::new(world.clone(), &model(vehicle), &soils, at, SimOptions::default())
+            .expect("it settles")
+    };
+    let stands = |passes: bool| {
+        let mut sim = start(passes);
+        sim.advance(controls(0.0, 0.0, 1.0), 500).unwrap();
+        (sim.state().position.z, sim.contact_steps())
+    };
+    let ((held, contacts), (free, none)) = (stands(false), stands(true));
+    assert!(contacts > 0 && none == 0, "contacts of the hull: {contacts}, {none}");
+    assert!(held > 0.65 && free < 0.55, "the reference point stands at {held} and at {free} m");
+    for roll in [FRAC_PI_2, -FRAC_PI_2, PI] {
+        let mut sim = start(true);
+        sim.overturn(roll, 1.5);
+        sim.advance(controls(0.0, 0.0, 0.0), 4000).expect("it stays simulated");
+        assert!(sim.state().position.z > 0.0, "{roll}: {}", sim.state().position.z);
+    }
 }

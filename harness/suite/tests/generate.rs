@@ -59,18 +59,22 @@ fn near(what: &str, value: f64, expected: f64, tolerance: f64) {
 }
 
 /// Facts §2.3 give for each level the spread of heights within a world and percentiles of slope. A dozen worlds, whose
-/// spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. Single facets are some 10 % gentler, since the
-/// original's bitmaps have noise from node to node, and the far tail is shorter: in the original it is made of isolated
-/// black pixels, which are no terrain (docs/worlds.md).
+/// spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. At p90 ours are steeper by 6 % besides, as the scans
+/// are beside the original's worlds. The far tail is somewhat shorter, since isolated black pixels are no terrain: without them the
+/// original's p99 is 17.0, 29.4 and 44.7 degrees (docs/worlds.md).
+///
+/// Single facets, differences over 1 m, are compared with the scans that the model never saw: every fourth sample of a repaired scan,
+/// scaled to the level's share of 0.55 m for the standard deviation of the scans trained on. (The original's worlds have gentler
+/// ones: p90 12.7, 23.2 and 36.2 degrees.)
 #[test]
 fn heights_and_slopes_are_those_of_the_original_at_every_level() {
     let no_boulders =
         ("boulders: {sparse: 10, medium: 20, dense: 40}", "boulders: {sparse: 0, medium: 0, dense: 0}");
     let worlds = generate(&params(&[no_boulders, ("count: 10", "count: 1")]), 11, 36);
     let levels = [
-        (Elevation::Low, 0.166, [4.6, 9.6, 11.8, 19.1], [5.8, 12.7, 15.8, 25.9]),
-        (Elevation::Medium, 0.322, [9.1, 18.2, 22.1, 33.4], [11.5, 23.2, 28.5, 42.5]),
-        (Elevation::High, 0.547, [14.9, 29.0, 34.5, 48.5], [17.7, 36.2, 42.4, 57.5]),
+        (Elevation::Low, 0.166, [4.6, 9.6, 11.8, 19.1], [5.6, 15.3, 19.6, 28.1]),
+        (Elevation::Medium, 0.322, [9.1, 18.2, 22.1, 33.4], [11.2, 28.7, 35.4, 46.8]),
+        (Elevation::High, 0.547, [14.9, 29.0, 34.5, 48.5], [18.2, 42.4, 49.8, 60.6]),
     ];
     for (level, std, central, facets) in levels {
         let of_level: Vec<_> = worlds.iter().filter(|w| w.elevation == level).collect();
@@ -86,20 +90,19 @@ fn heights_and_slopes_are_those_of_the_original_at_every_level() {
             let of = if kind == "facet" { facet_slopes } else { central_slopes };
             let mut all: Vec<_> = of_level.iter().flat_map(|w| of(w)).collect();
             all.sort_by(f64::total_cmp);
-            let tolerance = if kind == "facet" { 0.2 } else { 0.12 };
             for (p, e) in [50.0, 90.0, 95.0].into_iter().zip(expected) {
-                near(&format!("{name} {kind} slope p{p}"), percentile(&all, p), e, tolerance);
+                near(&format!("{name} {kind} slope p{p}"), percentile(&all, p), e, 0.15);
             }
             let tail = percentile(&all, 99.0);
-            assert!((0.6..1.0).contains(&(tail / expected[3])), "{name} {kind} slope p99: {tail}");
+            eprintln!("{name} {kind} slope p99: {tail:.2}, measured {}", expected[3]);
+            assert!((0.85..1.1).contains(&(tail / expected[3])), "{name} {kind} slope p99: {tail}");
         }
         assert!(of_level.iter().all(|w| w.heightfield.range().0 == 0.0));
     }
 }
 
 /// Facts §2.3: the horizontal autocorrelation falls to 1/e at 3.6 m (single worlds of the original: 2.7 to 3.4 m by
-/// level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in 128 m. Ours falls faster, without the
-/// noise of single nodes.
+/// level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in 128 m.
 #[test]
 fn roughness_has_the_wavelengths_of_the_original() {
     let worlds = generate(&params(&[("count: 10", "count: 1")]), 12, 6);
@@ -152,7 +155,7 @@ fn roughness_has_the_wavelengths_of_the_original() {
     let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
         / points.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum::<f64>();
     eprintln!("power ~ k^{slope:.2}");
-    assert!((-2.6..-1.8).contains(&slope), "{slope}");
+    assert!((slope + 2.0).abs() < 0.15, "{slope}");
 }
 
 #[test]
@@ -346,7 +349,7 @@ fn the_suite_has_every_choice_of_labels_in_proportion() {
 
 #[test]
 fn built_in_suites_are_small() {
-    for (name, most) in [("smoke", 1_000_000), ("vb-100", 8_000_000)] {
+    for (name, most) in [("smoke", 1_000_000), ("testbed", 200_000), ("vb-100", 8_000_000)] {
         let size: usize = files(built_in(name).dir()).iter().map(|(_, b)| b.len()).sum();
         assert!(size < most, "{name}: {size} bytes");
     }
@@ -369,7 +372,9 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
     let text = wide.to_string();
     assert!(text.contains("w003/t") && text.contains("obstacles were drawn 20 times"), "{text}");
 
-    let level = error(&[("tilt: 15.0", "tilt: 0.5")], 2).to_string();
+    // A coarse surface is drawn faster, and all of them are drawn in vain.
+    let coarse = ("grid: {nodes: 129, pitch: 1.0}", "grid: {nodes: 33, pitch: 4.0}");
+    let level = error(&[("tilt: 15.0", "tilt: 0.5"), coarse], 2).to_string();
     assert!(
         level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),
         "{level}"

@@ -1,28 +1,33 @@
 //! The model's card: what it was trained on, how, and how well it does on scans that it never saw.
 
+use std::ops::{Range, RangeInclusive};
+
 use candle_core::Device;
 use serde::Serialize;
 use vb_math::rng::Stream;
+use vb_terrain::Raster;
+use vb_terrain::bands::Pass;
 use vb_terrain::data::{Data, Scan};
-use vb_terrain::model::{Header, Model, Weights};
+use vb_terrain::model::{Header, Weights};
 use vb_terrain::shape::{BLOCK, LATENT};
-use vb_terrain::stats::{Spectrum, deviation, percentile, slopes, spectral_distance};
+use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, spectral_distance, windows};
 use vb_terrain::tiles::{Tile, Tiles};
-use vb_terrain::{Raster, Request};
 
 use crate::error::TrainError;
+use crate::finish::{DRAWN, drawn, rounded};
 use crate::loss;
 use crate::network::Network;
 use crate::trainer::{CUT, Losses, SIDE, Settings, middle, tensors};
 
-/// Nodes along the surfaces that a model is measured on, and their number.
-const DRAWN: usize = 512;
-const SURFACES: u64 = 4;
+/// Seeds of the surfaces that a model is measured on: others than those that it was fitted on.
+const MEASURED: Range<u64> = 100..112;
+/// Waves in a window of a tile's side that the exponent is fitted over: of 1/1 to 1/10 of that side.
+const WAVES: RangeInclusive<usize> = 1..=10;
 
 /// A model's card.
 #[derive(Clone, Debug, Serialize)]
 pub struct Card {
-    /// Version of this format: 1.
+    /// Version of this format: 2.
     pub schema: u32,
     /// SHA-256 of the model file.
     pub sha256: String,
@@ -38,6 +43,8 @@ pub struct Card {
     pub losses: Losses,
     /// The model's own header.
     pub header: Header,
+    /// What the training scans look like: how far they and the held-out ones are apart is what chance makes.
+    pub trained_on: Look,
     /// How well it does on scans that it never saw; of the training scans where none were held out.
     pub held_out: Metrics,
 }
@@ -78,7 +85,7 @@ pub struct Metrics {
     pub spectrum_db: f64,
     /// Drawn over real power by wavelength in metres, dB.
     pub spectrum: Vec<(f64, f64)>,
-    /// The tiles' own figures.
+    /// The scans' own figures.
     pub real: Look,
     /// Those of drawn surfaces.
     pub drawn: Look,
@@ -89,8 +96,12 @@ pub struct Metrics {
 pub struct Look {
     /// Standard deviation of height, m.
     pub std_m: f64,
-    /// Percentiles 50, 90, 95 and 99 of slope over two of the model's samples, degrees.
-    pub slope_deg: [f64; 4],
+    /// Percentiles 50, 90, 95, 99 and 99.5 of the slope of every second sample by central differences, degrees.
+    pub slope_deg: [f64; 5],
+    /// The same of every sample.
+    pub fine_slope_deg: [f64; 5],
+    /// Exponent of the power law that the power of every second sample follows: waves as long as a tile to a tenth of it.
+    pub exponent: f64,
 }
 
 impl DataCard {
@@ -124,70 +135,15 @@ pub(crate) fn weights(network: &Network) -> Result<Weights, TrainError> {
     Ok(of("decoder.", ".weight")?.into_iter().zip(of("decoder.", ".bias")?).collect())
 }
 
-/// The header of a model with these weights. What it draws is measured: the swell is what waves of half a tile and longer lack
-/// beside the tiles of training, and mean and standard deviation are those of surfaces with it.
-pub(crate) fn header(
-    weights: &Weights,
-    tiles: &Tiles,
-    pitch: f64,
-    relief: f64,
-    detail: f64,
-) -> Result<Header, TrainError> {
-    /// Waves in a window that the swell is fitted at: one, of its whole side.
-    const WAVE: usize = 1;
-    let plain = Header { schema: 1, pitch, relief: 1.0, detail, swell: 0.0, mean: 0.0, std: 1.0 };
-    let mut real = Spectrum::new(SIDE);
-    for i in 0..tiles.len() {
-        real.add(&tiles.get(i).heights);
-    }
-    let without = drawn(&plain, weights)?;
-    let with = drawn(&Header { swell: 1.0, ..plain }, weights)?;
-    let mut swell = with.clone();
-    for (swell, without) in swell.iter_mut().flatten().zip(without.iter().flatten()) {
-        *swell -= without;
-    }
-    let power = |surfaces: &[Vec<f64>]| spectrum(surfaces).radial()[WAVE];
-    let lacking = real.radial()[WAVE] - power(&without);
-    let swell = rounded((lacking / power(&swell)).max(0.0).sqrt());
-    let all: Vec<f64> = drawn(&Header { swell, ..plain }, weights)?.into_iter().flatten().collect();
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    Ok(Header { relief, swell, mean: rounded(mean), std: rounded(deviation(&all)), ..plain })
-}
-
-/// The spectrum of surfaces in windows as large as a tile.
-fn spectrum(surfaces: &[Vec<f64>]) -> Spectrum {
-    let mut made = Spectrum::new(SIDE);
-    for surface in surfaces {
-        for i in 0..(DRAWN / SIDE) * (DRAWN / SIDE) {
-            let corner = (i / (DRAWN / SIDE) * SIDE) * DRAWN + i % (DRAWN / SIDE) * SIDE;
-            let window: Vec<f64> =
-                (0..SIDE).flat_map(|r| surface[corner + r * DRAWN..][..SIDE].iter().copied()).collect();
-            made.add(&window);
-        }
-    }
-    made
-}
-
-/// Surfaces at the model's own pitch.
-fn drawn(header: &Header, weights: &Weights) -> Result<Vec<Vec<f64>>, TrainError> {
-    let internal = |e: &dyn std::fmt::Display| TrainError::Internal(e.to_string());
-    let model = Model::new(*header, weights).map_err(|e| internal(&e))?;
-    (0..SURFACES)
-        .map(|seed| {
-            let request = Request { seed, rows: DRAWN, cols: DRAWN, pitch: header.pitch, share: 1.0 };
-            Ok(model.surface(&request).map_err(|e| internal(&e))?.heights().to_vec())
-        })
-        .collect()
-}
-
 /// Measures a model on scans.
-pub(crate) fn measure<'a>(
+pub(crate) fn measure(
     network: &Network,
     header: &Header,
     weights: &Weights,
-    scans: impl Iterator<Item = &'a Scan>,
+    passes: &[Pass],
+    scans: &[&Scan],
 ) -> Result<Metrics, TrainError> {
-    let tiles = Tiles::cut(scans, CUT);
+    let tiles = Tiles::cut(scans.iter().copied(), CUT);
     let all: Vec<Tile> = (0..tiles.len()).map(|i| tiles.get(i)).collect();
     if all.is_empty() {
         return Err(TrainError::TooLittle(format!(
@@ -217,14 +173,14 @@ pub(crate) fn measure<'a>(
     let latent_distance_of_chance = distance(&other, &normal)?;
 
     let mut real = Spectrum::new(SIDE);
-    let mut of_real = Vec::new();
     for tile in &all {
-        let heights: Vec<f64> = tile.heights.iter().map(|z| z * header.relief).collect();
-        real.add(&heights);
-        of_real.push((heights, SIDE));
+        real.add(&tile.heights.iter().map(|z| z * header.relief).collect::<Vec<_>>());
     }
-    let surfaces = drawn(header, weights)?;
-    let made = spectrum(&surfaces);
+    let surfaces = drawn(header, weights, passes, MEASURED)?;
+    let mut made = Spectrum::new(SIDE);
+    for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
+        made.add(&window);
+    }
     let (real, made) = (real.radial(), made.radial());
     /// The mean is taken away.
     const FIRST: usize = 1;
@@ -239,25 +195,64 @@ pub(crate) fn measure<'a>(
         latent_distance_of_chance: rounded(latent_distance_of_chance),
         spectrum_db: rounded(spectral_distance(&made, &real, FIRST)),
         spectrum,
-        real: look(&of_real, header.pitch),
-        drawn: look(&surfaces.into_iter().map(|s| (s, DRAWN)).collect::<Vec<_>>(), header.pitch),
+        real: look_of_scans(scans, header),
+        drawn: look_of_drawn(surfaces, header.pitch),
     })
 }
 
-/// What surfaces of so many columns look like.
-fn look(surfaces: &[(Vec<f64>, usize)], pitch: f64) -> Look {
-    let mut all = Vec::new();
-    let mut steep = Vec::new();
-    for (heights, cols) in surfaces {
-        let half = Raster::new(heights.len() / cols, *cols, heights.clone()).reduced(2);
-        steep.extend(slopes(half.values(), half.cols(), 2.0 * pitch));
-        all.extend_from_slice(heights);
+/// What scans look like at the model's relief: their slopes wherever they were measured, their power on tiles.
+pub(crate) fn look_of_scans(scans: &[&Scan], header: &Header) -> Look {
+    let tiles = Tiles::cut(scans.iter().copied(), CUT);
+    let mut spectrum = Spectrum::new(SIDE / 2);
+    let scaled = |heights: &[f64]| heights.iter().map(|z| z * header.relief).collect::<Vec<_>>();
+    for tile in (0..tiles.len()).map(|i| tiles.get(i)) {
+        for part in halves(&Raster::new(SIDE, SIDE, scaled(&tile.heights))) {
+            spectrum.add(part.values());
+        }
     }
-    let slope_deg = [0.5, 0.9, 0.95, 0.99].map(|share| rounded(percentile(&mut steep, share)));
-    Look { std_m: rounded(deviation(&all)), slope_deg }
+    let layers = scans.iter().flat_map(|s| &s.layers).map(|l| {
+        let (rows, cols) = (l.heights.rows(), l.heights.cols());
+        let measured = scaled(l.heights.values()).into_iter().zip(&l.measured);
+        Raster::new(rows, cols, measured.map(|(z, m)| if *m { z } else { f64::NAN }).collect())
+    });
+    look(&layers.collect::<Vec<_>>(), header.pitch, &spectrum)
 }
 
-/// To three places: a card is for people.
-fn rounded(v: f64) -> f64 {
-    (v * 1000.0).round() / 1000.0
+/// What drawn surfaces look like.
+fn look_of_drawn(surfaces: Vec<Vec<f64>>, pitch: f64) -> Look {
+    let mut spectrum = Spectrum::new(SIDE / 2);
+    for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
+        for part in halves(&Raster::new(SIDE, SIDE, window)) {
+            spectrum.add(part.values());
+        }
+    }
+    let rasters: Vec<_> = surfaces.into_iter().map(|s| Raster::new(DRAWN, DRAWN, s)).collect();
+    look(&rasters, pitch, &spectrum)
+}
+
+/// Every second sample, from each of the four that can be the first.
+fn halves(raster: &Raster) -> impl Iterator<Item = Raster> {
+    (0..4).map(|i| raster.thinned(i / 2, i % 2, 2))
+}
+
+fn look(rasters: &[Raster], pitch: f64, spectrum: &Spectrum) -> Look {
+    let (mut all, mut steep, mut fine) = (Vec::new(), Vec::new(), Vec::new());
+    for raster in rasters {
+        fine.extend(slopes(raster.values(), raster.cols(), pitch));
+        for part in halves(raster) {
+            steep.extend(slopes(part.values(), part.cols(), 2.0 * pitch));
+        }
+        all.extend(raster.values().iter().filter(|v| !v.is_nan()));
+    }
+    // Beside a hole there is no slope.
+    let percentiles = |slopes: &mut Vec<f64>| {
+        slopes.retain(|s| !s.is_nan());
+        [0.5, 0.9, 0.95, 0.99, 0.995].map(|share| rounded(percentile(slopes, share)))
+    };
+    Look {
+        std_m: rounded(deviation(&all)),
+        slope_deg: percentiles(&mut steep),
+        fine_slope_deg: percentiles(&mut fine),
+        exponent: rounded(exponent(&spectrum.radial(), WAVES)),
+    }
 }

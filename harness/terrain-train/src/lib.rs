@@ -3,11 +3,13 @@
 //! The encoder turns a tile into a field of latent numbers, the decoder turns them back. Three things are made small: the error
 //! of that; the sliced Wasserstein distance of the codes from the normal distribution, jointly for blocks of cells, so that
 //! a field of independent normal numbers is a latent field too; and the sliced distance between patches of surfaces decoded
-//! from such fields and patches of real tiles, which keeps them from being blurred.
+//! from such fields and patches of real tiles, which keeps them from being blurred. Afterwards the octaves and the steepness of
+//! what the decoder draws are fitted to the training scans.
 
 mod adam;
 mod card;
 mod error;
+mod finish;
 mod loss;
 mod network;
 mod ops;
@@ -69,8 +71,8 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     let tiles = Tiles::cut(data.scans.iter().filter(|s| !s.held_out), CUT);
     if tiles.is_empty() {
         return Err(TrainError::TooLittle(format!(
-            "no file has a whole tile of {side} x {side} samples (at --reduce {})",
-            options.meaning.reduce,
+            "no file has a whole tile of {side} x {side} samples (at --every {})",
+            options.meaning.every,
             side = CUT.side
         )));
     }
@@ -84,15 +86,17 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     }
     let (losses, seconds) = trainer.run(options.end, |p| tell(Event::Progress(p)))?;
     let weights = card::weights(&trainer.network)?;
-    let header =
-        card::header(&weights, &tiles, data.pitch, options.relief.unwrap_or(data.std), options.detail)?;
-    let bytes = Model::encode(header, &weights).map_err(TrainError::Internal)?;
+    let relief = options.relief.unwrap_or(data.std);
+    let trained = || data.scans.iter().filter(|s| !s.held_out);
+    let (header, passes) = finish::finish(&weights, &tiles, trained(), data.pitch, relief, options.detail)?;
+    let bytes = Model::encode(header, &weights, &passes).map_err(TrainError::Internal)?;
     let any = data.scans.iter().any(|s| s.held_out);
-    let test = data.scans.iter().filter(|s| s.held_out == any);
-    let held_out = card::measure(&trainer.network, &header, &weights, test)?;
+    let test: Vec<_> = data.scans.iter().filter(|s| s.held_out == any).collect();
+    let held_out = card::measure(&trainer.network, &header, &weights, &passes, &test)?;
+    let trained_on = card::look_of_scans(&trained().collect::<Vec<_>>(), &header);
     let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
     let card = Card {
-        schema: 1,
+        schema: 2,
         sha256,
         data: of_data,
         settings: options.settings,
@@ -100,6 +104,7 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
         seconds: seconds.round(),
         losses,
         header,
+        trained_on,
         held_out,
     };
     error::write(&options.out, &bytes)?;

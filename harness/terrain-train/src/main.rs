@@ -32,9 +32,9 @@ struct Args {
     /// Distance between samples in metres, where a file doesn't say it
     #[arg(long, value_name = "METRES", default_value = "1", value_parser = length)]
     pitch: f64,
-    /// Samples along each side of the squares whose means are learned from
+    /// Learn from every so many-th sample along each side
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
-    reduce: u16,
+    every: u16,
     /// Standard deviation of height at full relief, in metres; default: that of the data
     #[arg(long, value_name = "METRES", value_parser = length)]
     relief: Option<f64>,
@@ -84,7 +84,7 @@ fn main() -> ExitCode {
     let options = Options {
         data: args.data,
         selection: args.selection,
-        meaning: Meaning { pitch: args.pitch, reduce: usize::from(args.reduce) },
+        meaning: Meaning { pitch: args.pitch, every: usize::from(args.every) },
         relief: args.relief,
         detail: args.detail,
         out: args.out,
@@ -144,7 +144,7 @@ fn summary(card: &Card) -> String {
     let m = &card.held_out;
     format!(
         "on {} tiles held out: reconstruction error {:.2} of the relief, latent distance {:.3} (chance {:.3}), spectrum within {:.1} dB; \
-         slopes p50/p95/p99 {:.1}/{:.1}/{:.1} deg, drawn {:.1}/{:.1}/{:.1}",
+         slopes p50/p95/p99 {:.1}/{:.1}/{:.1} deg, drawn {:.1}/{:.1}/{:.1}; power k^{:.2}, drawn k^{:.2}",
         m.tiles,
         m.reconstruction_error,
         m.latent_distance,
@@ -155,7 +155,9 @@ fn summary(card: &Card) -> String {
         m.real.slope_deg[3],
         m.drawn.slope_deg[0],
         m.drawn.slope_deg[2],
-        m.drawn.slope_deg[3]
+        m.drawn.slope_deg[3],
+        m.real.exponent,
+        m.drawn.exponent
     )
 }
 

@@ -143,7 +143,7 @@ impl Network {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_terrain::model::{Header, Model};
+    use vb_terrain::model::{Header, Model, SCHEMA};
     use vb_terrain::shape::{CELL, HALO, NUMBERS};
 
     use crate::card::weights;
@@ -159,9 +159,17 @@ mod tests {
                 v.set(&Tensor::from_vec(values, v.shape(), &Device::Cpu).unwrap()).unwrap();
             }
         }
-        let header =
-            Header { schema: 1, pitch: 1.0, relief: 1.0, detail: 1.0, swell: 0.0, mean: 0.0, std: 1.0 };
-        let model = Model::new(header, &weights(&network).unwrap()).unwrap();
+        let header = Header {
+            schema: SCHEMA,
+            pitch: 1.0,
+            relief: 1.0,
+            detail: 1.0,
+            swell: [0.0; 2],
+            passes: 0,
+            mean: 0.0,
+            std: 1.0,
+        };
+        let model = Model::new(header, &weights(&network).unwrap(), &[]).unwrap();
         let n = 3;
         let side = n + 2 * HALO;
         let cells: Vec<f32> = (0..side * side * NUMBERS).map(|_| rng.normal(0.0, 1.0) as f32).collect();

@@ -63,7 +63,7 @@ fn what_can_not_be_trained_ends_with_its_code_and_one_line() {
     assert!(code == Some(2) && text.contains("--out"), "{text}");
     let (code, text) = fails(&["--data", "none", "--out", "a.safetensors"]);
     assert!(code == Some(3) && text.contains("none"), "{text}");
-    let (code, text) = fails(&["--data", "data", "--out", "a.safetensors", "--reduce", "2"]);
+    let (code, text) = fails(&["--data", "data", "--out", "a.safetensors", "--every", "2"]);
     assert!(code == Some(3) && text.contains("64 x 64"), "{text}");
     let (code, text) = fails(&["--data", "data", "--out", "a.safetensors", "--resume"]);
     assert!(code == Some(3) && text.contains("a.checkpoint"), "{text}");

@@ -63,8 +63,8 @@ pub struct Part {
 pub struct Meaning {
     /// Distance between samples in metres, where a file doesn't say it.
     pub pitch: f64,
-    /// Samples of a file, along each side, whose mean is one of the model's.
-    pub reduce: usize,
+    /// Every so many-th sample of a file, along each side, is one of the model's.
+    pub every: usize,
 }
 
 /// One file's part, ready to be learned from.
@@ -76,7 +76,7 @@ pub struct Scan {
     pub held_out: bool,
     /// What was repaired.
     pub repaired: Repaired,
-    /// Its samples at the model's pitch, once for each place that the means can begin at.
+    /// Its samples at the model's pitch, once for each place that they can begin at.
     pub layers: Vec<Layer>,
 }
 
@@ -144,7 +144,7 @@ impl Data {
             hash.update([0]);
             hash.update((bytes.len() as u64).to_le_bytes());
             hash.update(&bytes);
-            let own = raster.pitch().unwrap_or(meaning.pitch) * meaning.reduce as f64;
+            let own = raster.pitch().unwrap_or(meaning.pitch) * meaning.every as f64;
             match pitch {
                 None => pitch = Some(own),
                 Some(p) if (own - p).abs() <= 1e-3 * p => {}
@@ -181,7 +181,7 @@ impl Data {
             raster.level();
             raw.push((name.clone(), part.held_out, repaired, raster));
         }
-        let std = spread(raw.iter().filter(|(_, held_out, ..)| !held_out).map(|(.., r)| r), meaning.reduce);
+        let std = spread(raw.iter().filter(|(_, held_out, ..)| !held_out).map(|(.., r)| r));
         if std <= 0.0 || !std.is_finite() {
             return Err(folder(dir, "heights don't vary: there is nothing to learn"));
         }
@@ -191,7 +191,7 @@ impl Data {
                 name,
                 held_out,
                 repaired,
-                layers: layers(&raster, meaning.reduce, std),
+                layers: layers(&raster, meaning.every, std),
             })
             .collect();
         let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
@@ -224,11 +224,11 @@ fn read_selection(
     Ok(Some(selection))
 }
 
-/// Standard deviation of the measured heights of levelled rasters at the model's pitch.
-fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>, reduce: usize) -> f64 {
+/// Standard deviation of the measured heights of levelled rasters.
+fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>) -> f64 {
     let (mut n, mut squares) = (0.0, 0.0);
     for raster in rasters {
-        for v in raster.reduced(reduce).values().iter().filter(|v| !v.is_nan()) {
+        for v in raster.values().iter().filter(|v| !v.is_nan()) {
             n += 1.0;
             squares += v * v;
         }
@@ -236,16 +236,12 @@ fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>, reduce: usize) -> f64 {
     if n > 0.0 { (squares / n).sqrt() } else { 0.0 }
 }
 
-/// The raster at the model's pitch, for each place where the means can begin.
-fn layers(raster: &Raster, reduce: usize, std: f64) -> Vec<Layer> {
+/// The raster's samples at the model's pitch, once for each place where they can begin.
+fn layers(raster: &Raster, every: usize, std: f64) -> Vec<Layer> {
     let mut layers = Vec::new();
-    for row in 0..reduce {
-        for col in 0..reduce {
-            if raster.rows() < row + reduce || raster.cols() < col + reduce {
-                continue;
-            }
-            let mut heights =
-                raster.window(row, col, raster.rows() - row, raster.cols() - col).reduced(reduce);
+    for row in 0..every.min(raster.rows()) {
+        for col in 0..every.min(raster.cols()) {
+            let mut heights = raster.thinned(row, col, every);
             let measured = heights.values().iter().map(|v| !v.is_nan()).collect();
             fill(&mut heights);
             for v in heights.values_mut() {

@@ -2,8 +2,8 @@
 //!
 //! The plane is covered by cells of the latent field, each with its own random stream, named by seed and place. The
 //! decoder makes each sample from the cells about it, so a surface is a window on an endless terrain: a wider one with the
-//! same seed holds the narrower one, bit for bit. What is longer than the decoder reaches, the swell, is a smooth random field
-//! beside it; and the cells' lattice is warped by another.
+//! same seed holds the narrower one, bit for bit. What is longer than the decoder reaches, the swells, are smooth random fields
+//! beside it; and the cells' lattice is warped by another. At last, octaves and steepness take the scans' distributions.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,8 +11,9 @@ use thiserror::Error;
 use vb_math::rng::Stream;
 use vb_world::{Elevation, Heightfield};
 
+use crate::bands::{Plane, REACH};
 use crate::model::Model;
-use crate::shape::{CELL, CHANNELS, HALO, NUMBERS, SWELL};
+use crate::shape::{CELL, CHANNELS, HALO, NUMBERS, SWELLS};
 
 /// Cells along a block that is decoded at a time.
 const CHUNK: usize = 8;
@@ -88,9 +89,10 @@ pub enum GenerateError {
 impl Model {
     /// Draws a surface about the origin. The same model and request give the same bits on any machine.
     ///
-    /// Nodes at the model's own pitch are the decoder's samples; at another pitch they are resampled by a cubic kernel
-    /// (Keys 1981), stretched where the pitch is coarser, so that short waves don't turn into long ones. Heights have
-    /// mean 0 and the model's standard deviation times the share, over many surfaces.
+    /// Nodes at the model's own pitch are its samples; those between samples are interpolated by a cubic kernel (Keys 1981). A node's
+    /// height is that of the ground at its place, whatever the pitch: nothing is averaged where the pitch is coarser, since that
+    /// would flatten ledges, so a coarser surface holds every so many-th node of a finer one. Heights have mean 0 and the
+    /// model's standard deviation times the share, over many surfaces.
     ///
     /// # Errors
     /// [`GenerateError`] if the request makes no sense.
@@ -107,7 +109,7 @@ impl Model {
         if !(request.share > 0.0 && request.share <= 100.0) {
             return Err(GenerateError::Share(request.share));
         }
-        let extent = |n: usize| (n - 1) as f64 * request.pitch / own + 4.0 * (request.pitch / own).max(1.0);
+        let extent = |n: usize| (n - 1) as f64 * request.pitch / own + 4.0;
         if extent(request.rows) * extent(request.cols) > MAX_SAMPLES {
             let extent_m = (request.rows.max(request.cols) - 1) as f64 * request.pitch;
             return Err(GenerateError::Extent { extent_m, own });
@@ -121,15 +123,29 @@ impl Model {
         Ok(Heightfield::new(request.rows, request.cols, request.pitch, heights))
     }
 
-    /// The decoder's samples whose row and column numbers lie in these spans (first, one after the last).
+    /// The samples whose row and column numbers lie in these spans (first, one after the last).
     fn field(&self, seed: u64, rows: [i64; 2], cols: [i64; 2]) -> Field {
+        let wider = |span: [i64; 2], by: i64| [span[0] - by, span[1] + by];
+        let reach = (REACH * self.passes.len()) as i64;
+        let raw = self.raw(seed, wider(rows, reach), wider(cols, reach));
+        let mut plane = Plane { cols: (raw.cols[1] - raw.cols[0]) as usize, values: raw.values };
+        for pass in &self.passes {
+            plane = plane.mapped(pass);
+        }
+        Field { rows, cols, values: plane.values }
+    }
+
+    /// The samples before the passes.
+    fn raw(&self, seed: u64, rows: [i64; 2], cols: [i64; 2]) -> Field {
         // Wider by what the warp may move a sample and by the kernel's reach.
         let wider = |span: [i64; 2]| [span[0] - WARP_REACH - 2, span[1] + WARP_REACH + 2];
         let mut field = self.decoded(seed, wider(rows), wider(cols)).warped(seed, rows, cols);
-        if self.header.swell > 0.0 {
-            let swell = Waves::new(seed, "swell", SWELL, self.header.swell, rows, cols).heights();
-            for (value, swell) in field.values.iter_mut().zip(swell) {
-                *value = (f64::from(*value) + swell) as f32;
+        for ((name, step), std) in ["swell", "long-swell"].into_iter().zip(SWELLS).zip(self.header.swell) {
+            if std > 0.0 {
+                let swell = Waves::new(seed, name, step, std, rows, cols).heights();
+                for (value, swell) in field.values.iter_mut().zip(swell) {
+                    *value = (f64::from(*value) + swell) as f32;
+                }
             }
         }
         field
@@ -339,24 +355,21 @@ fn spline(sample: i64, step: i64) -> [f64; 4] {
 /// The samples along a line that a node takes, and their weights.
 struct Taps {
     first: i64,
-    weights: Vec<f64>,
+    weights: [f64; 4],
 }
 
 /// The taps of `n` nodes, `ratio` samples apart, of which the middle one, or the first of the two, lies on the origin's sample: at
-/// the model's own pitch nodes are samples, whatever their number.
+/// the model's own pitch and its multiples nodes are samples, whatever their number.
 fn taps(n: usize, ratio: f64) -> Vec<Taps> {
-    let stretch = ratio.max(1.0);
     (0..n)
         .map(|i| {
             let at = (i as f64 - ((n - 1) / 2) as f64) * ratio;
-            let first = (at - 2.0 * stretch).floor() as i64 + 1;
-            let last = (at + 2.0 * stretch).ceil() as i64 - 1;
-            let mut weights: Vec<f64> = (first..=last).map(|k| cubic((k as f64 - at) / stretch)).collect();
-            let sum: f64 = weights.iter().sum();
-            for w in &mut weights {
-                *w /= sum;
+            let floor = at.floor();
+            let t = at - floor;
+            Taps {
+                first: floor as i64 - 1,
+                weights: [cubic(t + 1.0), cubic(t), cubic(1.0 - t), cubic(2.0 - t)],
             }
-            Taps { first, weights }
         })
         .collect()
 }

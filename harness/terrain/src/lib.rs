@@ -1,5 +1,6 @@
 //! Elevation data, a model learned from it, and surfaces drawn from the model.
 
+pub mod bands;
 pub mod data;
 mod decoder;
 pub mod generate;

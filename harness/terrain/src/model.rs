@@ -1,4 +1,5 @@
-//! The model on disk: safetensors with the decoder's weights and, as metadata, what one needs to make a surface.
+//! The model on disk: safetensors with the decoder's weights, the curves of the passes and, as metadata, what else one needs to
+//! make a surface.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,11 +8,14 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::bands::{Curve, MAX_PASSES, Pass};
 use crate::decoder::Decoder;
 use crate::shape::DECODER;
 
 /// Largest file that is taken for a model, bytes.
 const MAX_BYTES: u64 = 64 << 20;
+/// Version of the format.
+pub const SCHEMA: u32 = 2;
 /// The metadata's key.
 const KEY: &str = "vb-terrain";
 
@@ -40,7 +44,7 @@ pub enum ModelError {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// Version of this format: 1.
+    /// Version of this format: [`SCHEMA`].
     pub schema: u32,
     /// Distance between the decoder's samples, m.
     pub pitch: f64,
@@ -48,11 +52,14 @@ pub struct Header {
     pub relief: f64,
     /// Share of the noise that details are drawn from: 1 as in training, 0 none.
     pub detail: f64,
-    /// Standard deviation of the swell, waves longer than the decoder makes, in its units.
-    pub swell: f64,
-    /// Mean of what decoder and swell make.
+    /// Standard deviations of the swells, waves longer than the decoder makes, in its units: the shorter and the longer of
+    /// [`SWELLS`](crate::shape::SWELLS).
+    pub swell: [f64; 2],
+    /// Passes over what decoder and swells make.
+    pub passes: usize,
+    /// Mean of a surface before it is scaled.
     pub mean: f64,
-    /// Standard deviation of what decoder and swell make.
+    /// Standard deviation of a surface before it is scaled.
     pub std: f64,
 }
 
@@ -61,6 +68,7 @@ pub struct Header {
 pub struct Model {
     pub(crate) header: Header,
     pub(crate) decoder: Decoder,
+    pub(crate) passes: Vec<Pass>,
 }
 
 /// Weight and bias of each layer of the decoder.
@@ -68,13 +76,13 @@ pub type Weights = Vec<(Vec<f32>, Vec<f32>)>;
 
 impl Model {
     /// A model of these weights: for each layer of [`DECODER`] the kernel, (row, column, from, to) in this order, and the
-    /// bias.
+    /// bias; and of these passes over what the decoder makes.
     ///
     /// # Errors
     /// What is wrong with the header or a layer's size, in words.
-    pub fn new(header: Header, weights: &Weights) -> Result<Self, String> {
-        if header.schema != 1 {
-            return Err(format!("schema {}: must be 1", header.schema));
+    pub fn new(header: Header, weights: &Weights, passes: &[Pass]) -> Result<Self, String> {
+        if header.schema != SCHEMA {
+            return Err(format!("schema {}: must be {SCHEMA}", header.schema));
         }
         for (name, value) in [("pitch", header.pitch), ("relief", header.relief), ("std", header.std)] {
             if !(value.is_finite() && value > 0.0) {
@@ -87,8 +95,15 @@ impl Model {
         if !(0.0..=1.0).contains(&header.detail) {
             return Err(format!("detail is {}: must be from 0 to 1", header.detail));
         }
-        if !(header.swell.is_finite() && header.swell >= 0.0) {
-            return Err(format!("swell is {}: must be from 0", header.swell));
+        if header.swell.iter().any(|s| !(s.is_finite() && *s >= 0.0)) {
+            return Err(format!("swell is {:?}: must be two numbers from 0", header.swell));
+        }
+        if header.passes > MAX_PASSES || header.passes != passes.len() {
+            return Err(format!(
+                "passes is {}: must be their number, {}, and at most {MAX_PASSES}",
+                header.passes,
+                passes.len()
+            ));
         }
         if weights.len() != DECODER.len() {
             return Err(format!("{} layers: must be {}", weights.len(), DECODER.len()));
@@ -107,7 +122,7 @@ impl Model {
                 return Err(format!("layer {i} has weights that are no numbers"));
             }
         }
-        Ok(Self { header, decoder: Decoder::new(weights) })
+        Ok(Self { header, decoder: Decoder::new(weights), passes: passes.to_vec() })
     }
 
     /// Reads a model file.
@@ -145,21 +160,41 @@ impl Model {
         let weights = (0..DECODER.len())
             .map(|i| Ok((numbers(format!("decoder.{i}.weight"))?, numbers(format!("decoder.{i}.bias"))?)))
             .collect::<Result<Weights, String>>()?;
-        Self::new(header, &weights)
+        let curve = |name: String| {
+            let mut from = numbers(name.clone())?;
+            let to = from.split_off(from.len() / 2);
+            Curve::new(from, to).map_err(|e| format!("tensor {name}: {e}"))
+        };
+        let passes = (0..header.passes.min(MAX_PASSES))
+            .map(|pass| {
+                let octave = |band: usize| curve(format!("pass.{pass}.octave.{band}"));
+                let octaves = [octave(0)?, octave(1)?, octave(2)?];
+                Ok(Pass { octaves, steepness: curve(format!("pass.{pass}.steepness"))? })
+            })
+            .collect::<Result<Vec<_>, String>>()?;
+        Self::new(header, &weights, &passes)
     }
 
-    /// The bytes of a model file. The same header and weights give the same bytes.
+    /// The bytes of a model file. The same header, weights and passes give the same bytes.
     ///
     /// # Errors
-    /// What is wrong with header or weights, in words.
-    pub fn encode(header: Header, weights: &Weights) -> Result<Vec<u8>, String> {
-        Self::new(header, weights)?;
+    /// What is wrong with header, weights or passes, in words.
+    pub fn encode(header: Header, weights: &Weights, passes: &[Pass]) -> Result<Vec<u8>, String> {
+        Self::new(header, weights, passes)?;
         let mut tensors = BTreeMap::new();
         let bytes = |v: &[f32]| v.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
         for (i, ((weight, bias), layer)) in weights.iter().zip(DECODER).enumerate() {
             let shape = vec![layer.kernel, layer.kernel, layer.from, layer.to];
             tensors.insert(format!("decoder.{i}.weight"), (shape, bytes(weight)));
             tensors.insert(format!("decoder.{i}.bias"), (vec![layer.to], bytes(bias)));
+        }
+        for (i, pass) in passes.iter().enumerate() {
+            let octaves = pass.octaves.iter().enumerate().map(|(k, c)| (format!("octave.{k}"), c));
+            for (name, curve) in octaves.chain([("steepness".to_owned(), &pass.steepness)]) {
+                let (from, to) = curve.knots();
+                let values = [bytes(from), bytes(to)].concat();
+                tensors.insert(format!("pass.{i}.{name}"), (vec![2, from.len()], values));
+            }
         }
         let views = tensors
             .iter()

@@ -80,6 +80,22 @@ impl Raster {
         self.values.iter().filter(|v| v.is_nan()).count()
     }
 
+    /// Every `n`-th sample along rows and columns from (`row`, `col`) on. A surface is known by its heights at places, as the nodes
+    /// of a world have them; a mean over squares would flatten its ledges.
+    ///
+    /// # Panics
+    /// If `n` is 0, or the first sample lies outside.
+    #[must_use]
+    pub fn thinned(&self, row: usize, col: usize, n: usize) -> Self {
+        assert!(
+            n > 0 && row < self.rows && col < self.cols,
+            "the first of every n-th sample lies within its raster"
+        );
+        let (rows, cols) = ((self.rows - row).div_ceil(n), (self.cols - col).div_ceil(n));
+        let values = (0..rows * cols).map(|i| self.at(row + i / cols * n, col + i % cols * n)).collect();
+        Self { rows, cols, values, pitch: self.pitch.map(|p| p * n as f64) }
+    }
+
     /// Means over squares of `n` × `n` samples, each a sample of the result. A square of which less than half is
     /// measured is a hole. What is left over in the south and east is dropped.
     ///
@@ -172,6 +188,16 @@ mod tests {
         let mut line = Raster::new(1, 4, vec![1.0, 2.0, 4.0, 8.0]);
         line.level();
         assert_eq!(line.values(), [1.0, 2.0, 4.0, 8.0]);
+    }
+
+    #[test]
+    fn thinning_keeps_every_so_many_th_sample() {
+        // 0 to 19 in rows of five: from row 1, column 0 on every third.
+        let r = Raster::new(4, 5, (0..20).map(f64::from).collect()).with_pitch(Some(0.25));
+        let thin = r.thinned(1, 0, 3);
+        assert_eq!((thin.rows(), thin.cols(), thin.pitch()), (1, 2, Some(0.75)));
+        assert_eq!(thin.values(), [5.0, 8.0]);
+        assert_eq!(r.thinned(0, 1, 2).values(), [1.0, 3.0, 11.0, 13.0]);
     }
 
     #[test]

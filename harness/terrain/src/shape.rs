@@ -14,8 +14,8 @@ pub const LATENT: usize = BLOCK * BLOCK * CHANNELS;
 pub const HALO: usize = 2;
 /// Normal numbers that a cell takes in all: the latent ones, and noise for 4 × 4 and 8 × 8 places.
 pub const NUMBERS: usize = CHANNELS + 16 + 64;
-/// Samples from one node of the swell to the next.
-pub const SWELL: usize = 16;
+/// Samples from one node of a swell to the next: of the shorter, whose waves a tile of training has, and of the longer.
+pub const SWELLS: [usize; 2] = [16, 64];
 /// Slope of the activation below zero.
 pub const LEAK: f32 = 0.2;
 

@@ -1,5 +1,7 @@
 //! What surfaces are compared by: slopes and spectra.
 
+use std::ops::RangeInclusive;
+
 use vb_math::fft::{Complex, inverse_2d};
 
 /// Slopes in degrees of every inner node of a row-major surface by central differences, in no order.
@@ -29,12 +31,30 @@ pub fn percentile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
+/// The same of values that are in ascending order.
+#[must_use]
+pub fn percentile_of_sorted(values: &[f64], share: f64) -> f64 {
+    let rank = (share * values.len() as f64).ceil().max(1.0) as usize - 1;
+    values.get(rank).or(values.last()).copied().unwrap_or(0.0)
+}
+
 /// Standard deviation about the mean; 0 of none.
 #[must_use]
 pub fn deviation(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
+}
+
+/// Square windows of `side` × `side` samples, side by side over a row-major surface; what is left over in the south and east is
+/// passed over.
+pub fn windows(heights: &[f64], cols: usize, side: usize) -> impl Iterator<Item = Vec<f64>> {
+    let across = cols / side.max(1);
+    let down = heights.len() / cols.max(1) / side.max(1);
+    (0..across * down).map(move |i| {
+        let corner = i / across * side * cols + i % across * side;
+        (0..side).flat_map(|r| heights[corner + r * cols..][..side].iter().copied()).collect()
+    })
 }
 
 /// Mean power of square windows by wave number: entry k is the mean over all waves of about k periods along a side, k from
@@ -120,6 +140,19 @@ pub fn spectral_distance(a: &[f64], b: &[f64], first: usize) -> f64 {
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
+/// Exponent of the power law that a radial spectrum follows over these wave numbers: power ~ k^exponent, by least squares of the
+/// logarithms, each wave number counting alike.
+#[must_use]
+pub fn exponent(radial: &[f64], waves: RangeInclusive<usize>) -> f64 {
+    let points: Vec<[f64; 2]> =
+        waves.filter_map(|k| Some([vb_math::ln(k as f64), vb_math::ln(*radial.get(k)?)])).collect();
+    let n = points.len().max(1) as f64;
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
+    let [x, y] = [mean(0), mean(1)];
+    let rise: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+    rise / points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum::<f64>()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +172,9 @@ mod tests {
         let mut v: Vec<f64> = (1..=100).rev().map(f64::from).collect();
         assert_eq!([0.0, 0.5, 0.95, 1.0].map(|s| percentile(&mut v, s)), [1.0, 50.0, 95.0, 100.0]);
         assert_eq!(percentile(&mut [], 0.5), 0.0);
+        let sorted: Vec<f64> = (1..=100).map(f64::from).collect();
+        assert_eq!([0.0, 0.5, 0.95, 1.0].map(|s| percentile_of_sorted(&sorted, s)), [1.0, 50.0, 95.0, 100.0]);
+        assert_eq!(percentile_of_sorted(&[], 0.5), 0.0);
         // Of 1 and 3: mean 2, each 1 away.
         assert_eq!(deviation(&[1.0, 3.0]), 1.0);
     }
@@ -156,5 +192,22 @@ mod tests {
         // Ten times the power everywhere: 10 dB.
         let ten: Vec<f64> = r.iter().map(|p| 10.0 * p).collect();
         assert!((spectral_distance(&ten, &r, 1) - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn windows_lie_side_by_side() {
+        // Of 3 rows of 5: two windows of 2 × 2 in the first two rows.
+        let heights: Vec<f64> = (0..15).map(f64::from).collect();
+        let all: Vec<_> = windows(&heights, 5, 2).collect();
+        assert_eq!(all, [[0.0, 1.0, 5.0, 6.0], [2.0, 3.0, 7.0, 8.0]]);
+        assert_eq!(windows(&[], 0, 4).count(), 0);
+    }
+
+    #[test]
+    fn a_power_law_has_its_exponent() {
+        // 7/k³ from the first wave on; what lies beyond the range doesn't count.
+        let mut radial: Vec<f64> = (0..20).map(|k| 7.0 / f64::from(k * k * k)).collect();
+        radial[15] = 1e6;
+        assert!((exponent(&radial, 2..=14) + 3.0).abs() < 1e-9);
     }
 }

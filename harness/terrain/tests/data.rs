@@ -8,7 +8,7 @@ use std::path::Path;
 use vb_terrain::data::{Data, Meaning};
 use vb_terrain::tiles::{Cut, Tiles};
 
-const MEANING: Meaning = Meaning { pitch: 0.25, reduce: 2 };
+const MEANING: Meaning = Meaning { pitch: 0.25, every: 2 };
 
 /// An 8-bit picture of waves with a black corner and a speck.
 fn picture(dir: &Path, name: &str, phase: f64) {
@@ -42,19 +42,22 @@ fn a_selection_says_which_parts_of_which_files_are_measured_and_which_are_held_o
     let names: Vec<_> = data.scans.iter().map(|s| (s.name.as_str(), s.held_out)).collect();
     assert_eq!(names, [("a.png", false), ("c.png", true)]);
     assert_eq!(data.pitch, 0.5);
-    // Means over 2 × 2 begin at four places.
+    // Every second sample can begin at four places.
     let [first, second] = [&data.scans[0].layers, &data.scans[1].layers];
     assert_eq!((first.len(), second.len()), (4, 4));
     assert_eq!((first[0].heights.rows(), first[0].heights.cols(), second[0].heights.cols()), (20, 24, 20));
-    // The black corner of 4 × 4 is not measured; the speck is one sample of four.
-    assert_eq!(first[0].measured.iter().filter(|m| !**m).count(), 4);
-    assert!(first[0].heights.values().iter().all(|v| v.is_finite()));
-    // What is trained on has standard deviation 1 at the model's pitch, about its plane.
-    let of = |l: &vb_terrain::data::Layer| {
-        let squares = l.heights.values().iter().zip(&l.measured).filter(|(_, m)| **m).map(|(v, _)| v * v);
-        (squares.clone().sum::<f64>() / squares.count() as f64).sqrt()
-    };
-    assert!((of(&first[0]) - 1.0).abs() < 1e-9);
+    // The black corner of 4 × 4 is not measured, four of every second sample, nor is the speck, at an even row and column.
+    let holes = |l: &vb_terrain::data::Layer| l.measured.iter().filter(|m| !**m).count();
+    assert_eq!(first.iter().map(holes).collect::<Vec<_>>(), [5, 4, 4, 4]);
+    assert!(first.iter().flat_map(|l| l.heights.values()).all(|v| v.is_finite() && v.abs() < 3.0));
+    // What is trained on has standard deviation 1 about its plane, over all that is measured.
+    let (mut n, mut squares) = (0.0, 0.0);
+    for layer in first {
+        for (v, _) in layer.heights.values().iter().zip(&layer.measured).filter(|(_, m)| **m) {
+            (n, squares) = (n + 1.0, squares + v * v);
+        }
+    }
+    assert!(((squares / n).sqrt() - 1.0).abs() < 1e-9);
 }
 
 #[test]

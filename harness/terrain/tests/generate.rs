@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use sha2::{Digest as _, Sha256};
-use vb_terrain::stats::{Spectrum, deviation, percentile, slopes};
+use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
 use vb_terrain::{GenerateError, Model, ModelError, Request, share};
 use vb_world::{Elevation, Heightfield};
 
@@ -38,7 +38,7 @@ fn the_same_model_and_seed_give_the_same_bits_on_any_machine() {
     // through the resampling kernel's arithmetic too.
     let request = Request { seed: 7, rows: 65, cols: 97, pitch: 0.7, share: 0.6 };
     let surface = model().surface(&request).unwrap();
-    assert_eq!(hash(&surface), "d89ac652170bbf9c65bf07af4623fb53f78d2acfc1cb3d4670673ace6d66640a");
+    assert_eq!(hash(&surface), "58425d5429477407ae0c6098b49f00a152b787e78b7d7fdca25eb2af5cd3661e");
     assert_eq!(surface, model().surface(&request).unwrap());
     assert_ne!(hash(&surface), hash(&model().surface(&Request { seed: 8, ..request }).unwrap()));
 }
@@ -67,6 +67,17 @@ fn a_finer_pitch_runs_through_the_same_nodes() {
 }
 
 #[test]
+fn a_coarser_pitch_holds_every_second_node() {
+    // A node is the ground's height at its place, whatever the pitch.
+    let (own, coarse) = (draw(5, 65, 0.5), draw(5, 33, 1.0));
+    for row in 0..33 {
+        for col in 0..33 {
+            assert_eq!(coarse.node(row, col).to_bits(), own.node(2 * row, 2 * col).to_bits());
+        }
+    }
+}
+
+#[test]
 fn levels_are_30_60_and_100_percent_of_the_relief() {
     let std = |level| {
         let request = Request { seed: 1, rows: 129, cols: 129, pitch: 1.0, share: share(level) };
@@ -77,10 +88,42 @@ fn levels_are_30_60_and_100_percent_of_the_relief() {
     assert!((std(Elevation::Medium) / high - 0.6).abs() < 1e-12);
 }
 
+/// Slopes of nodes 1 m apart and power's exponent, of the scans that the shipped model never saw: its card's, which says what both
+/// mean.
+fn held_out() -> ([f64; 5], f64) {
+    let card: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(shipped().with_extension("json")).unwrap()).unwrap();
+    let real = &card["held_out"]["real"];
+    let slopes = real["slope_deg"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
+    (slopes.collect::<Vec<_>>().try_into().unwrap(), real["exponent"].as_f64().unwrap())
+}
+
+#[test]
+fn slopes_up_to_the_steepest_and_the_spectrum_are_those_of_scans_that_the_model_never_saw() {
+    // 24 worlds hold some 6 000 waves of the autocorrelation's length: percentiles up to p99 vary by 1 %, p99.5 by 2 %.
+    let (real, real_exponent) = held_out();
+    let (mut steep, mut spectrum) = (Vec::new(), Spectrum::new(32));
+    for seed in 200..224 {
+        let s = draw(seed, 129, 1.0);
+        steep.extend(slopes(s.heights(), 129, 1.0));
+        for window in windows(s.heights(), 129, 32) {
+            spectrum.add(&window);
+        }
+    }
+    for (share, real) in [0.5, 0.9, 0.95, 0.99, 0.995].into_iter().zip(real) {
+        let drawn = percentile(&mut steep, share);
+        eprintln!("p{}: {drawn:.2}, scans {real:.2}", 100.0 * share);
+        assert!((drawn / real - 1.0).abs() < 0.05, "p{}: {drawn}, scans {real}", 100.0 * share);
+    }
+    let drawn = exponent(&spectrum.radial(), 1..=10);
+    eprintln!("power ~ k^{drawn:.2}, scans k^{real_exponent:.2}");
+    assert!((drawn - real_exponent).abs() < 0.1, "{drawn}, scans {real_exponent}");
+}
+
 #[test]
 fn heights_and_slopes_are_near_those_of_the_originals_worlds() {
-    // Facts §2.3, high: mean standard deviation within a world 0.547 m, slopes by central difference p50 14.9, p95 34.5 degrees.
-    // Their p99, 48.5, stems from pits, which are repaired here: ours may be less steep there.
+    // Facts §2.3, high: mean standard deviation within a world 0.547 m, slopes by central difference p50 14.9, p95 34.5, p99 48.5
+    // degrees, the last with the pits that are repaired here. The scans are somewhat steeper at p95 than the original's worlds.
     let (mut std, mut steep) = (0.0, Vec::new());
     for seed in 0..12 {
         let s = draw(seed, 129, 1.0);
@@ -89,9 +132,9 @@ fn heights_and_slopes_are_near_those_of_the_originals_worlds() {
     }
     let [p50, p95, p99] = [0.5, 0.95, 0.99].map(|share| percentile(&mut steep, share));
     assert!((std / 0.547 - 1.0).abs() < 0.1, "{std}");
-    assert!((p50 / 14.9 - 1.0).abs() < 0.15, "{p50}");
-    assert!((p95 / 34.5 - 1.0).abs() < 0.15, "{p95}");
-    assert!((0.75..1.05).contains(&(p99 / 48.5)), "{p99}");
+    for (drawn, original) in [(p50, 14.9), (p95, 34.5), (p99, 48.5)] {
+        assert!((drawn / original - 1.0).abs() < 0.1, "{drawn} {original}");
+    }
 }
 
 /// How far the strongest line at a lattice of `period` nodes stands out: power of the waves along rows or columns with a whole
@@ -132,6 +175,7 @@ fn no_lattice_of_cells_or_tiles_shows_in_the_spectrum() {
     // the ratio to four others by 18 %; some 40 ratios are taken: 1.8 is 4.5 standard deviations.
     let surfaces: Vec<Heightfield> = (100..140).map(|seed| draw(seed, 129, 0.5)).collect();
     let found = lattice(&surfaces, 32).max(lattice(&surfaces, 8));
+    eprintln!("strongest line {found:.2}");
     assert!(found < 1.8, "{found}");
     // The same measure finds the seams of tiles that are laid side by side, as in the original's training images.
     let mosaic: Vec<Heightfield> = surfaces

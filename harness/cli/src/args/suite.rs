@@ -22,6 +22,8 @@ pub(crate) enum SuiteCommand {
     Generate(GenerateArgs),
     /// Make a suite of a real place, from a raster of its heights
     Site(SiteArgs),
+    /// Make a suite like the paper's physical testbed: beds of a few materials, several trials of one task on each
+    Testbed(TestbedArgs),
 }
 
 #[derive(Debug, Args)]
@@ -41,9 +43,9 @@ pub(crate) struct ValidateArgs {
     /// The suite: a directory, or the name of one that comes with the harness
     #[arg(value_name = "DIR")]
     pub(crate) suite: PathBuf,
-    /// Vehicle that must have room at starts and goals and along paths: a name, or a file; default: hmmwv
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(crate) vehicle: Option<String>,
+    /// Vehicle that must have room at starts and goals and along paths: a name, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    pub(crate) vehicle: String,
     /// Distance from a path to obstacles in metres below which it is warned of; default: that of the generator's rules
     #[arg(long, value_name = "METRES", value_parser = length)]
     pub(crate) clearance: Option<f64>,
@@ -165,6 +167,25 @@ pub(crate) struct SiteArgs {
     /// The same seed makes the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TestbedArgs {
+    /// The same seed makes the same bytes
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: u64,
+    /// Directory for the suite
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What the suite is called; default: the directory's name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// The suite's version
+    #[arg(long, value_name = "VERSION", default_value = "1")]
+    pub(crate) suite_version: String,
+    /// Rules of the beds; default: tasks/generator/testbed.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
 }
 
 /// Two numbers, x and y.

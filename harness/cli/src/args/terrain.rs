@@ -13,7 +13,7 @@ pub(crate) enum TerrainCommand {
     Train(TrainArgs),
     /// Draw a surface from a model
     Generate(SurfaceArgs),
-    /// Tell heights and slopes of elevation files
+    /// Tell heights, slopes and the spectrum's exponent of elevation files
     Measure(MeasureArgs),
 }
 
@@ -82,6 +82,9 @@ pub(crate) struct MeasureArgs {
     /// Metres that one unit of the file's values stands for
     #[arg(long, value_name = "METRES", default_value = "1", value_parser = positive)]
     pub(crate) height_unit: f64,
+    /// Replace isolated pits and spikes first, as before training
+    #[arg(long)]
+    pub(crate) repair: bool,
     /// Only the figures of all files together: their mean standard deviation, and their slopes in one set
     #[arg(long)]
     pub(crate) summary: bool,

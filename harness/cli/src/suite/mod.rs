@@ -2,10 +2,12 @@
 
 mod prove;
 mod show;
+mod testbed;
 mod validate;
 
 pub(crate) use prove::prove;
 pub(crate) use show::show;
+pub(crate) use testbed::testbed;
 pub(crate) use validate::validate;
 
 use std::path::Path;
@@ -94,8 +96,8 @@ pub(crate) fn rules<T: Default>(
 
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
-    let model = terrain_model(&params, args.params.as_deref())?;
-    let name = args.out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned());
+    let model = terrain_model(&params.elevation.model, args.params.as_deref())?;
+    let name = folder_name(&args.out);
     let worlds = args.worlds as usize;
     let generator = Generator { rules: &params, model: &model, seed: args.seed, worlds };
     let meta = generator.meta(args.name.as_deref().unwrap_or(&name), &args.suite_version);
@@ -110,11 +112,16 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The terrain model that the rules name: one that comes with the harness, or a file beside the rules.
-fn terrain_model(params: &GeneratorParams, file: Option<&Path>) -> Result<Model, CliError> {
-    let wanted = Path::new(&params.elevation.model);
+/// What a suite is called by the directory that it goes to.
+fn folder_name(out: &Path) -> String {
+    out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned())
+}
+
+/// The terrain model that rules name: one that comes with the harness, or a file beside the rules.
+fn terrain_model(name: &str, file: Option<&Path>) -> Result<Model, CliError> {
+    let wanted = Path::new(name);
     let path = if places::is_name(wanted.as_os_str()) {
-        places::terrain_model(&params.elevation.model)?
+        places::terrain_model(name)?
     } else {
         file.and_then(Path::parent).unwrap_or(Path::new("")).join(wanted)
     };

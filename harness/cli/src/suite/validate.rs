@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
+use vb_runner::static_shape;
+use vb_sim::{SimOptions, VehicleModel};
 use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
 
 use crate::args::ValidateArgs;
@@ -29,11 +31,7 @@ enum Message<'a> {
 
 pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     let suite = super::open(Some(&args.suite))?;
-    let mut limits = Limits::default();
-    if let Some(wanted) = &args.vehicle {
-        let (_, spec) = vehicle::load(wanted)?;
-        limits.vehicle = Vehicle { length: spec.length, width: spec.width };
-    }
+    let mut limits = Limits::of(footprint(&args.vehicle)?);
     limits.clearance = args.clearance.unwrap_or(limits.clearance);
     limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
     let json = args.format.json();
@@ -75,7 +73,29 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     Ok(())
 }
 
+/// What a vehicle takes up of the full-size world, in which suites are stored.
+fn footprint(wanted: &str) -> Result<Vehicle, CliError> {
+    let (_, spec) = vehicle::load(wanted)?;
+    let scale = spec.scale;
+    let shape = VehicleModel::new(spec).and_then(|model| static_shape(&model, SimOptions::default()));
+    let shape = shape.map_err(CliError::input)?;
+    Ok(Vehicle { length: shape.length / scale, width: shape.width / scale })
+}
+
 fn number(n: usize, what: &str) -> String {
     let s = if n == 1 { "" } else { "s" };
     format!("{n} {what}{s}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_car_takes_up_what_it_would_at_full_size() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tasks/vehicles/verti4wheeler.yaml");
+        let v = footprint(file).unwrap();
+        // 0.49 m of hull, and 2 (0.1 + 0.0205) m over the tyres, of a car of 1/10.
+        assert!((v.length - 4.9).abs() < 0.02 && (v.width - 2.41).abs() < 0.01, "{v:?}");
+    }
 }

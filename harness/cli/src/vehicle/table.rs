@@ -15,9 +15,14 @@ pub(super) struct Specification {
     description: String,
     /// Of the worlds that it is made for.
     scale: f64,
+    /// Overall, mirrors and all that touches nothing included.
     length_m: f64,
     width_m: f64,
     height_m: f64,
+    /// Of hull and tyres, which collide: what planners are told.
+    collision_length_m: f64,
+    collision_width_m: f64,
+    collision_height_m: f64,
     mass_kg: f64,
     sprung_mass_kg: f64,
     wheelbase_m: f64,
@@ -163,6 +168,9 @@ impl Specification {
             length_m: v.length,
             width_m: v.width,
             height_m: v.height,
+            collision_length_m: told.length,
+            collision_width_m: told.width,
+            collision_height_m: told.height,
             mass_kg: v.total_mass(),
             sprung_mass_kg: v.chassis.mass,
             wheelbase_m: told.wheelbase,
@@ -190,10 +198,10 @@ impl Specification {
         row("name", self.name.clone());
         row("description", self.description.clone());
         row("scale of its worlds", scale(self.scale));
-        row(
-            "length x width x height",
-            format!("{} x {} x {}", m(self.length_m), m(self.width_m), m(self.height_m)),
-        );
+        let box_of = |sides: [f64; 3]| sides.map(m).join(" x ");
+        row("length x width x height", box_of([self.length_m, self.width_m, self.height_m]));
+        let collides = [self.collision_length_m, self.collision_width_m, self.collision_height_m];
+        row("of hull and tyres", format!("{} (what planners are told)", box_of(collides)));
         row("mass", format!("{:.1} kg, {:.1} kg of it sprung", self.mass_kg, self.sprung_mass_kg));
         row("wheelbase, track", format!("{}, {}", m(self.wheelbase_m), m(self.track_m)));
         row("ground clearance", format!("{} (hull)", m(self.ground_clearance_m)));

@@ -11,8 +11,9 @@ use vb_sim::{SimOptions, SoilSet, VehicleModel};
 use vb_world::World;
 
 use super::{Kit, KitError};
-use crate::brief::{Terms, planner_task, planner_vehicle, static_shape};
+use crate::brief::{Terms, planner_task, planner_vehicle};
 use crate::run::check_control_period;
+use crate::shape::static_shape;
 use crate::{RunError, Trial};
 
 /// How many tasks are driven at most.

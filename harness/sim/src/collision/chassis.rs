@@ -16,10 +16,10 @@ pub(crate) struct ChassisContacts {
     ground: ColliderHandle,
     /// The convex parts of hull and wheels' faces, relative to the chassis' centre of mass.
     parts: Vec<ConvexPolyhedron>,
-    /// How many of them, the first ones, soil doesn't stop.
+    /// How many of them are of the hull, the first ones, if soil doesn't stop it; else none.
+    hull: usize,
+    /// How many of them, the first ones, don't meet the ground below now.
     passing: usize,
-    /// Whether there is soil below.
-    over_soil: bool,
     /// Lowest and highest coordinates of the hull, relative to the centre of mass.
     low: V3,
     high: V3,
@@ -124,7 +124,7 @@ impl ChassisContacts {
                 .can_sleep(false),
         );
         let mut parts = Vec::new();
-        let mut passing = 0;
+        let mut hull = 0;
         for (number, part) in v.chassis.hull.iter().cloned().chain(wheel_faces(v)).enumerate() {
             let relative: Vec<[f64; 3]> = part.iter().map(|p| (V3::from(*p) - chassis_com).into()).collect();
             if let Some(solid) = ConvexPolyhedron::from_convex_hull(&points(&relative)) {
@@ -138,7 +138,7 @@ impl ChassisContacts {
                 );
                 parts.push(solid);
                 if v.chassis.hull_passes_soil && number < v.chassis.hull.len() {
-                    passing = parts.len();
+                    hull = parts.len();
                 }
             }
         }
@@ -146,21 +146,27 @@ impl ChassisContacts {
         let (low, high) = extents(vertices());
         let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
         let looks = Looks::default();
-        Self { physics, body, ground, parts, passing, over_soil: false, low, high, bound, looks }
+        Self { physics, body, ground, parts, hull, passing: 0, low, high, bound, looks }
     }
 
-    /// Takes note of whether there is soil below, which may not stop the hull.
-    pub(crate) fn pass_over(&mut self, soil: bool) {
-        if self.passing == 0 || self.over_soil == soil {
+    /// Takes note of whether there is soil below, which may not stop the hull. The wheels' faces then meet it only if the
+    /// vehicle isn't `upright`: wheels that stand in soil have forces of their own.
+    pub(crate) fn pass_over(&mut self, soil: bool, upright: bool) {
+        let passing = match (self.hull > 0 && soil, upright) {
+            (false, _) => 0,
+            (true, true) => self.parts.len(),
+            (true, false) => self.hull,
+        };
+        if passing == self.passing {
             return;
         }
-        self.over_soil = soil;
+        self.passing = passing;
         self.looks = Looks::default();
-        let meets = if soil { Group::ALL & !GROUND } else { Group::ALL };
-        let hull = self.physics.bodies[self.body].colliders()[..self.passing].to_vec();
-        for handle in hull {
+        let parts = self.physics.bodies[self.body].colliders().to_vec();
+        for (number, part) in parts.into_iter().enumerate() {
+            let meets = if number < passing { Group::ALL & !GROUND } else { Group::ALL };
             let groups = InteractionGroups::new(Group::ALL, meets, InteractionTestMode::And);
-            self.physics.colliders[handle].set_collision_groups(groups);
+            self.physics.colliders[part].set_collision_groups(groups);
         }
     }
 
@@ -186,6 +192,9 @@ impl ChassisContacts {
         };
         if obstacles.any_within(&hull, margin) {
             return true;
+        }
+        if self.passing == self.parts.len() {
+            return false;
         }
         if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {
             return false;
@@ -236,8 +245,7 @@ impl ChassisContacts {
         };
         let room = (ROOM * self.bound).max(2.0 * margin);
         let mut gap = room;
-        let passing = if self.over_soil { self.passing } else { 0 };
-        for (part, solid) in self.parts.iter().enumerate().skip(passing) {
+        for (part, solid) in self.parts.iter().enumerate().skip(self.passing) {
             let (low, high) = extents(solid.points().iter().map(|p| from_vector(*pose * *p)));
             for row in cells(low.y - room, high.y + room, ground.half_y(), ground.rows()) {
                 for col in cells(low.x - room, high.x + room, ground.half_x(), ground.cols()) {

@@ -191,3 +191,119 @@ fn is_over(p: &V3, [a, b, c]: [&V3; 3]) -> bool {
         |from: &V3, to: &V3| (to.x - from.x) * (p.y - from.y) - (to.y - from.y) * (p.x - from.x) >= 0.0;
     side(a, b) && side(b, c) && side(c, a)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_math::{acos, cos, sin, tan};
+
+    const RADIUS: f64 = 0.467;
+
+    fn wheel() -> HardWheel {
+        HardWheel::new(RADIUS, 0.254)
+    }
+
+    /// Ground whose height depends on x alone: straight between nodes 1 m apart from x = −4 on.
+    fn profile(heights: [f64; 9]) -> Heightfield {
+        Heightfield::new(9, 9, 1.0, (0..81).map(|i| heights[i % 9]).collect())
+    }
+
+    fn contacts(ground: &Heightfield, hub: V3, axis: V3, reach: f64) -> Vec<Contact> {
+        let found = wheel().facets(ground, &hub, &axis, reach).expect("the wheel is over the grid");
+        found.iter().map(|(_, c)| *c).collect()
+    }
+
+    #[test]
+    fn on_a_plane_there_is_one_contact_wherever_the_wheel_stands() {
+        let slope = 0.3;
+        let ground = profile(std::array::from_fn(|k| slope * k as f64));
+        let n = V3::new(-slope, 0.0, 1.0).normalize();
+        for k in 0..200 {
+            // Over edges of cells, over diagonals, on nodes.
+            let (x, y) = (-1.0 + 0.01 * f64::from(k), -0.5 + 0.01 * f64::from(k));
+            let foot = V3::new(x, y, ground.height(x, y));
+            let hub = foot + n * (RADIUS - 0.002);
+            let found = contacts(&ground, hub, V3::y(), 0.0);
+            assert_eq!(found.len(), 1, "({x}, {y}): {found:?}");
+            assert!((found[0].normal - n).norm() < 1e-9 && (found[0].depth - 0.002).abs() < 1e-9);
+            assert!((found[0].point - foot).norm() < 1e-6, "{} {foot}", found[0].point);
+        }
+    }
+
+    #[test]
+    fn in_a_corner_a_wheel_touches_the_floor_and_the_wall() {
+        // A floor, and from x = 0 on a wall of 60°.
+        let angle = std::f64::consts::FRAC_PI_3;
+        let ground = profile([0.0, 0.0, 0.0, 0.0, 0.0, tan(angle), tan(angle), tan(angle), tan(angle)]);
+        let wall = V3::new(-sin(angle), 0.0, cos(angle));
+        // The centre of the circle that touches both lies on the corner's bisector.
+        let radius = RADIUS - 0.001;
+        let hub = V3::new(-radius * tan(0.5 * angle), 0.2, radius);
+        let found = contacts(&ground, hub, V3::y(), 0.0);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for expected in [V3::z(), wall] {
+            let contact = found.iter().find(|c| (c.normal - expected).norm() < 1e-9);
+            let contact = contact.unwrap_or_else(|| panic!("no contact along {expected}: {found:?}"));
+            assert!((contact.depth - 0.001).abs() < 1e-9, "{contact:?}");
+            assert!((contact.point - (hub - expected * radius)).norm() < 1e-6, "{contact:?}");
+        }
+    }
+
+    #[test]
+    fn over_a_ridge_the_normal_turns_with_the_wheel() {
+        // Faces of ±30° that meet at x = 0.
+        let slope = tan(std::f64::consts::FRAC_PI_6);
+        let ground = profile(std::array::from_fn(|k| -slope * (k as f64 - 4.0).abs()));
+        for k in -5..=5 {
+            let lean = 0.1 * f64::from(k);
+            // The hub straight over the edge along a direction within the faces' normals.
+            let n = V3::new(sin(lean), 0.0, cos(lean));
+            let found = contacts(&ground, n * (RADIUS - 0.002), V3::y(), 0.0);
+            // A wheel along the edge touches it with its whole width, over the ends of several facets.
+            assert!(!found.is_empty(), "{lean}");
+            for contact in found {
+                assert!((contact.normal - n).norm() < 1e-3, "{lean}: {}", contact.normal);
+                assert!((contact.depth - 0.002).abs() < 1e-6, "{lean}: {}", contact.depth);
+            }
+        }
+    }
+
+    #[test]
+    fn the_edge_of_a_step_is_touched_at_the_angle_that_geometry_says() {
+        // A step as high as a third of the radius, between the nodes at x = 0 and 0.01 m.
+        let height = RADIUS / 3.0;
+        let (rows, cols) = (121, 401);
+        let heights = (0..rows * cols).map(|i| if i % cols > 200 { height } else { 0.0 }).collect();
+        let ground = Heightfield::new(rows, cols, 0.01, heights);
+        // cos θ = 1 − h/r between the vertical and the line from the edge to the hub of a wheel that stands before it.
+        let theta = acos(1.0 - height / RADIUS);
+        let narrow = HardWheel::new(RADIUS, 0.03);
+        let hub = V3::new(0.01 - (RADIUS - 1e-4) * sin(theta), 0.0, height + (RADIUS - 1e-4) * cos(theta));
+        let found = narrow.facets(&ground, &hub, &V3::y(), 0.0).unwrap();
+        let edge =
+            found.iter().find(|(_, c)| c.normal.x < -0.3).map(|(_, c)| *c).expect("the edge is touched");
+        assert!((acos(edge.normal.z) - theta).abs() < 1e-3, "{} {theta}", acos(edge.normal.z));
+        assert!((edge.depth - 1e-4).abs() < 1e-6, "{}", edge.depth);
+    }
+
+    #[test]
+    fn within_reach_a_contact_is_reported_before_it_is_one() {
+        let ground = profile([0.0; 9]);
+        let above = |gap: f64, reach: f64| contacts(&ground, V3::new(0.3, 0.2, RADIUS + gap), V3::y(), reach);
+        assert!(above(0.02, 0.0).is_empty() && above(0.02, 0.01).is_empty());
+        let found = above(0.02, 0.06);
+        assert!(found.len() == 1 && (found[0].depth + 0.02).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_wheel_that_leans_stands_on_its_lower_edge() {
+        let ground = profile([0.0; 9]);
+        let lean = 0.1_f64;
+        // Up to the left: the right edge is the lower one.
+        let axis = V3::new(0.0, cos(lean), sin(lean));
+        let found = contacts(&ground, V3::new(0.3, 0.2, 0.47), axis, 0.0);
+        assert_eq!(found.len(), 1, "{found:?}");
+        let aside = (found[0].point - V3::new(0.3, 0.2, 0.47)).dot(&axis);
+        assert!((-0.13..-0.08).contains(&aside), "{aside}");
+    }
+}

@@ -7,7 +7,7 @@ mod separation;
 pub(crate) use chassis::ChassisContacts;
 pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
 
-use crate::spec::TyreSpec;
+use crate::spec::{HardContact, TyreSpec};
 use crate::tyre::Contact;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
@@ -177,7 +177,7 @@ pub(crate) struct WheelShape {
     core: Cylinder,
     margin: f64,
     bound: f64,
-    /// Of a tyre that the ground doesn't deform.
+    /// Of a tyre that meets the ground facet by facet.
     hard: Option<HardWheel>,
 }
 
@@ -186,7 +186,8 @@ impl WheelShape {
         let (radius, width) = (tyre.radius(), tyre.width());
         let margin = (0.4 * width).min(0.3 * radius);
         let core = Cylinder::new(0.5 * width - margin, radius - margin);
-        let hard = matches!(tyre, TyreSpec::Rigid(_)).then(|| HardWheel::new(radius, width));
+        let by_facets = matches!(tyre, TyreSpec::Rigid(t) if t.contact == HardContact::Facets);
+        let hard = by_facets.then(|| HardWheel::new(radius, width));
         Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width), hard }
     }
 

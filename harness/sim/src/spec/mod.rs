@@ -18,7 +18,7 @@ pub use suspension::{
     Strut, StrutStops, Suspension, Torsion, TorsionArm,
 };
 pub use tracks::Tracks;
-pub use tyre::{BrushTyre, Dilation, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec};
+pub use tyre::{BrushTyre, Dilation, FialaTyre, HardContact, RigidTyre, TmeasyTyre, TyreSpec};
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
 pub type Point = [f64; 3];

@@ -45,9 +45,30 @@ pub struct RigidTyre {
     pub tangential_damping: f64,
     /// Distance over which a rolling wheel sheds its bristle's deflection, m.
     pub relaxation_length: f64,
-    /// How sliding lifts the wheel off rigid ground; left out: not at all, as in nature.
+    /// How it meets rigid ground.
+    #[serde(default, skip_serializing_if = "HardContact::is_envelope")]
+    pub contact: HardContact,
+    /// How sliding lifts the wheel off rigid ground; left out: not at all, as in nature. Of contacts with facets alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dilation: Option<Dilation>,
+}
+
+/// How a hard wheel meets rigid ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HardContact {
+    /// With one contact for all of its outline, without a jump of force from facet to facet, as other tyres do.
+    #[default]
+    Envelope,
+    /// With a contact for each facet that it touches, as a cylinder does: in a corner it stands on the floor and leans on
+    /// the wall.
+    Facets,
+}
+
+impl HardContact {
+    fn is_envelope(&self) -> bool {
+        *self == Self::Envelope
+    }
 }
 
 /// What the cone complementarity of a time-stepping solver does to a contact that slides: it keeps a gap of step · μ ·

@@ -148,6 +148,31 @@ fn a_free_wheel_rolls_on_its_effective_radius() {
 }
 
 #[test]
+fn a_hard_wheel_with_dilation_stands_on_a_gap_of_step_friction_and_sliding_speed() {
+    // Anitescu 2006: gap = step · μ · sliding speed. Here 2 cm up and spinning at 20 rad/s.
+    let TyreSpec::Rigid(mut spec) = tyre("rigid") else { panic!("rigid") };
+    spec.dilation = Some(crate::spec::Dilation { step: 0.005, reach: 0.06 });
+    let hard = Tyre::new(&TyreSpec::Rigid(spec.clone()));
+    let load = |tyre: &Tyre, spin: f64, gap: f64| {
+        let axis = V3::y();
+        let hub = V3::new(0.0, 0.0, spec.radius + gap);
+        let motion = WheelMotion { hub, velocity: V3::zeros(), rotation: axis * spin, axis, spin };
+        let contact = super::Contact { point: V3::zeros(), normal: V3::z(), depth: -gap };
+        let reaction = tyre.react(&motion, &contact, 0.6, &mut Patch::default(), 1e-3);
+        reaction.map_or(0.0, |r| r.load)
+    };
+    let lift = 0.005 * 0.6 * 20.0 * (spec.radius + 0.02);
+    let expected = spec.vertical_stiffness * (lift - 0.02);
+    assert!((load(&hard, 20.0, 0.02) / expected - 1.0).abs() < 1e-9, "{}", load(&hard, 20.0, 0.02));
+    // It lets go where the gap is as large, and a wheel that doesn't slide feels nothing above the ground.
+    assert_eq!((load(&hard, 20.0, 0.0301), load(&hard, 0.0, 0.001)), (0.0, 0.0));
+    // The same tyre without it.
+    spec.dilation = None;
+    let plain = Tyre::new(&TyreSpec::Rigid(spec.clone()));
+    assert_eq!((plain.reach(), load(&plain, 20.0, 0.001)), (0.0, 0.0));
+}
+
+#[test]
 fn a_locked_wheel_stops_within_the_distance_that_sliding_friction_allows() {
     // v²/(2 μ g). TMeasy slides with F_xS at its load, scaled by μ/μ_0 (sheet: 3954.57 N at pn 8562.83 N, 7252.54 N at
     // 2 pn); Fiala with μ_min · μ/μ_0 at a slip of one.

@@ -14,6 +14,7 @@ pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
     GroundParams, Normal, ObstacleParams, ParamsError, StandParams, TaskParams,
 };
+pub(crate) use params::{check_path, check_stand, within};
 
 use crate::path::{PathError, PathParams, Planner};
 use crate::surface::counted_from_lowest;
@@ -86,14 +87,14 @@ pub enum GenerateError {
 type Pairs = Vec<[[f64; 2]; 2]>;
 
 /// Surfaces drawn before giving up on starts and goals.
-const SURFACES: usize = 100;
+const SURFACES: usize = 400;
 /// Obstacle layouts drawn before giving up on paths.
 const LAYOUTS: usize = 20;
 
 /// Between-world factors of the height spread lie within this many standard deviations of their logarithm.
 const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]

@@ -310,18 +310,8 @@ impl GeneratorParams {
             return Err(flaw("tasks.count", format!("{} must lie in 1 to 1000", self.tasks.count)));
         }
         within("tasks.radius", self.tasks.radius, f64::MIN_POSITIVE, self.half())?;
-        let stand = self.tasks.stand;
-        within("tasks.stand.reach", stand.reach, 0.01, self.half())?;
-        within("tasks.stand.tilt", stand.tilt, 0.0, 90.0)?;
-        within("tasks.stand.unevenness", stand.unevenness, 0.0, 100.0)?;
-        within("tasks.stand.wheels[0]", stand.wheels[0], 0.01, 2.0 * stand.reach)?;
-        within("tasks.stand.wheels[1]", stand.wheels[1], 0.01, 2.0 * stand.reach)?;
-        within("tasks.stand.climb", stand.climb, 0.0, 90.0)?;
-        within("tasks.stand.twist", stand.twist, 0.0, 100.0)?;
-        within("tasks.stand.grip", stand.grip, 0.0, 1.0)?;
-        within("path.clearance", self.path.clearance, 0.0, self.half())?;
-        within("path.grid", self.path.grid, 0.01, self.half())?;
-        within("path.spacing", self.path.spacing, 0.01, self.half())
+        check_stand("tasks.stand", &self.tasks.stand, self.half())?;
+        check_path("path", &self.path, self.half())
     }
 
     /// Half the side of the world, m.
@@ -418,7 +408,27 @@ impl GeneratorParams {
     }
 }
 
-fn within(field: &str, value: f64, low: f64, high: f64) -> Result<(), ParamsError> {
+/// Whether ground to stand on is described in a way that a world of that half side, m, can have.
+pub(crate) fn check_stand(field: &str, stand: &StandParams, half: f64) -> Result<(), ParamsError> {
+    let within = |name: &str, value, low, high| within(&format!("{field}.{name}"), value, low, high);
+    within("reach", stand.reach, 0.01, half)?;
+    within("tilt", stand.tilt, 0.0, 90.0)?;
+    within("unevenness", stand.unevenness, 0.0, 100.0)?;
+    within("wheels[0]", stand.wheels[0], 0.01, 2.0 * stand.reach)?;
+    within("wheels[1]", stand.wheels[1], 0.01, 2.0 * stand.reach)?;
+    within("climb", stand.climb, 0.0, 90.0)?;
+    within("twist", stand.twist, 0.0, 100.0)?;
+    within("grip", stand.grip, 0.0, 1.0)
+}
+
+/// Whether the global planner's rules suit a world of that half side, m.
+pub(crate) fn check_path(field: &str, path: &PathParams, half: f64) -> Result<(), ParamsError> {
+    within(&format!("{field}.clearance"), path.clearance, 0.0, half)?;
+    within(&format!("{field}.grid"), path.grid, 0.01, half)?;
+    within(&format!("{field}.spacing"), path.spacing, 0.01, half)
+}
+
+pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<(), ParamsError> {
     if value >= low && value <= high {
         return Ok(());
     }

@@ -208,7 +208,8 @@ impl WorldStatistics {
             classes: classes.collect(),
             friction: Summary::of(rigid.map(|(_, &mu)| mu)),
             obstacles: Kinds::of(&world.obstacles),
-            covered: footprints.outlines().map(area).sum::<f64>() / (extent[0] * extent[1]),
+            // Not `sum`, which is -0 of nothing.
+            covered: footprints.outlines().map(area).fold(0.0, |a, b| a + b) / (extent[0] * extent[1]),
             tasks,
         };
         (statistics, samples)

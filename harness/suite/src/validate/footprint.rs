@@ -3,20 +3,13 @@
 use vb_math::{angle::degrees, atan, hypot, sin_cos};
 use vb_world::{Heightfield, Pose2};
 
-/// A vehicle seen from above: a rectangle about its reference point.
+/// A vehicle seen from above: a rectangle about its reference point, in lengths of the full-size world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
-    /// Overall length, m.
+    /// Length of what collides, m.
     pub length: f64,
-    /// Overall width, m.
+    /// Width of what collides, m.
     pub width: f64,
-}
-
-impl Default for Vehicle {
-    /// The HMMWV of `tasks/vehicles/hmmwv.yaml`.
-    fn default() -> Self {
-        Self { length: 4.6706, width: 2.564 }
-    }
 }
 
 impl Vehicle {
@@ -54,13 +47,15 @@ fn place(at: Pose2, p: [f64; 2]) -> [f64; 2] {
 mod tests {
     use super::*;
 
+    const CAR: Vehicle = Vehicle { length: 4.6, width: 2.1 };
+
     #[test]
     fn the_tilt_is_that_of_the_ground_whatever_the_heading() {
         // A plane that rises by 0.3 a metre eastwards and by 0.4 northwards: 0.5 in all, 26.565°.
         let heights = (0..41 * 41).map(|i| 0.3 * f64::from(i % 41) + 0.4 * f64::from(i / 41)).collect();
         let plane = Heightfield::new(41, 41, 1.0, heights);
         for yaw in [0.0, 0.7, 2.0, -1.5] {
-            let tilt = Vehicle::default().tilt(&plane, Pose2 { x: 1.3, y: -2.1, yaw });
+            let tilt = CAR.tilt(&plane, Pose2 { x: 1.3, y: -2.1, yaw });
             assert!((tilt - 26.565).abs() < 1e-3, "{tilt}");
         }
     }
@@ -69,7 +64,7 @@ mod tests {
     fn ground_that_is_rough_but_level_does_not_tilt() {
         let heights = (0..41 * 41).map(|i| f64::from((i % 41 - 20_i32).abs() % 2)).collect();
         let ridges = Heightfield::new(41, 41, 1.0, heights);
-        assert!(Vehicle::default().tilt(&ridges, Pose2 { x: 0.0, y: 0.0, yaw: 0.0 }) < 1e-9);
+        assert!(CAR.tilt(&ridges, Pose2 { x: 0.0, y: 0.0, yaw: 0.0 }) < 1e-9);
     }
 
     #[test]

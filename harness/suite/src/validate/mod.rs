@@ -106,13 +106,14 @@ pub struct Limits {
     pub rules: GeneratorParams,
 }
 
-impl Default for Limits {
-    /// The HMMWV, and clearance and spacing of the generator's rules. Tilts: 31°, the 60 % grade that the HMMWV is rated
+impl Limits {
+    /// For a vehicle, clearance and spacing of the generator's rules. Tilts: 31°, the 60 % grade that the HMMWV is rated
     /// for, and 45°, beyond which no friction below 1 holds a vehicle.
-    fn default() -> Self {
+    #[must_use]
+    pub fn of(vehicle: Vehicle) -> Self {
         let rules = GeneratorParams::default();
         Self {
-            vehicle: Vehicle::default(),
+            vehicle,
             clearance: rules.path.clearance,
             spacing: rules.path.spacing,
             end_tilt: 31.0,

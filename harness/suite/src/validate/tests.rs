@@ -5,6 +5,9 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 use vb_world::{Density, Elevation, Obstacle, ObstacleKind, Provenance, SuiteMeta};
 
+/// The extents of its hull in `tasks/vehicles/hmmwv.yaml`.
+const HMMWV: Vehicle = Vehicle { length: 4.66, width: 2.1 };
+
 fn built_in() -> Suite {
     let tasks = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
     Suite::open(tasks.join("smoke")).unwrap()
@@ -29,7 +32,7 @@ fn write(worlds: &[World]) -> (TempDir, Suite) {
 
 fn findings(worlds: &[World]) -> Vec<Finding> {
     let (_dir, suite) = write(worlds);
-    validate(&suite, &Limits::default(), |_, _| {})
+    validate(&suite, &Limits::of(HMMWV), |_, _| {})
 }
 
 /// What is found in the built-in world after this damage.
@@ -65,7 +68,7 @@ fn flat(world: &mut World) {
 fn the_built_in_suite_has_no_flaw_and_each_of_its_worlds_is_told() {
     let suite = built_in();
     let mut heard = Vec::new();
-    let found = validate(&suite, &Limits::default(), |world, _| heard.push(world.map(str::to_owned)));
+    let found = validate(&suite, &Limits::of(HMMWV), |world, _| heard.push(world.map(str::to_owned)));
     assert!(found.is_empty(), "{found:#?}");
     let mut expected: Vec<_> = suite.worlds().iter().map(|w| Some(w.id.clone())).collect();
     expected.push(None);
@@ -85,7 +88,7 @@ fn all_flaws_of_a_world_are_told_and_worlds_after_it_are_checked() {
         text.replace("goal: [60.0, 0.0]", "goal: [600.0, 0.0]").replace("goal: [-60.0", "goal: [-65.0"),
     )
     .unwrap();
-    let found = validate(&suite, &Limits::default(), |_, _| {});
+    let found = validate(&suite, &Limits::of(HMMWV), |_, _| {});
     let texts: Vec<_> = found.iter().map(|f| (f.severity, f.rule, f.text.as_str())).collect();
     assert_eq!(found.len(), 3, "{found:#?}");
     assert!(texts[0].2.contains("tasks[0].goal: [-65.0"), "{texts:?}");
@@ -104,7 +107,7 @@ fn a_changed_world_is_told_by_its_hash_and_checked_all_the_same() {
     let rest = rest.split_once(|c: char| c != '.' && !c.is_ascii_digit()).unwrap();
     let cut = &text[text.len() - rest.1.len() - 1..];
     std::fs::write(&file, format!("{head}buried: -0.5{cut}")).unwrap();
-    let found = validate(&suite, &Limits::default(), |_, _| {});
+    let found = validate(&suite, &Limits::of(HMMWV), |_, _| {});
     assert_eq!(found.len(), 2, "{found:#?}");
     assert!(found[0].rule == Rule::Format && found[0].text.contains("content hash of w001"));
     assert!(found[1].text.contains("obstacles[0].buried: -0.5 lets it hang 0.50 m"), "{found:?}");
@@ -112,8 +115,8 @@ fn a_changed_world_is_told_by_its_hash_and_checked_all_the_same() {
 
 #[test]
 fn a_start_or_goal_where_the_vehicle_touches_an_obstacle_is_an_error() {
-    // Two metres beside the start's centre: the point is free, the vehicle of 2.56 m width is not, nor is the path.
-    let found = after(|w| w.obstacles.push(cube(60.0, 2.0, 1.5)));
+    // Its edge lies 0.95 m beside the start's centre: the point is free, the vehicle of 2.1 m width is not, nor is the path.
+    let found = after(|w| w.obstacles.push(cube(60.0, 1.7, 1.5)));
     let errors: Vec<_> = found.iter().filter(|f| f.rule == Rule::Ends).collect();
     // Start of t00, goal of t05.
     assert_eq!(errors.len(), 2, "{found:#?}");
@@ -131,7 +134,7 @@ fn a_start_where_the_vehicle_stands_over_the_edge_is_an_error() {
         w.tasks[0].path.insert(0, [62.5, 0.0]);
         w.tasks[0].path.splice(1..1, [[61.6, 0.0], [60.8, 0.0]]);
     });
-    only(&found, Severity::Error, Rule::Ends, &["tasks[0] (t00).start", "[64.84,", "outside the world"]);
+    only(&found, Severity::Error, Rule::Ends, &["tasks[0] (t00).start", "[64.83,", "outside the world"]);
 }
 
 #[test]
@@ -185,10 +188,10 @@ fn a_path_through_an_obstacle_is_an_error_and_one_close_to_it_a_warning() {
         &["tasks[0] (t00).path[", "obstacles[0] at 3.40 m", "3.5 m"],
     );
     only(
-        &near(1.2),
+        &near(1.0),
         Severity::Error,
         Rule::Path,
-        &["obstacles[0] at 1.20 m", "half the vehicle's width of 1.28 m"],
+        &["obstacles[0] at 1.00 m", "half the vehicle's width of 1.05 m"],
     );
 }
 
@@ -229,7 +232,7 @@ fn a_steep_place_on_a_path_is_warned_of_beyond_the_limit_only() {
     let world = good();
     let (_dir, suite) = write(&[world]);
     let steep = |tilt| {
-        validate(&suite, &Limits { tilt, ..Limits::default() }, |_, _| {})
+        validate(&suite, &Limits { tilt, ..Limits::of(HMMWV) }, |_, _| {})
             .into_iter()
             .filter(|f| f.text.contains("tilts the vehicle by"))
             .count()
@@ -303,12 +306,12 @@ fn what_is_missing_or_not_listed_is_told() {
     only(&found, Severity::Warning, Rule::Content, &["tasks.yaml: tasks: is empty"]);
     let (dir, suite) = write(&[good()]);
     std::fs::create_dir(dir.path().join("worlds/w077")).unwrap();
-    let found = validate(&suite, &Limits::default(), |_, _| {});
+    let found = validate(&suite, &Limits::of(HMMWV), |_, _| {});
     assert_eq!(found.len(), 1, "{found:#?}");
     assert!(found[0].world.is_none() && found[0].text.contains("worlds/w077"));
     assert!(findings(&[])[0].text.contains("is empty"));
     std::fs::remove_file(dir.path().join("worlds/w001/elevation.png")).unwrap();
-    let found = validate(&suite, &Limits::default(), |_, _| {});
+    let found = validate(&suite, &Limits::of(HMMWV), |_, _| {});
     assert!(
         found[0].rule == Rule::Format && found[0].text.contains("elevation.png: cannot read"),
         "{found:?}"
@@ -333,9 +336,9 @@ fn a_changed_suite_under_the_name_and_version_of_a_released_one_is_an_error() {
         provenance: Provenance::Authored { by: "a test".into() },
     };
     let suite = |version| Suite::write(dir.path().join(version), &meta(version), &[good()]).unwrap();
-    let found = validate(&suite("1"), &Limits::default(), |_, _| {});
+    let found = validate(&suite("1"), &Limits::of(HMMWV), |_, _| {});
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_eq!((found[0].severity, found[0].rule), (Severity::Error, Rule::Content));
     assert!(found[0].text.contains("smoke 1 was released with the hash"), "{}", found[0].text);
-    assert_eq!(validate(&suite("1-mine"), &Limits::default(), |_, _| {}), []);
+    assert_eq!(validate(&suite("1-mine"), &Limits::of(HMMWV), |_, _| {}), []);
 }

@@ -41,7 +41,9 @@ class Vehicle:
     scale: float
     mass: float
     length: float
+    """Of what collides, hull and tyres, m; so are width and height."""
     width: float
+    """Wheels straight ahead, without mirrors; half of it lies to each side of the centre line."""
     height: float
     wheelbase: float
     track: float

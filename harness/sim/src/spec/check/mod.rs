@@ -193,6 +193,14 @@ mod tests {
         assert!(e.starts_with("car.yaml: tyres.tmeasy.sxs[0]: 0.1 must exceed the slip"), "{e}");
         let e = broken("tangential_stiffness: 4.0e6", "tangential_stiffness: 0");
         assert_eq!(e, "car.yaml: tyres.rigid.tangential_stiffness: 0 must be a positive number");
+        let e = broken(
+            "relaxation_length: 0.1\n",
+            "relaxation_length: 0.1\n    dilation: {step: 0.005, reach: 0.06}\n",
+        );
+        assert!(e.starts_with("car.yaml: tyres.rigid.dilation: given, but contact is not facets"), "{e}");
+        let facets = "relaxation_length: 0.1\n    contact: facets\n    dilation: {step: 0.005, reach: 0.6}\n";
+        let e = broken("relaxation_length: 0.1\n", facets);
+        assert_eq!(e, "car.yaml: tyres.rigid.dilation.reach: 0.6 is more than the tyre's radius, 0.467");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::error::SimError;
-use crate::spec::{BrushTyre, FialaTyre, RigidTyre, TmeasyTyre, TyreSpec, VehicleSpec};
+use crate::spec::{BrushTyre, FialaTyre, HardContact, RigidTyre, TmeasyTyre, TyreSpec, VehicleSpec};
 
 impl Check<'_> {
     pub(super) fn tyres(&self, v: &VehicleSpec) -> Result<(), SimError> {
@@ -64,6 +64,10 @@ impl Check<'_> {
             ],
         )?;
         if let Some(d) = t.dilation {
+            if t.contact != HardContact::Facets {
+                let reason = "given, but contact is not facets: an envelope ends at the ground".to_owned();
+                return self.fail(&format!("{at}.dilation"), reason);
+            }
             self.all_positive(&format!("{at}.dilation"), &[("step", d.step), ("reach", d.reach)])?;
             if d.reach > t.radius {
                 let reason = format!("{} is more than the tyre's radius, {}", d.reach, t.radius);

@@ -1,0 +1,211 @@
+//! A vehicle's size and steering as it stands on level ground, from what is simulated of it.
+
+use std::sync::Arc;
+
+use vb_math::{atan2, tan};
+use vb_sim::{Controls, Side, SimError, SimOptions, Simulation, SoilSet, Start, VehicleModel};
+use vb_world::{Heightfield, TerrainClass, World};
+
+/// How a vehicle stands on level ground, and how far its wheels turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticShape {
+    /// From the foremost to the rearmost point of what collides, hull and wheels, m.
+    pub length: f64,
+    /// Twice the distance from the centre line to the outermost point of what collides, hull and the tyres' outer faces
+    /// with the wheels straight ahead, m. Mirrors and whatever else touches nothing are left out.
+    pub width: f64,
+    /// Height of the topmost point of what collides above ground, m.
+    pub height: f64,
+    /// Height of the lowest point of the hull above ground, m.
+    pub ground_clearance: f64,
+    /// Distance between the first and the last axle, or between the outermost road wheels of a track, m.
+    pub wheelbase: f64,
+    /// Distance between the wheels of the first axle, m.
+    pub track: f64,
+    /// Mean angle of the first axle's wheels at steering command 1, rad. Of a tracked vehicle that of a bicycle of its
+    /// wheelbase which answers small commands by the same curvature.
+    pub max_steer_angle: f64,
+    /// Radius of the reference point's circle at steering command 1, m: without slip, or that on which a tracked vehicle
+    /// turns.
+    pub min_turn_radius: f64,
+    /// Mass, all included, kg.
+    pub mass: f64,
+}
+
+/// Lets the vehicle settle on level ground and measures it.
+///
+/// # Errors
+/// If the vehicle can't be simulated.
+pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticShape, SimError> {
+    let spec = model.spec();
+    let side = 4.0 * spec.length.max(1.0);
+    let level = Heightfield::flat(3, 3, side / 2.0, 0.0);
+    let world = World::uniform("level", level, TerrainClass::Concrete, 0.8);
+    let start = vb_world::Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let options = SimOptions { start: Start::Settled, ..options };
+    let standing = Simulation::new(Arc::new(world), model, &SoilSet::default(), start, options)?;
+    let state = standing.state();
+    let lowest = spec.chassis.hull.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+    let reach = Reach::of(model);
+    let [length, width] = [reach.high[0] - reach.low[0], 2.0 * reach.high[1].max(-reach.low[1])];
+    let height = state.position.z + reach.high[2];
+    let mut hubs = Vec::new();
+    for (axle, solved) in spec.axles.iter().zip(model.axles()) {
+        let at = |command: f64, side: Side| solved.wheel(side, [0.0; 2], command);
+        let angle = |side: Side| {
+            let axis = at(1.0, side).axis;
+            atan2(-axis.x, axis.y)
+        };
+        let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
+        hubs.push((
+            axle.position[0] + left.x,
+            left.y - right.y,
+            0.5 * (angle(Side::Left) + angle(Side::Right)),
+        ));
+    }
+    let mass = spec.total_mass();
+    let ground_clearance = if lowest.is_finite() { state.position.z + lowest } else { 0.0 };
+    if spec.tracks.is_some() {
+        let (first, last) = (hubs[1], hubs[hubs.len() - 2]);
+        let wheelbase = first.0 - last.0;
+        let curvature = |command: f64| skid_steer(&standing, command);
+        return Ok(StaticShape {
+            length,
+            width,
+            height,
+            ground_clearance,
+            wheelbase,
+            track: first.1,
+            max_steer_angle: atan2(curvature(SMALL_COMMAND)? / SMALL_COMMAND * wheelbase, 1.0),
+            min_turn_radius: 1.0 / curvature(1.0)?,
+            mass,
+        });
+    }
+    let (first, last) = (hubs[0], hubs[hubs.len() - 1]);
+    // Two axles: the line of the rear one, half a wheelbase behind the reference point. More: the middle of those that
+    // are not steered.
+    let fixed: Vec<f64> =
+        spec.axles.iter().zip(&hubs).filter(|(a, _)| a.steering.is_none()).map(|(_, h)| h.0).collect();
+    let [base, ahead] = if hubs.len() > 2 && !fixed.is_empty() {
+        let line = fixed.iter().sum::<f64>() / fixed.len() as f64;
+        [first.0 - line, line.abs()]
+    } else {
+        [first.0 - last.0, 0.5 * (first.0 - last.0)]
+    };
+    // The turning circle of the reference point, which lies between the axles, without slip.
+    let rear = base / tan(first.2);
+    Ok(StaticShape {
+        length,
+        width,
+        height,
+        ground_clearance,
+        wheelbase: first.0 - last.0,
+        track: first.1,
+        max_steer_angle: first.2,
+        min_turn_radius: (rear * rear + ahead * ahead).sqrt(),
+        mass,
+    })
+}
+
+/// The command by which a tracked vehicle's answer to small ones is measured.
+const SMALL_COMMAND: f64 = 0.2;
+
+/// Curvature of a tracked vehicle's way at a steering command, 1/m: driven on level ground for eight seconds at 3 m/s.
+fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
+    let mut sim = standing.clone();
+    let period = 10;
+    for _ in 0..800 {
+        let e = 3.0 - sim.state().velocity.x;
+        let controls = Controls { steering, throttle: e.clamp(0.0, 1.0), brake: (-e).clamp(0.0, 1.0) };
+        sim.advance(controls, period)?;
+    }
+    let s = sim.state();
+    Ok(s.rates.z / s.velocity.x)
+}
+
+/// Least and greatest coordinates of what collides, in the chassis frame, m: the hull, and the wheels straight ahead at
+/// design height.
+struct Reach {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Reach {
+    fn of(model: &VehicleModel) -> Self {
+        let spec = model.spec();
+        let mut reach = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        for point in spec.chassis.hull.iter().flatten() {
+            reach.include(*point, [0.0; 3]);
+        }
+        for (axle, solved) in spec.axles.iter().zip(model.axles()) {
+            let tyre = spec.tyre_of(axle);
+            for side in [Side::Left, Side::Right] {
+                let pose = solved.wheel(side, [0.0; 2], 0.0);
+                let along = |k: usize| pose.axis[k].abs().min(1.0);
+                // A cylinder reaches as far along a direction as its half width and its radius do together.
+                let half = [0, 1, 2].map(|k| {
+                    let across = (1.0 - along(k) * along(k)).sqrt();
+                    0.5 * tyre.width() * along(k) + tyre.radius() * across
+                });
+                reach.include([0, 1, 2].map(|k| axle.position[k] + pose.hub[k]), half);
+            }
+        }
+        reach
+    }
+
+    /// Makes room for a box about a point.
+    fn include(&mut self, middle: [f64; 3], half: [f64; 3]) {
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(middle[k] - half[k]);
+            self.high[k] = self.high[k].max(middle[k] + half[k]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sim::VehicleSpec;
+
+    #[test]
+    fn a_vehicle_is_as_large_as_its_hull_and_the_outer_faces_of_its_tyres() {
+        // Length and width by hand from the points of the hulls, and from spindles and tyres: twice the spindle's distance
+        // from the centre line and half the tyre's width, or an axle's place and the tyre's radius.
+        let expected = [
+            // Hull x -2.45..2.21, y +-1.05; tyres 2 (0.909701 + 0.127) = 2.073. Mirrors: 2.564.
+            ("hmmwv", 4.66, 2.1),
+            // Hull from x -2.2, front tyres to 0.97 + 0.28575; rear tyres 2 (0.62 + 0.1524).
+            ("gator", 3.45575, 1.5448),
+            // Tyres 2 (0.97663 + 0.1675); hull 2.25.
+            ("feda", 4.92, 2.28826),
+            ("m113", 5.3975, 2.686),
+            ("man5t", 7.49, 2.46),
+            ("man7t", 7.94, 2.46),
+            ("man10t", 9.71, 2.46),
+            // Hull from x -0.325, front tyres to 0.23262 + 0.085; tyres 2 (0.16599 + 0.04275), hull 0.156.
+            ("artcar", 0.64262, 0.41748),
+            // Tyres 2 (0.1 + 0.0205); hull 0.2.
+            ("verti4wheeler", 0.49, 0.241),
+        ];
+        for (name, length, width) in expected {
+            let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join(format!("../../tasks/vehicles/{name}.yaml"));
+            let spec = VehicleSpec::load(&file).unwrap();
+            let scale = spec.scale;
+            let model = VehicleModel::new(spec).unwrap();
+            let shape = static_shape(&model, SimOptions::default()).unwrap();
+            // Camber and toe turn a tyre by up to a degree.
+            let near = |a: f64, b: f64| (a - b).abs() < 0.01 * scale;
+            assert!(near(shape.length, length) && near(shape.width, width), "{name}: {shape:?}");
+        }
+    }
+
+    #[test]
+    fn the_hmmwv_is_as_high_as_its_data_sheet_says() {
+        let text = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        let model = VehicleModel::new(VehicleSpec::parse(text, "hmmwv.yaml").unwrap()).unwrap();
+        let shape = static_shape(&model, SimOptions::default()).unwrap();
+        // AM General's data sheet of the M998A1: 72 in, 1.83 m.
+        assert!((shape.height - 1.83).abs() < 0.03, "{}", shape.height);
+    }
+}

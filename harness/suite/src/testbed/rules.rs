@@ -1,0 +1,254 @@
+//! The rules of a bed as data: `tasks/generator/testbed.yaml` and files like it.
+
+use serde::Deserialize;
+use vb_world::{Elevation, TerrainClass, yaml};
+
+use crate::generate::{ParamsError, StandParams, check_path, check_stand, within};
+use crate::path::PathParams;
+
+/// The version of the file that this build reads.
+const SCHEMA: u32 = 1;
+/// Most nodes along a side of a bed.
+const MOST_NODES: usize = 4097;
+
+/// The rules.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestbedParams {
+    schema: u32,
+    /// Name of the rules.
+    pub name: String,
+    /// Size of the bed.
+    pub bed: BedParams,
+    /// Heights.
+    pub elevation: BedElevation,
+    /// What it is covered with.
+    pub materials: Materials,
+    /// The task and its repetitions.
+    pub trials: TrialParams,
+    /// The ground at start and goal.
+    pub stand: StandParams,
+    /// The global planner.
+    pub path: PathParams,
+}
+
+/// Size of a bed, which is square.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BedParams {
+    /// Its side, m.
+    pub side: f64,
+    /// Distance between its nodes, m.
+    pub pitch: f64,
+    /// Side of a patch of one material, m.
+    pub patch: f64,
+}
+
+/// Heights of the beds.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BedElevation {
+    /// The terrain model: the name of one in `tasks/terrain`, or a file.
+    pub model: String,
+    /// The beds, in the order of the suite's worlds.
+    pub beds: Vec<BedLevel>,
+}
+
+/// One bed.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BedLevel {
+    /// What it is called.
+    pub level: Elevation,
+    /// Standard deviation of height over many beds of the level, m.
+    pub std: f64,
+}
+
+/// What beds are covered with.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Materials {
+    /// Least and largest friction of a patch.
+    pub clip: [f64; 2],
+    /// Each covers as many patches as every other, or one more.
+    pub all: Vec<Material>,
+}
+
+/// One material.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Name for people.
+    pub name: String,
+    /// The class that planners are told, a rigid one.
+    pub class: TerrainClass,
+    /// Mean of a patch's Coulomb friction.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+/// A task that is driven again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialParams {
+    /// Trials on a bed.
+    pub count: usize,
+    /// From start to goal, m.
+    pub distance: f64,
+    /// What differs between the starts.
+    pub noise: StartNoise,
+}
+
+/// Standard deviations by which starts differ from the planned one, clipped at two.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartNoise {
+    /// Along x and along y, m.
+    pub position: f64,
+    /// Degrees.
+    pub heading: f64,
+}
+
+fn flaw(field: impl Into<String>, problem: impl Into<String>) -> ParamsError {
+    ParamsError { field: field.into(), problem: problem.into() }
+}
+
+impl Default for TestbedParams {
+    /// `tasks/generator/testbed.yaml`, which is part of the build.
+    fn default() -> Self {
+        Self::parse(Self::DEFAULT_YAML).unwrap_or_else(|e| unreachable!("tasks/generator/testbed.yaml: {e}"))
+    }
+}
+
+impl TestbedParams {
+    /// The text of the built-in rules.
+    pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/testbed.yaml");
+
+    /// Reads rules from YAML.
+    ///
+    /// # Errors
+    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    pub fn parse(text: &str) -> Result<Self, ParamsError> {
+        let params: Self = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
+        params.check()?;
+        Ok(params)
+    }
+
+    fn check(&self) -> Result<(), ParamsError> {
+        if self.schema != SCHEMA {
+            let problem =
+                format!("version {} is not supported, this build reads version {SCHEMA}", self.schema);
+            return Err(flaw("schema", problem));
+        }
+        let BedParams { side, pitch, patch } = self.bed;
+        for (field, v) in [("bed.side", side), ("bed.pitch", pitch), ("bed.patch", patch)] {
+            within(field, v, 1e-3, 1e5)?;
+        }
+        for (field, large, below, small) in
+            [("bed.patch", patch, "bed.pitch", pitch), ("bed.side", side, "bed.patch", patch)]
+        {
+            if whole(large / small).is_none() {
+                return Err(flaw(field, format!("{large} must be a multiple of {below}, {small}")));
+            }
+        }
+        if !(3..=MOST_NODES).contains(&self.nodes()) {
+            let problem = format!("{side} must be 2 to {} times bed.pitch", MOST_NODES - 1);
+            return Err(flaw("bed.side", problem));
+        }
+        if self.elevation.model.is_empty() {
+            return Err(flaw("elevation.model", "is empty: name a terrain model"));
+        }
+        if !(1..=999).contains(&self.elevation.beds.len()) {
+            return Err(flaw("elevation.beds", "there must be 1 to 999 of them"));
+        }
+        for (k, bed) in self.elevation.beds.iter().enumerate() {
+            within(&format!("elevation.beds[{k}].std"), bed.std, 1e-3, 100.0)?;
+        }
+        self.check_materials()?;
+        let trials = self.trials;
+        if !(1..=100).contains(&trials.count) {
+            return Err(flaw("trials.count", format!("{} must lie in 1 to 100", trials.count)));
+        }
+        let noise = trials.noise;
+        within("trials.noise.position", noise.position, 0.0, 0.05 * side)?;
+        within("trials.noise.heading", noise.heading, 0.0, 90.0)?;
+        // Both ends lie on the bed with their stands, whatever the direction and the noise.
+        let room = 0.5 * side - self.stand.reach.max(2.0 * noise.position);
+        within("trials.distance", trials.distance, f64::MIN_POSITIVE, 2.0 * room)?;
+        check_stand("stand", &self.stand, 0.5 * side)?;
+        check_path("path", &self.path, 0.5 * side)
+    }
+
+    fn check_materials(&self) -> Result<(), ParamsError> {
+        let Materials { clip: [low, high], all } = &self.materials;
+        within("materials.clip[0]", *low, 0.01, 2.0)?;
+        within("materials.clip[1]", *high, *low, 2.0)?;
+        if all.is_empty() {
+            return Err(flaw("materials.all", "is empty: at least one material is needed"));
+        }
+        for (k, material) in all.iter().enumerate() {
+            let field = |name: &str| format!("materials.all[{k}].{name}");
+            if material.class.is_deformable() {
+                let problem = format!("{} yields: take a rigid class", material.class.name());
+                return Err(flaw(field("class"), problem));
+            }
+            within(&field("mean"), material.mean, 0.0, 2.0)?;
+            within(&field("std"), material.std, 0.0, 2.0)?;
+        }
+        Ok(())
+    }
+
+    /// Nodes along a side.
+    pub(super) fn nodes(&self) -> usize {
+        whole(self.bed.side / self.bed.pitch).unwrap_or(0) + 1
+    }
+
+    /// Patches along a side.
+    pub(super) fn patches(&self) -> usize {
+        whole(self.bed.side / self.bed.patch).unwrap_or(1)
+    }
+}
+
+/// A ratio that is a whole number but for rounding, at least 1.
+fn whole(ratio: f64) -> Option<usize> {
+    let n = ratio.round();
+    (n >= 1.0 && (ratio - n).abs() < 1e-9 * n).then_some(n as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flaws_of_a_file_are_named() {
+        let cases = [
+            ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
+            ("pitch: 0.5", "pitch: 0.0", "bed.pitch: 0 must lie in"),
+            ("patch: 10.0", "patch: 10.2", "bed.patch: 10.2 must be a multiple of bed.pitch, 0.5"),
+            ("side: 80.0", "side: 85.0", "bed.side: 85 must be a multiple of bed.patch, 10"),
+            ("pitch: 0.5", "pitch: 0.001", "bed.side: 80 must be 2 to 4096 times bed.pitch"),
+            ("level: high", "level: steep", "elevation.beds[1].level"),
+            ("std: 0.55", "std: -0.55", "elevation.beds[1].std: -0.55 must lie in"),
+            ("model: rocks", "model: ''", "elevation.model: is empty"),
+            ("class: wood", "class: sand", "materials.all[3].class: sand yields"),
+            ("mean: 0.36", "mean: 3.6", "materials.all[2].mean: 3.6 must lie in 0 to 2"),
+            ("clip: [0.1, 1.0]", "clip: [0.1, 0.0]", "materials.clip[1]: 0 must lie in 0.1"),
+            ("count: 5", "count: 0", "trials.count: 0 must lie in 1 to 100"),
+            // A circle of 40 m less the stand's 3 m has a diameter of 74 m.
+            ("distance: 72.0", "distance: 75.0", "trials.distance: 75 must lie in"),
+            ("heading: 5.0", "heading: -5.0", "trials.noise.heading: -5 must lie in 0 to 90"),
+            ("tilt: 15.0", "tilt: 95.0", "stand.tilt: 95 must lie in 0 to 90"),
+            ("grid: 0.5,", "grid: 0.0,", "path.grid: 0 must lie in"),
+            ("name: testbed", "names: testbed", "names"),
+        ];
+        for (from, to, expected) in cases {
+            assert!(TestbedParams::DEFAULT_YAML.contains(from), "{from}");
+            let text = TestbedParams::DEFAULT_YAML.replacen(from, to, 1);
+            let message = TestbedParams::parse(&text).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}\nlacks {expected}");
+        }
+        let params = TestbedParams::default();
+        assert_eq!((params.nodes(), params.patches()), (161, 8));
+    }
+}
