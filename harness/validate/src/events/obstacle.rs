@@ -17,7 +17,7 @@ use crate::event::{Bench, Event, Outcome, Series};
 use crate::rig::largest;
 use vb_math::angle::{degrees, radians};
 use vb_math::{acos, atan, cos, sin, tan};
-use vb_sim::{GRAVITY, SimError, TyreSpec, WheelStand};
+use vb_sim::{GRAVITY, HardContact, SimError, TyreSpec, WheelStand};
 use vb_world::Heightfield;
 
 pub(super) const OBSTACLES: Event = Event {
@@ -179,7 +179,15 @@ fn obstacles(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let axle = &bench.spec.axles[0];
     let fitted = bench.spec.tyre_of(axle);
     let hard = bench.spec.clone().with_tyre("rigid").ok();
-    let hard = hard.as_ref().map(|v| v.tyre_of(&v.axles[0]));
+    // Theory is of a cylinder, which has a contact with each facet that it touches.
+    let hard = hard.map(|v| {
+        let mut tyre = v.tyre_of(&v.axles[0]).clone();
+        if let TyreSpec::Rigid(t) = &mut tyre {
+            t.contact = HardContact::Facets;
+        }
+        tyre
+    });
+    let hard = hard.as_ref();
     let share = g.mass / g.corners.len() as f64;
     let wheel = |tyre| {
         let friction = bench.grip(0.9);
