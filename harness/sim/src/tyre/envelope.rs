@@ -4,6 +4,18 @@ use super::Contact;
 use crate::V3;
 use vb_world::{Heightfield, Nearby};
 
+/// Square of the sine of the angle between a wheel's plane and the ground below which the wheel counts as one that lies
+/// down, 55° from upright. The ground hardly meets its radius any more, so its deflection is taken along the ground's
+/// normal from there on, with the stiffness that it has got by then.
+const LEANING: f64 = 1.0 / 3.0;
+/// The same where the slope from strip to strip, which are over the same ground by then, says nothing any more, 63° from
+/// upright.
+const LYING: f64 = 0.2;
+/// Vertical part of the direction up in a wheel's plane below which heights don't tell how deep a wheel is in a wall; they
+/// are believed again at twice that.
+const WALL: f64 = 0.05;
+/// Sine of the angle between a wheel's plane and the ground below which it has no lowest point.
+const FLAT: f64 = 1e-6;
 /// Stations on each side of the lowest one.
 const SIDE: usize = 7;
 const STATIONS: usize = 2 * SIDE + 1;
@@ -24,6 +36,10 @@ const REACH: f64 = 0.97;
 /// The strips are a radius of gyration of the tyre's width from its middle, and a tilt against the ground moves the
 /// point of contact by width²/12 · tilt/deflection, so that a linear spring has the overturning moment of a tyre whose
 /// width presses evenly (Rill, Road Vehicle Dynamics, 2012, ch. 3: −w²/12 · stiffness · inclination).
+///
+/// A wheel that leans by more than 55° is on its way to lie on its flank. It is held by its rim all the way, with a force
+/// that depends on how deep it is along the ground's normal and not on the way it came: a wheel that was let into the ground
+/// without force as it lay would throw the vehicle up as it rolls back.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     radius: f64,
@@ -53,6 +69,18 @@ pub(crate) struct Clearance {
     spent: f64,
     /// What is spent when a station may touch, m.
     due: [f64; STATIONS],
+}
+
+/// Sums over the stations of both strips where they overlap the ground.
+#[derive(Default)]
+struct Overlap {
+    /// Of both strips, m².
+    area: f64,
+    /// Its first moments ahead of the hub and below it, m³.
+    ahead: f64,
+    below: f64,
+    /// Its moment of how much higher the ground is over the rim of the left strip than over that of the right, m³.
+    across: f64,
 }
 
 /// What is taken off every clearance for rounding, m: far more than heights and coordinates have of it.
@@ -155,8 +183,7 @@ impl Envelope {
         clearance: &mut Clearance,
         carries: impl Fn(f64, f64) -> f64,
     ) -> Option<Contact> {
-        // A wheel that lies on its side stands on the hull, not on its tread.
-        let heading = V3::new(axis.y, -axis.x, 0.0).try_normalize(0.3)?;
+        let heading = V3::new(axis.y, -axis.x, 0.0).try_normalize(FLAT).unwrap_or_else(V3::x);
         let left = V3::new(-heading.y, heading.x, 0.0);
         // One for each side, so that a wheel astride an edge of cells doesn't change to and fro.
         let mut nearby = [Nearby::new(ground), Nearby::new(ground)];
@@ -166,11 +193,12 @@ impl Envelope {
                 / (2.0 * reach)
         };
         let slope = V3::z() - heading * rise(&heading, 0.5 * self.radius) - left * rise(&left, self.strip);
-        let along = axis.cross(&slope).try_normalize(0.3)?;
+        let across = axis.cross(&slope);
+        // Flat on the ground it has no lowest point; any will do.
+        let along = across.try_normalize(FLAT).unwrap_or_else(|| axis.cross(&V3::x()).normalize());
         let up = along.cross(axis);
-        if up.z < 0.1 {
-            return None;
-        }
+        let level = across.norm_squared() / slope.norm_squared();
+        let stands = ((level - LYING) / (LEANING - LYING)).min(up.z / WALL - 1.0).clamp(0.0, 1.0);
         clearance.move_to(ground, self, [*hub, along, up, *axis]);
         // How far the ground is above the rim; left at nothing where both strips are surely clear of it.
         let mut above = [[0.0; STATIONS]; 2];
@@ -191,37 +219,82 @@ impl Envelope {
             }
             clearance.note(k, -highest);
         }
-        let (mut area, mut ahead, mut below, mut across) = (0.0, 0.0, 0.0, 0.0);
-        for (row, share) in above.iter().zip(&shares) {
-            for k in 0..STATIONS {
-                if row[k] > 0.0 {
-                    let overlap = (row[k] * up.z).min(2.0 * self.half[k]);
-                    let part = overlap * self.share[k] * share[k];
-                    area += part;
-                    ahead += part * self.xs[k];
-                    below += part * (self.half[k] - 0.5 * overlap);
-                    across += part * (above[1][k] - above[0][k]);
-                }
-            }
+        let overlap = |gain: f64, short: f64| self.overlap(&above, &shares, gain, short);
+        let strips = (stands > 0.0).then(|| overlap(up.z, 0.0)).filter(|o| o.area > 0.0).map(|o| {
+            // The ground's slope from strip to strip in the wheel's frame.
+            let across = o.across / o.area;
+            let sideways = across * up.z / (2.0 * self.strip + across * axis.z).max(0.4 * self.strip);
+            // Overlaps were measured from the rim upwards to where the ground is above it, not to the inclined ground.
+            let incline = (1.0 - sideways * axis.z / up.z).clamp(0.3, 3.0);
+            (o, sideways, incline)
+        });
+        let from_hub = |below: f64, ahead: f64| (up * below - along * ahead).try_normalize(1e-12);
+        let reach = self.strip;
+        if stands >= 1.0 {
+            let (o, sideways, incline) = strips?;
+            let depth = self.deflection(0.5 * o.area * incline);
+            let radial = from_hub(o.below, o.ahead)?;
+            let normal = (radial - axis * sideways).normalize();
+            let offset = (reach * reach * sideways / depth.max(1e-6)).clamp(-reach, reach);
+            let point = hub - radial * (self.radius - depth) + axis * offset;
+            return Some(Contact { point, normal, depth });
+        }
+        // Over a wheel that lies, the ground's own slope is the one that counts; in between, something of both.
+        let (slope, level) = (slope.normalize(), level.sqrt());
+        let stiffer = (1.0 / level).min(1.0 / LEANING.sqrt());
+        let lies = overlap(stiffer * slope.z, (1.0 - stiffer * level).max(0.0));
+        let (mut area, mut below, mut ahead, mut normal) = (lies.area, lies.below, lies.ahead, slope);
+        if let Some((o, sideways, incline)) = strips {
+            let mix = |lying: f64, standing: f64| lying + stands * (standing - lying);
+            area = mix(area, o.area * incline);
+            (below, ahead) = (mix(below, o.below * incline), mix(ahead, o.ahead * incline));
+            let standing = (from_hub(o.below, o.ahead)? - axis * sideways).normalize();
+            normal = slope.lerp(&standing, stands).normalize();
         }
         if area <= 0.0 {
             return None;
         }
-        // The ground's slope from strip to strip in the wheel's frame.
-        let across = across / area;
-        let sideways = across * up.z / (2.0 * self.strip + across * axis.z).max(0.4 * self.strip);
-        // Overlaps were measured from the rim upwards to where the ground is above it, not to the inclined ground.
-        let incline = (1.0 - sideways * axis.z / up.z).clamp(0.3, 3.0);
-        let area = 0.5 * area * incline;
+        let depth = self.deflection(0.5 * area);
+        let radial = from_hub(below, ahead)?;
+        let sideways = -normal.dot(axis) / normal.dot(&radial).max(FLAT);
+        let offset = (reach * reach * sideways / depth.max(1e-6)).clamp(-reach, reach);
+        let point = hub - radial * (self.radius - depth * (level * stiffer)) + axis * offset;
+        Some(Contact { point, normal, depth })
+    }
+
+    /// The overlap of ground that is `above` the rim (m) at each station of each strip, and of which a share carries. A
+    /// height above the rim is `gain` times as long along the radius, less `short` times how much higher the rim is there
+    /// than at its lowest point.
+    #[inline]
+    fn overlap(
+        &self,
+        above: &[[f64; STATIONS]; 2],
+        shares: &[[f64; STATIONS]; 2],
+        gain: f64,
+        short: f64,
+    ) -> Overlap {
+        let mut sum = Overlap::default();
+        for (row, share) in above.iter().zip(shares) {
+            for k in 0..STATIONS {
+                let overlap = (row[k] * gain - short * (self.radius - self.half[k])).min(2.0 * self.half[k]);
+                if overlap > 0.0 {
+                    let part = overlap * self.share[k] * share[k];
+                    sum.area += part;
+                    sum.ahead += part * self.xs[k];
+                    sum.below += part * (self.half[k] - 0.5 * overlap);
+                    sum.across += part * (above[1][k] - above[0][k]);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Radial deflection (m) on flat ground of a disc that overlaps it by an area, m².
+    #[inline]
+    fn deflection(&self, area: f64) -> f64 {
         let k = self.knots.iter().position(|&(a, _)| area < a).unwrap_or(self.knots.len() - 1).max(1);
         let ((a0, d0), (a1, d1)) = (self.knots[k - 1], self.knots[k]);
-        let depth = d0 + (d1 - d0) * ((area - a0) / (a1 - a0)).min(1.0);
-        let radial = (up * below - along * ahead).try_normalize(1e-12)?;
-        let normal = (radial - axis * sideways).normalize();
-        let reach = self.strip;
-        let offset = (reach * reach * sideways / depth.max(1e-6)).clamp(-reach, reach);
-        let point = hub - radial * (self.radius - depth) + axis * offset;
-        Some(Contact { point, normal, depth })
+        d0 + (d1 - d0) * ((area - a0) / (a1 - a0)).min(1.0)
     }
 }
 
@@ -273,6 +346,74 @@ mod tests {
             let offset = (contact.point - hub).dot(&axis);
             let expected = -0.254 * 0.254 / 12.0 * tilt / 0.02;
             assert!((offset - expected).abs() < 0.03 * expected.abs(), "{offset} {expected}");
+        }
+    }
+
+    /// On ground with a slope along both axes: contacts of a wheel that leans in the plane across its heading, from upright
+    /// over flat on its flank to upside down, with its hub `height` (m) above the ground along its normal.
+    fn leaning(height: f64, steps: u32) -> (V3, Vec<(f64, V3, Option<Contact>)>) {
+        let e = envelope();
+        let slope = |x: f64, y: f64| 0.2 * x - 0.3 * y;
+        let ground =
+            Heightfield::new(9, 9, 1.0, (0..81).map(|i| slope(f64::from(i % 9), f64::from(i / 9))).collect());
+        let n = V3::new(-0.2, 0.3, 1.0).normalize();
+        let along = V3::y().cross(&n).normalize();
+        let left = n.cross(&along);
+        let hub = V3::new(0.3, -0.2, ground.height(0.3, -0.2)) + n * height;
+        let contacts = (0..=steps).map(|k| {
+            let lean = std::f64::consts::PI * (f64::from(k) + 0.5) / f64::from(steps + 1);
+            let (s, c) = vb_math::sin_cos(lean);
+            let axis = left * c - n * s;
+            (lean, hub, e.query(&ground, &hub, &axis))
+        });
+        (n, contacts.collect())
+    }
+
+    #[test]
+    fn a_wheel_that_lies_down_is_held_all_the_way_along_the_ground_s_normal() {
+        let strip = 0.254 / 12.0_f64.sqrt();
+        for height in [0.05, 0.2, 0.35] {
+            let (n, contacts) = leaning(height, 4000);
+            for (lean, hub, contact) in &contacts {
+                // How deep the lower strip's rim is, by geometry.
+                let (s, c) = vb_math::sin_cos(*lean);
+                let deep = RADIUS * c.abs() + strip * s - height;
+                if deep < 1e-3 {
+                    continue;
+                }
+                let contact =
+                    contact.unwrap_or_else(|| panic!("nothing holds it at {lean} rad, {deep} m deep"));
+                if c * c < LYING {
+                    assert!((contact.normal - n).norm() < 1e-9, "{lean}: {}", contact.normal);
+                    // Both strips' mean, of which the lower one is at least half, at √3 times the stiffness.
+                    let most = 3.0_f64.sqrt() * deep;
+                    assert!(
+                        (0.45 * most..=1.05 * most).contains(&contact.depth),
+                        "{lean}: {} {most}",
+                        contact.depth
+                    );
+                    // On the side that is lower, within the tyre.
+                    let arm = contact.point - hub;
+                    assert!(arm.dot(&n) < 0.0 && arm.norm() < RADIUS + strip, "{lean}: {arm}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn as_a_wheel_lies_down_its_contact_does_not_jump() {
+        let (_, contacts) = leaning(0.2, 4000);
+        for pair in contacts.windows(2) {
+            let [(lean, _, before), (_, _, after)] = pair else { unreachable!() };
+            let (Some(before), Some(after)) = (before, after) else { continue };
+            // Flat on its flank its lowest point changes sides.
+            if (lean - std::f64::consts::FRAC_PI_2).abs() < 2e-3 {
+                continue;
+            }
+            // 0.8 mrad on, over which the rim moves by 0.4 mm.
+            assert!((after.depth - before.depth).abs() < 2e-3, "{lean}: {} {}", before.depth, after.depth);
+            assert!((after.normal - before.normal).norm() < 5e-3, "{lean}: {}", after.normal);
+            assert!((after.point - before.point).norm() < 5e-3, "{lean}: {}", after.point - before.point);
         }
     }
 
