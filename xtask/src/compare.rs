@@ -37,6 +37,7 @@ pub(crate) fn compare_chrono(all: bool) -> Result<(), Failure> {
     command.arg("--harness").arg(built("vb-harness")).arg("--plugins").arg(default_plugin_dir());
     command.arg("--vehicle").arg(root().join("tasks/vehicles/hmmwv.yaml"));
     command.arg("--recorded-vehicle").arg(root().join("tasks/vehicles/hmmwv-released.yaml"));
+    command.arg("--soils").arg(root().join("tasks/soils/original.yaml"));
     command.arg(option).arg(recorded).arg("--original").arg(shared.join("verti-bench")).arg("--out").arg(out);
     run(&mut command)
 }

@@ -11,11 +11,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use vb_world::Heightfield;
 
 use crate::CompareError;
-use crate::reference::Series;
+use crate::reference::{RADIUS, Series, WHEELS};
 
-/// Names of the wheels in a record; their radius and half their width, m.
-const WHEELS: [&str; 4] = ["FL", "FR", "RL", "RR"];
-const RADIUS: f64 = 0.467;
+/// Half the width of a wheel, m.
 const HALF_WIDTH: f64 = 0.127;
 /// Step of the recorded solver, s.
 const STEP: f64 = 0.005;

@@ -6,6 +6,7 @@ mod gap;
 mod mode;
 mod reference;
 mod table;
+mod wall;
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -18,6 +19,7 @@ use mode::Mode;
 use reference::Run;
 use table::{Ours, Row};
 use vb_score::TaskRecord;
+use vb_sim::{SimError, SoilSet, VehicleModel, VehicleSpec};
 use vb_suite::import::{Ground, ImportError, Source};
 use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
 
@@ -36,6 +38,9 @@ struct Args {
     /// The recorded vehicle
     #[arg(long, value_name = "FILE")]
     recorded_vehicle: PathBuf,
+    /// Soils of the original
+    #[arg(long, value_name = "FILE")]
+    soils: PathBuf,
     /// Folder of the recorded runs: wW_P.txt and .csv
     #[arg(long, value_name = "DIR", required_unless_present = "all")]
     recorded: Option<PathBuf>,
@@ -74,6 +79,17 @@ enum CompareError {
     /// The original's worlds can't be imported.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// The recorded vehicle or its soils can't be read.
+    #[error(transparent)]
+    Vehicle(#[from] SimError),
+    /// The recorded vehicle can't be driven at a wall.
+    #[error("{}: {source}", file.display())]
+    Simulation {
+        /// The record.
+        file: PathBuf,
+        /// What is wrong.
+        source: SimError,
+    },
     /// The suite of the comparison can't be written.
     #[error(transparent)]
     Suite(#[from] SuiteError),
@@ -174,9 +190,14 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     let mut report = String::from("# Whole tasks: Project Chrono and here\n");
     if args.all.is_some() {
         report += &format!("\n{}\n{}", table::ends(&rows), table::tasks(&rows, modes));
-        let records = args.all.as_ref().map(|file| file.with_file_name("diverging"));
-        if let Some(dir) = records.filter(|dir| dir.is_dir()) {
+        let beside = |name: &str| args.all.as_ref().map(|f| f.with_file_name(name)).filter(|d| d.is_dir());
+        if let Some(dir) = beside("diverging") {
             report += &format!("\n## The gap under Chrono's wheels\n\n{}", gap::table(&gaps(&dir, &worlds)?));
+        }
+        if let Some(dir) = beside("self-agreement/win") {
+            let model = VehicleModel::new(VehicleSpec::load(&args.recorded_vehicle)?)?;
+            let walls = wall::walls(&dir, &worlds, &model, &SoilSet::load(&args.soils)?)?;
+            report += &format!("\n## At walls\n\n{}", wall::table(&walls));
         }
         return write_report(&args.out, &report);
     }
@@ -198,12 +219,8 @@ fn compare(args: &Args) -> Result<(), CompareError> {
 
 /// The wheels that carry in Chrono's records over rigid worlds, wWORLD_PAIR.csv.
 fn gaps(dir: &Path, worlds: &BTreeMap<u32, World>) -> Result<Vec<gap::Sample>, CompareError> {
-    let io = |source| CompareError::Io { path: dir.into(), source };
-    let entries = std::fs::read_dir(dir).map_err(io)?;
-    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<Result<_, _>>().map_err(io)?;
-    files.sort();
     let mut samples = Vec::new();
-    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "csv")) {
+    for file in &reference::files(dir, "csv")? {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         let id = name.strip_prefix('w').and_then(|n| n.split('_').next()).and_then(|n| n.parse().ok());
         if let Some(world) = id.and_then(|id: u32| worlds.get(&id)).filter(|w| w.terrain == Terrain::Rigid) {
@@ -275,7 +292,7 @@ fn drive(
     let mut command = Command::new(&args.harness);
     command.arg("--plugin").arg(&plugin).arg("--suite").arg(suite).arg("--out").arg(&out);
     command.arg("--vehicle").arg(vehicle).args(["--tasks", &world.id, "--rules", "release"]);
-    command.args(["--soils", "original", "--param", &format!("speed={SPEED}")]);
+    command.arg("--soils").arg(&args.soils).args(["--param", &format!("speed={SPEED}")]);
     if mode.planner() == "pid-release" {
         command.args(["--param", &format!("obstacles={}", mode::obstacle_squares(world))]);
         // The recorded planner had a plan when it started.

@@ -1,7 +1,7 @@
 //! The recorded runs of Project Chrono: `w{world}_{pair}.txt`, one line a run, or one table of many runs.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use vb_world::{Elevation, Terrain};
 
@@ -113,15 +113,25 @@ fn number(file: &Path, line: usize, cells: &[&str], column: usize) -> Result<f64
     })
 }
 
+/// Names of the wheels in a time series, in the order of a vehicle's, and the radius of each, m.
+pub(crate) const WHEELS: [&str; 4] = ["FL", "FR", "RL", "RR"];
+pub(crate) const RADIUS: f64 = 0.467;
+
+/// The files of a folder with this extension, by name.
+pub(crate) fn files(dir: &Path, extension: &str) -> Result<Vec<PathBuf>, CompareError> {
+    let io = |source| CompareError::Io { path: dir.into(), source };
+    let entries = std::fs::read_dir(dir).map_err(io)?;
+    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<Result<_, _>>().map_err(io)?;
+    files.retain(|f| f.extension().is_some_and(|e| e == extension));
+    files.sort();
+    Ok(files)
+}
+
 /// All recorded runs in `dir`, by ground, elevation, world and pair.
 pub(crate) fn runs(dir: &Path) -> Result<Vec<Run>, CompareError> {
-    let io = |source| CompareError::Io { path: dir.into(), source };
     let mut runs = Vec::new();
-    for entry in std::fs::read_dir(dir).map_err(io)? {
-        let path = entry.map_err(io)?.path();
-        if path.extension().is_some_and(|e| e == "txt") {
-            runs.push(parse(&path, &read(&path)?)?);
-        }
+    for file in files(dir, "txt")? {
+        runs.push(parse(&file, &read(&file)?)?);
     }
     sort(&mut runs);
     Ok(runs)

@@ -197,7 +197,7 @@ impl Simulation {
     fn pass_over_soil(&mut self) {
         let v = &self.vehicle;
         let upright = (v.q * V3::z()).z > LYING;
-        self.chassis.pass_over(self.soil.soil_at(v.x.x, v.x.y).is_some(), upright);
+        self.chassis.pass_over(self.soil.soil_at(v.x.x, v.x.y).is_some(), !self.soil.is_empty(), upright);
     }
 
     /// Whether neither wheels nor hull touch anything.
@@ -431,6 +431,21 @@ impl Simulation {
     pub fn throw(&mut self, velocity: [f64; 3]) {
         self.vehicle.v = V3::from(velocity);
         self.vehicle.w = V3::zeros();
+        self.energy.forget();
+    }
+
+    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, and a gear (counted from
+    /// 1, at most the highest). Wheels don't move against the chassis, and nothing is remembered of the way there. For
+    /// comparisons with records.
+    pub fn put(&mut self, state: &VehicleState, gear: usize) {
+        let v = &mut self.vehicle;
+        v.q = state.attitude;
+        let arm = v.q * self.reference;
+        v.x = state.position - arm;
+        v.w = v.q * state.rates;
+        v.v = v.q * state.velocity - v.w.cross(&arm);
+        v.reset_wheels();
+        v.put_wheels(state, gear);
         self.energy.forget();
     }
 

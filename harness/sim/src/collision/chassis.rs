@@ -16,15 +16,31 @@ pub(crate) struct ChassisContacts {
     ground: ColliderHandle,
     /// The convex parts of hull and wheels' faces, relative to the chassis' centre of mass.
     parts: Vec<ConvexPolyhedron>,
-    /// How many of them are of the hull, the first ones, if soil doesn't stop it; else none.
+    /// How many of them are of the hull, the first ones.
     hull: usize,
-    /// How many of them, the first ones, don't meet the ground below now.
-    passing: usize,
+    /// Whether soil doesn't stop the hull.
+    passes_soil: bool,
+    /// Whether hull and faces don't meet the ground now.
+    passing: Passing,
     /// Lowest and highest coordinates of the hull, relative to the centre of mass.
     low: V3,
     high: V3,
     bound: f64,
     looks: Looks,
+}
+
+/// Which parts pass through the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Passing {
+    hull: bool,
+    faces: bool,
+}
+
+impl Passing {
+    /// Whether a part does, of which the first `hull` are the hull's.
+    fn is(self, part: usize, hull: usize) -> bool {
+        if part < hull { self.hull } else { self.faces }
+    }
 }
 
 /// What looks for ground near the hull leave to the next one, to save work: it changes no answer.
@@ -137,7 +153,7 @@ impl ChassisContacts {
                     Some(body),
                 );
                 parts.push(solid);
-                if v.chassis.hull_passes_soil && number < v.chassis.hull.len() {
+                if number < v.chassis.hull.len() {
                     hull = parts.len();
                 }
             }
@@ -146,17 +162,15 @@ impl ChassisContacts {
         let (low, high) = extents(vertices());
         let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
         let looks = Looks::default();
-        Self { physics, body, ground, parts, hull, passing: 0, low, high, bound, looks }
+        let (passes_soil, passing) = (v.chassis.hull_passes_soil, Passing::default());
+        Self { physics, body, ground, parts, hull, passes_soil, passing, low, high, bound, looks }
     }
 
-    /// Takes note of whether there is soil below, which may not stop the hull. The wheels' faces then meet it only if the
-    /// vehicle isn't `upright`: wheels that stand in soil have forces of their own.
-    pub(crate) fn pass_over(&mut self, soil: bool, upright: bool) {
-        let passing = match (self.hull > 0 && soil, upright) {
-            (false, _) => 0,
-            (true, true) => self.parts.len(),
-            (true, false) => self.hull,
-        };
+    /// Takes note of whether there is soil below the hull, which may not stop it, and of whether the world has `soils` at
+    /// all: the wheels' faces then meet the ground only if the vehicle isn't `upright`, since wheels that stand in soil have
+    /// forces of their own wherever the middle of the hull is.
+    pub(crate) fn pass_over(&mut self, soil: bool, soils: bool, upright: bool) {
+        let passing = Passing { hull: self.passes_soil && soil, faces: self.passes_soil && soils && upright };
         if passing == self.passing {
             return;
         }
@@ -164,7 +178,7 @@ impl ChassisContacts {
         self.looks = Looks::default();
         let parts = self.physics.bodies[self.body].colliders().to_vec();
         for (number, part) in parts.into_iter().enumerate() {
-            let meets = if number < passing { Group::ALL & !GROUND } else { Group::ALL };
+            let meets = if passing.is(number, self.hull) { Group::ALL & !GROUND } else { Group::ALL };
             let groups = InteractionGroups::new(Group::ALL, meets, InteractionTestMode::And);
             self.physics.colliders[part].set_collision_groups(groups);
         }
@@ -193,7 +207,7 @@ impl ChassisContacts {
         if obstacles.any_within(&hull, margin) {
             return true;
         }
-        if self.passing == self.parts.len() {
+        if (0..self.parts.len()).all(|part| self.passing.is(part, self.hull)) {
             return false;
         }
         if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {
@@ -245,7 +259,8 @@ impl ChassisContacts {
         };
         let room = (ROOM * self.bound).max(2.0 * margin);
         let mut gap = room;
-        for (part, solid) in self.parts.iter().enumerate().skip(self.passing) {
+        let meets = |part: &usize| !self.passing.is(*part, self.hull);
+        for (part, solid) in self.parts.iter().enumerate().filter(|(part, _)| meets(part)) {
             let (low, high) = extents(solid.points().iter().map(|p| from_vector(*pose * *p)));
             for row in cells(low.y - room, high.y + room, ground.half_y(), ground.rows()) {
                 for col in cells(low.x - room, high.x + room, ground.half_x(), ground.cols()) {

@@ -7,6 +7,7 @@
 use super::{from_vector, rotation, vector};
 use crate::tyre::Contact;
 use crate::{Quat, V3};
+use rapier3d_f64::parry::query::epa::EPA;
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use rapier3d_f64::parry::shape::{Cylinder, Triangle};
 use rapier3d_f64::prelude::*;
@@ -169,12 +170,20 @@ impl Wheel<'_> {
         let farthest = self.shape.margin + self.reach;
         let found =
             gjk::closest_points(&self.pose, &triangle, &self.shape.core, farthest, true, &mut simplex);
-        let GJKResult::ClosestPoints(on_ground, on_core, out) = found else { return None };
+        let (on_ground, on_core, out) = match found {
+            GJKResult::ClosestPoints(on_ground, on_core, out) => (on_ground, on_core, out),
+            // A blow at a wall presses it in beyond the margin.
+            GJKResult::Intersection => {
+                EPA::new().closest_points(&self.pose, &triangle, &self.shape.core, &simplex)?
+            }
+            _ => return None,
+        };
         let depth = self.shape.margin - (on_core - on_ground).dot(out);
-        if depth <= -self.reach {
+        let (point, normal) = (from_vector(on_ground), from_vector(out));
+        // The shortest way out may lead through the ground.
+        if depth <= -self.reach || normal.dot(facet) <= 0.0 {
             return None;
         }
-        let (point, normal) = (from_vector(on_ground), from_vector(out));
         // Beyond the edge the ground must fall away from the contact's plane: where it doesn't, another facet is nearer.
         let outward = (normal - facet * normal.dot(facet)).try_normalize(1e-6)?;
         let step = BEYOND * self.shape.radius();

@@ -21,7 +21,7 @@ use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::Drive;
 use crate::soil::{Footprint, SoilGround, WHEEL};
 use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
-use crate::state::{Controls, WheelState};
+use crate::state::{Controls, VehicleState, WheelState};
 use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
 use crate::tyre::{Clearance, Envelope, Patch, Tyre};
 use crate::{GRAVITY, M3, Quat, V3};
@@ -290,6 +290,15 @@ impl Vehicle {
             c.facets = FacetPatches::default();
         }
         self.tracks.iter_mut().for_each(Track::reset);
+    }
+
+    /// Gives the wheels speeds and travels, and puts steering and gear as they are told.
+    pub(crate) fn put_wheels(&mut self, state: &VehicleState, gear: usize) {
+        for (c, wheel) in self.corners.iter_mut().zip(&state.wheels) {
+            (c.travel, c.spin) = (wheel.deflection, wheel.speed / c.gearing);
+        }
+        self.steering = state.steering;
+        self.drive.engage(gear);
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

@@ -20,18 +20,29 @@ impl Vehicle {
                 if ground.soil.is_empty() { Under::Rigid } else { ground.soil.under(hub.x, hub.y, reach) };
             let facets = match (&under, wheels[c.tyre].hard()) {
                 // A track's wheels stand on its belt.
-                (Under::Rigid, Some(wheel)) if c.footprint.is_some() => {
+                (Under::Rigid | Under::Mixed, Some(wheel)) if c.footprint.is_some() => {
                     wheel.facets(ground.heightfield, &hub, &axis, tyre.reach())
                 }
                 _ => None,
             };
+            let rigid = |x, y| 1.0 - ground.soil.share(x, y, ground.soil.blend);
             let before = std::mem::take(&mut c.facets);
             let contact = match under {
-                Under::Rigid if let Some(facets) = &facets => {
+                Under::Rigid | Under::Mixed if let Some(facets) = &facets => {
                     for (facet, contact) in facets.iter() {
-                        let friction = ground.semantics.friction_at(contact.point.x, contact.point.y);
+                        let (x, y) = (contact.point.x, contact.point.y);
+                        let (friction, share) = match under {
+                            Under::Mixed => {
+                                (ground.semantics.rigid_friction_around(x, y, reach), rigid(x, y))
+                            }
+                            _ => (ground.semantics.friction_at(x, y), 1.0),
+                        };
+                        if share <= 0.0 {
+                            continue;
+                        }
+                        let contact = Contact { depth: contact.depth * share, ..*contact };
                         let mut patch = before.before(*facet, &contact.normal);
-                        c.load += motion.tyre_force(tyre, contact, friction, &mut patch, f, dt);
+                        c.load += motion.tyre_force(tyre, &contact, friction, &mut patch, f, dt);
                         c.facets.push(*facet, contact.normal, patch);
                     }
                     None
@@ -41,7 +52,6 @@ impl Vehicle {
                 }
                 Under::Soil(_) => None,
                 Under::Mixed => {
-                    let rigid = |x, y| 1.0 - ground.soil.share(x, y, ground.soil.blend);
                     envelope.query_where(ground.heightfield, &hub, &axis, &mut c.clearance, rigid)
                 }
             };

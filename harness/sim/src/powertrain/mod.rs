@@ -71,6 +71,11 @@ impl Drive {
         }
     }
 
+    /// Puts in a gear, counted from 1; the highest there is at most.
+    pub(crate) fn engage(&mut self, gear: usize) {
+        self.shifter.gear = gear.clamp(1, self.shifter.spec.ratios.len()) - 1;
+    }
+
     pub(crate) fn state(&self) -> DriveState {
         self.state
     }
