@@ -41,6 +41,8 @@ struct Body {
     offset: f64,
     belt: f64,
     dt: f64,
+    /// Of the area of the footprint, the part that is seen from above.
+    seen: f64,
 }
 
 const NOT_HERE: f64 = -1.0;
@@ -66,6 +68,7 @@ impl<const N: usize> Footprint<N> {
             offset: 0.0,
             belt: self.belt,
             dt,
+            seen: f.up.z,
         };
         let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
         let mut facet = Facet::at(surface, f, &m.hub);
@@ -160,8 +163,13 @@ impl<const N: usize> Footprint<N> {
         let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let zero = all(0.0);
         let shape = &self.shape;
-        let (directions, normal) =
-            if soil.radial { (&shape.radial, &shape.radial.normal) } else { (&shape.level, &field.normal) };
+        // With pressure normal to the ground a station stands for its area as seen from above, as a node of Chrono's grid
+        // does (`SCMTerrain.cpp`: force = normal · cell area · pressure), however steep the ground is.
+        let (directions, normal, seen) = if soil.radial {
+            (&shape.radial, &shape.radial.normal, 1.0)
+        } else {
+            (&shape.level, &field.normal, body.seen)
+        };
         let plastic_row = &mut self.plastic[strip];
         let pressed_row = &mut self.pressed[strip];
         let [a, b] = &mut self.shear;
@@ -169,7 +177,7 @@ impl<const N: usize> Footprint<N> {
         let modulus = all(soil.modulus(self.breadth));
         let (elastic_stiffness, compliance) = (all(soil.elastic), all(soil.compliance));
         let (damping, dt) = (all(soil.damping), all(body.dt));
-        let width = all(shape.strip_width());
+        let (width, seen) = (all(shape.strip_width()), all(seen));
         let (velocity, rotation) = (body.velocity, body.rotation);
         let belt = all(body.belt);
         let mut lanes = Lanes::new(simd);
@@ -232,7 +240,7 @@ impl<const N: usize> Footprint<N> {
             // Ground that a station stands for, and the rim over it, which is larger where it is steep.
             let strip_share = width * contact.select(share, zero);
             let area = load(&shape.lengths, g) * strip_share;
-            let rim = load(&directions.rim, g) * strip_share;
+            let rim = load(&directions.rim, g) * strip_share * seen;
             let push = pressure * rim;
             let along = tangential[0] * rim;
             let force =
