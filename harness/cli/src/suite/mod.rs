@@ -13,8 +13,9 @@ pub(crate) use validate::validate;
 use std::path::Path;
 
 use serde::Serialize;
-use vb_suite::generate::{GenerateError, Generator, GeneratorParams, ParamsError};
+use vb_suite::generate::{GenerateError, Generator, GeneratorParams};
 use vb_suite::import::Source;
+use vb_suite::rules::ParamsError;
 use vb_terrain::Model;
 use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
 

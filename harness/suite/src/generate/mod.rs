@@ -12,9 +12,9 @@ pub(crate) use ends::ends;
 pub(crate) use ground::friction;
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
-    GroundParams, Normal, ObstacleParams, ParamsError, StandParams, TaskParams,
+    GroundParams, Normal, ObstacleParams, StandParams, TaskParams,
 };
-pub(crate) use params::{check_path, check_stand, within};
+pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand};
 
 use crate::path::{PathError, PathParams, Planner};
 use crate::surface::counted_from_lowest;
