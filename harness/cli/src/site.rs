@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use vb_suite::generate::{GenerateError, GeneratorParams};
-use vb_suite::site::{self, Cut, SiteError, SiteParams, Survey};
+use vb_suite::generate::GeneratorParams;
+use vb_suite::site::{self, Cut, SiteParams, Survey};
 use vb_terrain::Raster;
 use vb_terrain::read::{Holes, read};
-use vb_world::{Provenance, SuiteMeta, SuiteWriter};
+use vb_world::{Provenance, SuiteMeta};
 
 use crate::args::SiteArgs;
 use crate::error::CliError;
-use crate::suite::{done, rules, write_error};
+use crate::suite::{rules, write};
 
 pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let site = rules(args.site.as_deref(), SiteParams::parse)?;
@@ -31,11 +31,8 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let survey =
         Survey { heights: &heights, pitch, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
     let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
-    let worlds =
-        site::worlds(&survey, cut, args.density, &site, &params, args.seed).map_err(|e| match e {
-            SiteError::Generate(GenerateError::Suite(e)) => write_error(e),
-            other => CliError::input(format!("{file}: {other}")),
-        })?;
+    let worlds = site::worlds(&survey, cut, args.density, &site, &params, args.seed)
+        .map_err(|e| CliError::input(format!("{file}: {e}")))?;
     let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let meta = SuiteMeta {
         name: name(&args.out),
@@ -53,12 +50,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
             ),
         },
     };
-    let mut writer = SuiteWriter::create(&args.out, meta).map_err(write_error)?;
-    for world in &worlds {
-        writer.add(world).map_err(write_error)?;
-    }
-    done(&writer.finish().map_err(write_error)?);
-    Ok(())
+    write(&args.out, meta, worlds.into_iter().map(Ok))
 }
 
 /// A raster whose holes matter only where a world lies.

@@ -4,20 +4,10 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
+use common::harness;
 use tempfile::TempDir;
-
-/// Runs the program in a directory, on the built-in suites of the checkout.
-fn harness(dir: &TempDir, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_vb-harness"))
-        .args(args)
-        .current_dir(dir.path())
-        .env("VB_TASKS", Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks"))
-        .output()
-        .unwrap()
-}
 
 fn succeed(dir: &TempDir, args: &[&str]) -> String {
     let output = harness(dir, args);

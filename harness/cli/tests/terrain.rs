@@ -2,19 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
+use common::harness;
 use tempfile::TempDir;
-
-fn harness(dir: &TempDir, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_vb-harness"))
-        .args(args)
-        .current_dir(dir.path())
-        .env("VB_TASKS", Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks"))
-        .output()
-        .unwrap()
-}
 
 /// Exit code and the error's one line.
 fn failure(dir: &TempDir, args: &[&str]) -> (Option<i32>, String) {

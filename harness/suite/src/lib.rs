@@ -7,6 +7,7 @@ pub mod generate;
 pub mod import;
 pub mod path;
 pub mod proof;
+pub mod rules;
 pub mod site;
 pub mod statistics;
 mod surface;

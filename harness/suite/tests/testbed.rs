@@ -104,3 +104,28 @@ fn trials_go_to_one_goal_from_starts_that_differ_by_the_noise() {
         assert!(world.tasks.windows(2).all(|t| t[0].start == t[1].start));
     }
 }
+
+#[test]
+fn rules_that_no_surface_can_keep_are_named_as_the_file_names_them() {
+    let error = |changes: &[(&str, &str)]| {
+        let mut text = TestbedParams::DEFAULT_YAML.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        let rules = TestbedParams::parse(&text).unwrap();
+        Testbed { rules: &rules, model: &model(), seed: 1 }.worlds().unwrap_err().to_string()
+    };
+    // A small surface is drawn faster, and all of them are drawn in vain.
+    let level = error(&[
+        ("side: 80.0", "side: 20.0"),
+        ("distance: 72.0", "distance: 10.0"),
+        ("tilt: 15.0", "tilt: 0.01"),
+    ]);
+    assert!(
+        level.contains("w001: no start and goal 10 m apart") && level.contains("raise stand.tilt"),
+        "{level}"
+    );
+    let rough = error(&[("std: 0.165", "std: 99.0")]);
+    assert!(rough.starts_with("bed or elevation: a share of"), "{rough}");
+}

@@ -14,7 +14,8 @@ use vb_runner::SAMPLE_PERIOD;
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
-    GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, TestbedArgs, ValidateArgs,
+    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, TestbedArgs,
+    ValidateArgs,
 };
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 

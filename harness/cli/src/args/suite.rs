@@ -107,14 +107,12 @@ impl From<Ground> for vb_suite::import::Ground {
     }
 }
 
+/// The seed of a suite whose worlds are drawn, where it goes, and what it is called.
 #[derive(Debug, Args)]
-pub(crate) struct GenerateArgs {
+pub(crate) struct DrawnArgs {
     /// The same seed makes the same bytes
     #[arg(long, value_name = "N")]
     pub(crate) seed: u64,
-    /// Number of worlds
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
-    pub(crate) worlds: u32,
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
@@ -124,6 +122,15 @@ pub(crate) struct GenerateArgs {
     /// The suite's version
     #[arg(long, value_name = "VERSION", default_value = "1")]
     pub(crate) suite_version: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    #[command(flatten)]
+    pub(crate) drawn: DrawnArgs,
+    /// Number of worlds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
+    pub(crate) worlds: u32,
     /// Parameters of the generator; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
@@ -171,18 +178,8 @@ pub(crate) struct SiteArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TestbedArgs {
-    /// The same seed makes the same bytes
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: u64,
-    /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// What the suite is called; default: the directory's name
-    #[arg(long, value_name = "NAME")]
-    pub(crate) name: Option<String>,
-    /// The suite's version
-    #[arg(long, value_name = "VERSION", default_value = "1")]
-    pub(crate) suite_version: String,
+    #[command(flatten)]
+    pub(crate) drawn: DrawnArgs,
     /// Rules of the beds; default: tasks/generator/testbed.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,

@@ -10,15 +10,19 @@ pub(crate) use show::show;
 pub(crate) use testbed::testbed;
 pub(crate) use validate::validate;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use serde::Serialize;
-use vb_suite::generate::{GenerateError, Generator, GeneratorParams, ParamsError};
+use vb_suite::generate::{GenerateError, Generator, GeneratorParams};
 use vb_suite::import::Source;
+use vb_suite::rules::ParamsError;
 use vb_terrain::Model;
-use vb_world::{Density, Elevation, Selector, Suite, SuiteError, SuiteWriter, TaskRef, Terrain};
+use vb_world::{
+    Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
+};
 
-use crate::args::{GenerateArgs, ImportArgs, MessageFormat, TasksArgs};
+use crate::args::{DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, TasksArgs};
 use crate::error::CliError;
 use crate::{output, places};
 
@@ -40,7 +44,7 @@ pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRe
 }
 
 /// An error of writing a suite: the worlds are ours, the directory is the user's.
-pub(crate) fn write_error(e: SuiteError) -> CliError {
+fn write_error(e: SuiteError) -> CliError {
     match e {
         SuiteError::Write { .. } | SuiteError::NotEmpty { .. } => CliError::output(e),
         other => CliError::input(other),
@@ -61,18 +65,26 @@ pub(crate) fn list() -> Result<(), CliError> {
 
 pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
     let source = Source::find(&args.from).map_err(CliError::input)?.ground(args.ground.into());
-    let mut writer = SuiteWriter::create(&args.out, source.meta()).map_err(write_error)?;
-    for id in source.ids() {
-        let world = source.world(id).map_err(CliError::input)?;
-        writer.add(&world).map_err(write_error)?;
+    let worlds = source.ids().map(|id| source.world(id).map_err(CliError::input));
+    write(&args.out, source.meta(), worlds)
+}
+
+/// Writes worlds as a suite, one by one as they come, and says so.
+pub(crate) fn write(
+    out: &Path,
+    meta: SuiteMeta,
+    worlds: impl IntoIterator<Item = Result<World, CliError>>,
+) -> Result<(), CliError> {
+    let mut writer = SuiteWriter::create(out, meta).map_err(write_error)?;
+    for world in worlds {
+        writer.add(&world?).map_err(write_error)?;
     }
-    let suite = writer.finish().map_err(write_error)?;
-    done(&suite);
+    done(&writer.finish().map_err(write_error)?);
     Ok(())
 }
 
 /// Says what was written, and what to do with it.
-pub(crate) fn done(suite: &Suite) {
+fn done(suite: &Suite) {
     output::text(&format!(
         "{}: {} worlds, {} tasks; hash {}\n",
         suite.dir().display(),
@@ -97,11 +109,10 @@ pub(crate) fn rules<T: Default>(
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let model = terrain_model(&params.elevation.model, args.params.as_deref())?;
-    let name = folder_name(&args.out);
-    let worlds = args.worlds as usize;
-    let generator = Generator { rules: &params, model: &model, seed: args.seed, worlds };
-    let meta = generator.meta(args.name.as_deref().unwrap_or(&name), &args.suite_version);
-    let suite = generator.write(&args.out, meta, |index, world| {
+    let (drawn, worlds) = (&args.drawn, args.worlds as usize);
+    let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
+    let meta = generator.meta(&name(drawn), &drawn.suite_version);
+    let suite = generator.write(&drawn.out, meta, |index, world| {
         output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
     });
     let suite = suite.map_err(|e| match e {
@@ -112,9 +123,10 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What a suite is called by the directory that it goes to.
-fn folder_name(out: &Path) -> String {
-    out.file_name().map_or_else(|| "generated".into(), |n| n.to_string_lossy().into_owned())
+/// What a suite is called: as is said, or by the directory that it goes to.
+fn name(drawn: &DrawnArgs) -> String {
+    let folder = || drawn.out.file_name().map_or_else(|| "generated".into(), OsStr::to_string_lossy);
+    drawn.name.clone().unwrap_or_else(|| folder().into_owned())
 }
 
 /// The terrain model that rules name: one that comes with the harness, or a file beside the rules.

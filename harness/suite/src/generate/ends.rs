@@ -28,7 +28,6 @@ pub(crate) fn ends(
     radius: f64,
     tasks: &TaskParams,
 ) -> Option<Ends> {
-    let millimetres = |v: f64| (v * 1000.0).round() / 1000.0 + 0.0;
     let at = |direction: usize| {
         let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
         [c, s].map(|v| millimetres(radius * v))
@@ -67,6 +66,11 @@ pub(crate) fn ends(
         ends.pairs.push([start, start.map(|v| 0.0 - v)]);
     }
     Some(ends)
+}
+
+/// Rounded to whole millimetres, which people can read, and never to a negative zero.
+pub(crate) fn millimetres(v: f64) -> f64 {
+    (v * 1000.0).round() / 1000.0 + 0.0
 }
 
 /// Whether the ground about a point is all there, level and even enough.

@@ -3,7 +3,7 @@
 //! Unlike the original, which cuts deformable worlds into bands and mixed ones into rectangles to please its
 //! simulator, every world keeps its clusters.
 
-use super::params::{FrictionParams, GridParams, GroundParams};
+use super::params::{FrictionParams, GridParams, GroundParams, Normal};
 use vb_math::rng::Stream;
 use vb_world::{Semantics, SoilLevel, SoilLevels, Terrain, TerrainClass};
 
@@ -62,12 +62,14 @@ pub(crate) fn soil_levels(order: &[Terrain], index: usize) -> SoilLevels {
 
 /// Friction of a patch of a class, drawn; 0 where the ground yields.
 pub(crate) fn friction(params: &FrictionParams, class: TerrainClass, rng: &mut Stream) -> f64 {
-    params.get(class).map_or(0.0, |normal| {
-        let [low, high] = params.clip;
-        let mu = rng.normal(normal.mean, normal.std).clamp(low, high);
-        // Three decimals are plenty, and people read them. Rounding must not leave the clip.
-        ((mu * 1000.0).round() / 1000.0).clamp(low, high)
-    })
+    params.get(class).map_or(0.0, |normal| drawn_friction(normal, params.clip, rng))
+}
+
+/// Friction of a patch, drawn from a normal distribution and clipped.
+pub(crate) fn drawn_friction(normal: Normal, [low, high]: [f64; 2], rng: &mut Stream) -> f64 {
+    let mu = rng.normal(normal.mean, normal.std).clamp(low, high);
+    // Three decimals are plenty, and people read them. Rounding must not leave the clip.
+    ((mu * 1000.0).round() / 1000.0).clamp(low, high)
 }
 
 /// One class a cluster, none twice.

@@ -7,23 +7,25 @@ mod ends;
 mod ground;
 mod obstacles;
 mod params;
+mod surfaces;
 
-pub(crate) use ends::ends;
-pub(crate) use ground::friction;
+pub(crate) use ends::{ends, millimetres};
+pub(crate) use ground::{drawn_friction, friction};
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
-    GroundParams, Normal, ObstacleParams, ParamsError, StandParams, TaskParams,
+    GroundParams, Normal, ObstacleParams, StandParams, TaskParams,
 };
-pub(crate) use params::{check_path, check_stand, within};
+pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand};
+pub(crate) use surfaces::{Fields, Surfaces};
 
 use crate::path::{PathError, PathParams, Planner};
-use crate::surface::counted_from_lowest;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use vb_math::rng::Stream;
-use vb_terrain::{Model, Request};
+use vb_terrain::Model;
 use vb_world::{
     Density, Elevation, Flaw, Heightfield, Pose2, Provenance, Semantics, Suite, SuiteError, SuiteMeta,
     SuiteWriter, Task, World, WorldInfo,
@@ -34,17 +36,24 @@ use vb_world::{
 #[non_exhaustive]
 pub enum GenerateError {
     /// The terrain model can't draw such a surface.
-    #[error("grid or elevation: {0}")]
-    Surface(#[from] vb_terrain::GenerateError),
+    #[error("{grid} or elevation: {source}")]
+    Surface {
+        /// What the rules call nodes and the distance between them.
+        grid: &'static str,
+        /// Why.
+        source: vb_terrain::GenerateError,
+    },
     /// There is no ground for a start.
     #[error(
-        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: raise tasks.stand.tilt or tasks.stand.unevenness, thin out the obstacles, or take another place"
+        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: raise {stand}.tilt or {stand}.unevenness, thin out the obstacles, or take another place"
     )]
     NoStart {
         /// The world.
         world: String,
         /// Between start and goal, m.
         distance: f64,
+        /// What the rules call the ground at starts and goals.
+        stand: &'static str,
     },
     /// The rules leave no room for the obstacles.
     #[error(
@@ -86,8 +95,6 @@ pub enum GenerateError {
 /// Start and goal of each task, m.
 type Pairs = Vec<[[f64; 2]; 2]>;
 
-/// Surfaces drawn before giving up on starts and goals.
-const SURFACES: usize = 400;
 /// Obstacle layouts drawn before giving up on paths.
 const LAYOUTS: usize = 20;
 
@@ -95,6 +102,8 @@ const LAYOUTS: usize = 20;
 const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
 const VERSION: u32 = 4;
+/// What the generator's rules call what surfaces follow from.
+pub(crate) const FIELDS: Fields = Fields { grid: "grid", stand: "tasks.stand" };
 
 /// What a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]
@@ -118,13 +127,12 @@ impl Generator<'_> {
             name: name.into(),
             version: version.into(),
             description: format!("{} generated worlds with {} tasks each.", self.worlds, rules.tasks.count),
-            provenance: Provenance::Generated {
-                generator: format!(
-                    "learned terrain {VERSION}, rules {}, model {}",
-                    rules.name, rules.elevation.model
-                ),
+            provenance: provenance(
+                format_args!("learned terrain {VERSION}"),
+                &rules.name,
+                &rules.elevation.model,
                 seed,
-            },
+            ),
         }
     }
 
@@ -207,7 +215,7 @@ impl Generator<'_> {
         Ok(world)
     }
 
-    /// Draws surfaces until one has starts and goals all around.
+    /// A surface of the level with starts and goals all around.
     fn ground_with_ends(
         &self,
         id: &str,
@@ -215,31 +223,26 @@ impl Generator<'_> {
         semantics: &Semantics,
         rng: &mut Stream,
     ) -> Result<(Heightfield, Pairs), GenerateError> {
-        let (rules, tasks) = (&self.rules.elevation, &self.rules.tasks);
+        let (rules, grid) = (&self.rules.elevation, self.rules.grid);
         // Drawn before the surfaces: flat ones, which have more room for starts, must not make a level flatter.
         let spread = rng.normal(0.0, 1.0).clamp(-SPREAD_LIMIT, SPREAD_LIMIT);
         let std = rules.std.get(level) * vb_math::exp(rules.std_spread * spread);
-        for _ in 0..SURFACES {
-            let ground = self.surface(std, rng.next_u64())?;
-            match ends(&ground, semantics, &[], self.rules.path.clearance, tasks.radius, tasks) {
-                Some(ends) if ends.spread => return Ok((ground, ends.pairs)),
-                _ => {}
-            }
-        }
-        Err(GenerateError::NoStart { world: id.into(), distance: 2.0 * tasks.radius })
-    }
-
-    fn surface(&self, std: f64, seed: u64) -> Result<Heightfield, GenerateError> {
-        let grid = self.rules.grid;
-        let request = Request {
-            seed,
-            rows: grid.nodes,
-            cols: grid.nodes,
+        let surfaces = Surfaces {
+            model: self.model,
+            nodes: grid.nodes,
             pitch: grid.pitch,
-            share: std / self.model.header().relief,
+            std,
+            semantics,
+            tasks: &self.rules.tasks,
+            fields: FIELDS,
         };
-        Ok(counted_from_lowest(grid.nodes, grid.pitch, self.model.surface(&request)?.heights()))
+        surfaces.with_ends(id, rng)
     }
+}
+
+/// What a suite says of where its worlds come from: the builder with its version, and what it was given.
+pub(crate) fn provenance(builder: impl Display, rules: &str, model: &str, seed: u64) -> Provenance {
+    Provenance::Generated { generator: format!("{builder}, rules {rules}, model {model}"), seed }
 }
 
 /// Draws obstacles until there is a path from every start to its goal, and gives the world its tasks.

@@ -1,25 +1,9 @@
 //! The generator's rules as data: `tasks/generator/default.yaml` and files like it.
 
 use crate::path::PathParams;
+use crate::rules::{self, MOST_NODES, ParamsError, Rules, flaw, range_within, within};
 use serde::Deserialize;
-use vb_world::{Density, Elevation, Terrain, TerrainClass, yaml};
-
-/// The version of the parameter file that this build reads.
-const SCHEMA: u32 = 1;
-
-/// A flaw of a parameter file: the field and what is wrong.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {problem}")]
-pub struct ParamsError {
-    /// The field, e.g. `elevation.std.low`.
-    pub field: String,
-    /// The value and what would be right.
-    pub problem: String,
-}
-
-fn flaw(field: impl Into<String>, problem: impl Into<String>) -> ParamsError {
-    ParamsError { field: field.into(), problem: problem.into() }
-}
+use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 /// One value for each elevation level.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -279,7 +263,7 @@ pub struct GeneratorParams {
 impl Default for GeneratorParams {
     /// The rules in `tasks/generator/default.yaml`, which is part of the program.
     fn default() -> Self {
-        Self::parse(Self::DEFAULT_YAML).expect("the built-in rules are valid: a test parses them")
+        rules::built_in(Self::DEFAULT_YAML)
     }
 }
 
@@ -292,26 +276,7 @@ impl GeneratorParams {
     /// # Errors
     /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        let params: Self = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
-        params.check()?;
-        Ok(params)
-    }
-
-    fn check(&self) -> Result<(), ParamsError> {
-        if self.schema != SCHEMA {
-            let problem =
-                format!("version {} is not supported, this build reads version {SCHEMA}", self.schema);
-            return Err(flaw("schema", problem));
-        }
-        self.check_surface()?;
-        self.check_ground()?;
-        self.check_obstacles()?;
-        if !(1..=1000).contains(&self.tasks.count) {
-            return Err(flaw("tasks.count", format!("{} must lie in 1 to 1000", self.tasks.count)));
-        }
-        within("tasks.radius", self.tasks.radius, f64::MIN_POSITIVE, self.half())?;
-        check_stand("tasks.stand", &self.tasks.stand, self.half())?;
-        check_path("path", &self.path, self.half())
+        rules::parse(text)
     }
 
     /// Half the side of the world, m.
@@ -321,18 +286,13 @@ impl GeneratorParams {
 
     fn check_surface(&self) -> Result<(), ParamsError> {
         let (grid, e) = (&self.grid, &self.elevation);
-        if !(3..=4097).contains(&grid.nodes) {
-            return Err(flaw("grid.nodes", format!("{} must lie in 3 to 4097", grid.nodes)));
-        }
+        within("grid.nodes", grid.nodes, 3, MOST_NODES)?;
         within("grid.pitch", grid.pitch, 1e-3, 1e3)?;
         for level in Elevation::ALL {
             within(&format!("elevation.std.{}", level.name()), e.std.get(level), 1e-3, 100.0)?;
         }
         within("elevation.std_spread", e.std_spread, 0.0, 1.0)?;
-        if e.model.is_empty() {
-            return Err(flaw("elevation.model", "is empty: name a terrain model"));
-        }
-        Ok(())
+        check_model("elevation.model", &e.model)
     }
 
     fn check_ground(&self) -> Result<(), ParamsError> {
@@ -362,13 +322,10 @@ impl GeneratorParams {
             return Err(flaw("ground.order", "is empty: at least one kind of ground is needed"));
         }
         within("ground.centre_spread", g.centre_spread, 1e-3, 10.0)?;
-        let [low, high] = g.friction.clip;
-        within("ground.friction.clip[0]", low, 0.01, 2.0)?;
-        within("ground.friction.clip[1]", high, low, 2.0)?;
+        check_clip("ground.friction.clip", g.friction.clip)?;
         for class in TerrainClass::ALL {
             if let Some(normal) = g.friction.get(class) {
-                within(&format!("ground.friction.{}.mean", class.name()), normal.mean, 0.0, 2.0)?;
-                within(&format!("ground.friction.{}.std", class.name()), normal.std, 0.0, 2.0)?;
+                check_friction(&format!("ground.friction.{}", class.name()), normal)?;
             }
         }
         Ok(())
@@ -393,19 +350,49 @@ impl GeneratorParams {
             ("trunk_radius", o.trunk_radius),
             ("trunk_height", o.trunk_height),
         ];
-        for (name, [low, high]) in ranges {
-            within(&format!("obstacles.{name}[0]"), low, 1e-2, 100.0)?;
-            within(&format!("obstacles.{name}[1]"), high, low, 100.0)?;
+        for (name, range) in ranges {
+            range_within(&format!("obstacles.{name}"), range, 1e-2, 100.0)?;
         }
         within("obstacles.buried", o.buried, 0.0, 0.99)?;
         within("obstacles.extent", o.extent, 0.0, self.half())?;
         within("obstacles.spacing", o.spacing, 0.0, 1e4)?;
         within("obstacles.task_clearance", o.task_clearance, 0.0, 1e4)?;
-        if !(1..=1_000_000).contains(&o.attempts) {
-            return Err(flaw("obstacles.attempts", format!("{} must lie in 1 to 1000000", o.attempts)));
-        }
-        Ok(())
+        within("obstacles.attempts", o.attempts, 1, 1_000_000)
     }
+}
+
+impl Rules for GeneratorParams {
+    const SCHEMA: u32 = 1;
+
+    fn schema(&self) -> u32 {
+        self.schema
+    }
+
+    fn check(&self) -> Result<(), ParamsError> {
+        self.check_surface()?;
+        self.check_ground()?;
+        self.check_obstacles()?;
+        within("tasks.count", self.tasks.count, 1, 1000)?;
+        within("tasks.radius", self.tasks.radius, f64::MIN_POSITIVE, self.half())?;
+        check_stand("tasks.stand", &self.tasks.stand, self.half())?;
+        check_path("path", &self.path, self.half())
+    }
+}
+
+/// Whether a terrain model is named.
+pub(crate) fn check_model(field: &str, name: &str) -> Result<(), ParamsError> {
+    if name.is_empty() { Err(flaw(field, "is empty: name a terrain model")) } else { Ok(()) }
+}
+
+/// Whether the friction of every patch can lie in a range.
+pub(crate) fn check_clip(field: &str, clip: [f64; 2]) -> Result<(), ParamsError> {
+    range_within(field, clip, 0.01, 2.0)
+}
+
+/// Whether friction can be distributed so.
+pub(crate) fn check_friction(field: &str, friction: Normal) -> Result<(), ParamsError> {
+    within(&format!("{field}.mean"), friction.mean, 0.0, 2.0)?;
+    within(&format!("{field}.std"), friction.std, 0.0, 2.0)
 }
 
 /// Whether ground to stand on is described in a way that a world of that half side, m, can have.
@@ -426,13 +413,6 @@ pub(crate) fn check_path(field: &str, path: &PathParams, half: f64) -> Result<()
     within(&format!("{field}.clearance"), path.clearance, 0.0, half)?;
     within(&format!("{field}.grid"), path.grid, 0.01, half)?;
     within(&format!("{field}.spacing"), path.spacing, 0.01, half)
-}
-
-pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<(), ParamsError> {
-    if value >= low && value <= high {
-        return Ok(());
-    }
-    Err(flaw(field, format!("{value} must lie in {low} to {high}")))
 }
 
 #[cfg(test)]

@@ -198,7 +198,11 @@ fn world(
         radius,
         &rules.tasks,
     )
-    .ok_or_else(|| GenerateError::NoStart { world: world.id.clone(), distance: 2.0 * radius })?
+    .ok_or_else(|| GenerateError::NoStart {
+        world: world.id.clone(),
+        distance: 2.0 * radius,
+        stand: generate::FIELDS.stand,
+    })?
     .pairs;
     if obstacles.is_some() {
         generate::plan_tasks(&mut world, &rules.path, &ends)?;

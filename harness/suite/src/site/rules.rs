@@ -3,14 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use vb_world::{SoilLevels, TerrainClass, yaml};
+use vb_world::{SoilLevels, TerrainClass};
 
-use crate::generate::ParamsError;
-
-/// The version of the file that this build reads.
-const SCHEMA: u32 = 1;
-/// Most nodes along a side of a world.
-const MOST_NODES: f64 = 4097.0;
+use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw};
 
 /// The rules.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -70,7 +65,7 @@ impl GroundRule {
 impl Default for SiteParams {
     /// `tasks/generator/site.yaml`, which is part of the build.
     fn default() -> Self {
-        Self::parse(Self::DEFAULT_YAML).unwrap_or_else(|e| unreachable!("tasks/generator/site.yaml: {e}"))
+        rules::built_in(Self::DEFAULT_YAML)
     }
 }
 
@@ -83,59 +78,52 @@ impl SiteParams {
     /// # Errors
     /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        let flaw = |field: &str, problem: String| ParamsError { field: field.into(), problem };
-        let params: Self = yaml::parse(text).map_err(|e| flaw(&e.field, e.problem))?;
-        if params.schema != SCHEMA {
-            let problem =
-                format!("version {} is not supported, this build reads version {SCHEMA}", params.schema);
-            return Err(flaw("schema", problem));
-        }
-        let lengths = [("pitch", params.pitch), ("patch", params.patch), ("side", params.side)];
-        for (field, v) in lengths {
-            if !(1e-3..=1e5).contains(&v) {
-                return Err(flaw(field, format!("{v} must lie in 0.001 to 100000")));
-            }
-        }
-        for ((below, small), (field, large)) in [(lengths[0], lengths[1]), (lengths[1], lengths[2])] {
-            if whole(large / small).is_none() {
-                return Err(flaw(field, format!("{large} must be a multiple of {below}, {small}")));
-            }
-        }
-        if params.side / params.pitch > MOST_NODES - 1.0 {
-            let most = (MOST_NODES - 1.0) * params.pitch;
-            return Err(flaw("side", format!("{} must not exceed {most} at this pitch", params.side)));
-        }
-        let rules = &params.ground.rules;
-        for (k, rule) in rules.iter().enumerate() {
-            for (name, [low, high]) in [("slope", rule.slope), ("height", rule.height)] {
-                if low.is_nan() || high.is_nan() || low > high {
-                    let field = format!("ground.rules[{k}].{name}");
-                    return Err(flaw(&field, format!("[{low}, {high}] must be two numbers, lower first")));
-                }
-            }
-        }
-        if rules.last().is_none_or(|last| last.slope != always() || last.height != always()) {
-            let problem = "the last rule must hold always: give it neither slope nor height".into();
-            return Err(flaw("ground.rules", problem));
-        }
-        Ok(params)
+        rules::parse(text)
+    }
+
+    fn square(&self) -> Square {
+        Square { pitch: self.pitch, patch: self.patch, side: self.side }
     }
 
     /// Nodes along a side of a world.
     pub(crate) fn nodes(&self) -> usize {
-        whole(self.side / self.pitch).unwrap_or(1) + 1
+        self.square().nodes()
     }
 
     /// Patches along a side of a world.
     pub(crate) fn patches(&self) -> usize {
-        whole(self.side / self.patch).unwrap_or(1)
+        self.square().patches()
     }
 }
 
-/// A ratio that is a whole number but for rounding, at least 1.
-fn whole(ratio: f64) -> Option<usize> {
-    let n = ratio.round();
-    (n >= 1.0 && (ratio - n).abs() < 1e-9 * n).then_some(n as usize)
+impl Rules for SiteParams {
+    const SCHEMA: u32 = 1;
+
+    fn schema(&self) -> u32 {
+        self.schema
+    }
+
+    fn check(&self) -> Result<(), ParamsError> {
+        self.square().check("")?;
+        if self.nodes() > MOST_NODES {
+            let most = (MOST_NODES - 1) as f64 * self.pitch;
+            return Err(flaw("side", format!("{} must not exceed {most} at this pitch", self.side)));
+        }
+        let rules = &self.ground.rules;
+        for (k, rule) in rules.iter().enumerate() {
+            for (name, [low, high]) in [("slope", rule.slope), ("height", rule.height)] {
+                if low.is_nan() || high.is_nan() || low > high {
+                    let field = format!("ground.rules[{k}].{name}");
+                    return Err(flaw(field, format!("[{low}, {high}] must be two numbers, lower first")));
+                }
+            }
+        }
+        if rules.last().is_none_or(|last| last.slope != always() || last.height != always()) {
+            let problem = "the last rule must hold always: give it neither slope nor height";
+            return Err(flaw("ground.rules", problem));
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -9,18 +9,17 @@ pub use rules::{
 
 use vb_math::angle::{radians, wrap};
 use vb_math::rng::Stream;
-use vb_terrain::{Model, Request};
-use vb_world::{Density, Heightfield, Provenance, Semantics, SoilLevels, SuiteMeta, Terrain, World};
+use vb_terrain::Model;
+use vb_world::{Density, Semantics, SoilLevels, SuiteMeta, Terrain, World};
 
-use crate::generate::{self, GenerateError, TaskParams};
-use crate::surface::counted_from_lowest;
+use crate::generate::{self, Fields, GenerateError, Surfaces, TaskParams, millimetres};
 
-/// Surfaces drawn before giving up on start and goal.
-const SURFACES: usize = 100;
 /// Standard deviations at which the noise of starts is clipped.
 const NOISE_LIMIT: f64 = 2.0;
 /// Version of this builder, which changes whenever the same inputs would give other worlds.
 const VERSION: u32 = 1;
+/// What the rules of beds call what surfaces follow from.
+const FIELDS: Fields = Fields { grid: "bed", stand: "stand" };
 
 /// What a suite of beds follows from.
 #[derive(Clone, Copy, Debug)]
@@ -44,13 +43,12 @@ impl Testbed<'_> {
             name: name.into(),
             version: version.into(),
             description: format!("{beds} beds of {}, with {trials} trials each.", materials.join(", ")),
-            provenance: Provenance::Generated {
-                generator: format!(
-                    "testbed {VERSION}, rules {}, model {}",
-                    rules.name, rules.elevation.model
-                ),
+            provenance: generate::provenance(
+                format_args!("testbed {VERSION}"),
+                &rules.name,
+                &rules.elevation.model,
                 seed,
-            },
+            ),
         }
     }
 
@@ -68,8 +66,19 @@ impl Testbed<'_> {
         let id = format!("w{:03}", index + 1);
         let stream = |part: &str| Stream::new(self.seed, &["testbed", &id, part]);
         let semantics = self.cover(&mut stream("materials"));
-        let (heightfield, [start, goal]) =
-            self.ground_with_ends(&id, bed.std, &semantics, &mut stream("elevation"))?;
+        let radius = 0.5 * rules.trials.distance;
+        let surfaces = Surfaces {
+            model: self.model,
+            nodes: rules.nodes(),
+            pitch: rules.bed.pitch,
+            std: bed.std,
+            semantics: &semantics,
+            // The trials are repetitions of one task.
+            tasks: &TaskParams { count: 1, radius, stand: rules.stand },
+            fields: FIELDS,
+        };
+        let (heightfield, planned) = surfaces.with_ends(&id, &mut stream("elevation"))?;
+        let [start, goal] = planned[0];
         let mut world = World {
             elevation: bed.level,
             terrain: Terrain::Rigid,
@@ -108,13 +117,8 @@ impl Testbed<'_> {
         let (materials, n) = (&self.rules.materials, self.rules.patches());
         let mut kinds: Vec<usize> = (0..n * n).map(|k| k % materials.all.len()).collect();
         rng.shuffle(&mut kinds);
-        let [low, high] = materials.clip;
-        let friction = kinds.iter().map(|&k| {
-            let mu = rng.normal(materials.all[k].mean, materials.all[k].std).clamp(low, high);
-            // Three decimals are plenty, and people read them. Rounding must not leave the clip.
-            ((mu * 1000.0).round() / 1000.0).clamp(low, high)
-        });
-        let friction = friction.collect();
+        let of_kind = |&k: &usize| generate::drawn_friction(materials.all[k].friction(), materials.clip, rng);
+        let friction = kinds.iter().map(of_kind).collect();
         let classes = kinds.iter().map(|&k| materials.all[k].class).collect();
         Semantics {
             rows: n,
@@ -125,37 +129,4 @@ impl Testbed<'_> {
             soil: SoilLevels::default(),
         }
     }
-
-    /// Draws surfaces until one has a start and a goal across the middle.
-    fn ground_with_ends(
-        &self,
-        id: &str,
-        std: f64,
-        semantics: &Semantics,
-        rng: &mut Stream,
-    ) -> Result<(Heightfield, [[f64; 2]; 2]), GenerateError> {
-        let (rules, nodes) = (self.rules, self.rules.nodes());
-        let radius = 0.5 * rules.trials.distance;
-        let tasks = TaskParams { count: 1, radius, stand: rules.stand };
-        for _ in 0..SURFACES {
-            let request = Request {
-                seed: rng.next_u64(),
-                rows: nodes,
-                cols: nodes,
-                pitch: rules.bed.pitch,
-                share: std / self.model.header().relief,
-            };
-            let ground = counted_from_lowest(nodes, rules.bed.pitch, self.model.surface(&request)?.heights());
-            let ends = generate::ends(&ground, semantics, &[], rules.path.clearance, radius, &tasks);
-            if let Some(pair) = ends.and_then(|e| e.pairs.first().copied()) {
-                return Ok((ground, pair));
-            }
-        }
-        Err(GenerateError::NoStart { world: id.into(), distance: rules.trials.distance })
-    }
-}
-
-/// Rounded to whole millimetres, which people can read.
-fn millimetres(v: f64) -> f64 {
-    (v * 1000.0).round() / 1000.0 + 0.0
 }

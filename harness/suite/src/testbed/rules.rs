@@ -1,15 +1,13 @@
 //! The rules of a bed as data: `tasks/generator/testbed.yaml` and files like it.
 
 use serde::Deserialize;
-use vb_world::{Elevation, TerrainClass, yaml};
+use vb_world::{Elevation, TerrainClass};
 
-use crate::generate::{ParamsError, StandParams, check_path, check_stand, within};
+use crate::generate::{
+    Normal, StandParams, check_clip, check_friction, check_model, check_path, check_stand,
+};
 use crate::path::PathParams;
-
-/// The version of the file that this build reads.
-const SCHEMA: u32 = 1;
-/// Most nodes along a side of a bed.
-const MOST_NODES: usize = 4097;
+use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw, within};
 
 /// The rules.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -88,6 +86,13 @@ pub struct Material {
     pub std: f64,
 }
 
+impl Material {
+    /// Coulomb friction of its patches.
+    pub(super) fn friction(&self) -> Normal {
+        Normal { mean: self.mean, std: self.std }
+    }
+}
+
 /// A task that is driven again and again.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -110,14 +115,10 @@ pub struct StartNoise {
     pub heading: f64,
 }
 
-fn flaw(field: impl Into<String>, problem: impl Into<String>) -> ParamsError {
-    ParamsError { field: field.into(), problem: problem.into() }
-}
-
 impl Default for TestbedParams {
     /// `tasks/generator/testbed.yaml`, which is part of the build.
     fn default() -> Self {
-        Self::parse(Self::DEFAULT_YAML).unwrap_or_else(|e| unreachable!("tasks/generator/testbed.yaml: {e}"))
+        rules::built_in(Self::DEFAULT_YAML)
     }
 }
 
@@ -130,35 +131,57 @@ impl TestbedParams {
     /// # Errors
     /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        let params: Self = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
-        params.check()?;
-        Ok(params)
+        rules::parse(text)
+    }
+
+    fn check_materials(&self) -> Result<(), ParamsError> {
+        let Materials { clip, all } = &self.materials;
+        check_clip("materials.clip", *clip)?;
+        if all.is_empty() {
+            return Err(flaw("materials.all", "is empty: at least one material is needed"));
+        }
+        for (k, material) in all.iter().enumerate() {
+            let field = format!("materials.all[{k}]");
+            if material.class.is_deformable() {
+                let problem = format!("{} yields: take a rigid class", material.class.name());
+                return Err(flaw(format!("{field}.class"), problem));
+            }
+            check_friction(&field, material.friction())?;
+        }
+        Ok(())
+    }
+
+    fn square(&self) -> Square {
+        let BedParams { side, pitch, patch } = self.bed;
+        Square { pitch, patch, side }
+    }
+
+    /// Nodes along a side.
+    pub(super) fn nodes(&self) -> usize {
+        self.square().nodes()
+    }
+
+    /// Patches along a side.
+    pub(super) fn patches(&self) -> usize {
+        self.square().patches()
+    }
+}
+
+impl Rules for TestbedParams {
+    const SCHEMA: u32 = 1;
+
+    fn schema(&self) -> u32 {
+        self.schema
     }
 
     fn check(&self) -> Result<(), ParamsError> {
-        if self.schema != SCHEMA {
-            let problem =
-                format!("version {} is not supported, this build reads version {SCHEMA}", self.schema);
-            return Err(flaw("schema", problem));
-        }
-        let BedParams { side, pitch, patch } = self.bed;
-        for (field, v) in [("bed.side", side), ("bed.pitch", pitch), ("bed.patch", patch)] {
-            within(field, v, 1e-3, 1e5)?;
-        }
-        for (field, large, below, small) in
-            [("bed.patch", patch, "bed.pitch", pitch), ("bed.side", side, "bed.patch", patch)]
-        {
-            if whole(large / small).is_none() {
-                return Err(flaw(field, format!("{large} must be a multiple of {below}, {small}")));
-            }
-        }
+        self.square().check("bed.")?;
+        let side = self.bed.side;
         if !(3..=MOST_NODES).contains(&self.nodes()) {
             let problem = format!("{side} must be 2 to {} times bed.pitch", MOST_NODES - 1);
             return Err(flaw("bed.side", problem));
         }
-        if self.elevation.model.is_empty() {
-            return Err(flaw("elevation.model", "is empty: name a terrain model"));
-        }
+        check_model("elevation.model", &self.elevation.model)?;
         if !(1..=999).contains(&self.elevation.beds.len()) {
             return Err(flaw("elevation.beds", "there must be 1 to 999 of them"));
         }
@@ -166,54 +189,16 @@ impl TestbedParams {
             within(&format!("elevation.beds[{k}].std"), bed.std, 1e-3, 100.0)?;
         }
         self.check_materials()?;
-        let trials = self.trials;
-        if !(1..=100).contains(&trials.count) {
-            return Err(flaw("trials.count", format!("{} must lie in 1 to 100", trials.count)));
-        }
-        let noise = trials.noise;
+        let TrialParams { count, distance, noise } = self.trials;
+        within("trials.count", count, 1, 100)?;
         within("trials.noise.position", noise.position, 0.0, 0.05 * side)?;
         within("trials.noise.heading", noise.heading, 0.0, 90.0)?;
         // Both ends lie on the bed with their stands, whatever the direction and the noise.
         let room = 0.5 * side - self.stand.reach.max(2.0 * noise.position);
-        within("trials.distance", trials.distance, f64::MIN_POSITIVE, 2.0 * room)?;
+        within("trials.distance", distance, f64::MIN_POSITIVE, 2.0 * room)?;
         check_stand("stand", &self.stand, 0.5 * side)?;
         check_path("path", &self.path, 0.5 * side)
     }
-
-    fn check_materials(&self) -> Result<(), ParamsError> {
-        let Materials { clip: [low, high], all } = &self.materials;
-        within("materials.clip[0]", *low, 0.01, 2.0)?;
-        within("materials.clip[1]", *high, *low, 2.0)?;
-        if all.is_empty() {
-            return Err(flaw("materials.all", "is empty: at least one material is needed"));
-        }
-        for (k, material) in all.iter().enumerate() {
-            let field = |name: &str| format!("materials.all[{k}].{name}");
-            if material.class.is_deformable() {
-                let problem = format!("{} yields: take a rigid class", material.class.name());
-                return Err(flaw(field("class"), problem));
-            }
-            within(&field("mean"), material.mean, 0.0, 2.0)?;
-            within(&field("std"), material.std, 0.0, 2.0)?;
-        }
-        Ok(())
-    }
-
-    /// Nodes along a side.
-    pub(super) fn nodes(&self) -> usize {
-        whole(self.bed.side / self.bed.pitch).unwrap_or(0) + 1
-    }
-
-    /// Patches along a side.
-    pub(super) fn patches(&self) -> usize {
-        whole(self.bed.side / self.bed.patch).unwrap_or(1)
-    }
-}
-
-/// A ratio that is a whole number but for rounding, at least 1.
-fn whole(ratio: f64) -> Option<usize> {
-    let n = ratio.round();
-    (n >= 1.0 && (ratio - n).abs() < 1e-9 * n).then_some(n as usize)
 }
 
 #[cfg(test)]

@@ -1,0 +1,71 @@
+//! Drawn surfaces with a start and a goal for every task.
+
+use super::params::TaskParams;
+use super::{GenerateError, Pairs, ends};
+use crate::surface::counted_from_lowest;
+use vb_math::rng::Stream;
+use vb_terrain::{Model, Request};
+use vb_world::{Heightfield, Semantics};
+
+/// Surfaces drawn before giving up on starts and goals.
+const SURFACES: usize = 400;
+
+/// What a file of rules calls what surfaces follow from, for messages.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fields {
+    /// Nodes and the distance between them.
+    pub(crate) grid: &'static str,
+    /// The ground at starts and goals.
+    pub(crate) stand: &'static str,
+}
+
+/// The surfaces of a world, all square and as rough, from which one is taken.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surfaces<'a> {
+    pub(crate) model: &'a Model,
+    /// Nodes along a side.
+    pub(crate) nodes: usize,
+    /// Distance between nodes, m.
+    pub(crate) pitch: f64,
+    /// Standard deviation of height over many surfaces, m.
+    pub(crate) std: f64,
+    /// What they are covered with.
+    pub(crate) semantics: &'a Semantics,
+    /// The tasks that must find room.
+    pub(crate) tasks: &'a TaskParams,
+    /// What the rules call these.
+    pub(crate) fields: Fields,
+}
+
+impl Surfaces<'_> {
+    /// Draws surfaces until one has starts and goals all around, and takes it with these.
+    ///
+    /// # Errors
+    /// If the model can't draw such a surface, or none of many has such ground.
+    pub(crate) fn with_ends(
+        &self,
+        world: &str,
+        rng: &mut Stream,
+    ) -> Result<(Heightfield, Pairs), GenerateError> {
+        let radius = self.tasks.radius;
+        for _ in 0..SURFACES {
+            let ground = self.draw(rng.next_u64())?;
+            // There are no obstacles yet that could be too near.
+            match ends(&ground, self.semantics, &[], 0.0, radius, self.tasks) {
+                Some(ends) if ends.spread => return Ok((ground, ends.pairs)),
+                _ => {}
+            }
+        }
+        let (world, stand) = (world.into(), self.fields.stand);
+        Err(GenerateError::NoStart { world, distance: 2.0 * radius, stand })
+    }
+
+    fn draw(&self, seed: u64) -> Result<Heightfield, GenerateError> {
+        let share = self.std / self.model.header().relief;
+        let request = Request { seed, rows: self.nodes, cols: self.nodes, pitch: self.pitch, share };
+        let grid = self.fields.grid;
+        let surface =
+            self.model.surface(&request).map_err(|source| GenerateError::Surface { grid, source })?;
+        Ok(counted_from_lowest(self.nodes, self.pitch, surface.heights()))
+    }
+}
