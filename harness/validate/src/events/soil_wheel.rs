@@ -98,7 +98,7 @@ fn overhang(contact: [f64; 2]) -> f64 {
 /// and 10 times as soft, in which the contact is long beside the gaps between stations: what is due to these goes with them.
 fn stands_over(rig: &WheelRig, name: &str, law: &SoilLaw, o: &mut Outcome) {
     // Where adhesion is little beside friction, what its ground is can't be told.
-    let friction = law.friction_angle_deg.to_radians().tan();
+    let friction = tan(law.friction_angle_deg.to_radians());
     if 0.1 * LOAD * friction > THE_WHEEL.breadth * 0.05 * law.cohesion {
         return;
     }
@@ -186,7 +186,7 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let adhesion = THE_WHEEL.breadth * law.cohesion * (contact.iter().sum::<f64>() + overhang(contact));
         o.theory(
             greatest,
-            Expected::AtMost(law.friction_angle_deg.to_radians().tan() + adhesion / LOAD),
+            Expected::AtMost(tan(law.friction_angle_deg.to_radians()) + adhesion / LOAD),
             "Mohr and Coulomb: no more than tan φ + A c / W at any slip, A of the contact as deep as the wheel is and of half a gap between the footprint's stations at either end",
         );
         stands_over(&rig, &name, &law, &mut o);
