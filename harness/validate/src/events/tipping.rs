@@ -491,7 +491,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         for height in [0.299, 0.301] {
             moved = moved.max(apart(&fall(bench, from, height)?));
         }
-        o.figure(format!("{label}: change of the roll if it falls from 1 mm higher or lower"), moved, "°");
+        o.figure(format!("{label}: change of the roll if it falls from 1/300 higher or lower"), moved, "°");
         let apart = apart(&fall(&half, from, 0.3)?);
         convergence(
             &mut o,
