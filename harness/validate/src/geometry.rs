@@ -126,11 +126,41 @@ impl Geometry {
         s.position + s.attitude * self.hub(corner, s.wheels[corner].deflection, s.steering)
     }
 
-    /// Outer edge of the tyre's tread where it is farthest from the vehicle, in the world, at hub height, m.
+    /// Outer edge of the tyre's tread at hub height in the chassis frame, m.
+    pub(crate) fn tyre_edge(&self, corner: usize, travel: f64, steering: f64) -> V3 {
+        let (c, pose) = (&self.corners[corner], self.upright(corner, travel, steering));
+        c.mount + pose.hub + pose.axis * (c.side * 0.5 * c.width)
+    }
+
+    /// The same in the world, m.
     pub(crate) fn tyre_edge_of(&self, s: &VehicleState, corner: usize) -> V3 {
-        let pose = self.upright(corner, s.wheels[corner].deflection, s.steering);
-        self.hub_of(s, corner)
-            + s.attitude * (pose.axis * (self.corners[corner].side * 0.5 * self.corners[corner].width))
+        s.position + s.attitude * self.tyre_edge(corner, s.wheels[corner].deflection, s.steering)
+    }
+
+    /// Distance (m) of the centre line from the point about which the vehicle turns if its wheels roll without slip, with these
+    /// travels (m), on the line about which it turns; none if no wheel is steered. Links that turn the wheels of the axles that
+    /// aren't steered as the body rolls move that point; of steered axles that ask for different points the nearest counts.
+    pub(crate) fn rolling_centre(&self, travels: &[f64], steering: f64) -> Option<f64> {
+        let lefts = |steered: bool| {
+            (0..self.corners.len()).step_by(2).filter(move |&i| self.is_steered(i) == steered)
+        };
+        let angle = |i: usize| {
+            let c = &self.corners[i];
+            let (side, left) = if c.side > 0.0 { (Side::Left, i) } else { (Side::Right, i - 1) };
+            let command = if c.steered { steering } else { 0.0 };
+            let axis = self.axles[c.axle].wheel(side, [travels[left], travels[left + 1]], command).axis;
+            vb_math::atan2(-axis.x, axis.y)
+        };
+        let rear: Vec<f64> = lefts(false).map(|i| 0.5 * (angle(i) + angle(i + 1))).collect();
+        let rear = if rear.is_empty() { 0.0 } else { rear.iter().sum::<f64>() / rear.len() as f64 };
+        let cot = |i: usize| 1.0 / vb_math::tan(angle(i));
+        let centres = lefts(true).filter_map(|i| {
+            let ahead = self.hub(i, 0.0, 0.0).x - self.turning_line();
+            let centre = ahead / (2.0 / (cot(i) + cot(i + 1)) - vb_math::tan(rear));
+            // An axle on the line itself asks for no centre.
+            (ahead.abs() > 1e-9).then_some(centre.abs())
+        });
+        centres.min_by(f64::total_cmp)
     }
 
     /// Points of the hull in the world, m.

@@ -185,8 +185,8 @@ pub(crate) fn at_rest(model: &VehicleModel, options: SimOptions) -> Result<Vehic
     Ok(Simulation::new(level, model, &SoilSet::default(), start, options)?.state())
 }
 
-/// Samples of a series per second.
-const SAMPLE_RATE: f64 = 100.0;
+/// Time between two samples of a series, s.
+pub(crate) const SAMPLE: f64 = 0.01;
 
 /// A simulation being driven and recorded.
 pub(crate) struct Drive {
@@ -268,7 +268,8 @@ impl Drive {
             columns.push((format!("load {}", c.name), "N"));
             columns.push((format!("sinkage {}", c.name), "m"));
         }
-        let every = ((1.0 / SAMPLE_RATE / bench.options.step).round() as u64).max(1);
+        columns.extend([("gear".to_owned(), ""), ("engine speed".to_owned(), "rad/s")]);
+        let every = ((SAMPLE / bench.options.step).round() as u64).max(1);
         let series = Series { name: case.to_owned(), columns, rows: Vec::new() };
         Ok(Self { sim, series, every })
     }
@@ -296,6 +297,8 @@ impl Drive {
         row.extend([roll, pitch, yaw].map(degrees));
         row.extend([s.velocity.x, s.velocity.y, v.z, s.rates.z, s.steering, c.throttle, c.brake]);
         row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
+        let drive = self.sim.drive();
+        row.extend([drive.gear as f64, drive.engine_speed]);
         self.series.rows.push(row);
     }
 

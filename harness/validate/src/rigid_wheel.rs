@@ -78,6 +78,11 @@ impl RigidWheel {
         })
     }
 
+    /// Lengths of contact along the ground (m) in front of the axle and behind it, with the bottom at a depth (m).
+    pub(crate) fn contact(&self, law: &SoilLaw, depth: f64) -> [f64; 2] {
+        self.arcs(law, depth).map(|arc| arc.length)
+    }
+
     /// Pressure on fresh soil at a depth (m): the less of Bekker's and of the elastic line, Pa.
     fn pressure(&self, law: &SoilLaw, depth: f64) -> f64 {
         law.pressure(depth, self.breadth).min(law.elastic_stiffness * depth.max(0.0))

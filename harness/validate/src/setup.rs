@@ -2,7 +2,7 @@
 
 use crate::check::Kind;
 use serde::Deserialize;
-use vb_sim::{SimError, TyreSpec, VehicleSpec};
+use vb_sim::{SimError, SteeringGear, TyreSpec, VehicleSpec};
 
 /// A vehicle in the set-up of a reference. It starts from the vehicle as its file has it, whatever tyre is put on for the
 /// test, since the reference's runs were made with one set-up.
@@ -24,6 +24,8 @@ pub(crate) struct Entry {
     tyre: Option<String>,
     /// Range of travel over which linkages are solved, m, around 0, of suspensions that have no stops.
     free_travel: Option<[f64; 2]>,
+    /// Travel of every steering rack at full lock, each way, m.
+    rack_travel: Option<f64>,
     /// As [`vb_sim::Chassis::resistance`], on rigid ground: that of the runs comes from their contact with it.
     resistance: Option<Vec<[f64; 2]>>,
     /// Width of the tyres on soil, m.
@@ -52,6 +54,9 @@ impl Entry {
                 }
             }
         }
+        if let Some(full) = self.rack_travel {
+            racks(&mut soil, full)?;
+        }
         let mut ground = soil.clone();
         if let Some(table) = self.resistance {
             resistance(&table)?;
@@ -66,6 +71,22 @@ impl Entry {
         }
         Ok(Setup { about: self.about, ground, soil })
     }
+}
+
+/// Gives every rack a travel at full lock (m), in the direction that it has.
+fn racks(vehicle: &mut VehicleSpec, full: f64) -> Result<(), (String, String)> {
+    let field = || "rack_travel".to_owned();
+    if !(full.is_finite() && full > 0.0) {
+        return Err((field(), format!("{full} must be a positive number")));
+    }
+    let mut found = false;
+    for gear in vehicle.axles.iter_mut().filter_map(|a| a.steering.as_mut()) {
+        if let SteeringGear::RackAndPinion { travel } = gear {
+            *travel = full.copysign(*travel);
+            found = true;
+        }
+    }
+    if found { Ok(()) } else { Err((field(), "no axle is steered by a rack".to_owned())) }
 }
 
 /// Refuses a table of resistances that no vehicle file may have.
@@ -147,6 +168,23 @@ mod tests {
     }
 
     #[test]
+    fn racks_have_the_travel_of_the_setup_in_their_own_direction() {
+        let travel = |v: &VehicleSpec| match v.axles[0].steering {
+            Some(SteeringGear::RackAndPinion { travel }) => travel,
+            _ => f64::NAN,
+        };
+        let setup = read("rack_travel: 0.08").unwrap();
+        assert_eq!([travel(&setup.ground), travel(&setup.soil)], [0.08; 2]);
+        let mut mirrored = vehicle();
+        mirrored.axles[0].steering = Some(SteeringGear::RackAndPinion { travel: -0.05 });
+        let entry = || vb_world::yaml::parse::<Entry>("{about: a, rack_travel: 0.08}").unwrap();
+        assert_eq!(travel(&entry().setup(&mirrored).unwrap().ground), -0.08);
+        mirrored.axles[0].steering = None;
+        let refused = ("rack_travel".to_owned(), "no axle is steered by a rack".to_owned());
+        assert_eq!(entry().setup(&mirrored).unwrap_err(), refused);
+    }
+
+    #[test]
     fn a_setup_changes_nothing_that_it_does_not_state() {
         let setup = read("").unwrap();
         assert!(setup.ground == vehicle() && setup.soil == vehicle());
@@ -163,6 +201,7 @@ mod tests {
         for (fields, says) in [
             ("tyre: square", "tyre: \"square\" is not among them; choose one of brush, fiala, rigid, tmeasy"),
             ("free_travel: [0.1, 0.2]", "free_travel: [0.1, 0.2] must be a range around 0"),
+            ("rack_travel: 0", "rack_travel: 0 must be a positive number"),
             ("soil_width: -0.3", "soil_width: -0.3 must be a positive number"),
             ("soil_width: .nan", "soil_width: NaN must be a positive number"),
             ("resistance: []", "resistance: needs at least one point"),

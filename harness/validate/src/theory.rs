@@ -26,6 +26,9 @@ pub(crate) struct PointMass<'a> {
 
 /// Step of the integration, s.
 const STEP: f64 = 1e-3;
+/// How far below its shift up (a share) a gearbox that shifts down must leave the engine, or it would go to and fro between
+/// two gears.
+const CLEAR: f64 = 0.05;
 
 impl<'a> PointMass<'a> {
     /// Rolling at a speed, in the gear that an upward shift from the lowest would have reached.
@@ -95,7 +98,11 @@ impl<'a> PointMass<'a> {
         let engine = self.engine_speed();
         if engine > g.shift_up[self.gear] && self.gear + 1 < g.ratios.len() {
             self.gear += 1;
-        } else if engine < g.shift_down[self.gear] && self.gear > 0 {
+        } else if engine < g.shift_down[self.gear]
+            && self.gear > 0
+            && engine * g.ratios[self.gear] / g.ratios[self.gear - 1]
+                < (1.0 - CLEAR) * g.shift_up[self.gear - 1]
+        {
             self.gear -= 1;
         }
     }
@@ -163,6 +170,22 @@ impl<'a> PointMass<'a> {
 mod tests {
     use super::*;
     use vb_sim::{GRAVITY, VehicleSpec};
+
+    #[test]
+    fn it_coasts_down_through_its_gears_and_never_up_again() {
+        // Of the FED-Alpha a shift down at its shift point would take the engine beyond that of the shift up.
+        let spec =
+            VehicleSpec::parse(include_str!("../../../tasks/vehicles/feda.yaml"), "feda.yaml").unwrap();
+        let bench = Bench::new(&spec, &[], 1e-3).unwrap();
+        let mut p = PointMass::new(&bench, 0.9, 5.0);
+        let mut gear = p.gear;
+        while p.speed > 0.5 {
+            p.drive_for(p.time + STEP, 0.0, 0.0);
+            assert!(p.gear <= gear, "from {gear} to {} at {} m/s", p.gear, p.speed);
+            gear = p.gear;
+        }
+        assert_eq!(gear, 0);
+    }
 
     #[test]
     fn at_the_friction_limit_it_stops_in_v_squared_over_two_mu_g_and_starts_with_mu_g() {

@@ -4,7 +4,7 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
 use crate::rig::{Drive, PARKED, flat, speed};
 use vb_math::angle::degrees;
-use vb_math::{atan, hypot, tan};
+use vb_math::{atan, hypot};
 use vb_sim::{GRAVITY, SimError, VehicleState};
 
 pub(super) const CORNERING: Event = Event {
@@ -23,6 +23,10 @@ struct Means {
     speed: f64,
     roll: f64,
     lateral: f64,
+    /// Velocity of the reference point forward and to the left, m/s.
+    velocity: [f64; 2],
+    /// Of each wheel, m.
+    travels: Vec<f64>,
 }
 
 impl Means {
@@ -32,6 +36,20 @@ impl Means {
         self.speed += speed(s);
         self.roll += degrees(s.roll_pitch_yaw().0);
         self.lateral += s.rates.z * s.velocity.x;
+        self.velocity[0] += s.velocity.x;
+        self.velocity[1] += s.velocity.y;
+        self.travels.resize(s.wheels.len(), 0.0);
+        self.travels.iter_mut().zip(&s.wheels).for_each(|(sum, w)| *sum += w.deflection);
+    }
+
+    /// Mean travels of the wheels, m.
+    fn travels(&self) -> Vec<f64> {
+        self.travels.iter().map(|sum| self.of(*sum)).collect()
+    }
+
+    /// Velocity to the left (m/s) of the point of the centre line so far (m) in front of the reference point.
+    fn aside(&self, ahead: f64) -> f64 {
+        self.of(self.velocity[1]) + self.of(self.yaw_rate) * ahead
     }
 
     fn of(&self, sum: f64) -> f64 {
@@ -39,15 +57,11 @@ impl Means {
     }
 }
 
-/// Radius (m) of the path of the reference point if the front wheels roll without slip about one centre.
-fn kinematic_radius(bench: &Bench<'_>, steering: f64) -> f64 {
+/// Radius (m) of the path of the reference point if the wheels roll without slip about one centre, with these travels (m).
+fn kinematic_radius(bench: &Bench<'_>, travels: &[f64], steering: f64) -> f64 {
     let g = &bench.geometry;
-    let Some(left) = (0..g.corners.len()).find(|&i| g.is_steered(i)) else { return f64::INFINITY };
-    let cot = |i: usize| 1.0 / tan(g.wheel_angle(i, g.rest[i], steering));
-    let behind = g.turning_line();
-    let ahead = g.hub(left, 0.0, 0.0).x - behind;
-    let to_rear_axle = (ahead * 0.5 * (cot(left) + cot(left + 1))).abs();
-    hypot(to_rear_axle, behind)
+    let Some(to_rear_axle) = g.rolling_centre(travels, steering) else { return f64::INFINITY };
+    hypot(to_rear_axle, g.turning_line())
 }
 
 /// Steady means of a drive with fixed steering, a target speed and a friction; and the drive.
@@ -71,6 +85,19 @@ pub(super) fn radius(bench: &Bench<'_>, steering: f64) -> Result<f64, SimError> 
     Ok((m.speed / m.yaw_rate).abs())
 }
 
+/// What each end of the vehicle does to its radius: how fast the axles that aren't steered move sideways, towards the centre
+/// of the circle, and the radius on which the steered axle's direction would lead it if they didn't.
+fn directions(bench: &Bench<'_>, m: &Means, steering: f64, label: &str, o: &mut Outcome) {
+    let g = &bench.geometry;
+    let Some(front) = (0..g.corners.len()).find(|&i| g.is_steered(i)) else { return };
+    let (ahead, behind) = (g.hub(front, 0.0, 0.0).x, g.turning_line());
+    let side = if steering > 0.0 { 1.0 } else { -1.0 };
+    o.figure(format!("{label}: sideways speed of the rear"), 1e3 * side * m.aside(behind), "mm/s");
+    let slope = (m.aside(ahead) / m.of(m.velocity[0])).abs();
+    let radius = hypot((ahead - behind) / slope, behind);
+    o.figure(format!("{label}: radius by the direction of the front"), radius, "m");
+}
+
 fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut plot = Plot::map("Paths", "x, m", "y, m");
@@ -92,10 +119,11 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(format!("{label}: yaw rate"), m.of(m.yaw_rate), "rad/s");
         o.figure(format!("{label}: lateral acceleration"), m.of(m.lateral), "m/s²");
         o.figure(format!("{label}: roll"), m.of(m.roll), "°");
+        directions(bench, &m, steering, &label, &mut o);
         o.theory(
             format!("{label}: radius"),
-            Expected::AtLeast(0.97 * kinematic_radius(bench, steering)),
-            "wheels that roll without slip about one centre: L (cot δl + cot δr) / 2 to the rear axle; slip angles only widen it",
+            Expected::AtLeast(0.97 * kinematic_radius(bench, &m.travels(), steering)),
+            "wheels that roll without slip about one centre, as the links turn them in the corner; slip angles only widen it",
         );
         let a = m.of(m.lateral);
         if bench.winds_up() {
@@ -138,12 +166,15 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(0.9), 0.0, 0.0)?;
         d.hold(9.0, |s| bench.pace.hold_speed(s, target, bench.pace.hold_line(s)))?;
         let begin = d.state().time;
-        let (mut rates, mut roll) = (Vec::new(), 0.0_f64);
+        let (mut rates, mut roll, mut m) = (Vec::new(), 0.0_f64, Means::default());
         d.run(
             5.0,
             |s| bench.pace.hold_speed(s, target, steering),
             |s| {
                 rates.push([s.time - begin, s.rates.z]);
+                if s.time - begin > 3.0 {
+                    m.add(s);
+                }
                 roll = roll.max(s.roll_pitch_yaw().0.abs());
                 false
             },
@@ -158,8 +189,8 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(format!("{label}: greatest roll"), degrees(roll), "°");
         o.theory(
             format!("{label}: steady yaw rate"),
-            Expected::AtMost(1.03 * bench.pace.speed(target) / kinematic_radius(bench, steering)),
-            "v / R with wheels that roll without slip; slip angles only lower it",
+            Expected::AtMost(1.03 * bench.pace.speed(target) / kinematic_radius(bench, &m.travels(), steering)),
+            "v / R with wheels that roll without slip, as the links turn them in the corner; slip angles only lower it",
         );
         let series = d.finish();
         let after = |name: &str| {

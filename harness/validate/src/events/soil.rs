@@ -96,15 +96,38 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             o.figure(format!("{}, throttle {throttle:.1}: speed after 10 s", class.name()), v, "m/s");
             o.figure(format!("{}, throttle {throttle:.1}: slip after 10 s", class.name()), slip, "");
             let series = d.finish();
+            let [from, to] = SPAN.map(|v| {
+                let past = series.pairs("t", "vx").into_iter().find(|p| p[1] >= bench.pace.speed(v));
+                past.map_or(f64::NAN, |p| p[0])
+            });
+            if from.is_finite() {
+                let speeds = SPAN.map(|v| bench.pace.speed_label(v));
+                let name = format!(
+                    "{}, throttle {throttle:.1}: time from {} to {} m/s",
+                    class.name(),
+                    speeds[0],
+                    speeds[1]
+                );
+                o.figure(name, to - from, "s");
+            }
             let points =
                 series.pairs("t", "vx").into_iter().filter(|p| p[0] >= 2.0).map(|p| [p[0] - 2.0, p[1]]);
             plot.ours(format!("throttle {throttle:.1}"), points.collect());
             o.series.push(series);
         }
         o.plots.push(plot);
+        let stays = largest(0.1, 1.0, 0.005, |throttle| {
+            Ok(speed_after(bench, set, class, throttle)?.0 < bench.pace.speed(MOVES))
+        })?;
+        o.figure(format!("{}: throttle above which it gets out of its hole", class.name()), stays, "");
     }
     Ok(o)
 }
+
+/// Speeds between which the time is taken, m/s of a full-size vehicle.
+const SPAN: [f64; 2] = [10.0, 18.0];
+/// Speed at which it has got out of the hole in which it stood, m/s of a full-size vehicle.
+const MOVES: f64 = 0.2;
 
 pub(super) const GRADE: Event = Event {
     name: "soil-grade",

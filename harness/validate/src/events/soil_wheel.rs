@@ -77,6 +77,48 @@ fn drawbar(law: &SoilLaw, wheel: &Carried, slip: f64) -> f64 {
     (thrust(law, wheel) * mobilised - wheel.resistance) / LOAD
 }
 
+/// Stations of a wheel's footprint on either side of the axle, their reach over the radius, and the gap under the axle over the
+/// mean one (docs/physics.md, "Soil"; `vb_sim`'s footprint).
+const STATIONS: (i32, f64, f64) = (10, 0.95, 0.35);
+
+/// How far (m) the ground that a footprint's stations stand for may reach beyond the contact, which goes so far (m) to the front
+/// and to the rear: a station stands for the ground up to half way to its neighbours, so half the gap in which the contact ends.
+fn overhang(contact: [f64; 2]) -> f64 {
+    let (count, extent, crowding) = STATIONS;
+    let at = |k: i32| {
+        let u = f64::from(k) / f64::from(count);
+        extent * THE_WHEEL.radius * u * (crowding + (1.0 - crowding) * u * u)
+    };
+    let gap =
+        |end: f64| (0..count).map(|k| [at(k), at(k + 1)]).find(|g| end < g[1]).map_or(0.0, |g| g[1] - g[0]);
+    contact.map(gap).iter().sum::<f64>() / 2.0
+}
+
+/// By how much the ground on which adhesion acts is longer than the contact, on the soil and on soils of its strength that are 3
+/// and 10 times as soft, in which the contact is long beside the gaps between stations: what is due to these goes with them.
+fn stands_over(rig: &WheelRig, name: &str, law: &SoilLaw, o: &mut Outcome) {
+    // Where adhesion is little beside friction, what its ground is can't be told.
+    let friction = tan(law.friction_angle_deg.to_radians());
+    if 0.1 * LOAD * friction > THE_WHEEL.breadth * 0.05 * law.cohesion {
+        return;
+    }
+    for softer in [1.0, 3.0, 10.0] {
+        let law = SoilLaw { k_c: law.k_c / softer, k_phi: law.k_phi / softer, ..*law };
+        let run = rig.run(&law, 0.8, 1);
+        let contact = THE_WHEEL.contact(&law, run.sinkage);
+        let (length, stands) = (contact.iter().sum::<f64>(), overhang(contact));
+        let adhesion = (run.drawbar + run.compaction - LOAD * friction) / (THE_WHEEL.breadth * law.cohesion);
+        o.figure(format!("{name}, {softer} times as soft: length of contact"), 1e3 * length, "mm");
+        o.expect(
+            &format!("{name}, {softer} times as soft: excess of the length on which adhesion acts"),
+            100.0 * (adhesion / length - 1.0),
+            "%",
+            Expected::AtMost(100.0 * stands / length),
+            "no more than half a gap between the footprint's stations at either end of the contact",
+        );
+    }
+}
+
 /// Why theory says nothing of the thrust on this soil, if it doesn't.
 fn deep(wheel: &Carried) -> Option<&'static str> {
     (wheel.sinkage > 0.4 * THE_WHEEL.radius)
@@ -120,6 +162,7 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // Theory of sinkage and resistance leaves shear on the rim out of the balance of forces.
         let smooth = rig.run(&SoilLaw { friction_angle_deg: 0.0, cohesion: 0.0, ..law }, 0.0, 1);
         let pull: Vec<f64> = runs.iter().map(|r| r.drawbar / LOAD).collect();
+        let strongest = runs.iter().fold(runs[0], |best, r| if r.drawbar > best.drawbar { *r } else { best });
         let sinkage = format!("{name}: sinkage of a smooth wheel");
         let resistance = format!("{name}: compaction resistance of a smooth wheel / load");
         let greatest = format!("{name}: greatest drawbar pull / load");
@@ -139,11 +182,14 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let first = o.theory.len();
         let most = (thrust(&law, &wheel) - wheel.resistance) / LOAD;
         o.theory(&greatest, Expected::share(most, SHARE), "(A c + W tan φ − Rc) / W (Wong 2008, ch. 2)");
+        let contact = THE_WHEEL.contact(&law, strongest.sinkage);
+        let adhesion = THE_WHEEL.breadth * law.cohesion * (contact.iter().sum::<f64>() + overhang(contact));
         o.theory(
             greatest,
-            Expected::AtMost(thrust(&law, &wheel) / LOAD),
-            "Mohr and Coulomb: no more than tan φ + A c / W at any slip",
+            Expected::AtMost(tan(law.friction_angle_deg.to_radians()) + adhesion / LOAD),
+            "Mohr and Coulomb: no more than tan φ + A c / W at any slip, A of the contact as deep as the wheel is and of half a gap between the footprint's stations at either end",
         );
+        stands_over(&rig, &name, &law, &mut o);
         columns.push((format!("{name}, theory"), ""));
         rows.iter_mut().for_each(|row| row.push(drawbar(&law, &wheel, row[0])));
         if let Some(why) = deep(&wheel) {
@@ -212,4 +258,26 @@ fn second_pass(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         }
     }
     Ok(o)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stations_stand_for_no_more_ground_than_the_contact_and_half_a_gap_at_either_end() {
+        let (count, extent, crowding) = STATIONS;
+        let at = |k: i32| {
+            let u = f64::from(k) / f64::from(count);
+            extent * THE_WHEEL.radius * u * (crowding + (1.0 - crowding) * u * u)
+        };
+        for end in (1..40).map(|k| 0.01 * f64::from(k)) {
+            let inside = (1 - count..count).filter(|&k| at(k).abs() <= end);
+            let stand_for: f64 = inside.map(|k| 0.5 * (at(k + 1) - at(k - 1))).sum();
+            let most = 2.0 * end + overhang([end, end]);
+            assert!(stand_for <= most + 1e-12, "{end}: {stand_for} of {most}");
+        }
+        // 67 mm of heavy clay: five stations, which stand for 88 mm.
+        assert!((0.0334 * 2.0 + overhang([0.0335, 0.0335]) - 0.0878).abs() < 1e-3);
+    }
 }

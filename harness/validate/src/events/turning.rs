@@ -1,16 +1,17 @@
 //! The smallest circle.
 
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Plot};
 use crate::rig::{Drive, flat, speed};
 use nalgebra::Vector3;
-use vb_math::hypot;
+use vb_math::angle::degrees;
+use vb_math::{hypot, tan};
 use vb_sim::SimError;
 
 pub(super) const TURNING_CIRCLE: Event = Event {
     name: "turning-circle",
     title: "Turning circle",
     about: "Full lock at 2 m/s: radius of the reference point, of the outermost tyre edge (curb to curb) and of the \
-            outermost point of the body (wall to wall).",
+            outermost point of the body (wall to wall), beside that of wheels that roll without slip.",
     run: turning_circle,
 };
 
@@ -18,6 +19,7 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let mut plot = Plot::map("Circle at full lock", "x, m", "y, m");
+    let mut locks = Vec::new();
     for (side, steering) in [("left", 1.0), ("right", -1.0)] {
         let mut d = Drive::new(bench, side, &flat(0.9), 0.0, 0.0)?;
         d.hold(10.0, |s| bench.pace.hold_speed(s, 2.0, steering))?;
@@ -48,10 +50,60 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(format!("{side}: radius of the reference point"), path, "m");
         o.figure(format!("{side}: curb-to-curb radius"), curb, "m");
         o.figure(format!("{side}: wall-to-wall radius"), wall, "m");
+        if let Some(centre) = g.rolling_centre(&g.rest, steering) {
+            let rolling = rolling_curb(bench, steering, centre);
+            let lock = g.rest.iter().enumerate().map(|(i, q)| degrees(g.wheel_angle(i, *q, steering)).abs());
+            let lock = lock.fold(0.0, f64::max);
+            o.figure(format!("{side}: greatest angle of a wheel"), lock, "°");
+            o.figure(format!("{side}: curb-to-curb radius without slip"), rolling, "m");
+            locks.push([lock, rolling]);
+        }
         let series = d.finish();
         plot.ours(side, series.pairs("x", "y"));
         o.series.push(series);
     }
     o.plots.push(plot);
+    if let Some(lock) = locks.first() {
+        o.plots.push(over_the_lock(bench, *lock));
+    }
     Ok(o)
+}
+
+/// Curb-to-curb radius (m) of wheels that roll without slip about a point on the line about which the vehicle turns, so far
+/// (m) from its centre line.
+fn rolling_curb(bench: &Bench<'_>, steering: f64, centre: f64) -> f64 {
+    let g = &bench.geometry;
+    let side = if steering > 0.0 { 1.0 } else { -1.0 };
+    let edge = |i: usize| {
+        let p = g.tyre_edge(i, g.rest[i], steering);
+        hypot(p.x - g.turning_line(), p.y - side * centre)
+    };
+    (0..g.corners.len()).map(edge).fold(0.0, f64::max)
+}
+
+/// What the lock makes of the circle: the radius of the steering gear over its command, and that of wheels which all turn about
+/// one centre (Ackermann), over the angle (°) of the wheel that turns most. It tells which angle a published circle asks for.
+fn over_the_lock(bench: &Bench<'_>, full: [f64; 2]) -> Plot {
+    let g = &bench.geometry;
+    let mut plot = Plot::new(
+        "Curb-to-curb radius over the lock",
+        "greatest angle of a wheel, °",
+        "curb-to-curb radius without slip, m",
+    );
+    let geared = (8..=20).filter_map(|k| {
+        let command = f64::from(k) / 20.0;
+        let angle = (0..g.corners.len()).map(|i| degrees(g.wheel_angle(i, g.rest[i], command)).abs());
+        Some([angle.fold(0.0, f64::max), rolling_curb(bench, command, g.rolling_centre(&g.rest, command)?)])
+    });
+    plot.ours("by its steering gear, up to full lock", geared.collect());
+    // The inner wheel turns most, the outer one of the same axle has its edge farthest out.
+    let front = (0..g.corners.len()).find(|&i| g.is_steered(i)).unwrap_or(0);
+    let (ahead, aside) = (g.hub(front, 0.0, 0.0).x - g.turning_line(), 0.5 * g.track());
+    let ideal = |angle: f64| {
+        let outer = hypot(ahead, ahead / tan(angle.to_radians()) + 2.0 * aside);
+        [angle, outer + 0.5 * g.corners[front].width]
+    };
+    let angles = (0..=40).map(|k| 0.4 * full[0] + f64::from(k) * 0.025 * (45.0 - 0.4 * full[0]));
+    plot.line(LineKind::Theory, 0, "all wheels about one centre", angles.map(ideal).collect());
+    plot
 }
