@@ -7,7 +7,6 @@
 use super::{from_vector, rotation, vector};
 use crate::tyre::Contact;
 use crate::{Quat, V3};
-use rapier3d_f64::parry::query::epa::EPA;
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use rapier3d_f64::parry::shape::{Cylinder, Triangle};
 use rapier3d_f64::prelude::*;
@@ -137,7 +136,8 @@ impl HardWheel {
 
 impl Wheel<'_> {
     /// The contact with one triangle, counter-clockwise from above.
-    fn touches(&self, [a, b, c]: &[V3; 3], ground: &Heightfield) -> Option<Contact> {
+    fn touches(&self, corners: &[V3; 3], ground: &Heightfield) -> Option<Contact> {
+        let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a)).normalize();
         let height = normal.dot(&(self.hub - a));
         let core = &self.shape.core;
@@ -158,30 +158,16 @@ impl Wheel<'_> {
                 return Some(Contact { point: foot, normal, depth: self.shape.margin - away });
             }
         }
-        self.touches_edge(Triangle::new(vector(a), vector(b), vector(c)), &normal, ground)
+        self.touches_edge(corners, &normal, ground)
     }
 
     /// The contact with an edge or a corner of a triangle beside the wheel's lowest point.
-    fn touches_edge(&self, triangle: Triangle, facet: &V3, ground: &Heightfield) -> Option<Contact> {
-        let inverse = self.pose.inverse();
-        let start = inverse.translation.try_normalize().unwrap_or(Vector::Z);
-        let mut simplex = VoronoiSimplex::new();
-        simplex.reset(CsoPoint::from_shapes(&self.pose, &triangle, &self.shape.core, start));
-        let farthest = self.shape.margin + self.reach;
-        let found =
-            gjk::closest_points(&self.pose, &triangle, &self.shape.core, farthest, true, &mut simplex);
-        let (on_ground, on_core, out) = match found {
-            GJKResult::ClosestPoints(on_ground, on_core, out) => (on_ground, on_core, out),
-            // A blow at a wall presses it in beyond the margin.
-            GJKResult::Intersection => {
-                EPA::new().closest_points(&self.pose, &triangle, &self.shape.core, &simplex)?
-            }
-            _ => return None,
+    fn touches_edge(&self, corners: &[V3; 3], facet: &V3, ground: &Heightfield) -> Option<Contact> {
+        let (point, normal, depth) = match self.treads(corners) {
+            Some(found) => found,
+            None => self.shoulders(corners)?,
         };
-        let depth = self.shape.margin - (on_core - on_ground).dot(out);
-        let (point, normal) = (from_vector(on_ground), from_vector(out));
-        // The shortest way out may lead through the ground.
-        if depth <= -self.reach || normal.dot(facet) <= 0.0 {
+        if depth <= -self.reach {
             return None;
         }
         // Beyond the edge the ground must fall away from the contact's plane: where it doesn't, another facet is nearer.
@@ -190,6 +176,58 @@ impl Wheel<'_> {
         let there = point + outward * step;
         let beyond = V3::new(there.x, there.y, ground.height(there.x, there.y)) - point;
         (beyond.dot(&normal) <= 1e-6 * step).then_some(Contact { point, normal, depth })
+    }
+
+    /// The point of a triangle's edges that is nearest to the axle, with the normal towards the axle and the depth (m), if
+    /// the tread is over it, however deep it is: a blow at a wall presses it in by centimetres.
+    fn treads(&self, corners: &[V3; 3]) -> Option<(V3, V3, f64)> {
+        let half = self.shape.core.half_height + self.shape.margin;
+        let mut nearest: Option<(f64, V3, V3, f64)> = None;
+        for k in 0..3 {
+            let (from, edge) = (corners[k] - self.hub, corners[(k + 1) % 3] - corners[k]);
+            // Along the axle, and what is left across it, at the edge's start and along it.
+            let (aside, turn) = (from.dot(&self.axis), edge.dot(&self.axis));
+            let (start, way) = (from - self.axis * aside, edge - self.axis * turn);
+            let (mut low, mut high) = (0.0_f64, 1.0_f64);
+            if turn.abs() > 1e-12 {
+                let (a, b) = ((-half - aside) / turn, (half - aside) / turn);
+                (low, high) = (low.max(a.min(b)), high.min(a.max(b)));
+            } else if aside.abs() > half {
+                continue;
+            }
+            if low > high {
+                continue;
+            }
+            let part = if way.norm_squared() > 0.0 { -start.dot(&way) / way.norm_squared() } else { low };
+            let part = part.clamp(low, high);
+            let arm = start + way * part;
+            let distance = arm.norm();
+            if nearest.as_ref().is_none_or(|n| distance < n.0) {
+                nearest = Some((distance, corners[k] + edge * part, arm, aside + turn * part));
+            }
+        }
+        let (distance, point, arm, aside) = nearest.filter(|n| n.0 > 0.0)?;
+        let depth = self.shape.radius() - distance;
+        // Near its faces the wheel is round, unless that is far from where it is pressed in.
+        let rounded = aside.abs() > self.shape.core.half_height && depth < self.shape.margin;
+        (!rounded).then(|| (point, -arm / distance, depth))
+    }
+
+    /// The point of a triangle that is nearest to the wheel, with the normal and the depth (m), where that isn't under the
+    /// tread but at a shoulder or a face.
+    fn shoulders(&self, corners: &[V3; 3]) -> Option<(V3, V3, f64)> {
+        let [a, b, c] = corners.each_ref().map(vector);
+        let triangle = Triangle::new(a, b, c);
+        let inverse = self.pose.inverse();
+        let start = inverse.translation.try_normalize().unwrap_or(Vector::Z);
+        let mut simplex = VoronoiSimplex::new();
+        simplex.reset(CsoPoint::from_shapes(&self.pose, &triangle, &self.shape.core, start));
+        let farthest = self.shape.margin + self.reach;
+        let found =
+            gjk::closest_points(&self.pose, &triangle, &self.shape.core, farthest, true, &mut simplex);
+        let GJKResult::ClosestPoints(on_ground, on_core, out) = found else { return None };
+        let depth = self.shape.margin - (on_core - on_ground).dot(out);
+        Some((from_vector(on_ground), from_vector(out), depth))
     }
 }
 
