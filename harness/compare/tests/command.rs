@@ -15,6 +15,8 @@ fn without_reference_data_it_says_so_and_ends_well() {
             "a.yaml",
             "--recorded-vehicle",
             "b.yaml",
+            "--soils",
+            "c.yaml",
         ])
         .args(["--recorded", "no/recorded/runs", "--original", "no/worlds", "--out"])
         .arg(out.path().join("out"))

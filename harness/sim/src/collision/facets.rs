@@ -198,7 +198,9 @@ impl Wheel<'_> {
             if low > high {
                 continue;
             }
-            let part = if way.norm_squared() > 0.0 { -start.dot(&way) / way.norm_squared() } else { low };
+            // An edge along the axle is as near all along: its middle under the wheel.
+            let level = way.norm_squared() < 1e-12 * edge.norm_squared();
+            let part = if level { 0.5 * (low + high) } else { -start.dot(&way) / way.norm_squared() };
             let part = part.clamp(low, high);
             let arm = start + way * part;
             let distance = arm.norm();
@@ -331,6 +333,24 @@ mod tests {
             found.iter().find(|(_, c)| c.normal.x < -0.3).map(|(_, c)| *c).expect("the edge is touched");
         assert!((acos(edge.normal.z) - theta).abs() < 1e-3, "{} {theta}", acos(edge.normal.z));
         assert!((edge.depth - 1e-4).abs() < 1e-6, "{}", edge.depth);
+    }
+
+    #[test]
+    fn pressed_deep_into_an_edge_a_wheel_still_feels_it() {
+        // A crest between faces of 60° at x = 0, and the hub beside it, nearer than the radius by far more than the margin.
+        let slope = tan(std::f64::consts::FRAC_PI_3);
+        let ground = profile(std::array::from_fn(|k| -slope * (k as f64 - 4.0).abs()));
+        for depth in [0.001, 0.02, 0.05, 0.1, 0.2] {
+            for lean in [0.0, 0.3, -0.6] {
+                let n = V3::new(sin(lean), 0.0, cos(lean));
+                let found = contacts(&ground, n * (RADIUS - depth), V3::y(), 0.0);
+                assert!(!found.is_empty(), "{depth} {lean}");
+                for contact in found {
+                    assert!((contact.normal - n).norm() < 1e-9, "{depth} {lean}: {}", contact.normal);
+                    assert!((contact.depth - depth).abs() < 1e-9, "{depth} {lean}: {}", contact.depth);
+                }
+            }
+        }
     }
 
     #[test]
