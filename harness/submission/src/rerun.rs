@@ -157,6 +157,8 @@ impl Again<'_> {
             trace,
             out: out.to_owned(),
             resume: false,
+            // What a submission says of its tasks is held against all of them.
+            keep_going: true,
             started_at: String::new(),
             harness_version: e.harness_version.to_owned(),
         }

@@ -31,6 +31,7 @@ Exit codes:
     7  completed, but the harness or the machine failed some tasks; --resume runs them again
     8  completed, but the planner failed some checks of check
     9  a submission does not verify
+   10  ended early: the planner failed alike in all of the first tasks, before its first command
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -149,6 +150,9 @@ pub(crate) struct RunArgs {
     /// Go on with the run in --out
     #[arg(long, requires = "out")]
     pub(crate) resume: bool,
+    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
+    #[arg(long)]
+    pub(crate) keep_going: bool,
     /// Seed of the planner's randomness
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -204,6 +208,7 @@ impl RunArgs {
             jobs: None,
             out: None,
             resume: false,
+            keep_going: false,
             seed: 0,
             params: Vec::new(),
             trace: TraceMode::default(),

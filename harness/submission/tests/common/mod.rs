@@ -122,6 +122,7 @@ impl Bench {
             trace: TraceMode::TenHz,
             out: self.path(out),
             resume: false,
+            keep_going: false,
             started_at: "2026-01-01T00:00:00Z".into(),
             harness_version: VERSION.into(),
         };
