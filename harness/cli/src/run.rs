@@ -131,6 +131,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         seed: args.seed,
         jobs,
         trace: args.trace,
+        logs: args.logs,
         out,
         resume: args.resume,
         keep_going: args.keep_going,

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, mpsc};
 
 use vb_host::{Limits, Metadata, Plugin};
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader, SuiteHeader,
-    TraceMode,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
+    SuiteHeader, TraceMode,
 };
 use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
 use vb_sdk::Param;
@@ -71,6 +71,8 @@ pub struct RunConfig {
     pub jobs: usize,
     /// Which samples are kept.
     pub trace: TraceMode,
+    /// Which tasks' records keep the planner's log.
+    pub logs: LogMode,
     /// The run directory.
     pub out: PathBuf,
     /// Whether to go on with an interrupted run in `out`.
@@ -300,6 +302,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         },
         limits: limits.named().map(|(name, value)| (name.to_owned(), value)).into(),
         trace: config.trace,
+        logs: config.logs,
     }
 }
 
@@ -380,6 +383,7 @@ impl Work<'_> {
             options: self.options,
             rules: &c.rules,
             trace: c.trace,
+            logs: c.logs,
         };
         Ok(trial.run(self.cancel))
     }

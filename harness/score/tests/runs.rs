@@ -9,7 +9,7 @@ use std::path::Path;
 use vb_math::rng::Stream;
 use vb_math::sin;
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
     TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
@@ -50,6 +50,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
         },
         limits: BTreeMap::new(),
         trace,
+        logs: LogMode::default(),
     }
 }
 
