@@ -159,6 +159,42 @@ fn the_log_of_a_planner_that_fails_is_kept() {
     }
 }
 
+/// A vehicle that stands still is no error of its planner's, but its log may tell why it does.
+#[test]
+fn the_log_of_a_vehicle_that_got_stuck_is_kept_unless_none_is_wanted() {
+    let bench = Bench::new();
+    let plugin = plugin("faulty", Carrier::Wasm);
+    let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range"];
+    let run = |out: &str, more: &[&str]| {
+        let done = bench.run(&[&args[..], &["--out", out], more].concat());
+        assert!(done.status.success(), "{}", done.stderr);
+        let record = bench.records(out).remove("w001/t00").expect("the task is recorded");
+        assert_eq!(record["outcome"], "stuck");
+        (record, done.stderr)
+    };
+    // It logs a line a step, every 0.1 s until 9.9 s; the last 20 are kept.
+    let lines: Vec<String> =
+        (80..100).map(|k| format!("info: failing at {} s: range", f64::from(k) / 10.0)).collect();
+    let (usual, told) = run("usual", &[]);
+    let kept = usual["log"].as_array().expect("a log");
+    assert_eq!((kept.len(), &kept[0]), (20, &Value::from(lines[0].clone())));
+    assert!(!told.contains("log | "), "{told}");
+    assert_eq!(bench.json("usual/run.json")["logs"], "failed");
+    let (all, told) = run("all", &["--logs", "all", "--debug"]);
+    assert_eq!(all, usual, "the lines are the same whenever the task is driven");
+    assert!(told.contains("    log | info: failing at 9.9 s: range"), "{told}");
+    let (none, _) = run("none", &["--logs", "none"]);
+    assert!(none["log"].is_null(), "{none}");
+    assert_eq!(none["state_hash"], usual["state_hash"]);
+    // Scoring again leaves it as it is.
+    let told = bench.ok(&["score", "usual", "--message-format", "json"]);
+    let first: Value = serde_json::from_str(told.lines().next().expect("a line")).expect("JSON");
+    assert_eq!(first["record"]["log"], usual["log"]);
+    // Records hold it, so a run goes on with the same.
+    let error = bench.run(&[&args[..], &["--out", "usual", "--resume", "--logs", "all"]].concat()).error(4);
+    assert!(error.contains("logs"), "{error}");
+}
+
 #[test]
 fn commands_out_of_range_are_clamped_and_counted() {
     let bench = Bench::new();

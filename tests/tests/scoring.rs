@@ -152,6 +152,13 @@ fn coarse_traces_say_their_resolution_and_come_close() {
         let own = &records[record["task"].as_str().expect("a name")];
         assert_eq!((&record["outcome"], &record["time_s"]), (&own["outcome"], &own["time_s"]));
     }
+    // Every task is measured by the samples of its trace, so none weighs more than in the run.
+    let own = &bench.json("r/summary.json")["all"];
+    for mean in ["roll_mean_deg", "pitch_mean_deg", "roll_task_mean_deg", "pitch_task_mean_deg"] {
+        let of = |all: &Value| all[mean].as_f64().expect("a mean");
+        let (thin, own) = (of(&summary["summary"]["all"]), of(own));
+        assert!((thin - own).abs() < 0.02 * own, "{mean}: {thin}, the run has {own}");
+    }
 }
 
 #[test]

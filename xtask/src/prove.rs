@@ -41,6 +41,8 @@ pub(crate) fn prove(suite: &Path) -> Result<(), Failure> {
         let mut drive = Command::new(built("vb-harness"));
         drive.arg("--plugin").arg(default_plugin_dir().join("expert.wasm"));
         drive.arg("--suite").arg(&suite).arg("--out").arg(&out).args(["--trace", "none"]);
+        // Of the tasks that are left, the expert may well find no way to any.
+        drive.arg("--keep-going");
         for param in *params {
             drive.args(["--param", param]);
         }

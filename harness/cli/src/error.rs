@@ -22,6 +22,8 @@ pub(crate) const HOST_ERRORS: u8 = 7;
 pub(crate) const NOT_CONFORMING: u8 = 8;
 /// A submission does not verify.
 pub(crate) const NOT_VERIFIED: u8 = 9;
+/// The run was ended early: the planner failed alike in all of the first tasks, before its first command.
+pub(crate) const FAILED_START: u8 = 10;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -73,6 +75,10 @@ impl CliError {
 
     pub(crate) fn not_verified(message: impl fmt::Display) -> Self {
         Self::new(NOT_VERIFIED, message)
+    }
+
+    pub(crate) fn failed_start(message: impl fmt::Display) -> Self {
+        Self::new(FAILED_START, message)
     }
 
     pub(crate) fn interrupted(message: impl fmt::Display) -> Self {

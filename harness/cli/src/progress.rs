@@ -27,7 +27,7 @@ enum Kind {
 /// The course of a run, for people or programs that watch it.
 pub(crate) struct Progress {
     kind: Kind,
-    /// Whether backtraces are shown.
+    /// Whether backtraces are shown, and logs of tasks that no error ended.
     debug: bool,
     total: u64,
     done: u64,
@@ -97,7 +97,8 @@ impl Progress {
                 let counts: Vec<String> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
                 bar.set_message(format!("{}  {}", counts.join(", "), self.speed()));
                 bar.set_position(self.done);
-                if record.fault.is_some() {
+                let logged = self.debug && !record.log.is_empty();
+                if record.fault.is_some() || logged {
                     bar.suspend(|| {
                         output::note(&format!("{} {}: {}", record.task, record.outcome, record.reason));
                         details(record, self.debug).iter().for_each(|line| output::note(line));
@@ -125,12 +126,15 @@ impl Progress {
     }
 }
 
-/// What helps to find out why a task failed: the last lines that the planner logged and, to debug, where it trapped.
+/// What helps to find out why a task failed: the last lines that the planner logged, if an error ended it, and, to debug, of any
+/// task, with where it trapped.
 fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
     /// More of them are in tasks.jsonl.
     const LOG_LINES: usize = 5;
     let mut lines = Vec::new();
-    for line in &record.log[record.log.len().saturating_sub(LOG_LINES)..] {
+    // Of the tasks of a run many fail, and few by an error: their logs would bury all else.
+    let log = if record.fault.is_some() || debug { &record.log[..] } else { &[] };
+    for line in &log[log.len().saturating_sub(LOG_LINES)..] {
         // A record on disk is data from outside too.
         lines.push(format!("    log | {}", vb_host::one_line(line)));
     }

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use vb_host::Limits;
-use vb_runner::{Event, RunConfig, RunError, Soils, Vehicle};
+use vb_runner::{Event, FailedStart, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
 use vb_sim::{SoilSet, VehicleSpec};
 
@@ -21,7 +21,7 @@ use crate::{output, places, planner, suite};
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Finished { out: &'a Path, interrupted: bool, summary: &'a Summary },
+    Finished { out: &'a Path, interrupted: bool, failed_start: Option<&'a FailedStart>, summary: &'a Summary },
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
@@ -45,12 +45,25 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
         MessageFormat::Json => output::json(&Message::Finished {
             out: &config.out,
             interrupted: report.interrupted,
+            failed_start: report.failed_start.as_ref(),
             summary: &report.summary,
         }),
         MessageFormat::Human => {
             output::text(&report.summary.table());
             output::note(&format!("results: {}", config.out.display()));
         }
+    }
+    if let Some(start) = &report.failed_start {
+        return Err(CliError::failed_start(format!(
+            "the planner failed alike in all of the first {} tasks before its first command ({}), in the first so: {} ({} tasks left; \
+             mend the cause and start anew, or go on with the same command and --out {} --resume; --keep-going drives all tasks \
+             whatever happens)",
+            start.tasks,
+            start.fault,
+            start.reason,
+            report.summary.missing(),
+            config.out.display()
+        )));
     }
     if report.interrupted {
         return Err(CliError::interrupted(format!(
@@ -118,8 +131,10 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         seed: args.seed,
         jobs,
         trace: args.trace,
+        logs: args.logs,
         out,
         resume: args.resume,
+        keep_going: args.keep_going,
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
     })

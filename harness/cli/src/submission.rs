@@ -236,6 +236,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     wanted.suite = Some(suite.dir().to_owned());
     (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
     (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
+    // A planner's own words may tell of the suite, and one that fails in all tasks has its scores, too.
+    wanted.keep_going = true;
     let config = run::config(&wanted)?;
     // Stopped in good order, so that the folder with the run is removed.
     let cancel = run::stop_on_ctrl_c()?;

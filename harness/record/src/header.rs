@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::TraceMode;
+use crate::{LogMode, TraceMode};
 
 /// Version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has the
 /// outcome `host_error`, codes with the one to blame in front, and more of what planners used. Runs of version 1 can
@@ -122,6 +122,9 @@ pub struct RunHeader {
     pub limits: BTreeMap<String, u64>,
     /// Which samples are kept in traces.
     pub trace: TraceMode,
+    /// Which tasks' records keep the planner's log. Runs that don't say it kept those of tasks that ended by an error.
+    #[serde(default)]
+    pub logs: LogMode,
 }
 
 /// Fields of run.json that may differ between a run and its resumption: they decide nothing.

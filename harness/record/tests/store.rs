@@ -9,8 +9,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DataHeader, DebugSeries, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore, Sample,
-    StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
+    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore,
+    Sample, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
 };
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +55,7 @@ fn header() -> RunHeader {
         },
         limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
         trace: TraceMode::Full,
+        logs: LogMode::default(),
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, StoreError, SuiteHeader,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, StoreError, SuiteHeader,
     TraceMode,
 };
 use vb_report::{Measure, Report, ReportError, Runs, write_csv, write_parquet};
@@ -48,6 +48,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
         rules: RulesHeader { name: "paper".into(), hash: "ee".into(), profile: serde_json::json!({}) },
         limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
         trace: TraceMode::TenHz,
+        logs: LogMode::default(),
     }
 }
 

@@ -7,6 +7,7 @@
 mod brief;
 pub mod conformance;
 mod error;
+mod fail_fast;
 mod run;
 mod shape;
 mod state_hash;
@@ -14,6 +15,7 @@ mod trial;
 
 pub use brief::{planner_task, planner_vehicle};
 pub use error::RunError;
+pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, run, start};
 pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, mpsc};
 
 use vb_host::{Limits, Metadata, Plugin};
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader, SuiteHeader,
-    TraceMode,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
+    SuiteHeader, TraceMode,
 };
 use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
 use vb_sdk::Param;
@@ -16,6 +16,7 @@ use vb_sim::{SimOptions, SoilSet, Start, VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
 use crate::brief::{Terms, planner_task, planner_vehicle};
+use crate::fail_fast::{FailFast, FailedStart};
 use crate::shape::static_shape;
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
 
@@ -70,10 +71,14 @@ pub struct RunConfig {
     pub jobs: usize,
     /// Which samples are kept.
     pub trace: TraceMode,
+    /// Which tasks' records keep the planner's log.
+    pub logs: LogMode,
     /// The run directory.
     pub out: PathBuf,
     /// Whether to go on with an interrupted run in `out`.
     pub resume: bool,
+    /// Whether to drive all tasks even if the planner fails alike in all of the first ones ([`FailedStart`]).
+    pub keep_going: bool,
     /// When the run was started, RFC 3339, for the record.
     pub started_at: String,
     /// Version of the harness, for the record.
@@ -106,6 +111,8 @@ pub struct RunReport {
     pub summary: Summary,
     /// Whether it was cancelled before all tasks were done.
     pub interrupted: bool,
+    /// Why it was ended early, if it was.
+    pub failed_start: Option<FailedStart>,
 }
 
 /// How the simulator starts a trial under a rule in a world of a scale.
@@ -120,7 +127,8 @@ pub fn start(rule: StartRule, scale: f64) -> Start {
 }
 
 /// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run soon: tasks in flight are
-/// given up, all others are on disk.
+/// given up, all others are on disk. If the planner fails alike in all of the first tasks, before its first command, no
+/// further ones are started.
 ///
 /// # Errors
 /// If something is wrong with the inputs (nothing is written then), or the run directory can't be written.
@@ -152,6 +160,7 @@ pub fn run(
         next: AtomicUsize::new(0),
         worlds: Mutex::new(VecDeque::new()),
         stop: AtomicBool::new(false),
+        fail_fast: Mutex::default(),
         cancel,
     };
     let mut failure = None;
@@ -192,7 +201,10 @@ pub fn run(
     }
     let summary = Summary::new(&header, &config.rules, &records, Vec::new());
     store.write_summary(&summary)?;
-    Ok(RunReport { interrupted: records.len() < config.tasks.len(), summary })
+    let fail_fast = work.fail_fast.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let failed_start = fail_fast.found();
+    let interrupted = failed_start.is_none() && records.len() < config.tasks.len();
+    Ok(RunReport { summary, interrupted, failed_start })
 }
 
 /// Puts a result on disk, the record last: a task that is done has its trace.
@@ -290,6 +302,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         },
         limits: limits.named().map(|(name, value)| (name.to_owned(), value)).into(),
         trace: config.trace,
+        logs: config.logs,
     }
 }
 
@@ -308,28 +321,45 @@ struct Work<'a> {
     next: AtomicUsize,
     /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
     worlds: Mutex<VecDeque<Arc<World>>>,
-    /// Set after an error: start nothing more.
+    /// Set after an error, or if the planner can't even begin: start nothing more.
     stop: AtomicBool,
+    fail_fast: Mutex<FailFast>,
     cancel: &'a AtomicBool,
 }
 
 impl Work<'_> {
     fn work(&self, sender: &mpsc::Sender<Message>) {
         while !self.stop.load(Ordering::Relaxed) && !self.cancel.load(Ordering::Relaxed) {
-            let Some(task) = self.open.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
+            let place = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(task) = self.open.get(place) else { return };
             let name = format!("{}/{}", task.world, task.task);
             // The receiver outlives the workers; if it is gone, so is the run.
             if sender.send(Message::Started(name)).is_err() {
                 return;
             }
             let message = match self.trial(task) {
-                Ok(Some(result)) => Message::Ended(Box::new(result)),
+                Ok(Some(result)) => {
+                    self.watch(place, &result.record);
+                    Message::Ended(Box::new(result))
+                }
                 Ok(None) => return,
                 Err(error) => Message::Failed(error),
             };
             if sender.send(message).is_err() {
                 return;
             }
+        }
+    }
+
+    /// Starts nothing more if the planner fails alike in all of the first tasks. This is found out before this worker takes
+    /// another task, which may cost a whole time-out.
+    fn watch(&self, place: usize, record: &TaskRecord) {
+        if self.config.keep_going {
+            return;
+        }
+        let mut fail_fast = self.fail_fast.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if fail_fast.ended(place, record) {
+            self.stop.store(true, Ordering::Relaxed);
         }
     }
 
@@ -353,6 +383,7 @@ impl Work<'_> {
             options: self.options,
             rules: &c.rules,
             trace: c.trace,
+            logs: c.logs,
         };
         Ok(trial.run(self.cancel))
     }

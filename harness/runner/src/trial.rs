@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp, one_line};
-use vb_record::{DebugSeries, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
-use vb_score::{Fault, FuelUse, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
+use vb_record::{
+    DebugSeries, LogMode, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample,
+};
+use vb_score::{Fault, FuelUse, Outcome, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleState};
 use vb_world::{Task, World};
@@ -16,7 +18,7 @@ use crate::StateHash;
 /// Time between the samples that rules and metrics see, s.
 pub const SAMPLE_PERIOD: f64 = 0.01;
 
-/// Lines of a planner's log that are kept for the record of a task it failed.
+/// Lines of a planner's log, the last ones, that are kept for the record of a task.
 const LOG_LINES: usize = 20;
 
 /// Everything that decides the result of one task.
@@ -39,6 +41,8 @@ pub struct Trial<'a> {
     pub rules: &'a Rules,
     /// Which samples are kept.
     pub trace: TraceMode,
+    /// Whether the record keeps the planner's log.
+    pub logs: LogMode,
 }
 
 /// What a trial leaves.
@@ -162,8 +166,8 @@ impl Trial<'_> {
                 None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
             },
         };
-        let log = log.lock().map(|l| l.clone()).unwrap_or_default();
-        let failed = fault.is_some();
+        let kept = self.logs.keeps(score.outcome == Outcome::Success);
+        let log = if kept { log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
         let limits = self.plugin.limits();
         let fuel = ledger.fuel_init.map(|init| {
             let steps = ledger.fuel_steps;
@@ -186,7 +190,7 @@ impl Trial<'_> {
             clamped: ledger.clamped,
             fuel,
             metrics: score.metrics,
-            log: if failed { log } else { Vec::new() },
+            log,
             backtrace,
         };
         let start = self.task.start;

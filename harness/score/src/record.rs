@@ -99,7 +99,7 @@ pub struct TaskRecord {
     pub fuel: Option<FuelUse>,
     /// Measures; none if the task ended before the first sample.
     pub metrics: Option<Metrics>,
-    /// The last lines that the planner logged, if it failed.
+    /// The last lines that the planner logged, if the run keeps them of such a task: else, and if it logged none, empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<String>,
     /// The innermost functions at a trap of the planner, the failing one first.

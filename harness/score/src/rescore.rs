@@ -36,7 +36,8 @@ pub enum RescoreError {
 ///
 /// With full traces and the run's own rules, verdicts and measures come out as they were, bit for bit. A trace ends
 /// where the run's own rules decided; where that is too early for `rules` to decide, the task is undecided. Trials
-/// that ended by a fault of planner or simulation, and were not decided before, keep that outcome.
+/// that ended by a fault of planner or simulation, and were not decided before, keep that outcome. All measures are of
+/// the samples in the traces, so that every task weighs in the pooled means as it does in the run.
 ///
 /// # Errors
 /// [`RescoreError`].
@@ -68,6 +69,7 @@ pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
         let trace = run.trace(&record.task)?;
         let mut scorer = Scorer::new(rules, &TaskGeometry::from(&trace.meta));
         let found = trace.samples.iter().any(|sample| scorer.push(sample).is_some());
+        let metrics = scorer.metrics();
         let score = match fault {
             Some(fault) if !found => Some(scorer.fail(fault, record.reason.clone())),
             _ => scorer.finish(),
@@ -77,8 +79,12 @@ pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
                 record.set_score(score);
                 decided.push(record);
             }
-            // Thinned samples may miss by a hair what the same rules saw at full resolution.
-            None if same_rules && header.trace == TraceMode::TenHz => decided.push(record),
+            // Thinned samples may miss by a hair what the same rules saw at full resolution, so the verdict stands. The
+            // measures don't: they are of ten times the samples, and would weigh ten times as much in the pooled means.
+            None if same_rules && header.trace == TraceMode::TenHz => {
+                record.metrics = metrics;
+                decided.push(record);
+            }
             None => undecided.push(record.task),
         }
     }

@@ -100,6 +100,12 @@ impl Scorer {
         self.verdict.as_ref()
     }
 
+    /// The measures of the samples so far; none without samples.
+    #[must_use]
+    pub fn metrics(&self) -> Option<Metrics> {
+        self.sums.metrics()
+    }
+
     /// The score; `None` if the samples didn't suffice for a verdict.
     #[must_use]
     pub fn finish(self) -> Option<TaskScore> {

@@ -9,7 +9,7 @@ use std::path::Path;
 use vb_math::rng::Stream;
 use vb_math::sin;
 use vb_record::{
-    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
     TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
@@ -50,6 +50,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
         },
         limits: BTreeMap::new(),
         trace,
+        logs: LogMode::default(),
     }
 }
 
@@ -88,17 +89,9 @@ fn run(
     speed: f64,
     fault: Option<f64>,
 ) -> TaskRecord {
-    let mut scorer = Scorer::new(rules, &GEOMETRY);
-    let mut trace = TraceRecorder::new(mode, 0);
-    let mut score = None;
-    for k in 0.. {
-        let time = f64::from(k) * 0.01;
-        if fault.is_some_and(|at| time > at) {
-            score = Some(scorer.clone().fail(Fault::Planner, "out of fuel"));
-            break;
-        }
+    drive(store, rules, mode, name, fault, |time| {
         let wobble = sin(3.0 * time) / 3.0;
-        let sample = Sample {
+        Sample {
             time,
             x: -60.0 + speed * time,
             y: wobble / 10.0,
@@ -108,7 +101,29 @@ fn run(
             steering: wobble,
             throttle: 1.0 / 3.0,
             ..Sample::default()
-        };
+        }
+    })
+}
+
+/// Runs task `name`, in which the vehicle moves as `motion` says by the time (s).
+fn drive(
+    store: &RunStore,
+    rules: &Rules,
+    mode: TraceMode,
+    name: &str,
+    fault: Option<f64>,
+    motion: impl Fn(f64) -> Sample,
+) -> TaskRecord {
+    let mut scorer = Scorer::new(rules, &GEOMETRY);
+    let mut trace = TraceRecorder::new(mode, 0);
+    let mut score = None;
+    for k in 0.. {
+        let time = f64::from(k) * 0.01;
+        if fault.is_some_and(|at| time > at) {
+            score = Some(scorer.clone().fail(Fault::Planner, "out of fuel"));
+            break;
+        }
+        let sample = motion(time);
         trace.push(&sample, &[]);
         if scorer.push(&sample).is_some() {
             break;
@@ -197,6 +212,44 @@ fn thinned_traces_say_their_resolution_and_keep_the_verdicts_of_the_same_rules()
     let (thin, full) = (again.records[0].metrics.unwrap(), records[0].metrics.unwrap());
     assert!(thin.samples < full.samples / 9);
     assert!((thin.roll_mean_deg - full.roll_mean_deg).abs() < 0.05 * full.roll_mean_deg);
+}
+
+/// The vehicle stops so that it has moved less than 1 m in 10 s at a time that full samples see and thinned ones miss by a
+/// hair. Its task keeps its verdict, but it is measured by the same samples as all others, so that it weighs no more.
+#[test]
+fn thinned_traces_pool_the_means_of_the_run() {
+    let tmp = tempfile::tempdir().unwrap();
+    let rules = Rules::paper();
+    let mode = TraceMode::TenHz;
+    let head = header(&rules, mode, 2);
+    let store = RunStore::create(tmp.path(), &head).unwrap();
+    let halts = |time: f64| Sample {
+        time,
+        x: -60.0 + 5.0 * time.min(5.05),
+        roll: if time < 12.0 { 0.5 } else { 0.4 },
+        pitch: -0.25,
+        ..Sample::default()
+    };
+    let records =
+        vec![run(&store, &rules, mode, "w/a", 2.0, None), drive(&store, &rules, mode, "w/b", None, halts)];
+    assert_eq!((records[1].outcome, records[1].time_s), (Outcome::Stuck, 14.86));
+    let again = rescore(tmp.path(), &rules).unwrap();
+    assert_eq!((again.records[1].outcome, &again.records[1].reason), (Outcome::Stuck, &records[1].reason));
+    for (thin, full) in again.records.iter().zip(&records) {
+        let (thin, full) = (thin.metrics.unwrap(), full.metrics.unwrap());
+        assert!(thin.samples.abs_diff(full.samples / 10) <= 2, "{} of {}", thin.samples, full.samples);
+    }
+    let own = Summary::new(&head, &rules, &records, Vec::new()).all.unwrap();
+    let thin = again.summary.all.unwrap();
+    let near = |thin: Option<f64>, own: Option<f64>| {
+        let (thin, own) = (thin.unwrap(), own.unwrap());
+        assert!((thin - own).abs() < 0.01 * own, "{thin}, the run has {own}");
+    };
+    near(thin.roll_mean_deg, own.roll_mean_deg);
+    near(thin.roll_variance_deg2, own.roll_variance_deg2);
+    near(thin.pitch_mean_deg, own.pitch_mean_deg);
+    near(thin.pitch_variance_deg2, own.pitch_variance_deg2);
+    near(thin.roll_task_mean_deg, own.roll_task_mean_deg);
 }
 
 #[test]

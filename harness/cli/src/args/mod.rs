@@ -8,7 +8,7 @@ mod terrain;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use vb_record::TraceMode;
+use vb_record::{LogMode, TraceMode};
 use vb_runner::SAMPLE_PERIOD;
 
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
@@ -31,6 +31,7 @@ Exit codes:
     7  completed, but the harness or the machine failed some tasks; --resume runs them again
     8  completed, but the planner failed some checks of check
     9  a submission does not verify
+   10  ended early: the planner failed alike in all of the first tasks, before its first command
   130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
@@ -149,6 +150,9 @@ pub(crate) struct RunArgs {
     /// Go on with the run in --out
     #[arg(long, requires = "out")]
     pub(crate) resume: bool,
+    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
+    #[arg(long)]
+    pub(crate) keep_going: bool,
     /// Seed of the planner's randomness
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -158,6 +162,9 @@ pub(crate) struct RunArgs {
     /// Samples to keep: none, 10hz, or full, which allows exact re-scoring
     #[arg(long, value_name = "none|10hz|full", default_value = "10hz", value_parser = trace_mode)]
     pub(crate) trace: TraceMode,
+    /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none
+    #[arg(long, value_name = "all|failed|none", default_value = "failed", value_parser = log_mode)]
+    pub(crate) logs: LogMode,
     /// Rules: paper, release, dev, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
     pub(crate) rules: String,
@@ -185,7 +192,7 @@ pub(crate) struct RunArgs {
     /// Memory of a WASM planner in bytes, or with a suffix K, M or G, whatever --limits says
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) memory: Option<u64>,
-    /// Show the functions in which a planner trapped
+    /// Show the functions in which a planner trapped, and every log that is kept, not those of errors alone
     #[arg(long)]
     pub(crate) debug: bool,
     /// How results are told
@@ -204,9 +211,11 @@ impl RunArgs {
             jobs: None,
             out: None,
             resume: false,
+            keep_going: false,
             seed: 0,
             params: Vec::new(),
             trace: TraceMode::default(),
+            logs: LogMode::default(),
             rules: "paper".into(),
             vehicle: "hmmwv".into(),
             soils: "default".into(),
@@ -419,6 +428,10 @@ fn trace_mode(text: &str) -> Result<TraceMode, String> {
         .ok_or_else(|| "want none, 10hz or full".into())
 }
 
+fn log_mode(text: &str) -> Result<LogMode, String> {
+    LogMode::ALL.into_iter().find(|mode| mode.name() == text).ok_or_else(|| "want all, failed or none".into())
+}
+
 /// A number or a fraction.
 fn scale(text: &str) -> Result<f64, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
@@ -531,5 +544,7 @@ mod tests {
         assert!(positive("0").is_err() && positive("inf").is_err() && positive("0.5") == Ok(0.5));
         assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
         assert!(trace_mode("20hz").is_err());
+        assert_eq!(log_mode("all"), Ok(LogMode::All));
+        assert!(log_mode("some").is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use vb_host::Plugin;
-use vb_record::TraceMode;
+use vb_record::{LogMode, TraceMode};
 use vb_score::{Outcome, Rules, TaskRecord};
 use vb_sdk::Param;
 use vb_sim::{SimOptions, SoilSet, VehicleModel};
@@ -86,6 +86,7 @@ impl<'a> Course<'a> {
             options: self.options,
             rules: self.rules,
             trace: TraceMode::None,
+            logs: LogMode::default(),
         };
         let record = trial.run(cancel).ok_or(KitError::Cancelled)?.record;
         match record.outcome {

@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use vb_host::{Limits, Plugin};
-use vb_record::{RunHeader, TraceMode};
+use vb_record::{LogMode, RunHeader, TraceMode};
 use vb_runner::{RunConfig, Soils, Vehicle};
 use vb_score::{Rules, Summary, TaskRecord};
 use vb_sim::{SoilSet, VehicleSpec};
@@ -120,8 +120,10 @@ impl Bench {
             seed: 0,
             jobs: 2,
             trace: TraceMode::TenHz,
+            logs: LogMode::default(),
             out: self.path(out),
             resume: false,
+            keep_going: false,
             started_at: "2026-01-01T00:00:00Z".into(),
             harness_version: VERSION.into(),
         };
