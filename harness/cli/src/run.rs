@@ -49,6 +49,9 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
         }),
         MessageFormat::Human => {
             output::text(&report.summary.table());
+            if let Some(clamped) = progress.clamped() {
+                output::text(&format!("{clamped}\n"));
+            }
             output::note(&format!("results: {}", config.out.display()));
         }
     }
