@@ -68,9 +68,14 @@ bool exports_vertibench_planner_guest_static_planner_init(
 bool exports_vertibench_planner_guest_method_planner_step(
     exports_vertibench_planner_guest_borrow_planner_t self, exports_vertibench_planner_guest_observation_t *o,
     exports_vertibench_planner_guest_command_t *ret, planner_plugin_string_t *err) {
-  (void)err;
   planner_t *planner = self;
   double x = o->position.x, y = o->position.y;
+  // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+  if (!(fabs(x) < 1e9 && fabs(y) < 1e9 && fabs(o->yaw) < 1e9 && fabs(o->linear_velocity.x) < 1e9)) {
+    exports_vertibench_planner_guest_observation_free(o);
+    planner_plugin_string_dup(err, "position, heading or speed makes no sense");
+    return false;
+  }
   // Progress never goes back, and advances by a window at most: it can't jump to a later stretch that passes nearby.
   double window = 2.0 * planner->ahead;
   planner->arc = path_closest_between(&planner->path, x, y, planner->arc, planner->arc + window);

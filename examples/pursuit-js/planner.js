@@ -125,6 +125,11 @@ class Planner {
 
   step(o) {
     const { x, y } = o.position;
+    // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+    const seen = [x, y, o.yaw, o.linearVelocity.x];
+    if (!seen.every((value) => Math.abs(value) < 1e9)) {
+      throw new Error(`position, heading or speed makes no sense: ${seen.join(', ')}`);
+    }
     // Progress never goes back, and advances by a window at most: it can't jump to a later stretch that passes nearby.
     this.arc = this.path.closestBetween(x, y, this.arc, this.arc + 2 * this.ahead);
     const goal = this.path.pointAt(this.arc + this.ahead);

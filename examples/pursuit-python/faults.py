@@ -10,22 +10,29 @@ from wit_world.imports.types import LogLevel
 def reported(function):
     """Lets an exception that isn't `Err` end the task as a panic with its text and place.
 
-    Without this it ends as a trap, since there is no terminal for Python to write its traceback to.
+    Without this the panic would be told with the place in the runtime that found the exception.
     """
 
     @wraps(function)
     def call(*args):
         try:
-            return function(*args)
+            result = function(*args)
         except Err:
             raise
         except Exception as e:
             place = e.__traceback__
             while place.tb_next is not None:
                 place = place.tb_next
-            file = place.tb_frame.f_code.co_filename.rsplit("/", 1)[-1]
-            # The form by which the harness knows it: docs/abi.md.
-            log(LogLevel.ERROR, f"panicked at {file}:{place.tb_lineno}:1: {type(e).__name__}: {e}")
+            panicked(place.tb_frame.f_code, place.tb_lineno, f"{type(e).__name__}: {e}")
             raise
+        if result is None:
+            panicked(function.__code__, function.__code__.co_firstlineno, f"{function.__name__} returned None")
+        return result
 
     return call
+
+
+def panicked(code, line, text):
+    """Logs it in the form by which the harness knows it: docs/abi.md."""
+    file = code.co_filename.rsplit("/", 1)[-1]
+    log(LogLevel.ERROR, f"panicked at {file}:{line}:1: {text}")

@@ -41,6 +41,10 @@ class Planner(wit_world.exports.guest.Planner):
 
     @reported
     def step(self, o: Observation) -> Command:
+        # No vehicle has such numbers. NaN is not below anything, so it is refused too.
+        seen = (o.position.x, o.position.y, o.yaw, o.linear_velocity.x)
+        if not all(abs(value) < 1e9 for value in seen):
+            raise Err(f"position, heading or speed makes no sense: {seen}")
         self.follower.update(o.position.x, o.position.y)
         x, y = self.follower.look_ahead(self.ahead)
         dx, dy = x - o.position.x, y - o.position.y

@@ -197,6 +197,16 @@ pub struct Command {
     pub throttle: f64,
     /// Brake in [0, 1].
     pub brake: f64,
-    /// Recorded beside the trajectory; leave empty in normal runs.
+    /// Recorded beside the trajectory and drawn by `vb-harness replay`; leave it empty in normal runs.
+    ///
+    /// ```
+    /// use vb_sdk::{Command, Series};
+    ///
+    /// let mut command = Command { throttle: 0.5, ..Command::default() };
+    /// // A curve beside the view.
+    /// command.debug.push(Series { name: "speed error".into(), values: vec![0.7] });
+    /// // By the ending of its name a line on the ground, through (1, 2) and (3, 4).
+    /// command.debug.push(Series { name: "plan.xy".into(), values: vec![1.0, 2.0, 3.0, 4.0] });
+    /// ```
     pub debug: Vec<Series>,
 }

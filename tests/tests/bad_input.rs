@@ -71,6 +71,42 @@ fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
     }
 }
 
+#[test]
+fn a_plugin_that_is_nearly_named_is_suggested() {
+    let bench = Bench::new();
+    bench.write("hill_fox.wasm", fs::read(pid()).expect("pid.wasm"));
+    bench.write("mine.py", "print('no harness here')");
+    bench.write("libmine.rlib", b"!<arch>\n");
+    let cases: [(&str, &[&str]); 5] = [
+        ("hill-fox.wasm", &["hill-fox.wasm", "did you mean hill_fox.wasm?"]),
+        ("target/release/libmine.so", &["no such plugin file", "crate-type = [\"cdylib\"]"]),
+        ("libmine.rlib", &["static library", "crate-type = [\"cdylib\"]"]),
+        ("mine.py", &["--plugin \"python3 mine.py\""]),
+        ("pyton3 mine.py", &["pyton3", "a program in the PATH"]),
+    ];
+    for (name, says) in cases {
+        not_started(&bench, &["--plugin", name], BAD_INPUT, says);
+        refused(&bench, &["inspect", "--plugin", name], BAD_INPUT, says);
+    }
+}
+
+/// Every command of it is out of range: the scores are those of what the vehicle was let do.
+#[test]
+fn clamped_commands_are_told_at_the_end_of_a_run() {
+    let bench = Bench::new();
+    let faulty = plugin("faulty", Carrier::Wasm);
+    let run = |fault: &str| {
+        let fault = format!("fault={fault}");
+        bench.ok(&["--plugin", text(&faulty), "--tasks", "w001/t00", "--param", &fault, "--out", &fault])
+    };
+    let told = run("range");
+    let record = &bench.records("fault=range")["w001/t00"];
+    let (clamped, commands) = (&record["clamped"], &record["planner_steps"]);
+    let wanted = format!("{clamped} of {commands} commands were out of range and clamped");
+    assert!(clamped.as_u64() > Some(0) && told.contains(&wanted), "{wanted}: {told}");
+    assert!(!run("none").contains("clamped"));
+}
+
 /// The bytes with one text, which must be there, in place of another of the same length.
 fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     assert_eq!(old.len(), new.len());

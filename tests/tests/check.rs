@@ -57,6 +57,7 @@ fn a_planner_that_breaks_a_promise_fails_the_check_that_is_about_it() {
     for (carrier, fault, failing, says) in [
         (wasm, "nan", "tasks", "steering is NaN"),
         (wasm, "panic", "tasks", "planner/panic"),
+        (wasm, "clock", "tasks", "use the observation's `time`"),
         (native, "clock", "determinism", "w001/t00 twice: "),
         (native, "static", "hygiene", "alone and after w001/t00"),
     ] {

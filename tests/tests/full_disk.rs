@@ -43,7 +43,12 @@ fn a_full_disk_stops_the_run_and_with_space_it_goes_on() {
     let Some(disk) = Disk::mount(bench.path("disk"), "size=256k") else { return };
     let plugin = pid();
     let e = bench.run(&args(&plugin, "disk/r", &[])).error(OUTPUT);
-    assert!(e.contains("disk/r") && e.contains("free some space") && e.contains("--resume"), "{e}");
+    assert!(
+        e.contains("disk/r") && e.contains("free some space") && e.contains("the same command and --resume"),
+        "{e}"
+    );
+    // A run keeps its own settings: --resume would refuse another --trace.
+    assert!(e.contains("a new run with --trace none"), "{e}");
     let safe = bench.records("disk/r").len();
     assert!((1..10).contains(&safe), "{safe}");
     // What is there can be scored.

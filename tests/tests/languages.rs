@@ -126,11 +126,19 @@ fn project(bench: &Bench, lang: &str) -> PathBuf {
     bench.path("fox")
 }
 
-/// It is found by the harness, keeps what planners promise, and drives as the example that it starts from.
+/// It is found by the harness, keeps what planners promise without a warning, and drives as the example that it starts
+/// from.
 fn assert_drives(bench: &Bench, built: &Path, example: &Path) {
     assert!(bench.ok(&["inspect", "--plugin", text(built)]).contains("fox 0.1.0"));
     let told = bench.ok(&["check", "--plugin", text(built), "--tasks", "w001/t00"]);
     assert!(told.contains("0 failed"), "{told}");
+    // How long it takes to start is a matter of the machine, which may be busy.
+    let mut warned = told.lines().filter(|l| l.starts_with("warn") && !l.starts_with("warn  start-up"));
+    assert_eq!(
+        warned.next(),
+        None,
+        "an author changes nothing yet, so nothing is there to be warned of: {told}"
+    );
     let run = |plugin: &Path, out: &str| {
         bench.ok(&["--plugin", text(plugin), "--tasks", "w001/t00", "--out", out]);
         bench.records(out)["w001/t00"]["state_hash"].clone()
@@ -167,6 +175,7 @@ fn new_projects_in_other_languages_build_and_drive() {
         let dir = project(&bench, lang);
         if lang == "python" {
             plant_a_bug(&dir.join("guest.py"));
+            plant_prints(&dir.join("guest.py"));
         }
         let mut command = Command::new("./build.sh");
         command.current_dir(&dir).env("VB_HARNESS", vb_tests::release_harness()).envs(environment);
@@ -174,31 +183,47 @@ fn new_projects_in_other_languages_build_and_drive() {
         let built = dir.join("build/fox.wasm");
         assert_drives(&bench, &built, &compiled);
         if lang == "python" {
-            bench.ok(&[
-                "--plugin",
-                text(&built),
-                "--tasks",
-                "w001/t00",
-                "--param",
-                "speed=13",
-                "--out",
-                "bug",
-            ]);
-            let record = &bench.records("bug")["w001/t00"];
-            assert_eq!(record["fault"], "planner/panic");
-            let reason = record["reason"].as_str().expect("a reason");
-            assert!(reason.contains("panicked at guest.py:") && reason.contains("IndexError"), "{reason}");
+            assert_tells_bugs(&bench, &built);
         }
     }
 }
 
-/// At one speed the planner takes what isn't there.
+/// What was planted by [`plant_a_bug`] and [`plant_prints`] is told.
+fn assert_tells_bugs(bench: &Bench, built: &Path) {
+    let failed = |speed: &str| {
+        let speed = format!("speed={speed}");
+        bench.ok(&["--plugin", text(built), "--tasks", "w001/t00", "--param", &speed, "--out", &speed]);
+        let record = bench.records(&speed)["w001/t00"].clone();
+        assert_eq!(record["fault"], "planner/panic");
+        (record["reason"].as_str().expect("a reason").to_owned(), record["log"].to_string())
+    };
+    let (reason, log) = failed("13");
+    assert!(reason.contains("panicked at guest.py:") && reason.contains("IndexError"), "{reason}");
+    // Whoever looks for a bug prints and takes the time, which is the simulation's.
+    assert!(log.contains("info: printed at 0.0 0.0") && log.contains("warn: to the error"), "{log}");
+    let (reason, _) = failed("14");
+    assert!(reason.contains("panicked at guest.py:") && reason.contains("step returned None"), "{reason}");
+}
+
+/// At one speed the planner takes what isn't there, and at another it returns nothing.
 fn plant_a_bug(file: &Path) {
     let source = std::fs::read_to_string(file).expect("the planner can be read");
     let at = "        self.follower.update";
     assert!(source.contains(at));
-    let bug = format!("        if self.speed == 13.0:\n            [][0]\n{at}");
-    std::fs::write(file, source.replacen(at, &bug, 1)).expect("the planner can be written");
+    let bugs = "        if self.speed == 13.0:\n            [][0]\n        if self.speed == 14.0:\n            return\n";
+    std::fs::write(file, source.replacen(at, &format!("{bugs}{at}"), 1)).expect("the planner can be written");
+}
+
+/// Its first step prints the time, and something for standard error.
+fn plant_prints(file: &Path) {
+    let source = std::fs::read_to_string(file).expect("the planner can be read");
+    let (top, at) = ("import wit_world.exports.guest\n", "        seen = (");
+    assert!(source.contains(top) && source.contains(at));
+    let prints = "        if o.time == 0.0:\n            print('printed at', time.time(), time.monotonic())\n            \
+                  print('to the error', file=sys.stderr)\n";
+    let source = source.replacen(top, &format!("import sys\nimport time\n\n{top}"), 1);
+    std::fs::write(file, source.replacen(at, &format!("{prints}{at}"), 1))
+        .expect("the planner can be written");
 }
 
 /// What lets `build.sh` find its compiler where `cargo xtask examples` has put it.

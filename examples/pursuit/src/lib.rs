@@ -27,6 +27,11 @@ impl Planner for Pursuit {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+        let seen = [o.position.x, o.position.y, o.yaw, o.linear_velocity.x];
+        if !seen.iter().all(|value| value.abs() < 1e9) {
+            return Err(PlannerError::new(format!("position, heading or speed makes no sense: {seen:?}")));
+        }
         self.follower.update(o.position.x, o.position.y);
         let goal = self.follower.look_ahead(self.ahead);
         let (dx, dy) = (goal.x - o.position.x, goal.y - o.position.y);

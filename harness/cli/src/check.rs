@@ -55,12 +55,12 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
         rules: &rules,
     };
     let cancel = run::stop_on_ctrl_c()?;
-    let mut tell = |check: &Check| match args.message_format {
+    let mut tell = |check: &Check| match args.format.get() {
         MessageFormat::Json => output::json(&Message::Check(check)),
         MessageFormat::Human => output::text(&row(check)),
     };
     let report = check_plugin(&kit, &mut tell, &cancel).map_err(kit_error)?;
-    finish(&report, args.message_format);
+    finish(&report, args.format.get());
     if report.passed() {
         return Ok(());
     }

@@ -27,6 +27,25 @@ pub(crate) const FAILED_START: u8 = 10;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
+/// Every code and what it means, for the help.
+pub(crate) const MEANINGS: [(u8, &str); 12] = [
+    (DONE, "done"),
+    (INTERNAL, "a fault of the harness"),
+    (USAGE, "the command line makes no sense, or names an unknown task, world or parameter"),
+    (BAD_INPUT, "a suite, plugin, rule file, vehicle file or recorded run can't be used"),
+    (OUTPUT, "results can't be written (disk full, no permission, directory not empty or in use)"),
+    (SIM_ERRORS, "completed, but the simulation of some tasks failed"),
+    (CHECKS_FAILED, "completed, but the vehicle failed some checks of its test"),
+    (HOST_ERRORS, "completed, but the harness or the machine failed some tasks; --resume runs them again"),
+    (NOT_CONFORMING, "completed, but the planner failed some checks of check"),
+    (NOT_VERIFIED, "a submission does not verify"),
+    (
+        FAILED_START,
+        "ended early: the planner failed alike in all of the first tasks, before its first command",
+    ),
+    (INTERRUPTED, "stopped by Ctrl-C; go on with --resume"),
+];
+
 /// Why a command failed: one line for people, and the exit code.
 #[derive(Debug)]
 pub(crate) struct CliError {

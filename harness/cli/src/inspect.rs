@@ -33,7 +33,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
         None => vb_host::inspect(&args.plugin),
     };
     let meta = meta.map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => output::json(&Message {
             event: "plugin",
             name: &meta.name,

@@ -33,7 +33,7 @@ pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
     };
     let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut make).map_err(failed)?;
     let entries = site.boards.iter().map(|b| b.entries.len()).sum();
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => {
             output::json(&Message::Leaderboard { boards: site.boards.len(), entries, files: &site.files });
         }

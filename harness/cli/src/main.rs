@@ -22,14 +22,12 @@ mod vehicle;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
-
 fn main() -> ExitCode {
     // Before anything else: the worker must be alone in its process.
     if std::env::args_os().nth(1).is_some_and(|arg| arg == vb_host::WORKER_ARGUMENT) {
         return vb_worker::serve();
     }
-    let cli = match args::Cli::try_parse() {
+    let cli = match args::Cli::of_the_program() {
         Ok(cli) => cli,
         Err(e) if e.use_stderr() => return failed(&usage(&e)),
         Err(e) => {
@@ -56,7 +54,7 @@ fn main() -> ExitCode {
         Some(args::Command::Check(args)) => check::check(&args),
         Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),
         Some(args::Command::Plugin(args::PluginCommand::Stamp(args))) => plugin::stamp(&args),
-        Some(args::Command::Suite(args::SuiteCommand::List)) => suite::list(),
+        Some(args::Command::Suite(args::SuiteCommand::List(args))) => suite::list(&args),
         Some(args::Command::Suite(args::SuiteCommand::Show(args))) => suite::show(&args),
         Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),
         Some(args::Command::Suite(args::SuiteCommand::Prove(args))) => suite::prove(&args),

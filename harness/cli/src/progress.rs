@@ -32,6 +32,9 @@ pub(crate) struct Progress {
     total: u64,
     done: u64,
     outcomes: BTreeMap<Outcome, u64>,
+    /// Commands of all tasks, and those of them that were out of range.
+    commands: u64,
+    clamped: u64,
     /// Simulated time of the tasks that this process ran, s.
     simulated: f64,
     since: Instant,
@@ -44,13 +47,23 @@ impl Progress {
             MessageFormat::Human if std::io::stderr().is_terminal() => Kind::Bar(ProgressBar::no_length()),
             MessageFormat::Human => Kind::Lines,
         };
-        Self { kind, debug, total: 0, done: 0, outcomes: BTreeMap::new(), simulated: 0.0, since: now() }
+        Self {
+            kind,
+            debug,
+            total: 0,
+            done: 0,
+            outcomes: BTreeMap::new(),
+            commands: 0,
+            clamped: 0,
+            simulated: 0.0,
+            since: now(),
+        }
     }
 
     /// The run begins: `total` tasks, of which those of `resumed` are done already.
     pub(crate) fn started(&mut self, total: u64, resumed: &[TaskRecord]) {
         for record in resumed {
-            *self.outcomes.entry(record.outcome).or_default() += 1;
+            self.count(record);
         }
         let resumed = resumed.len() as u64;
         (self.total, self.done, self.since) = (total, resumed, now());
@@ -77,7 +90,7 @@ impl Progress {
     pub(crate) fn ended(&mut self, record: &TaskRecord) {
         self.done += 1;
         self.simulated += record.time_s;
-        *self.outcomes.entry(record.outcome).or_default() += 1;
+        self.count(record);
         match &self.kind {
             Kind::Json => output::json(&Message::Task { done: self.done, total: self.total, record }),
             Kind::Lines => {
@@ -106,6 +119,23 @@ impl Progress {
                 }
             }
         }
+    }
+
+    fn count(&mut self, record: &TaskRecord) {
+        *self.outcomes.entry(record.outcome).or_default() += 1;
+        self.commands += record.planner_steps;
+        self.clamped += record.clamped;
+    }
+
+    /// How many commands weren't carried out as the planner gave them, if any: scores alone don't show it.
+    pub(crate) fn clamped(&self) -> Option<String> {
+        let (clamped, commands) = (self.clamped, self.commands);
+        (clamped > 0).then(|| {
+            format!(
+                "{clamped} of {commands} commands were out of range and clamped (keep steering within [-1, 1], throttle and \
+                 brake within [0, 1])"
+            )
+        })
     }
 
     /// The run has ended, in whichever way.

@@ -60,7 +60,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
             Some(path)
         }
     };
-    if args.message_format == MessageFormat::Json {
+    if args.format.get() == MessageFormat::Json {
         let exact = replay.runs.iter().map(|r| r.motion.repeat == Repeat::Exact).collect();
         output::json(&Message::Replay {
             task: &args.task,

@@ -51,7 +51,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
         write(&path, &page)?;
         files.push(path);
     }
-    if args.message_format == MessageFormat::Json {
+    if args.format.get() == MessageFormat::Json {
         let labels = report.runs().runs.iter().map(|r| r.label.as_str()).collect();
         output::json(&Message::Report { runs: labels, files: &files });
         return Ok(());

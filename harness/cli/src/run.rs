@@ -32,7 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
 pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), CliError> {
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
-    let mut progress = Progress::new(args.message_format, args.debug);
+    let mut progress = Progress::new(args.format.get(), args.debug);
     let mut tell = |event: Event| match event {
         Event::Started { total, resumed } => progress.started(total as u64, &resumed),
         Event::TaskEnded(record) => progress.ended(&record),
@@ -41,7 +41,7 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
     let result = vb_runner::run(&config, &mut tell, &cancel);
     progress.finish();
     let report = result.map_err(run_error)?;
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => output::json(&Message::Finished {
             out: &config.out,
             interrupted: report.interrupted,
@@ -50,6 +50,9 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
         }),
         MessageFormat::Human => {
             output::text(&report.summary.table());
+            if let Some(clamped) = progress.clamped() {
+                output::text(&format!("{clamped}\n"));
+            }
             output::note(&format!("results: {}", config.out.display()));
         }
     }

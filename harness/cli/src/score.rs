@@ -21,7 +21,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
         None => own_rules(args)?,
     };
     let result = rescore(&args.run, &rules).map_err(CliError::input)?;
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => {
             for record in &result.records {
                 output::json(&Message::Task { record });

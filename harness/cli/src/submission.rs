@@ -61,7 +61,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
         None => {
             let mut wanted = RunArgs::new(&args.plugin);
             (wanted.suite, wanted.jobs) = (args.suite.clone(), args.jobs);
-            wanted.message_format = args.message_format;
+            wanted.format = args.format;
             if let Some(vehicle) = &args.vehicle {
                 wanted.vehicle.clone_from(vehicle);
             }
@@ -86,7 +86,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
         replays,
     };
     let manifest = vb_submission::make(&dir, &args.out, &request).map_err(failed)?;
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => output::json(&Message::Submission {
             out: &args.out,
             division: manifest.division,
@@ -162,7 +162,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         harness_version: env!("CARGO_PKG_VERSION"),
     };
     let cancel = run::stop_on_ctrl_c()?;
-    let json = args.message_format == MessageFormat::Json;
+    let json = args.format.get() == MessageFormat::Json;
     let sampling = Sampling { draw, jobs: run::jobs(args.jobs) };
     let mut ended = |done: usize, total: usize, _: &vb_score::TaskRecord| {
         if json {
@@ -262,7 +262,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     if let Some(out) = &args.out {
         write_json(out, &scores)?;
     }
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => output::json(&Message::Scores { scores: &scores }),
         MessageFormat::Human => output::text(&scores.text()),
     }

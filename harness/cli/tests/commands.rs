@@ -55,6 +55,14 @@ fn the_built_in_suites_are_listed_shown_and_valid() {
     assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 1000, "vb-100 is the default");
     assert!(succeed(&dir, &["suite", "list"]).contains("vb-100   100 worlds, 1000 tasks"));
     assert!(succeed(&dir, &["suite", "list"]).contains("testbed  2 worlds, 10 tasks"));
+    let listed = succeed(&dir, &["suite", "list", "--json"]);
+    let listed: Vec<serde_json::Value> = listed.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let smoke = listed.iter().find(|s| s["name"] == "smoke").unwrap();
+    assert_eq!(
+        (&smoke["event"], &smoke["worlds"], &smoke["tasks"]),
+        (&"suite".into(), &10.into(), &100.into())
+    );
+    assert!(smoke["hash"].is_string() && smoke["version"].is_string(), "{smoke}");
     succeed(&dir, &["suite", "testbed", "--seed", "1", "--out", "bed"]);
     let valid = succeed(&dir, &["suite", "validate", "bed", "--vehicle", "verti4wheeler"]);
     assert!(valid.contains("2 worlds, 10 tasks, all valid"), "{valid}");

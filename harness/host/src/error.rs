@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use crate::FaultCause;
 use crate::abi::{self, AbiVersion};
 use crate::code::FaultCode;
+use crate::hint;
 
 /// Why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// There is no such file.
-    #[error("{}: no such plugin file; build the shipped planners by `cargo xtask plugins`", .path.display())]
+    #[error("{}: no such plugin file; {}", .path.display(), hint::missing(.path))]
     NotFound {
         /// The file.
         path: PathBuf,
@@ -67,14 +68,13 @@ pub enum LoadError {
     },
     /// The plugin wants something from the outside that planners don't get.
     #[error(
-        "{}: the plugin imports {}, which planners don't get; build it for wasm32-unknown-unknown and let it use \
-         nothing but vb-sdk",
-        .path.display(), .imports.join(", ")
+        "{}: the plugin imports {}, which planners don't get; {}",
+        .path.display(), hint::shown(.imports), hint::imports(.imports)
     )]
     ForbiddenImports {
         /// The file.
         path: PathBuf,
-        /// Names of the imports.
+        /// Names of the imports: interfaces, or of a core module `MODULE.NAME`.
         imports: Vec<String>,
     },
     /// The WebAssembly code is not valid, or the native library can't be opened.

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::code::{Blame, FaultCode};
+use crate::hint;
 
 /// Why a planner ended its task.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
@@ -210,7 +211,7 @@ impl FaultCause {
                 "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (--limits)"
             }
             Self::Trap { .. } => "look at the functions named; --debug shows more of them",
-            Self::Panic { .. } => "fix the place named",
+            Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",
             Self::InvalidOutput { .. } => "look for a division by zero",
             Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (--limits)",

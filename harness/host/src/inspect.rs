@@ -9,7 +9,7 @@ use wasmparser::{BinaryReaderError, Encoding, Parser, Payload};
 
 use crate::abi::{self, AbiVersion};
 use crate::text::one_line;
-use crate::{Limits, LoadError};
+use crate::{Limits, LoadError, hint};
 
 /// What a plugin is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +102,9 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
         Some(b"\0asm") => wasm_section(path, &bytes)?,
         Some(b"\x7fELF" | b"\xcf\xfa\xed\xfe") => (Format::Native, native_section(path, &bytes)?),
         _ => {
-            let reason = "it is neither WebAssembly nor a native library".to_owned();
+            let hint =
+                hint::of_another_kind(path, &bytes).map_or_else(String::new, |hint| format!("; {hint}"));
+            let reason = format!("it is neither WebAssembly nor a native library{hint}");
             return Err(LoadError::NotAPlugin { path: path.into(), reason });
         }
     };

@@ -8,6 +8,7 @@ mod abi;
 mod code;
 mod error;
 mod fault;
+mod hint;
 mod inspect;
 mod limits;
 mod log;

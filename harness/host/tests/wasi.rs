@@ -10,7 +10,8 @@ use vb_host::{FaultCause, Limits, LogSink, Plugin};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
 /// A planner whose step has WASI's functions: `$random`, `$clock`, `$write`, `$open`, `$exit`, `$environ`. A list of
-/// one vector for `$write` lies at 3100, with the text "hello log", and at 3120 with a panic's text.
+/// one vector for `$write` lies at 3100, with the text "hello log", at 3120 with a panic's text, and at 3140 with that of a
+/// language's runtime.
 fn wasip1(step: &str) -> Plugin {
     let imports = r#"(module
   (import "wasi_snapshot_preview1" "random_get" (func $random (param i32 i32) (result i32)))
@@ -21,7 +22,9 @@ fn wasip1(step: &str) -> Plugin {
   (import "wasi_snapshot_preview1" "environ_sizes_get" (func $environ (param i32 i32) (result i32)))
   (import "wasi_snapshot_preview1" "proc_exit" (func $exit (param i32)))
   (data (i32.const 3100) "\10\00\00\00\09\00\00\00")
-  (data (i32.const 3120) "\20\00\00\00\2f\00\00\00")"#;
+  (data (i32.const 3120) "\20\00\00\00\2f\00\00\00")
+  (data (i32.const 3140) "\60\0c\00\00\2b\00\00\00")
+  (data (i32.const 3168) "panicked at runtime.rs:1:1:\nPython function")"#;
     let wat = planner_wat("(call $ok_planner)", step).replacen("(module", imports, 1);
     let (_dir, path) = file(&core_module(&wat, METADATA));
     Plugin::load(&path, &Limits::default(), None).unwrap()
@@ -72,6 +75,20 @@ fn what_is_written_goes_to_the_log() {
 fn a_panic_reported_on_standard_error_keeps_its_text() {
     let plugin = wasip1(
         "(drop (call $write (i32.const 2) (i32.const 3120) (i32.const 1) (i32.const 3108))) unreachable",
+    );
+    let found = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap_err();
+    assert_eq!(
+        found.cause,
+        FaultCause::Panic { message: "panicked at src/lib.rs:3:5: index out of bounds".into() }
+    );
+}
+
+/// The runtime of a language panics after the planner has told its own place, which is the one that helps.
+#[test]
+fn a_panic_that_the_planner_logged_outlives_the_report_of_its_runtime() {
+    let plugin = wasip1(
+        "(call $log (i32.const 0) (i32.const 32) (i32.const 47))
+         (drop (call $write (i32.const 2) (i32.const 3140) (i32.const 1) (i32.const 3108))) unreachable",
     );
     let found = plugin.start(&task(), LogSink::discard()).unwrap().step(&observation()).unwrap_err();
     assert_eq!(

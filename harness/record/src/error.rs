@@ -104,7 +104,8 @@ fn disk_full(e: &io::Error) -> bool {
 fn hint(e: &io::Error) -> &'static str {
     match e.kind() {
         _ if disk_full(e) => {
-            " (tasks recorded so far are safe: free some space, then go on with --resume; --trace none needs least)"
+            " (tasks recorded so far are safe: free some space, then go on with the same command and --resume; a new run \
+              with --trace none needs least)"
         }
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             " (choose a directory that you may write to with --out)"

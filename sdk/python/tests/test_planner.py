@@ -2,6 +2,7 @@
 
 import io
 import struct
+import subprocess
 import sys
 from pathlib import Path
 
@@ -115,6 +116,60 @@ def test_every_bit_of_a_number_crosses():
 def test_a_parameter_that_is_no_number_is_an_error():
     kind, error = talk(Probe, ("init", dict(TASK, params=[["speed", "nan"]])))[-1]
     assert kind == "error" and "parameter `speed`: `nan` is not a number" in error["message"]
+
+
+def test_a_parameter_that_is_not_declared_is_an_error_that_names_those_that_are():
+    class Typo(Probe):
+        def init(self, task):
+            task.number("sped")
+
+    kind, error = talk(Typo, ("init", TASK))[-1]
+    wanted = "ValueError: parameter `sped` is not declared in the planner's params, which have speed (test_planner.py:"
+    assert kind == "error" and error["message"].startswith(wanted), error
+
+
+def test_parameters_without_a_help_text_say_how_to_declare_them():
+    class Numbers(Probe):
+        params = {"speed": 4.0}
+
+    kind, error = talk(Numbers, ("hello", {"protocol": 1, "abi": "0.1"}))[-1]
+    wanted = 'TypeError: params["speed"] is 4.0; write {"speed": (4.0, "what it is for")}'
+    assert (kind, error["message"]) == ("error", wanted)
+
+
+@pytest.mark.parametrize("answer", [None, {"steering": 0.0}, (0.0, 1.0, 0.0)])
+def test_a_step_that_returns_no_command_is_told_so(answer):
+    class Mute(Probe):
+        def step(self, obs):
+            return answer
+
+    kind, error = talk(Mute, ("init", TASK), ("step", OBSERVATION))[-1]
+    wanted = f"TypeError: step returned {answer!r}; return a Command, as Command(steering, throttle, brake)"
+    assert (kind, error["message"]) == ("error", wanted)
+
+
+def test_a_field_of_a_command_that_is_no_number_is_named():
+    class Words(Probe):
+        def step(self, obs):
+            return Command("left") if obs.time < 1.0 else Command(debug={"cost": "high"})
+
+    replies = talk(Words, ("init", TASK), ("step", OBSERVATION), ("step", dict(OBSERVATION, time=2.0)))
+    assert replies[-2][1]["message"] == "TypeError: the command's steering is 'left'; it must be a number"
+    assert replies[-1][1]["message"] == "TypeError: the command's debug[\"cost\"] is 'high'; it must be numbers"
+
+
+def test_what_pip_leaves_behind_is_not_part_of_the_checkout():
+    """`pip install sdk/python` builds in the folder itself."""
+    folder = Path(__file__).parents[1]
+    left = ["build/lib/vertibench_planner/__init__.py", "src/vertibench_planner.egg-info/PKG-INFO"]
+    try:
+        inside = subprocess.run(["git", "rev-parse"], cwd=folder, capture_output=True).returncode == 0
+    except FileNotFoundError:
+        inside = False
+    if not inside:
+        pytest.skip("this is no checkout")
+    found = subprocess.run(["git", "check-ignore", *left], cwd=folder, capture_output=True, text=True)
+    assert found.stdout.split() == left
 
 
 def test_a_follower_goes_ahead_only_and_within_its_window():

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod exit_codes;
 mod results;
 mod submission;
 mod suite;
@@ -7,39 +8,23 @@ mod terrain;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand, ValueEnum};
 use vb_record::{LogMode, TraceMode};
 use vb_runner::SAMPLE_PERIOD;
 
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
-    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, TestbedArgs,
-    ValidateArgs,
+    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, SuiteListArgs,
+    TestbedArgs, ValidateArgs,
 };
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
-
-const EXIT_CODES: &str = "\
-Exit codes:
-    0  done
-    1  a fault of the harness
-    2  the command line makes no sense, or names an unknown task, world or parameter
-    3  a suite, plugin, rule file, vehicle file or recorded run can't be used
-    4  results can't be written (disk full, no permission, directory not empty or in use)
-    5  completed, but the simulation of some tasks failed
-    6  completed, but the vehicle failed some checks of its test
-    7  completed, but the harness or the machine failed some tasks; --resume runs them again
-    8  completed, but the planner failed some checks of check
-    9  a submission does not verify
-   10  ended early: the planner failed alike in all of the first tasks, before its first command
-  130  stopped by Ctrl-C; go on with --resume";
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
 #[derive(Debug, Parser)]
 #[command(
     name = "vb-harness",
     version,
-    after_help = EXIT_CODES,
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     override_usage = "vb-harness --plugin FILE [OPTIONS]\n       vb-harness COMMAND"
@@ -49,6 +34,19 @@ pub(crate) struct Cli {
     pub(crate) command: Option<Command>,
     #[command(flatten)]
     pub(crate) run: Option<RunArgs>,
+}
+
+impl Cli {
+    /// What the program was called with.
+    pub(crate) fn of_the_program() -> Result<Self, clap::Error> {
+        let matches = Self::documented().try_get_matches()?;
+        Self::from_arg_matches(&matches).map_err(|e| e.format(&mut Self::documented()))
+    }
+
+    /// The commands, with their exit codes in their help.
+    fn documented() -> clap::Command {
+        exit_codes::document(Self::command())
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -130,7 +128,8 @@ pub(crate) enum MessageFormat {
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// The planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
-    #[arg(long, value_name = "FILE|COMMAND")]
+    // Whether there is a run without a subcommand is seen by this: clap leaves the group of a struct with a flattened one empty.
+    #[arg(long, value_name = "FILE|COMMAND", group = "RunArgs")]
     pub(crate) plugin: PathBuf,
     /// Refuse a native planner where the system can't confine it in every way, and any command
     #[arg(long)]
@@ -195,9 +194,8 @@ pub(crate) struct RunArgs {
     /// Show the functions in which a planner trapped, and every log that is kept, not those of errors alone
     #[arg(long)]
     pub(crate) debug: bool,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 impl RunArgs {
@@ -226,7 +224,7 @@ impl RunArgs {
             fuel_per_step: None,
             memory: None,
             debug: false,
-            message_format: MessageFormat::Human,
+            format: FormatArgs::default(),
         }
     }
 }
@@ -239,9 +237,8 @@ pub(crate) struct ScoreArgs {
     /// Rules: paper, release, dev, or a file; default: those of the run
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) rules: Option<String>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -249,9 +246,8 @@ pub(crate) struct InspectArgs {
     /// The planner: a WASM file, a native library, or a command, which is started for it
     #[arg(long, value_name = "FILE|COMMAND")]
     pub(crate) plugin: PathBuf,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -274,9 +270,8 @@ pub(crate) struct CheckArgs {
     /// Tasks of which three are driven: the first, the middle and the last; default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -321,8 +316,8 @@ pub(crate) struct StampArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// How results are told, with a short name for programs.
-#[derive(Debug, Args)]
+/// How results are told, with a short name for programs: the same options on every command that has results.
+#[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct FormatArgs {
     /// How results are told
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
@@ -333,8 +328,13 @@ pub(crate) struct FormatArgs {
 }
 
 impl FormatArgs {
-    pub(crate) fn json(&self) -> bool {
-        self.json || self.message_format == MessageFormat::Json
+    /// What the user chose by either option.
+    pub(crate) fn get(self) -> MessageFormat {
+        if self.json { MessageFormat::Json } else { self.message_format }
+    }
+
+    pub(crate) fn is_json(self) -> bool {
+        self.get() == MessageFormat::Json
     }
 }
 
@@ -346,9 +346,8 @@ pub(crate) struct TasksArgs {
     /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -398,14 +397,14 @@ pub(crate) struct VehicleTestArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) references: Option<PathBuf>,
     /// Step of the simulation in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 1.0)]
-    pub(crate) step: f64,
+    // --step is what it was called before it had the name that it has in a run.
+    #[arg(long, alias = "step", value_name = "MS", default_value_t = 1.0)]
+    pub(crate) time_step: f64,
     /// Events run at a time; default: number of cores
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 /// A number above 0.
@@ -479,11 +478,10 @@ fn bytes(text: &str) -> Result<u64, String> {
 mod tests {
     use super::terrain::nodes;
     use super::*;
-    use clap::CommandFactory as _;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        Cli::documented().debug_assert();
     }
 
     #[test]
@@ -500,6 +498,48 @@ mod tests {
             assert_eq!(ground(&["--ground", wanted.name()]), wanted);
         }
         assert_eq!(ground(&[]), Ground::AsDescribed);
+    }
+
+    #[test]
+    fn every_command_with_results_takes_json_by_either_option() {
+        fn options(command: &clap::Command, path: &str, bare: &mut Vec<String>) {
+            let has = |name: &str| command.get_arguments().any(|a| a.get_long() == Some(name));
+            assert_eq!(has("json"), has("message-format"), "{path}");
+            if !command.has_subcommands() && !has("json") {
+                bare.push(path.trim_start().to_owned());
+            }
+            command.get_subcommands().for_each(|c| options(c, &format!("{path} {}", c.get_name()), bare));
+        }
+        let mut bare = Vec::new();
+        options(&Cli::documented(), "", &mut bare);
+        // They write files, or say that all is well.
+        let makers = [
+            "plugin new",
+            "plugin stamp",
+            "suite import",
+            "suite generate",
+            "suite site",
+            "suite testbed",
+            "vehicle validate",
+            "terrain train",
+            "terrain generate",
+            "terrain measure",
+        ];
+        assert_eq!(bare, makers);
+    }
+
+    #[test]
+    fn the_step_of_the_simulation_has_one_name_and_its_old_one_still_works() {
+        for name in ["--time-step", "--step"] {
+            let cli = Cli::try_parse_from(["vb-harness", "vehicle", "test", "hmmwv", name, "0.25"]).unwrap();
+            let Some(Command::Vehicle(VehicleCommand::Test(args))) = cli.command else { panic!("{name}") };
+            assert_eq!(args.time_step, 0.25);
+        }
+        let mut command = Cli::documented();
+        let test =
+            command.find_subcommand_mut("vehicle").and_then(|c| c.find_subcommand_mut("test")).unwrap();
+        let help = test.render_long_help().to_string();
+        assert!(help.contains("--time-step") && !help.contains(" --step"), "{help}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MessageFormat;
+use super::FormatArgs;
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
@@ -28,9 +28,8 @@ pub(crate) struct ReportArgs {
     pub(crate) replays: Option<String>,
     #[command(flatten)]
     pub(crate) data: ReplayData,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 /// Where the data of a run lie now, if not where they lay.
@@ -63,7 +62,6 @@ pub(crate) struct ReplayArgs {
     pub(crate) mcap: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) data: ReplayData,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }

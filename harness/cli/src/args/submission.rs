@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::MessageFormat;
+use super::FormatArgs;
 
 #[derive(Debug, Args)]
 pub(crate) struct SubmitArgs {
@@ -38,9 +38,8 @@ pub(crate) struct SubmitArgs {
     /// A sentence on the planner
     #[arg(long, value_name = "TEXT")]
     pub(crate) note: Option<String>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -78,9 +77,8 @@ pub(crate) struct VerifyArgs {
     /// File for the verdict; default: verification.json in the submission
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -100,9 +98,8 @@ pub(crate) struct EvaluateArgs {
     /// File for the scores, e.g. holdout.json of an accepted submission
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -122,7 +119,6 @@ pub(crate) struct BuildArgs {
     /// What the leaderboard is called
     #[arg(long, value_name = "TEXT", default_value = "Verti-Bench leaderboard")]
     pub(crate) title: String,
-    /// How results are told
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) message_format: MessageFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }

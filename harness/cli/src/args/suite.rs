@@ -9,7 +9,7 @@ use super::{FormatArgs, positive};
 #[derive(Debug, Subcommand)]
 pub(crate) enum SuiteCommand {
     /// List the suites that come with the harness
-    List,
+    List(SuiteListArgs),
     /// Show what a suite holds, in figures and as a page with a map of every world
     Show(ShowArgs),
     /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
@@ -24,6 +24,12 @@ pub(crate) enum SuiteCommand {
     Site(SiteArgs),
     /// Make a suite like the paper's physical testbed: beds of a few materials, several trials of one task on each
     Testbed(TestbedArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SuiteListArgs {
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]

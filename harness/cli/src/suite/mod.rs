@@ -22,7 +22,7 @@ use vb_world::{
     Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
 };
 
-use crate::args::{DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, TasksArgs};
+use crate::args::{DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteListArgs, TasksArgs};
 use crate::error::CliError;
 use crate::{output, places};
 
@@ -51,11 +51,36 @@ fn write_error(e: SuiteError) -> CliError {
     }
 }
 
-pub(crate) fn list() -> Result<(), CliError> {
+/// A suite that comes with the harness.
+#[derive(Serialize)]
+struct SuiteMessage<'a> {
+    event: &'static str,
+    /// What `--suite` takes.
+    name: &'a str,
+    version: &'a str,
+    description: &'a str,
+    worlds: usize,
+    tasks: usize,
+    hash: String,
+}
+
+pub(crate) fn list(args: &SuiteListArgs) -> Result<(), CliError> {
     let mut rows = Vec::new();
     for dir in places::suites()? {
         let suite = Suite::open(&dir).map_err(CliError::input)?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if args.format.is_json() {
+            output::json(&SuiteMessage {
+                event: "suite",
+                name: &name,
+                version: &suite.meta().version,
+                description: &suite.meta().description,
+                worlds: suite.worlds().len(),
+                tasks: suite.task_count(),
+                hash: suite.hash(),
+            });
+            continue;
+        }
         let size = format!("{} worlds, {} tasks", suite.worlds().len(), suite.task_count());
         rows.push(vec![name, size, suite.meta().description.clone()]);
     }
@@ -155,7 +180,7 @@ pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
     for task in select(&suite, args.tasks.as_deref())? {
         let world = suite.world_info(&task.world).map_err(CliError::input)?;
         let name = format!("{}/{}", task.world, task.task);
-        match args.message_format {
+        match args.format.get() {
             MessageFormat::Json => output::json(&TaskMessage {
                 event: "task",
                 task: &name,

@@ -46,7 +46,7 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
         let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
         let done = records.into_iter().filter(|r| r.outcome == Outcome::Success);
         let proven = proof.add(prover(header), done.map(|r| (r.task, r.time_s, r.state_hash)));
-        if args.format.json() {
+        if args.format.is_json() {
             output::json(&Message::Run { run: dir, planner: &header.plugin.name, proven });
         } else {
             output::text(&format!("{}: {proven} more by {}\n", dir.display(), header.plugin.name));
@@ -60,7 +60,7 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
         other => CliError::input(other),
     })?;
     let (proven, tasks) = (proof.tasks.len(), suite.task_count());
-    if args.format.json() {
+    if args.format.is_json() {
         output::json(&Message::Proof { path: &path, proven, tasks, unproven: &proof.unproven });
     } else {
         output::text(&format!("{}: {proven} of {tasks} tasks are proven\n", path.display()));

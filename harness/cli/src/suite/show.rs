@@ -55,7 +55,7 @@ pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
         Some((out, album)) => Some(write(out, &album, &statistics)?),
         None => None,
     };
-    if args.format.json() {
+    if args.format.is_json() {
         for figures in &statistics.worlds {
             output::json(&Message::World { figures });
         }

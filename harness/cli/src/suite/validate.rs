@@ -34,7 +34,7 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     let mut limits = Limits::of(footprint(&args.vehicle)?);
     limits.clearance = args.clearance.unwrap_or(limits.clearance);
     limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
-    let json = args.format.json();
+    let json = args.format.is_json();
     let findings = vb_suite::validate::validate(&suite, &limits, |_, found| {
         for finding in found {
             if json {

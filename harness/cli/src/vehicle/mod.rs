@@ -28,7 +28,7 @@ pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for name in places::names(places::Data::Vehicle)? {
         let (_, v) = load(&name)?;
-        if args.format.json() {
+        if args.format.is_json() {
             output::json(&ListMessage {
                 event: "vehicle",
                 name: &name,
@@ -45,7 +45,7 @@ pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
         let mass = format!("{} kg", vb_validate::number(v.total_mass()));
         rows.push(vec![name, (2 * v.axles.len()).to_string(), table::scale(v.scale), mass, v.description]);
     }
-    if !args.format.json() {
+    if !args.format.is_json() {
         output::text(&output::columns(&rows));
     }
     Ok(())
@@ -72,7 +72,7 @@ pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
             .map_err(|e| CliError::output(format!("{}: {e}", file.display())))?;
     }
     let table = Specification::new(&standing);
-    if args.format.json() {
+    if args.format.is_json() {
         output::json(&ShowMessage { event: "vehicle", file: &path, specification: &table });
     } else {
         output::text(&table.text());
@@ -147,14 +147,14 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let options = RunOptions {
         events: args.events.clone(),
-        step: args.step * 1e-3,
+        step: args.time_step * 1e-3,
         jobs: args.jobs.map_or(cores, usize::from),
     };
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&format!("test-{}", spec.name)));
     // What can't be written is said before a minute of driving, not after.
     std::fs::create_dir_all(&out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
     let told = |r: &EventResult| {
-        if args.message_format == MessageFormat::Human {
+        if args.format.get() == MessageFormat::Human {
             output::note(&format!("{} {}", if r.passed() { "pass" } else { "FAIL" }, r.event.name));
         }
     };
@@ -168,7 +168,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     report.write(&out).map_err(CliError::output)?;
     let page = out.join("report.html");
     let counts = report.counts(None);
-    match args.message_format {
+    match args.format.get() {
         MessageFormat::Json => {
             for r in &report.results {
                 let broken: Vec<String> = r.broken().collect();
@@ -190,7 +190,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         }
         MessageFormat::Human => output::text(&table(&report.results)),
     }
-    if args.message_format == MessageFormat::Human {
+    if args.format.get() == MessageFormat::Human {
         output::note(&format!("{} checks pass, {} fail; {}", counts.passed, counts.failed, page.display()));
     }
     if report.passed() {

@@ -151,12 +151,13 @@ fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
         })
 }
 
-/// What a core module imports that no interface can name, e.g. `env` or what tools for browsers ask for.
+/// What a core module imports that no interface can name, e.g. from `env` or what tools for browsers ask for, as
+/// `MODULE.NAME`.
 fn foreign_imports(module: &[u8]) -> Vec<String> {
     let mut names: Vec<String> = core_imports(module)
         .into_iter()
-        .filter(|name| !name.contains([':', '$']) && *name != WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
-        .map(one_line)
+        .filter(|(module, _)| !module.contains([':', '$']) && *module != WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
+        .map(|(module, name)| one_line(&format!("{module}.{name}")))
         .collect();
     names.sort_unstable();
     names.dedup();
@@ -165,15 +166,17 @@ fn foreign_imports(module: &[u8]) -> Vec<String> {
 
 /// Whether a core module imports anything of WASI's first preview.
 fn imports_preview1(module: &[u8]) -> bool {
-    core_imports(module).contains(&WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
+    core_imports(module).iter().any(|(module, _)| *module == WASI_SNAPSHOT_PREVIEW1_ADAPTER_NAME)
 }
 
-/// The modules that a core module names in its imports. What is no module is told by the encoder.
-fn core_imports(module: &[u8]) -> Vec<&str> {
+/// What a core module imports: a module and a name in it. What is no module is told by the encoder.
+fn core_imports(module: &[u8]) -> Vec<(&str, &str)> {
     use wasmparser::{Parser, Payload};
     let sections = Parser::new(0).parse_all(module).filter_map(|payload| match payload {
         Ok(Payload::ImportSection(section)) => Some(section),
         _ => None,
     });
-    sections.flat_map(|section| section.into_imports().flatten().map(|import| import.module)).collect()
+    sections
+        .flat_map(|section| section.into_imports().flatten().map(|import| (import.module, import.name)))
+        .collect()
 }

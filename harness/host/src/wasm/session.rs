@@ -65,6 +65,14 @@ impl State {
             self.panic = Some(one_line(text));
         }
     }
+
+    /// The same for what a call wrote to standard error. If the planner itself has logged a panic, that says more than
+    /// the report of its language's runtime, which comes later.
+    pub(super) fn note_report(&mut self, text: &str) {
+        if self.panic.is_none() {
+            self.note_panic(text);
+        }
+    }
 }
 
 /// Counts the memory of a plugin and remembers what it refused: the guest itself only sees an allocation fail, and

@@ -147,10 +147,8 @@ impl State {
                 self.write(stream, b"\n");
             }
         }
-        if !self.wasi.report.is_empty() {
-            let report = std::mem::take(&mut self.wasi.report);
-            self.note_panic(&String::from_utf8_lossy(&report));
-        }
+        let report = std::mem::take(&mut self.wasi.report);
+        self.note_report(&String::from_utf8_lossy(&report));
     }
 }
 

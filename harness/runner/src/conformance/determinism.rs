@@ -1,6 +1,6 @@
 //! `determinism`: the same task twice, each with a plugin loaded anew, gives the same bits.
 
-use vb_score::TaskRecord;
+use vb_score::{Outcome, TaskRecord};
 
 use super::report::Check;
 
@@ -8,6 +8,7 @@ const NAME: &str = "determinism";
 
 pub(super) fn check(once: &TaskRecord, again: &TaskRecord) -> Check {
     match difference(once, again) {
+        None if gave_nothing(once) => Check::skip(NAME, unchecked(once)),
         None => Check::pass(NAME, format!("{} twice: the same state hash {}", once.task, once.state_hash)),
         Some(what) => Check::fail(
             NAME,
@@ -15,6 +16,16 @@ pub(super) fn check(once: &TaskRecord, again: &TaskRecord) -> Check {
             "take no clock, address, thread or randomness but the task's seed into a command",
         ),
     }
+}
+
+/// Whether the planner failed before its first command, so that two trials have nothing in which they could differ.
+pub(super) fn gave_nothing(trial: &TaskRecord) -> bool {
+    trial.outcome == Outcome::PlannerError && trial.planner_steps == 0
+}
+
+/// What is said in that case.
+pub(super) fn unchecked(trial: &TaskRecord) -> String {
+    format!("it couldn't be checked: the planner failed on {} before its first command", trial.task)
 }
 
 /// The first thing in which two trials of a task differ, as `what: one and other`.
@@ -39,7 +50,17 @@ mod tests {
     use super::super::report::Verdict;
     use super::super::tasks::tests::driven;
     use super::*;
-    use vb_score::Outcome;
+
+    #[test]
+    fn a_planner_that_fails_before_its_first_command_is_not_said_to_be_deterministic() {
+        let once = TaskRecord { planner_steps: 0, ..driven("w001/t00", Outcome::PlannerError) };
+        let found = check(&once, &once);
+        assert_eq!(found.verdict, Verdict::Skip);
+        assert!(found.detail.starts_with("it couldn't be checked"), "{}", found.detail);
+        // Faults that differ are seen all the same.
+        let other = TaskRecord { fault: Some("planner/panic".into()), ..once.clone() };
+        assert_eq!(check(&once, &other).verdict, Verdict::Fail);
+    }
 
     #[test]
     fn the_first_difference_is_named_with_both_values() {

@@ -84,6 +84,9 @@ class Task:
 
     def number(self, key):
         """A parameter as a finite number."""
+        if key not in self.params:
+            known = ", ".join(self.params) or "nothing"
+            raise ValueError(f"parameter `{key}` is not declared in the planner's params, which have {known}")
         text = self.params[key]
         try:
             value = float(text)
@@ -173,10 +176,21 @@ class Command:
         return cls(float(np.clip(steering, -1.0, 1.0)), max(wanted, 0.0), max(-wanted, 0.0))
 
     def _to_wire(self):
-        wire = {"steering": float(self.steering), "throttle": float(self.throttle), "brake": float(self.brake)}
+        wire = {name: _number(name, getattr(self, name)) for name in ("steering", "throttle", "brake")}
         if self.debug:
-            wire["debug"] = [
-                {"name": str(name), "values": np.ravel(values).astype(float).tolist()}
-                for name, values in self.debug.items()
-            ]
+            wire["debug"] = [{"name": str(name), "values": _numbers(name, v)} for name, v in self.debug.items()]
         return wire
+
+
+def _number(name, value):
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"the command's {name} is {value!r}; it must be a number") from None
+
+
+def _numbers(name, values):
+    try:
+        return np.ravel(values).astype(float).tolist()
+    except (TypeError, ValueError):
+        raise TypeError(f'the command\'s debug["{name}"] is {values!r}; it must be numbers') from None

@@ -7,7 +7,7 @@ import traceback
 
 import msgpack
 
-from ._data import Observation, Task
+from ._data import Command, Observation, Task
 
 PROTOCOL = 1
 ABI = "0.1"
@@ -83,6 +83,10 @@ def serve(planner, reader, writer):
                 send("ready", {})
             elif kind == "step":
                 command = current.step(Observation._from_wire(fields))
+                if not isinstance(command, Command):
+                    raise TypeError(
+                        f"step returned {command!r}; return a Command, as Command(steering, throttle, brake)"
+                    )
                 send("command", command._to_wire())
             elif kind == "drop":
                 current = None
@@ -95,12 +99,20 @@ def serve(planner, reader, writer):
             # All of it for the log, the last line for the record.
             traceback.print_exc()
             sys.stderr.flush()
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            text = f"{type(error).__name__}: {error} ({os.path.basename(place.filename)}:{place.lineno})"
-            send("error", {"kind": "error", "message": text})
+            send("error", {"kind": "error", "message": f"{type(error).__name__}: {error}{_place(error)}"})
+
+
+def _place(error):
+    """Where an author finds the cause: the innermost line that isn't of this package, if there is one."""
+    here = os.path.dirname(__file__)
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if os.path.dirname(f.filename) != here]
+    return f" ({os.path.basename(frames[-1].filename)}:{frames[-1].lineno})" if frames else ""
 
 
 def _introduction(planner):
+    for key, declared in planner.params.items():
+        if not (isinstance(declared, (tuple, list)) and len(declared) == 2):
+            raise TypeError(f'params["{key}"] is {declared!r}; write {{"{key}": ({declared!r}, "what it is for")}}')
     return {
         "protocol": PROTOCOL,
         "abi": ABI,

@@ -1,0 +1,108 @@
+//! The exit codes in the help: of the program all, of each command those that it can give.
+
+use clap::Command;
+
+use crate::error::{
+    BAD_INPUT, CHECKS_FAILED, DONE, FAILED_START, HOST_ERRORS, INTERNAL, INTERRUPTED, MEANINGS,
+    NOT_CONFORMING, NOT_VERIFIED, OUTPUT, SIM_ERRORS, USAGE,
+};
+
+/// What every command can give.
+const ALWAYS: [u8; 4] = [DONE, INTERNAL, USAGE, BAD_INPUT];
+
+/// What a command can give beside [`ALWAYS`]. Those that aren't here write nothing that could fail.
+const OF: [(&str, &[u8]); 21] = [
+    ("run", &[OUTPUT, SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
+    ("report", &[OUTPUT]),
+    ("replay", &[OUTPUT]),
+    ("submit", &[OUTPUT, SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
+    ("verify", &[OUTPUT, HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
+    ("evaluate", &[OUTPUT, SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),
+    ("leaderboard build", &[OUTPUT]),
+    ("check", &[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]),
+    ("plugin new", &[OUTPUT]),
+    ("plugin stamp", &[OUTPUT]),
+    ("suite show", &[OUTPUT]),
+    ("suite prove", &[OUTPUT]),
+    ("suite import", &[OUTPUT]),
+    ("suite generate", &[OUTPUT]),
+    ("suite site", &[OUTPUT]),
+    ("suite testbed", &[OUTPUT]),
+    ("vehicle show", &[OUTPUT]),
+    ("vehicle test", &[OUTPUT, CHECKS_FAILED]),
+    ("terrain train", &[OUTPUT, INTERRUPTED]),
+    ("terrain generate", &[OUTPUT]),
+    // The program without a command is `run`, but its help is that of all commands.
+    (
+        "",
+        &[
+            OUTPUT,
+            SIM_ERRORS,
+            CHECKS_FAILED,
+            HOST_ERRORS,
+            NOT_CONFORMING,
+            NOT_VERIFIED,
+            FAILED_START,
+            INTERRUPTED,
+        ],
+    ),
+];
+
+/// The program's commands with their exit codes at the end of their help.
+pub(super) fn document(program: Command) -> Command {
+    add(program, "")
+}
+
+fn add(command: Command, path: &str) -> Command {
+    let inner = |name: &str| format!("{path} {name}").trim_start().to_owned();
+    let command = command.mut_subcommands(|c| {
+        let path = inner(c.get_name());
+        add(c, &path)
+    });
+    // A group of commands gives none itself.
+    if command.has_subcommands() && !path.is_empty() {
+        return command;
+    }
+    command.after_help(text(path))
+}
+
+fn text(path: &str) -> String {
+    let own = OF.iter().find(|(name, _)| *name == path).map_or(&[][..], |(_, codes)| codes);
+    let rows = MEANINGS.iter().filter(|(code, _)| ALWAYS.contains(code) || own.contains(code));
+    rows.fold("Exit codes:".to_owned(), |text, (code, meaning)| format!("{text}\n  {code:>3}  {meaning}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Cli;
+    use super::*;
+    use clap::CommandFactory as _;
+
+    /// The paths of all commands that do something.
+    fn commands(command: &Command, path: &str, found: &mut Vec<String>) {
+        for c in command.get_subcommands() {
+            let path = format!("{path} {}", c.get_name()).trim_start().to_owned();
+            if c.has_subcommands() {
+                commands(c, &path, found);
+            } else {
+                assert!(
+                    c.get_after_help().unwrap().to_string().starts_with("Exit codes:\n    0  done\n"),
+                    "{path}"
+                );
+                found.push(path);
+            }
+        }
+    }
+
+    #[test]
+    fn every_command_tells_its_codes_and_no_other_is_listed() {
+        let mut found = vec![String::new()];
+        commands(&document(Cli::command()), "", &mut found);
+        for (name, _) in OF {
+            assert!(found.iter().any(|path| path == name), "{name}");
+        }
+        assert!(text("verify").contains("does not verify") && !text("run").contains("does not verify"));
+        assert_eq!(text("").lines().count(), 1 + MEANINGS.len());
+        assert_eq!(text("suite list").lines().count(), 1 + ALWAYS.len());
+    }
+}
