@@ -96,6 +96,10 @@ mod tests {
             assert!(suspension.get("stops").is_none() && own["suspension"].get("stops").is_some());
             assert_eq!(suspension["range"], setup["setups"]["chrono"]["free_travel"]);
             *suspension = own["suspension"].clone();
+            if axle.get("steering").is_some() {
+                assert_eq!(axle["steering"]["travel"], setup["setups"]["chrono"]["rack_travel"]);
+                axle["steering"] = own["steering"].clone();
+            }
         }
         let (mut ours, own) = (ours.clone(), theirs.as_object_mut().unwrap());
         for field in ["name", "description", "max_speed", "tyre", "tyres", "steering"] {

@@ -278,10 +278,12 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
 fn it_turns_on_the_radius_of_the_reference_run() {
     // Chrono, 4 m/s, μ 0.9: radius 36.15, 18.37, 9.48 m at steering 0.25, 0.5, 1. Rigid tyres show no slip angle;
     // ours add a little understeer, so the radius may be larger by some per cent, never smaller by more than one.
+    // Chrono's rack moves by 52.36 mm at full lock, ours by 80.
+    const RACK: f64 = 0.052_359_877_6 / 0.08;
     for (steer, chrono) in [(0.25, 36.151), (0.5, 18.373), (1.0, 9.484), (-0.5, 18.354)] {
         let mut sim = start(&flat(0.9), 0.0, 0.0, 0.0);
         for _ in 0..1200 {
-            let c = hold_speed(&sim, 4.0, steer);
+            let c = hold_speed(&sim, 4.0, RACK * steer);
             sim.advance(c, 10).unwrap();
         }
         let s = sim.state();

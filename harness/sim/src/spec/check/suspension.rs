@@ -424,13 +424,13 @@ mod tests {
     #[test]
     fn a_gear_at_an_axle_is_refused_where_the_driveline_steers() {
         refused(
-            &[("  rate: 2.0 ", "  by: differential\n  rate: 2.0 ")],
+            &[("  rate: 1.25 ", "  by: differential\n  rate: 1.25 ")],
             "axles[0].steering: given, but steering.by says that the driveline steers",
         );
         refused(
             &[
-                ("  rate: 2.0 ", "  by: differential\n  rate: 2.0 "),
-                ("    steering: {type: rack_and_pinion, travel: 0.0523598776}\n", ""),
+                ("  rate: 1.25 ", "  by: differential\n  rate: 1.25 "),
+                ("    steering: {type: rack_and_pinion, travel: 0.08}\n", ""),
             ],
             "steering.by: differential, but only tracked vehicles are steered so, and there are no tracks",
         );
