@@ -122,8 +122,7 @@ mod tests {
     /// obstacles (facts §1.2, §1.7).
     #[test]
     fn squares_are_those_of_the_original_bitmaps() {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-        let shared = std::env::var_os("VB_SHARED").map_or(beside, PathBuf::from).join("verti-bench");
+        let shared = crate::reference::shared().join("verti-bench");
         let Ok(source) = Source::find(&shared) else {
             eprintln!("skipped: no reference data at {} (set VB_SHARED)", shared.display());
             return;

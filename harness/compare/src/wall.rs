@@ -249,10 +249,7 @@ mod tests {
     /// The reference is Chrono's mean over five settings of its solver; the bound of 15 % is what docs/validation.md states.
     #[test]
     fn at_the_recorded_walls_ours_loses_what_chrono_loses() {
-        let shared = std::env::var_os("VB_SHARED").map_or_else(
-            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-            std::path::PathBuf::from,
-        );
+        let shared = crate::reference::shared();
         let records = shared.join("reference/chrono/self-agreement/win");
         let worlds = shared.join("verti-bench");
         if !records.is_dir() || !worlds.is_dir() {

@@ -15,8 +15,9 @@ use vb_world::Heightfield;
 /// Greatest number of contacts of a wheel with the ground; what a corner between four walls would have.
 pub(crate) const MOST: usize = 6;
 
-/// Margin around the core of a hard wheel over its radius: far more than it is pressed into the ground, so that core and
-/// ground stay apart, and little enough that its edges are sharp.
+/// Margin around the core of a hard wheel over its radius, by which its shoulders are round: more than they are pressed into
+/// the ground, so that GJK finds core and ground apart, and little enough that they are sharp. Edges under the tread don't
+/// need it.
 const MARGIN: f64 = 0.06;
 /// Inclination of a wheel to a facet over which its contact moves from the middle of its width to its edge, rad: less than
 /// what a hard tyre's deflection takes, and enough that it doesn't jump.
