@@ -133,3 +133,21 @@ fn the_guide_to_a_vehicle_of_ones_own_works() {
     }
     assert!(rows >= 4, "{rows}");
 }
+
+/// Some of what `cargo xtask soak` drives: two tasks each of low, medium and high worlds, and one in which a vehicle that
+/// lay on its side was thrown about.
+const SOAKED: &str = "w001/t00,w034/t03,w002/t02,w065/t01,w003/t05,w096/t07,w096/t02";
+
+#[test]
+fn no_simulation_fails_whatever_the_commands() {
+    let bench = Bench::new();
+    let plugin = vb_tests::plugin("wild", vb_tests::Carrier::Wasm);
+    let plugin = plugin.to_str().expect("paths of tests are text");
+    for name in names() {
+        let args = ["--plugin", plugin, "--vehicle", &name, "--suite", "vb-100", "--tasks", SOAKED];
+        bench.ok(&[&args[..], &["--keep-going", "--trace", "none", "--out", &name]].concat());
+        for (task, record) in bench.records(&name) {
+            assert!(record["outcome"] != "sim_error", "{name}, {task}: {}", record["reason"]);
+        }
+    }
+}

@@ -7,6 +7,7 @@ mod fuzz;
 mod plugins;
 mod prove;
 mod run;
+mod soak;
 mod suites;
 mod tune;
 mod wasm_target;
@@ -33,6 +34,8 @@ Tasks:
   tune eh|mppi          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
+  soak [TASKS]          Drive vb-100, or the tasks of it that are selected, wildly with every vehicle, and fail where a
+                        simulation does
   compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
                         (--all: every task of which Chrono's end is known, by the recorded vehicle alone)
 
@@ -58,6 +61,8 @@ fn main() -> ExitCode {
         ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
+        ["soak"] => build_all().and_then(|()| soak::soak(None)),
+        ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),
         ["fuzz"] => fuzz::fuzz(None, FUZZ_MINUTES),
         ["fuzz", target] if !target.starts_with('-') => fuzz::fuzz(Some(target), FUZZ_MINUTES),
         ["fuzz", "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(None, n)),

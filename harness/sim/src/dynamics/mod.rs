@@ -64,6 +64,9 @@ struct Corner {
     spin: f64,
     ground_patch: Patch,
     obstacle_patch: Patch,
+    /// How deep the wheel was in the ground and in an obstacle a step ago, m.
+    ground_depth: f64,
+    obstacle_depth: f64,
     /// Of a hard wheel: its contacts with the ground, which then has no patch of its own.
     facets: FacetPatches,
     /// No state: it saves work.
@@ -195,6 +198,8 @@ impl Vehicle {
                     spin: 0.0,
                     ground_patch: Patch::default(),
                     obstacle_patch: Patch::default(),
+                    ground_depth: 0.0,
+                    obstacle_depth: 0.0,
                     facets: FacetPatches::default(),
                     clearance: Clearance::default(),
                     footprint: spec.tracks.is_none().then(|| Footprint::wheel(radius, width, soil_pitch)),
@@ -262,8 +267,9 @@ impl Vehicle {
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
             let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
-            let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]];
-            motion.into_iter().chain(c.facets.digest()).chain(c.footprint.iter().flat_map(Footprint::digest))
+            let depths = [c.ground_depth, c.obstacle_depth];
+            let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]].into_iter().chain(depths);
+            motion.chain(c.facets.digest()).chain(c.footprint.iter().flat_map(Footprint::digest))
         });
         let tracks = self.tracks.iter().flat_map(Track::digest);
         corners.chain([self.steering]).chain(self.drive.inner_state()).chain(tracks)
@@ -287,6 +293,7 @@ impl Vehicle {
         for c in &mut self.corners {
             (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
             (c.ground_patch, c.obstacle_patch) = (Patch::default(), Patch::default());
+            (c.ground_depth, c.obstacle_depth) = (0.0, 0.0);
             c.facets = FacetPatches::default();
         }
         self.tracks.iter_mut().for_each(Track::reset);
@@ -296,6 +303,8 @@ impl Vehicle {
     pub(crate) fn put_wheels(&mut self, state: &VehicleState, gear: usize) {
         for (c, wheel) in self.corners.iter_mut().zip(&state.wheels) {
             (c.travel, c.spin) = (wheel.deflection, wheel.speed / c.gearing);
+            // However deep the wheels are there.
+            (c.ground_depth, c.obstacle_depth) = (f64::MAX, f64::MAX);
         }
         self.steering = state.steering;
         self.drive.engage(gear);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::spec::{Damper, Linkage, Spring, SteeringGear, Strut};
+use crate::tyre::{Contact, WheelMotion};
 use crate::{Beam as BeamSpec, GRAVITY, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm};
 use vb_world::{Heightfield, Semantics, TerrainClass};
 
@@ -367,4 +368,32 @@ fn every_steered_axle_turns_by_its_own_gear() {
     assert!(angle(0) > 0.3, "front to the left: {}", angle(0));
     // The rear's tie rods lie ahead of the axle.
     assert!(angle(2).abs() > 0.05 && angle(2).abs() < 0.2, "rear by less: {}", angle(2));
+}
+
+#[test]
+fn a_contact_deepens_as_the_wheel_approaches_and_not_from_nowhere() {
+    let moving = |velocity: V3| WheelMotion {
+        hub: V3::new(0.0, 0.0, 0.4),
+        velocity,
+        rotation: V3::new(0.0, 10.0, 0.0),
+        axis: V3::y(),
+        spin: 10.0,
+    };
+    let at = |depth| Contact { point: V3::zeros(), normal: V3::z(), depth };
+    // Falling at 3 m/s, and up a slope of 45° at 5 m/s, as deep as it gets in a step.
+    let (mut depth, dt) = (0.0, 1e-3);
+    for k in 1..=50 {
+        let deep = 3e-3 * f64::from(k);
+        assert_eq!(moving(V3::new(0.0, 0.0, -3.0)).held(&at(deep), &mut depth, dt).depth, deep);
+    }
+    let mut depth = 0.01;
+    assert_eq!(moving(V3::new(5.0, 0.0, 0.0)).held(&at(0.015), &mut depth, dt).depth, 0.015);
+    // Its lowest point changes sides: half a metre at once. At 0.5 m/s away from the ground the spring may hold what
+    // twice the way would give it, and at rest next to nothing.
+    let mut depth = 0.01;
+    let held = moving(V3::new(0.0, 0.0, 0.5)).held(&at(0.5), &mut depth, dt);
+    assert!(held.depth <= 0.01 + 1.1e-3 && held.depth == depth, "{}", held.depth);
+    assert!(moving(V3::zeros()).held(&at(0.5), &mut depth, dt).depth < 0.012);
+    // What shrinks isn't held.
+    assert_eq!(moving(V3::zeros()).held(&at(0.003), &mut depth, dt).depth, 0.003);
 }

@@ -5,6 +5,12 @@ use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::soil::Under;
 use crate::tyre::{Contact, Patch, Tyre, WheelMotion};
 
+/// How fast a contact may deepen over the speed at which the wheel approaches, and over its whole speed: more than any
+/// smooth ground does to a rolling wheel.
+const DEEPENING: f64 = 2.0;
+/// How fast it may deepen under a wheel at rest, m/s.
+const CREEP: f64 = 0.05;
+
 impl Vehicle {
     pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheels: &[WheelShape], dt: f64) {
         let look = ground.obstacles.any_near();
@@ -40,9 +46,8 @@ impl Vehicle {
                         if share <= 0.0 {
                             continue;
                         }
-                        let contact = Contact { depth: contact.depth * share, ..*contact };
                         let mut patch = before.before(*facet, &contact.normal);
-                        c.load += motion.tyre_force(tyre, &contact, friction, &mut patch, f, dt);
+                        c.load += motion.tyre_force(tyre, contact, friction, share, &mut patch, f, dt);
                         c.facets.push(*facet, contact.normal, patch);
                     }
                     None
@@ -56,14 +61,16 @@ impl Vehicle {
                 }
             };
             if let Some(contact) = contact {
+                let contact = motion.held(&contact, &mut c.ground_depth, dt);
                 let (x, y) = (contact.point.x, contact.point.y);
                 let friction = match under {
                     Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
                     _ => ground.semantics.friction_at(x, y),
                 };
-                c.load += motion.tyre_force(tyre, &contact, friction, &mut c.ground_patch, f, dt);
+                c.load += motion.tyre_force(tyre, &contact, friction, 1.0, &mut c.ground_patch, f, dt);
             } else {
                 c.ground_patch = Patch::default();
+                c.ground_depth = 0.0;
             }
             if !ground.soil.is_empty()
                 && let Some(footprint) = &mut c.footprint
@@ -78,21 +85,29 @@ impl Vehicle {
                 f.inertia += s.inertia;
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(&wheels[c.tyre], &hub, &axis) {
-                c.load += motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, &mut c.obstacle_patch, f, dt);
+                let contact = motion.held(&contact, &mut c.obstacle_depth, dt);
+                let patch = &mut c.obstacle_patch;
+                c.load += motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, 1.0, patch, f, dt);
             } else {
                 c.obstacle_patch = Patch::default();
+                c.obstacle_depth = 0.0;
             }
         }
     }
 }
 
 impl WheelMotion {
-    /// Adds the force of one contact to `f`; returns the normal force.
+    /// Adds the force of one contact to `f`; returns the normal force, N.
+    ///
+    /// `share`, 0 to 1, is how much of the ground there is rigid. It takes its part of the whole reaction and not of the
+    /// depth, since a hard wheel that slides feels the ground across a small gap too, which a smaller depth would close.
+    #[expect(clippy::too_many_arguments, reason = "one contact: its tyre, its ground and what it leaves")]
     fn tyre_force(
         &self,
         tyre: &Tyre,
         contact: &Contact,
         friction: f64,
+        share: f64,
         patch: &mut Patch,
         f: &mut Forces,
         dt: f64,
@@ -100,10 +115,25 @@ impl WheelMotion {
         let Some(r) = tyre.react(self, contact, friction, patch, dt) else {
             return 0.0;
         };
-        f.force += r.force;
-        f.moment += r.moment;
-        f.spin_moment += r.spin_moment;
-        f.inertia += contact.normal * contact.normal.transpose() * (dt * tyre.damping());
-        r.load
+        f.force += r.force * share;
+        f.moment += r.moment * share;
+        f.spin_moment += r.spin_moment * share;
+        f.inertia += contact.normal * contact.normal.transpose() * (dt * tyre.damping() * share);
+        r.load * share
+    }
+
+    /// The contact, no deeper than the wheel's motion can have made it since it was `before` (m) deep `dt` (s) ago.
+    ///
+    /// Heights and radii tell how deep a wheel is, but not how it got there. Where a wheel lies on its flank in a hollow,
+    /// or stands with one side in a wall, what counts as its lowest point may change from one side to the other, and a wheel
+    /// that was suddenly half a metre deep would throw the vehicle with energy that nothing supplied. It is let out slowly
+    /// instead.
+    pub(super) fn held(&self, contact: &Contact, before: &mut f64, dt: f64) -> Contact {
+        let turning = self.rotation - self.axis * self.spin;
+        let velocity = self.velocity + turning.cross(&(contact.point - self.hub));
+        let approach = (-velocity.dot(&contact.normal)).max(0.0);
+        let most = *before + dt * (DEEPENING * (approach + velocity.norm()) + CREEP);
+        *before = contact.depth.min(most);
+        Contact { depth: *before, ..*contact }
     }
 }
