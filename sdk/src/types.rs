@@ -159,15 +159,16 @@ pub struct Observation {
     pub time: f64,
     /// Position of the vehicle's reference point in the world frame, m.
     pub position: Vec3,
-    /// Roll, rad, positive with the right side down.
+    /// Roll, rad, positive with the right side down. The attitude is yaw first, then pitch about the turned y axis, then
+    /// roll about the turned x axis (ISO 8855).
     pub roll: f64,
     /// Pitch, rad, positive with the nose down.
     pub pitch: f64,
     /// Heading, rad, counter-clockwise from east.
     pub yaw: f64,
-    /// Velocity in body axes, m/s.
+    /// Velocity of the reference point in body axes, m/s.
     pub linear_velocity: Vec3,
-    /// Rates in body axes, rad/s.
+    /// Angular velocity in body axes, rad/s.
     pub angular_velocity: Vec3,
     /// The wheels, front to back, left before right.
     pub wheels: Vec<Wheel>,

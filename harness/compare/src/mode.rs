@@ -43,8 +43,9 @@ impl Mode {
     }
 }
 
-/// The squares that the original burns into its obstacle bitmap (facts §1.7), as the `pid-release` planner takes
-/// them: around the pixel of an obstacle's centre, with as many whole metres as its box is wide, halved and cut.
+/// The squares that the original burns into its obstacle bitmap (`gen_obs_map` in its envs/gen-VertiBench.py), as the
+/// `pid-release` planner takes them: around the pixel of an obstacle's centre, with as many whole metres as its box is
+/// wide, halved and cut.
 pub(crate) fn obstacle_squares(world: &World) -> String {
     // Pixels are 1 m; the bitmap reaches half a pixel beyond the surface on every side.
     let last = 2.0 * world.heightfield.half_x();
@@ -119,7 +120,7 @@ mod tests {
     }
 
     /// Against the original's own obstacle bitmaps: 129 rows of 132 bytes from byte 1078 on, bottom row first, 255 on
-    /// obstacles (facts §1.2, §1.7).
+    /// obstacles (`gen_obs_map` in its envs/gen-VertiBench.py).
     #[test]
     fn squares_are_those_of_the_original_bitmaps() {
         let shared = crate::reference::shared().join("verti-bench");

@@ -217,7 +217,7 @@ pub struct FuelUse {
     pub steps: u64,
     /// For the last step.
     pub last_step: u64,
-    /// For the dearest step.
+    /// For the step that used most.
     pub max_step: u64,
 }
 

@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn failures_that_the_paper_does_not_know_are_folded_into_its_classes() {
-        // Facts on the original's rules, section 10.2: boundary into stuck, timeout by the roll at the end.
+        // docs/scoring.md: boundary into stuck, timeout by the roll at the end.
         assert_eq!(Outcome::Timeout.three_way(false), ThreeWay::Stuck);
         assert_eq!(Outcome::Timeout.three_way(true), ThreeWay::Rollover);
         assert_eq!(Outcome::OutOfBounds.three_way(true), ThreeWay::Stuck);

@@ -6,7 +6,7 @@ use vb_world::{Density, Elevation, Terrain};
 use crate::{Metrics, Outcome, TaskScore, ThreeWay};
 
 /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
-/// harnesses before 0.2 have `total` and `max_step` only.
+/// run layout 1 have `total` and `max_step` only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FuelUse {
     /// Fuel in the whole task.

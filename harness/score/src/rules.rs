@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn the_built_in_profiles_hold_the_published_rules() {
-        // Paper as described, released code, evaluation scripts: facts on the original, sections 5.1–5.3, 10.2.
+        // Paper as described, released code, evaluation scripts: docs/scoring.md says where each comes from.
         let paper = Rules::paper();
         assert_eq!(paper.success, SuccessRule::Planar { radius_m: 10.0 });
         assert_eq!(paper.time_limit_s, 60.0);
@@ -344,7 +344,8 @@ mod tests {
         assert_eq!(release.success, SuccessRule::Marker { radius_m: 8.0, marker_height_m: 2.0 });
         assert_eq!(release.stuck, Some(StuckRule::Slow { speed_m_per_s: 0.01 / 0.005, duration_s: 10.0 }));
         assert_eq!((release.rollover, release.out_of_bounds), (None, None));
-        // Facts 4.5: level, the reference point 1 m above the ground, and the loop runs from there.
+        // The original's vehicles/HMMWV.py: level, the reference point 1 m above the ground, and the loop runs from
+        // there.
         assert_eq!(release.start, StartRule::Dropped { height_m: 1.0, raster_stretch: 129.0 / 128.0 });
         assert_eq!(paper.start, StartRule::Settled);
         let dev = Rules::resolve("dev").unwrap();

@@ -44,5 +44,5 @@ pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;
 pub(crate) type Quat = nalgebra::UnitQuaternion<f64>;
 
-/// Standard gravity as the original uses it, m/s² (facts: Chrono's default).
+/// Standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
 pub const GRAVITY: f64 = 9.81;

@@ -456,7 +456,9 @@ impl Simulation {
         self.energy.forget();
     }
 
-    /// Feeds every number that determines the future into `sink`, in a fixed order.
+    /// Feeds the state of the vehicle into `sink`, in a fixed order: its pose, its velocities, and the states of its wheels,
+    /// footprints, tracks and driveline. Ruts that it has left are not in it; two drives whose ruts differ differ in it as
+    /// soon as a wheel meets one.
     pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
         let v = &self.vehicle;
         v.x.iter().chain(v.q.coords.iter()).chain(v.v.iter()).chain(v.w.iter()).for_each(|&x| sink(x));

@@ -35,7 +35,8 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 
 #[test]
 fn fiala_gives_the_closed_form_in_slip_and_in_slip_angle() {
-    // Adams/Tire's Fiala (facts §6) with the sheet's c_slip, c_alpha, mu_min, mu_max; ground friction 0.8 = mu_0.
+    // Adams/Tire's Fiala (as in Chrono's ChFialaTire.cpp) with the sheet's c_slip, c_alpha, mu_min, mu_max; ground
+    // friction 0.8 = mu_0.
     let (cs, ca, least, most) = (193_929.0, 50_000.0, 0.5568, 0.9835);
     let (t, width) = (tyre("fiala"), on("fiala").tyre.width());
     for load in [3000.0, 6000.0, 15_000.0] {

@@ -24,7 +24,7 @@ pub struct PathParams {
 }
 
 impl Default for PathParams {
-    /// Clearance 3.5 m, the median over the original's paths, which come as close as 1.99 m (facts §2.5): half the
+    /// Clearance 3.5 m, the median over the original's paths, which come as close as 1.99 m (docs/worlds.md): half the
     /// width of the HMMWV (1.05 m) and room for a planner that cuts corners.
     fn default() -> Self {
         Self { clearance: 3.5, grid: 0.5, spacing: 1.0 }

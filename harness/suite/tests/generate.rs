@@ -58,14 +58,14 @@ fn near(what: &str, value: f64, expected: f64, tolerance: f64) {
     assert!((value / expected - 1.0).abs() <= tolerance, "{what}: {value}, measured {expected}");
 }
 
-/// Facts §2.3 give for each level the spread of heights within a world and percentiles of slope. A dozen worlds, whose
-/// spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. At p90 ours are steeper by 6 % besides, as the scans
-/// are beside the original's worlds. The far tail is somewhat shorter, since isolated black pixels are no terrain: without them the
-/// original's p99 is 17.0, 29.4 and 44.7 degrees (docs/worlds.md).
+/// docs/worlds.md gives for each level the spread of heights within a world and percentiles of slope. A dozen worlds,
+/// whose spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. At p90 ours are steeper by 6 %
+/// besides, as the scans are beside the original's worlds. The far tail is somewhat shorter, since isolated black
+/// pixels are no terrain: without them the original's p99 is 17.0, 29.4 and 44.7 degrees (docs/worlds.md).
 ///
-/// Single facets, differences over 1 m, are compared with the scans that the model never saw: every fourth sample of a repaired scan,
-/// scaled to the level's share of 0.55 m for the standard deviation of the scans trained on. (The original's worlds have gentler
-/// ones: p90 12.7, 23.2 and 36.2 degrees.)
+/// Single facets, differences over 1 m, are compared with the scans that the model never saw: every fourth sample of a
+/// repaired scan, scaled to the level's share of 0.55 m for the standard deviation of the scans trained on. (The
+/// original's worlds have gentler ones: p90 12.7, 23.2 and 36.2 degrees.)
 #[test]
 fn heights_and_slopes_are_those_of_the_original_at_every_level() {
     let no_boulders =
@@ -101,8 +101,9 @@ fn heights_and_slopes_are_those_of_the_original_at_every_level() {
     }
 }
 
-/// Facts §2.3: the horizontal autocorrelation falls to 1/e at 3.6 m (single worlds of the original: 2.7 to 3.4 m by
-/// level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in 128 m.
+/// Of the original's 100 worlds (docs/worlds.md): the horizontal autocorrelation falls to 1/e at 3.6 m (single worlds
+/// of the original: 2.7 to 3.4 m by level, with the mean of each world removed), power ~ k^-2.0 for 3 to 40 cycles in
+/// 128 m.
 #[test]
 fn roughness_has_the_wavelengths_of_the_original() {
     let worlds = generate(&params(&[("count: 10", "count: 1")]), 12, 6);
@@ -160,7 +161,8 @@ fn roughness_has_the_wavelengths_of_the_original() {
 
 #[test]
 fn obstacles_starts_goals_and_paths_keep_the_rules() {
-    // Facts §3.5: 10/20/40 boulders and 1/2/3 trees, 10 m apart, 12 m from every start and goal; §1.8: the circle.
+    // The original's envs/utils/asset_utils.py: 10/20/40 boulders and 1/2/3 trees, 10 m apart, 12 m from every start
+    // and goal; its envs/gen-VertiBench.py: the circle.
     let worlds = generate(&params(&[]), 13, 9);
     let pairs: std::collections::BTreeSet<_> = worlds.iter().map(|w| (w.elevation, w.density)).collect();
     assert_eq!(pairs.len(), 9, "nine worlds have all pairs of level and density");
@@ -219,8 +221,8 @@ fn obstacles_starts_goals_and_paths_keep_the_rules() {
 
 #[test]
 fn friction_follows_its_class_and_clusters_keep_to_their_ground() {
-    // Facts §2.2: mean and standard deviation by class, clipped to [0.1, 1]; §3.3: 1 to 7 rigid, 1 to 3 deformable.
-    // Paths take most of the time and do not matter here.
+    // The original's envs/gen-VertiBench.py: mean and standard deviation by class, clipped to [0.1, 1], and 1 to 7
+    // rigid, 1 to 3 deformable. Paths take most of the time and do not matter here.
     let worlds = generate(&params(&[("count: 10", "count: 1")]), 14, 40);
     let mut values = vec![Vec::new(); 10];
     for w in &worlds {
@@ -344,7 +346,7 @@ fn the_suite_has_every_choice_of_labels_in_proportion() {
         assert!((33..=34).contains(&total(&|w| w.density == density)));
     }
     let grounds = Terrain::ALL.map(|terrain| total(&|w| w.terrain == terrain));
-    assert_eq!(grounds, [60, 30, 10], "as in the original (facts §2.1)");
+    assert_eq!(grounds, [60, 30, 10], "as in the original (docs/worlds.md)");
 }
 
 #[test]

@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_mosaic_of_turned_copies_holds_one_tile() {
-        // The original's training images: 4 × 4 copies of one tile, mirrored at will (facts §1.11).
+        // The original's training images: 4 × 4 copies of one tile, mirrored at will (its envs/data/elev_maps).
         let tile = |r: usize, c: usize| ((r * 13 + c * 7 + r * r * c) % 31) as f64;
         let mirrored = |r: usize, c: usize| {
             let (block, r, c) = (r / 8 * 4 + c / 8, r % 8, c % 8);

@@ -46,7 +46,8 @@ fn a_selection_says_which_parts_of_which_files_are_measured_and_which_are_held_o
     let [first, second] = [&data.scans[0].layers, &data.scans[1].layers];
     assert_eq!((first.len(), second.len()), (4, 4));
     assert_eq!((first[0].heights.rows(), first[0].heights.cols(), second[0].heights.cols()), (20, 24, 20));
-    // The black corner of 4 × 4 is not measured, four of every second sample, nor is the speck, at an even row and column.
+    // The black corner of 4 × 4 is not measured, four of every second sample, nor is the speck, at an even row and
+    // column.
     let holes = |l: &vb_terrain::data::Layer| l.measured.iter().filter(|m| !**m).count();
     assert_eq!(first.iter().map(holes).collect::<Vec<_>>(), [5, 4, 4, 4]);
     assert!(first.iter().flat_map(|l| l.heights.values()).all(|v| v.is_finite() && v.abs() < 3.0));
@@ -112,7 +113,8 @@ fn folders_that_cannot_be_learned_from_are_told_in_one_line() {
 
 #[test]
 fn the_originals_thousand_training_images_hold_32_tiles() {
-    // Facts §1.11. Where the reference data lie is said by VB_SHARED; without them there is nothing to check.
+    // The original's envs/data/elev_maps and raw. Where the reference data lie is said by VB_SHARED; without them there
+    // is nothing to check.
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
     let shared = std::env::var_os("VB_SHARED").map_or(beside, Into::into);
     let dir = shared.join("verti-bench/BenchMaps/elev_maps");

@@ -34,8 +34,8 @@ fn hash(surface: &Heightfield) -> String {
 
 #[test]
 fn the_same_model_and_seed_give_the_same_bits_on_any_machine() {
-    // A snapshot for determinism, not for quality: it changes with the model, and with nothing else. The pitch of 0.7 m goes
-    // through the resampling kernel's arithmetic too.
+    // A snapshot for determinism, not for quality: it changes with the model, and with nothing else. The pitch of 0.7 m
+    // goes through the resampling kernel's arithmetic too.
     let request = Request { seed: 7, rows: 65, cols: 97, pitch: 0.7, share: 0.6 };
     let surface = model().surface(&request).unwrap();
     assert_eq!(hash(&surface), "58425d5429477407ae0c6098b49f00a152b787e78b7d7fdca25eb2af5cd3661e");
@@ -88,8 +88,8 @@ fn levels_are_30_60_and_100_percent_of_the_relief() {
     assert!((std(Elevation::Medium) / high - 0.6).abs() < 1e-12);
 }
 
-/// Slopes of nodes 1 m apart and power's exponent, of the scans that the shipped model never saw: its card's, which says what both
-/// mean.
+/// Slopes of nodes 1 m apart and power's exponent, of the scans that the shipped model never saw: its card's, which
+/// says what both mean.
 fn held_out() -> ([f64; 5], f64) {
     let card: serde_json::Value =
         serde_json::from_slice(&std::fs::read(shipped().with_extension("json")).unwrap()).unwrap();
@@ -122,8 +122,9 @@ fn slopes_up_to_the_steepest_and_the_spectrum_are_those_of_scans_that_the_model_
 
 #[test]
 fn heights_and_slopes_are_near_those_of_the_originals_worlds() {
-    // Facts §2.3, high: mean standard deviation within a world 0.547 m, slopes by central difference p50 14.9, p95 34.5, p99 48.5
-    // degrees, the last with the pits that are repaired here. The scans are somewhat steeper at p95 than the original's worlds.
+    // Of the original's high worlds (docs/worlds.md): mean standard deviation within a world 0.547 m, slopes by central
+    // difference p50 14.9, p95 34.5, p99 48.5 degrees, the last with the pits that are repaired here. The scans are
+    // somewhat steeper at p95 than the original's worlds.
     let (mut std, mut steep) = (0.0, Vec::new());
     for seed in 0..12 {
         let s = draw(seed, 129, 1.0);
@@ -137,9 +138,9 @@ fn heights_and_slopes_are_near_those_of_the_originals_worlds() {
     }
 }
 
-/// How far the strongest line at a lattice of `period` nodes stands out: power of the waves along rows or columns with a whole
-/// number of periods in it, over the mean of the waves next to it; of the heights and of the squared differences between
-/// neighbours, which tell whether some places of the lattice are rougher.
+/// How far the strongest line at a lattice of `period` nodes stands out: power of the waves along rows or columns with
+/// a whole number of periods in it, over the mean of the waves next to it; of the heights and of the squared
+/// differences between neighbours, which tell whether some places of the lattice are rougher.
 fn lattice(surfaces: &[Heightfield], period: usize) -> f64 {
     const SIDE: usize = 128;
     let mut spectra = [Spectrum::new(SIDE), Spectrum::new(SIDE)];
@@ -171,8 +172,8 @@ fn lattice(surfaces: &[Heightfield], period: usize) -> f64 {
 
 #[test]
 fn no_lattice_of_cells_or_tiles_shows_in_the_spectrum() {
-    // At the model's own pitch a cell is 8 nodes, a code 32. Power of one wave over 40 independent surfaces varies by 1/√40 = 16 %,
-    // the ratio to four others by 18 %; some 40 ratios are taken: 1.8 is 4.5 standard deviations.
+    // At the model's own pitch a cell is 8 nodes, a code 32. Power of one wave over 40 independent surfaces varies by
+    // 1/√40 = 16 %, the ratio to four others by 18 %; some 40 ratios are taken: 1.8 is 4.5 standard deviations.
     let surfaces: Vec<Heightfield> = (100..140).map(|seed| draw(seed, 129, 0.5)).collect();
     let found = lattice(&surfaces, 32).max(lattice(&surfaces, 8));
     eprintln!("strongest line {found:.2}");

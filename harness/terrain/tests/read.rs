@@ -35,7 +35,7 @@ fn flaw(path: &std::path::Path) -> Flaw {
     e.flaw
 }
 
-/// An 8-bit bitmap with a palette of greys, as the original's are (facts §1.2); rows from the bottom.
+/// An 8-bit bitmap with a palette of greys, as the original's are; rows from the bottom.
 fn bitmap(rows: &[[u8; 3]]) -> Vec<u8> {
     let mut b = b"BM".to_vec();
     let height = rows.len() as u32;

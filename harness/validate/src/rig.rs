@@ -145,8 +145,8 @@ impl Pace {
         label(full_size, self.length(full_size))
     }
 
-    /// The original's speed controller: the error of the speed (gain 1) is the throttle, or negative the brake (facts
-    /// §6.1). The target is a full-size speed.
+    /// The original's speed controller: the error of the speed (gain 1) is the throttle, or negative the brake
+    /// (`compute_throttle` in its systems/PID/PID.py). The target is a full-size speed.
     pub(crate) fn hold_speed(self, s: &VehicleState, target: f64, steering: f64) -> Controls {
         let e = target - s.velocity.x / self.root;
         controls(steering, e, -e)

@@ -60,7 +60,7 @@ pub(crate) const MAX_SIDE: usize = 8193;
 const MAX_FRICTION: f64 = 2.0;
 
 /// Largest distance from the ground at its centre to an obstacle that hangs above it or lies wholly below it, m at
-/// scale 1. The original's data have both, by 2.8 m at most (facts §1.9); more is a typing error.
+/// scale 1. The original's data have both, by 2.8 m at most (measured over its 100 worlds); more is a typing error.
 const MAX_GAP: f64 = 10.0;
 
 /// How far a path may begin from the start and end from the goal, m: what rounding to millimetres costs.

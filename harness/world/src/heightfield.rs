@@ -362,7 +362,8 @@ mod tests {
 
     #[test]
     fn cells_are_cut_from_the_south_west_to_the_north_east() {
-        // Facts §1.4, by hand: north-western triangle z = 0 + (7 - 2) u + 2 v, south-eastern z = 1 u + (7 - 1) v.
+        // By hand, with the diagonal of Chrono's `RigidTerrain::AddPatch`: north-western triangle z = 0 + (7 - 2) u + 2
+        // v, south-eastern z = 1 u + (7 - 1) v.
         let at = |u: f64, v: f64| cell().at(2.0 * u - 1.0, 2.0 * v - 1.0);
         assert!((at(0.25, 0.75).z - (1.25 + 1.5)).abs() < 1e-15);
         assert!((at(0.75, 0.25).z - (0.75 + 1.5)).abs() < 1e-15);

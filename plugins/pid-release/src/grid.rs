@@ -1,4 +1,4 @@
-//! The original's global planner (facts §3.6): A* on pixels, and one Bézier curve.
+//! The original's global planner (systems/PID/PID.py): A* on pixels, and one Bézier curve.
 //!
 //! Pixels are numbered (row, column) from the north-west. The planner takes pixel k to reach from k − n/2 to
 //! k + 1 − n/2 of n, half a pixel off the elevation, and its way through the pixel at its lower bound; that is kept.
@@ -210,7 +210,7 @@ mod tests {
     }
 
     /// `tasks.csv` has the cells and lengths of the way that the original's own code finds on its obstacle bitmaps
-    /// (8 bits, 129 rows of 132 bytes from byte 1078 on, bottom row first; 255 is an obstacle: facts §1.2, §1.7).
+    /// (8 bits, 129 rows of 132 bytes from byte 1078 on, bottom row first; 255 is an obstacle, envs/gen-VertiBench.py).
     #[test]
     fn ways_are_as_long_as_those_of_the_original() {
         let Some(shared) = shared() else { return };

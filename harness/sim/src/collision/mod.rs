@@ -16,7 +16,7 @@ use rapier3d_f64::prelude::*;
 use vb_world::World;
 
 /// Friction of obstacles, combined with the tyre's or hull's by the minimum: Chrono's default material, which the
-/// original gives its rocks and trees (facts §1.9).
+/// original gives its rocks and trees (Chrono's default contact material, ChContactMaterial.cpp).
 pub(crate) const OBSTACLE_FRICTION: f64 = 0.6;
 
 fn vector(v: &V3) -> Vector {
@@ -126,8 +126,8 @@ impl Obstacles {
         self.near.iter().any(|&i| self.solids[i].cuboid.may_touch(hull, margin))
     }
 
-    /// The deepest contact of a plate with an obstacle. The plate lies along the columns of `axes`, with its size (m) along
-    /// each; the edges along the last, its thickness, are round.
+    /// The deepest contact of a plate with an obstacle. The plate lies along the columns of `axes`, with its size (m)
+    /// along each; the edges along the last, its thickness, are round.
     pub(crate) fn plate_contact(&self, size: [f64; 3], middle: &V3, axes: &M3) -> Option<Contact> {
         let margin = 0.5 * size[2];
         let half = [0.5 * size[0], 0.5 * size[1] - margin, 1e-3 * margin];

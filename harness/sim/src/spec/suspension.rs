@@ -288,7 +288,7 @@ pub enum Spring {
         #[serde(default)]
         preload: f64,
     },
-    /// stiffness · e + progression · e·|e| (facts, tyre-and-soil-models §11: the trucks' springs).
+    /// stiffness · e + progression · e·|e| (the springs of Chrono's MAN trucks, chrono_models/vehicle/man).
     Progressive {
         /// N/m.
         stiffness: f64,
@@ -322,7 +322,7 @@ pub enum Damper {
         /// N s/m.
         rebound: f64,
     },
-    /// c·v / (1 + n·|v|) with c and n for each direction (facts, tyre-and-soil-models §11).
+    /// c·v / (1 + n·|v|) with c and n for each direction (the dampers of Chrono's MAN trucks, chrono_models/vehicle/man).
     Degressive {
         /// c, N s/m.
         compression: f64,

@@ -21,7 +21,7 @@ pub enum TyreSpec {
     Tmeasy(TmeasyTyre),
 }
 
-/// A hard cylinder with Coulomb friction: the tyre of the original's wheeled vehicles (facts §3 of the tyre models).
+/// A hard cylinder with Coulomb friction: the tyre of the original's wheeled vehicles (Chrono's ChRigidTire.cpp).
 ///
 /// The original's contact is a complementarity problem, without compliance or slip. Here a stiff spring keeps the
 /// penetration to millimetres, and friction is a bristle that reaches the friction circle at a small slip,
@@ -109,7 +109,7 @@ pub struct BrushTyre {
     pub rolling_resistance: f64,
 }
 
-/// Fiala's model with the names of Adams/Tire (facts §6 of the tyre models).
+/// Fiala's model with the names of Adams/Tire (Chrono's ChFialaTire.cpp).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FialaTyre {
@@ -139,7 +139,7 @@ pub struct FialaTyre {
     pub carcass_damping: [f64; 2],
 }
 
-/// Rill's TMeasy with the names of its standard (facts §4 of the tyre models; Rill, Road Vehicle Dynamics, 2012,
+/// Rill's TMeasy with the names of its standard (Chrono's ChTMeasyTire.cpp; Rill, Road Vehicle Dynamics, 2012,
 /// ch. 3). Pairs are the values at the loads `pn` and 2 `pn`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

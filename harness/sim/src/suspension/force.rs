@@ -140,7 +140,8 @@ mod tests {
     fn springs_follow_their_laws_in_compression_and_tension() {
         let linear = Spring::Linear { stiffness: 100.0, free_length: 0.5, preload: 7.0 };
         assert!((linear.force(0.4) - 17.0).abs() < 1e-12);
-        // F = k1 e + k2 e|e|: facts §11. The truck's front spring at its design length, sheet man5t: 28205 N.
+        // F = k1 e + k2 e|e|, as in chrono_models/vehicle/man. The truck's front spring at its design length, sheet
+        // man5t: 28205 N.
         let truck = Spring::Progressive { stiffness: 85490.0, progression: 495_208.0, free_length: 0.667 };
         assert!((truck.force(0.567) - (8549.0 + 4952.08)).abs() < 1e-9);
         assert!((truck.force(0.767) + (8549.0 + 4952.08)).abs() < 1e-9);
@@ -154,7 +155,7 @@ mod tests {
     fn dampers_resist_each_direction_by_its_own_law() {
         let bilinear = Damper::Bilinear { compression: 10.0, rebound: 30.0 };
         assert_eq!((bilinear.resistance(-2.0), bilinear.resistance(2.0)), (10.0, 30.0));
-        // c v / (1 + n v): facts §11.
+        // c v / (1 + n v), as in chrono_models/vehicle/man.
         let degressive = Damper::Degressive {
             compression: 52526.6,
             compression_degression: 3.0,

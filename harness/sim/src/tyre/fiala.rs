@@ -7,7 +7,7 @@ use crate::spec::FialaTyre;
 /// tyre sticks with its greatest friction.
 const LOW_SPEED: f64 = 0.5;
 
-/// Fiala's slip curves (facts §6 of the tyre models; Adams/Tire's documentation).
+/// Fiala's slip curves (Chrono's ChFialaTire.cpp; Adams/Tire's documentation).
 ///
 /// Two things are ours. Friction is scaled by the ground before the critical slips are computed, so that the curves are
 /// continuous on every ground (Chrono scales it between the two). And forces in both directions together are held to the
@@ -90,7 +90,8 @@ impl Fiala {
         (force, self.aligning(s, force[1], creep.limit[0]))
     }
 
-    /// Moment of rolling resistance against the spin, N m: with a sine step over the speed, facts §6.
+    /// Moment of rolling resistance against the spin, N m: with a sine step over the speed, as in Chrono's
+    /// ChFialaTire.cpp.
     pub(crate) fn rolling_moment(&self, load: f64, forward: f64, spin: f64) -> f64 {
         let t = ((forward - 0.125) / 0.375).clamp(0.0, 1.0);
         let turn = 2.0 * std::f64::consts::PI;

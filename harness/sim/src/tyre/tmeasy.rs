@@ -6,14 +6,14 @@ use crate::spec::TmeasyTyre;
 /// Rolling speed below which friction no longer falls with slip, m/s: a tyre at rest sticks with its greatest force, and
 /// falls to that of sliding as it is dragged.
 const LOW_SPEED: f64 = 0.5;
-/// Rolling speeds between which the aligning torque sets in, m/s (facts §4: at 1 m/s).
+/// Rolling speeds between which the aligning torque sets in, m/s (Chrono's ChTMeasyTire.cpp: at 1 m/s).
 const ALIGNING_SPEED: [f64; 2] = [0.5, 1.5];
-/// Stiffness of the rim's contact over the tyre's own (facts §4).
+/// Stiffness of the rim's contact over the tyre's own (Chrono's ChTMeasyTire.cpp).
 const RIM: f64 = 5.0;
-/// How far above the rim its contact begins, m (facts §4).
+/// How far above the rim its contact begins, m (Chrono's ChTMeasyTire.cpp).
 const RIM_FLANGE: f64 = 0.01;
 
-/// TMeasy's characteristics (facts §4 of the tyre models; Rill, Road Vehicle Dynamics, 2012, ch. 3).
+/// TMeasy's characteristics (Chrono's ChTMeasyTire.cpp; Rill, Road Vehicle Dynamics, 2012, ch. 3).
 #[derive(Clone, Debug)]
 pub(crate) struct Tmeasy {
     t: TmeasyTyre,

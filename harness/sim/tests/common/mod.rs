@@ -74,7 +74,8 @@ pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
     Controls { steering, throttle, brake }
 }
 
-/// The original's speed controller: P gain 1 on the speed error, throttle and brake in [0, 1] (facts §6.1).
+/// The original's speed controller: P gain 1 on the speed error, throttle and brake in [0, 1] (`compute_throttle` in
+/// its systems/PID/PID.py).
 pub fn hold_speed(sim: &Simulation, target: f64, steering: f64) -> Controls {
     let e = target - sim.state().velocity.x;
     controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0))

@@ -15,7 +15,7 @@ pub(super) const STEEP: f64 = 45.0;
 /// Heights at the ends of the colour scale lie so many standard deviations from the mean: a few pits would press all
 /// others together.
 pub(super) const SPREADS: f64 = 2.5;
-/// Friction at the ends of the colour scale: the clip of the original's generator (facts §2.2).
+/// Friction at the ends of the colour scale: the clip of the original's generator (envs/gen-VertiBench.py).
 pub(super) const FRICTION: [f64; 2] = [0.1, 1.0];
 /// Colours of a scale.
 const STEPS: usize = 32;

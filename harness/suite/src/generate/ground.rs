@@ -1,4 +1,4 @@
-//! Semantic patches in clusters, friction by class (facts §3.3).
+//! Semantic patches in clusters, friction by class (as in the original's envs/gen-VertiBench.py).
 //!
 //! Unlike the original, which cuts deformable worlds into bands and mixed ones into rectangles to please its
 //! simulator, every world keeps its clusters.
@@ -47,9 +47,9 @@ pub(crate) fn semantics(
     Semantics { rows: n, cols: n, patch, classes: patches, friction: frictions, soil }
 }
 
-/// Levels of soil of the world at an index, whose elevation level is `index` modulo 3. They are dealt out among the worlds
-/// of that level whose ground yields: soft, medium and hard go round the three classes, so that each of these has each of
-/// them equally often, now one way round and now the other, so that all six ways to give them come up.
+/// Levels of soil of the world at an index, whose elevation level is `index` modulo 3. They are dealt out among the
+/// worlds of that level whose ground yields: soft, medium and hard go round the three classes, so that each of these
+/// has each of them equally often, now one way round and now the other, so that all six ways to give them come up.
 pub(crate) fn soil_levels(order: &[Terrain], index: usize) -> SoilLevels {
     let yields = |i: &usize| order[i % order.len()] != Terrain::Rigid;
     let dealt = (index % 3..index).step_by(3).filter(yields).count() + index % 3;

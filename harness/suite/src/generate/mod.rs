@@ -1,7 +1,8 @@
 //! The seeded world generator: same seed, rules and terrain model, same bytes.
 //!
 //! Heights are drawn from a learned model of terrain (`vb-terrain`). Rules for ground, obstacles, starts and goals
-//! follow the original's generator (facts §3.3, §3.5). All rules are data: [`GeneratorParams`].
+//! follow the original's generator (envs/gen-VertiBench.py, envs/utils/asset_utils.py). All rules are data:
+//! [`GeneratorParams`].
 
 mod ends;
 mod ground;

@@ -1,4 +1,4 @@
-//! Boulders and trees: how many, where and how large (facts §3.5).
+//! Boulders and trees: how many, where and how large (as in the original's envs/utils/asset_utils.py).
 
 use super::params::ObstacleParams;
 use vb_math::rng::Stream;

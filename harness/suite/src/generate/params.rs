@@ -421,7 +421,8 @@ mod tests {
 
     #[test]
     fn the_built_in_rules_are_those_of_the_original() {
-        // Counts and distances of facts §3.5, friction of §2.2, shares of the relief of §1.2.
+        // Counts and distances of the original's asset_utils.py, friction and shares of the relief of its
+        // gen-VertiBench.py.
         let p = GeneratorParams::default();
         assert_eq!(
             [p.obstacles.boulders.sparse, p.obstacles.boulders.medium, p.obstacles.boulders.dense],

@@ -1,5 +1,5 @@
-//! 8-bit grey Windows bitmaps, as the original stores elevation: BITMAPINFOHEADER, uncompressed, linear grey
-//! palette (facts §1.2). Anything else is refused.
+//! 8-bit grey Windows bitmaps, as the original stores elevation: BITMAPINFOHEADER, uncompressed, as its released worlds
+//! are, with a linear grey palette. Anything else is refused.
 
 /// A grey image, row 0 on top.
 pub(crate) struct Grey {

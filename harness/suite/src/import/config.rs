@@ -1,4 +1,4 @@
-//! The original's `config{id}_{difficulty}.yaml` (facts §1.5). Fields that mean nothing to us are passed over.
+//! The original's `config{id}_{difficulty}.yaml`. Fields that mean nothing to us are passed over.
 
 use serde::Deserialize;
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
@@ -35,7 +35,7 @@ pub(crate) struct Position {
     pub(crate) x: f64,
     pub(crate) y: f64,
     /// Where the original's simulator centres the collision box. It was looked up at a wrong place: up to 2.8 m above
-    /// or below the ground (facts §1.9).
+    /// or below the ground (envs/utils/asset_utils.py).
     pub(crate) z: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Import of the original's released data: bitmaps, YAML, NumPy labels (facts §1, §10.1).
+//! Import of the original's released data: bitmaps, YAML, NumPy labels (docs/worlds.md).
 //!
 //! The files leave open what a vehicle drives on, as the original's simulator does not build what they describe;
 //! [`Ground`] chooses. Paths come from our global planner either way. `docs/worlds.md` has the whole mapping.
@@ -79,7 +79,8 @@ pub enum Ground {
     AsDescribed,
     /// As the original's simulator builds it: rigid patches merged into sections with the friction of one of their
     /// patches, soil in bands (deformable worlds) or one rectangle a class (mixed worlds), obstacles as boxes centred at
-    /// their stored z, which may leave them in the air or under the ground (facts §1.9, §4.2, §4.3).
+    /// their stored z, which may leave them in the air or under the ground (envs/utils/asset_utils.py looks heights up
+    /// in a raster of the wrong width).
     AsSimulated,
 }
 
@@ -285,7 +286,7 @@ fn check_terrain(file: &Path, config: &Config) -> Result<usize, ImportError> {
     Ok(side as usize)
 }
 
-/// The physical surface: one node a pixel at 1 m, grey 0…255 from min_height to max_height (facts §1.2, §1.4).
+/// The physical surface: one node a pixel at 1 m, grey 0…255 from min_height to max_height (Chrono's RigidTerrain.cpp).
 fn heightfield(image: &bmp::Grey, config: &Config) -> Heightfield {
     let levels: Vec<u16> =
         image.pixels.chunks(image.cols).rev().flatten().map(|&g| 257 * u16::from(g)).collect();
@@ -339,7 +340,7 @@ fn semantics(file: &Path, config: &Config, side: usize) -> Result<Semantics, Imp
 
 /// Compares the label raster with the patches it was made from: pixel (r, c) belongs to patch (min(r / 8, 15),
 /// min(c / 8, 15)). In mixed worlds the original turned deformable patches into rigid ones without repainting
-/// their share of the last row and column, where the old label stays (facts §1.6); nothing else may differ.
+/// their share of the last row and column, where the old label stays (envs/gen-VertiBench.py); nothing else may differ.
 fn check_labels(
     file: &Path,
     labels: &[i32],
@@ -376,9 +377,9 @@ fn check_labels(
     Ok(())
 }
 
-/// Extents of the collision box of a rock of scale 1, m (facts §1.9).
+/// Extents of the collision box of a rock of scale 1, m (envs/utils/asset_utils.py).
 const ROCK_SIZE: [f64; 3] = [4.4, 4.4, 3.8];
-/// Extents of the collision box of a tree, m (facts §1.9).
+/// Extents of the collision box of a tree, m (envs/utils/asset_utils.py).
 const TREE_SIZE: [f64; 3] = [1.0, 1.0, 5.0];
 
 /// Extents of the collision box of each rock, m.

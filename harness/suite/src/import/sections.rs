@@ -1,4 +1,5 @@
-//! The sections that the original's simulator makes of the rigid patches, and the friction of each (facts §4.2).
+//! The sections that the original's simulator makes of the rigid patches, and the friction of each (`combine_rigid` in
+//! its envs/terrain.py).
 //!
 //! For each class, in the order in which the classes first appear among the patches, the largest rectangle of patches
 //! that are still free becomes a section, until none is left. A section has *one* friction value: that of the patch

@@ -1,4 +1,4 @@
-//! Ground and obstacles as the original's simulator builds them (facts §1.9, §4.2, §4.3).
+//! Ground and obstacles as the original's simulator builds them (its envs/terrain.py and envs/utils/asset_utils.py).
 
 use super::config::{Config, Position};
 use super::sections::rigid_sections;
@@ -121,7 +121,8 @@ mod tests {
 
     #[test]
     fn soil_lies_in_bands_from_the_north_in_alphabetical_order() {
-        // Facts §4.3: bands begin at y = 64 and end at 0 (two) or at 21 and -22 (three classes).
+        // `combine_deformation` in envs/terrain.py: bands begin at y = 64 and end at 0 (two) or at 21 and -22 (three
+        // classes).
         let of = |classes: &[TerrainClass]| {
             let all = (0..256).map(|k| classes[k % classes.len()]).collect();
             bands(&patches(16, 8.0, all), 129)

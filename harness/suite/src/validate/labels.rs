@@ -6,7 +6,7 @@ use crate::statistics::WorldStatistics;
 use vb_world::{Density, Elevation, Part, World};
 
 /// How far the spread of heights may be from that of its level, as a factor. Worlds of the original stay within 1.35 of
-/// their level's mean (facts §2.3), and neighbouring levels lie 1.7 to 1.9 apart.
+/// their level's mean (docs/worlds.md), and neighbouring levels lie 1.7 to 1.9 apart.
 const SPREAD: f64 = 1.6;
 
 /// A density's number of obstacles holds for a world of this area, m².

@@ -6,7 +6,7 @@ use crate::tyre::WheelMotion;
 
 /// Plastic sinkage beyond which the ground counts as a rut, m.
 const LOOSE: f64 = 1e-3;
-/// Cells beside the wheel over which a heap may slide, as the original lets it (facts §4.3: 10 propagations).
+/// Cells beside the wheel over which a heap may slide, as the original lets it (10 propagations in its envs/terrain.py).
 const RINGS: usize = 10;
 /// Steps between two times that displaced soil is heaped up beside the wheel.
 const PAUSE: u32 = 8;
