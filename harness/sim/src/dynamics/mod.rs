@@ -18,7 +18,7 @@ mod track;
 mod wheel;
 
 use crate::collision::{Obstacles, WheelShape};
-use crate::powertrain::Drive;
+use crate::powertrain::{Drive, Load};
 use crate::soil::{Footprint, SoilGround, WHEEL};
 use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
 use crate::state::{Controls, VehicleState, WheelState};
@@ -154,7 +154,7 @@ pub(crate) struct Vehicle {
 impl Vehicle {
     pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_pitch: f64) -> Self {
         let com = V3::from(spec.chassis.com);
-        let drive = track::sprockets(spec).map_or_else(|| Drive::new(spec), |s| Drive::new(&s));
+        let drive = Drive::new(&track::sprockets(spec).unwrap_or_else(|| Load::wheels(spec)));
         let (mut corners, mut beams, mut bars) = (Vec::new(), Vec::new(), Vec::new());
         let mut tyres = vec![Tyre::new(&spec.tyre)];
         for (i, (axle, kinematics)) in spec.axles.iter().zip(axles).enumerate() {

@@ -12,7 +12,8 @@
 //! any start and never add energy. Without brakes the constraints of up to two axles don't interact, so that one
 //! sweep is exact; with brakes that can hold all wheels the start is already the solution.
 
-use crate::spec::{Differential, VehicleSpec};
+use super::Pair;
+use crate::spec::{self, Differential};
 
 /// Greatest number of driven axles.
 const MAX_AXLES: usize = crate::dynamics::MAX_WHEELS / 2;
@@ -139,19 +140,19 @@ impl Friction {
 }
 
 impl Driveline {
-    pub(super) fn new(v: &VehicleSpec) -> Self {
-        let d = &v.powertrain.driveline;
-        let driven = v.axles.iter().enumerate().filter(|(_, a)| a.driven);
-        let axle = |((i, a), x): ((usize, &crate::spec::Axle), &crate::spec::DrivenAxle)| {
+    /// The shafts of `d` on these pairs of wheels, of which as many are driven as it has axles.
+    pub(super) fn new(d: &spec::Driveline, pairs: &[Pair]) -> Self {
+        let driven = pairs.iter().enumerate().filter(|(_, pair)| pair.driven);
+        let axle = |((i, pair), x): ((usize, &Pair), &spec::DrivenAxle)| {
             let gain = 1.0 / x.final_drive;
-            let inertia = 2.0 * a.spin_inertia + x.box_inertia + x.shaft_inertia * gain * gain;
+            let inertia = 2.0 * pair.inertia + x.box_inertia + x.shaft_inertia * gain * gain;
             let pull = x.share * gain;
             Axle {
                 left: 2 * i,
                 inertia,
                 ease: 1.0 / inertia,
-                wheel_inertia: a.spin_inertia,
-                wheel_ease: 1.0 / a.spin_inertia,
+                wheel_inertia: pair.inertia,
+                wheel_ease: 1.0 / pair.inertia,
                 gain,
                 pull,
                 lean: pull / inertia,
@@ -163,8 +164,8 @@ impl Driveline {
             axles,
             centre: d.centre,
             shaft_inertia: d.shaft_inertia,
-            wheel_inertias: v.axles.iter().flat_map(|a| [a.spin_inertia; 2]).collect(),
-            driven: v.axles.iter().flat_map(|a| [a.driven; 2]).collect(),
+            wheel_inertias: pairs.iter().flat_map(|pair| [pair.inertia; 2]).collect(),
+            driven: pairs.iter().flat_map(|pair| [pair.driven; 2]).collect(),
         }
     }
 

@@ -6,7 +6,7 @@ mod engine;
 mod gearbox;
 mod table;
 
-use crate::spec::{Engine, VehicleSpec};
+use crate::spec::{Engine, Powertrain, VehicleSpec};
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
@@ -39,6 +39,38 @@ pub struct DriveState {
     pub shaft_torque: f64,
 }
 
+/// What a powertrain has to move.
+pub(crate) struct Load<'a> {
+    pub(crate) powertrain: &'a Powertrain,
+    /// Of the whole vehicle, kg.
+    pub(crate) mass: f64,
+    /// Of the driven wheels, or of what drives the tracks, m.
+    pub(crate) radius: f64,
+    /// Pairs of wheels, front to back.
+    pub(crate) pairs: Vec<Pair>,
+}
+
+/// Two wheels, or two sprockets, on one axle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Of one wheel about its axle with all that turns with it, kg m².
+    pub(crate) inertia: f64,
+    pub(crate) driven: bool,
+}
+
+impl<'a> Load<'a> {
+    /// The wheels of a vehicle without tracks.
+    pub(crate) fn wheels(v: &'a VehicleSpec) -> Self {
+        let driven = v.axles.iter().find(|a| a.driven).map_or(&v.tyre, |a| v.tyre_of(a));
+        Self {
+            powertrain: &v.powertrain,
+            mass: v.total_mass(),
+            radius: driven.radius(),
+            pairs: v.axles.iter().map(|a| Pair { inertia: a.spin_inertia, driven: a.driven }).collect(),
+        }
+    }
+}
+
 /// The whole powertrain with its state.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
@@ -54,18 +86,16 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    pub(crate) fn new(v: &VehicleSpec) -> Self {
-        let p = &v.powertrain;
-        let driveline = Driveline::new(v);
-        let mass = v.chassis.mass + v.axles.iter().map(|a| 2.0 * a.unsprung_mass).sum::<f64>();
-        let driven = v.axles.iter().find(|a| a.driven).map_or(&v.tyre, |a| v.tyre_of(a));
-        let lever = driven.radius() / driveline.reduction();
+    pub(crate) fn new(load: &Load<'_>) -> Self {
+        let p = load.powertrain;
+        let driveline = Driveline::new(&p.driveline, &load.pairs);
+        let lever = load.radius / driveline.reduction();
         Self {
             engine: p.engine.clone(),
             free: p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine)),
             shifter: Shifter::new(&p.gearbox),
             driveline,
-            vehicle_inertia: mass * lever * lever,
+            vehicle_inertia: load.mass * lever * lever,
             work: 0.0,
             state: DriveState { gear: 1, ..DriveState::default() },
         }

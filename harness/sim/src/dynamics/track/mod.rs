@@ -14,7 +14,7 @@ mod soil;
 mod span;
 
 use super::{Corner, Forces, Ground, Vehicle};
-use crate::powertrain::Wheels;
+use crate::powertrain::{Load, Pair, Wheels};
 use crate::soil::{Footprint, TRACK};
 use crate::spec::{Tracks, TyreSpec, VehicleSpec};
 use crate::state::Controls;
@@ -93,23 +93,17 @@ pub(super) fn gearing(v: &VehicleSpec, axle: &crate::spec::Axle) -> f64 {
 }
 
 /// What a tracked vehicle's driveline moves: the two sprockets, each with all that turns with it.
-pub(super) fn sprockets(v: &VehicleSpec) -> Option<VehicleSpec> {
+pub(super) fn sprockets(v: &VehicleSpec) -> Option<Load<'_>> {
     let t = v.tracks.as_ref()?;
     let sprocket = v.axles.iter().find(|a| a.driven)?;
-    let pitch = v.tyre_of(sprocket).radius() - 0.5 * t.thickness;
-    let mut inertia = sprocket.spin_inertia + t.mass * pitch * pitch;
+    let radius = v.tyre_of(sprocket).radius() - 0.5 * t.thickness;
+    let mut inertia = sprocket.spin_inertia + t.mass * radius * radius;
     for a in v.axles.iter().filter(|a| !a.driven) {
-        let ratio = pitch / (v.tyre_of(a).radius() - t.thickness);
+        let ratio = radius / (v.tyre_of(a).radius() - t.thickness);
         inertia += a.spin_inertia * ratio * ratio;
     }
-    let mut reduced = v.clone();
-    let mut tyre = v.tyre_of(sprocket).clone();
-    if let TyreSpec::Rigid(tyre) = &mut tyre {
-        tyre.radius = pitch;
-    }
-    reduced.chassis.mass = v.total_mass() - 2.0 * sprocket.unsprung_mass;
-    reduced.axles = vec![crate::spec::Axle { spin_inertia: inertia, tyre: Some(tyre), ..sprocket.clone() }];
-    Some(reduced)
+    let pairs = vec![Pair { inertia, driven: true }];
+    Some(Load { powertrain: &v.powertrain, mass: v.total_mass(), radius, pairs })
 }
 
 impl Track {

@@ -89,7 +89,7 @@ impl Bench {
     fn new(v: &VehicleSpec, spin: f64) -> Self {
         let n = 2 * v.axles.len();
         Self {
-            drive: Drive::new(v),
+            drive: Drive::new(&Load::wheels(v)),
             spins: vec![spin; n],
             moments: vec![0.0; n],
             brakes: vec![0.0; n],
