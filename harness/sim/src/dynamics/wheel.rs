@@ -5,11 +5,11 @@ use crate::collision::{OBSTACLE_FRICTION, WheelShape};
 use crate::soil::Under;
 use crate::tyre::{Contact, Patch, Tyre, WheelMotion};
 
-/// How fast a contact may deepen over the speed at which the wheel approaches, and over its whole speed: more than any
-/// smooth ground does to a rolling wheel.
-const DEEPENING: f64 = 2.0;
-/// How fast it may deepen under a wheel at rest, m/s.
-const CREEP: f64 = 0.05;
+/// How fast a contact may deepen over the speeds at which the wheel approaches the ground there and passes it: more than
+/// any smooth ground does to a rolling wheel. Along a contact's true normal it would be 1 and 0.
+const DEEPENING: [f64; 2] = [2.0, 0.5];
+/// How fast it may deepen under a wheel at rest, in radii of the wheel, 1/s.
+const CREEP: f64 = 0.1;
 
 impl Vehicle {
     pub(super) fn corner_forces(&mut self, ground: &mut Ground<'_>, wheels: &[WheelShape], dt: f64) {
@@ -61,7 +61,7 @@ impl Vehicle {
                 }
             };
             if let Some(contact) = contact {
-                let contact = motion.held(&contact, &mut c.ground_depth, dt);
+                let contact = motion.held(&contact, &mut c.ground_depth, reach, dt);
                 let (x, y) = (contact.point.x, contact.point.y);
                 let friction = match under {
                     Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
@@ -85,7 +85,7 @@ impl Vehicle {
                 f.inertia += s.inertia;
             }
             if look && let Some(contact) = ground.obstacles.wheel_contact(&wheels[c.tyre], &hub, &axis) {
-                let contact = motion.held(&contact, &mut c.obstacle_depth, dt);
+                let contact = motion.held(&contact, &mut c.obstacle_depth, reach, dt);
                 let patch = &mut c.obstacle_patch;
                 c.load += motion.tyre_force(tyre, &contact, OBSTACLE_FRICTION, 1.0, patch, f, dt);
             } else {
@@ -128,11 +128,13 @@ impl WheelMotion {
     /// or stands with one side in a wall, what counts as its lowest point may change from one side to the other, and a wheel
     /// that was suddenly half a metre deep would throw the vehicle with energy that nothing supplied. It is let out slowly
     /// instead.
-    pub(super) fn held(&self, contact: &Contact, before: &mut f64, dt: f64) -> Contact {
+    pub(super) fn held(&self, contact: &Contact, before: &mut f64, radius: f64, dt: f64) -> Contact {
         let turning = self.rotation - self.axis * self.spin;
         let velocity = self.velocity + turning.cross(&(contact.point - self.hub));
-        let approach = (-velocity.dot(&contact.normal)).max(0.0);
-        let most = *before + dt * (DEEPENING * (approach + velocity.norm()) + CREEP);
+        let approach = -velocity.dot(&contact.normal);
+        let passing = (velocity + contact.normal * approach).norm();
+        let most =
+            *before + dt * (DEEPENING[0] * approach.max(0.0) + DEEPENING[1] * passing + CREEP * radius);
         *before = contact.depth.min(most);
         Contact { depth: *before, ..*contact }
     }
