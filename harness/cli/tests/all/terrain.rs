@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::harness;
+use crate::common::harness;
 use tempfile::TempDir;
 
 /// Exit code and the error's one line.

@@ -1,7 +1,6 @@
 //! What test stands need: putting the vehicle in the air and tilting gravity.
 
-mod common;
-use common::{controls, flat, start};
+use crate::common::{controls, flat, start};
 use nalgebra::Vector3;
 
 #[test]

@@ -1,7 +1,5 @@
 //! Whole vehicles on other suspensions than the shipped one's.
 
-mod common;
-
 use vb_sim::{
     AxleKinematics, Beam, Damper, KnuckleDrive, Knuckles, Linkage, Motion, Part, Rod, Side, SimOptions,
     Simulation, SoilSet, SolidAxle, Spring, SteeringGear, Strut, VehicleSpec,
@@ -11,7 +9,7 @@ use vb_world::{Heightfield, Pose2};
 /// The HMMWV on two solid axles, the front one steered by drag link and toe bar. The drag link pulls ahead of the axle:
 /// to the left for a left turn.
 fn on_beams() -> VehicleSpec {
-    let mut spec = common::hmmwv();
+    let mut spec = crate::common::hmmwv();
     for (i, axle) in spec.axles.iter_mut().enumerate() {
         axle.steering = (i == 0).then_some(SteeringGear::RackAndPinion { travel: -0.08 });
         axle.unsprung_mass = 80.0;
@@ -58,13 +56,18 @@ fn a_vehicle_on_solid_axles_drives_over_rough_ground_and_around_a_bend() {
     let n = 129;
     let mut stream = vb_math::rng::Stream::new(5, &["linkages"]);
     let heights = (0..n * n).map(|_| stream.normal(0.0, 0.12)).collect();
-    let world = common::world(Heightfield::new(n, n, 1.0, heights), 0.8, vec![]);
+    let world = crate::common::world(Heightfield::new(n, n, 1.0, heights), 0.8, vec![]);
     let start = Pose2 { x: -40.0, y: 0.0, yaw: 0.0 };
-    let mut sim =
-        Simulation::new(world, &common::model(on_beams()), &SoilSet::default(), start, SimOptions::default())
-            .expect("it settles");
+    let mut sim = Simulation::new(
+        world,
+        &crate::common::model(on_beams()),
+        &SoilSet::default(),
+        start,
+        SimOptions::default(),
+    )
+    .expect("it settles");
     for _ in 0..600 {
-        let controls = common::hold_speed(&sim, 5.0, 0.3);
+        let controls = crate::common::hold_speed(&sim, 5.0, 0.3);
         sim.advance(controls, 10).expect("finite");
     }
     let state = sim.state();
@@ -78,7 +81,7 @@ fn a_vehicle_on_solid_axles_drives_over_rough_ground_and_around_a_bend() {
 
 #[test]
 fn samples_for_plots_cover_the_range_and_carry_the_static_load() {
-    let spec = common::hmmwv();
+    let spec = crate::common::hmmwv();
     let axle = &spec.axles[1];
     let k = AxleKinematics::solve(axle).expect("it closes");
     let samples = k.sample(&axle.suspension, Motion::Parallel, 9, 1);

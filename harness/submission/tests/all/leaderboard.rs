@@ -3,13 +3,11 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use common::{Bench, bench, sha256};
+use crate::common::{Bench, bench, sha256};
 use serde_json::{Value, json};
 use vb_submission::leaderboard::{self, Site};
 use vb_submission::{Scores, SubmissionError};

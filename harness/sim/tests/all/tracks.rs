@@ -1,7 +1,6 @@
 //! Tracks, by the M113: against theory of tracked vehicles and the published figures of the real one.
 
-mod common;
-use common::{controls, hold_speed};
+use crate::common::{controls, hold_speed};
 use std::sync::Arc;
 use vb_sim::{
     GRAVITY, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, VehicleModel, VehicleSpec,
@@ -15,8 +14,8 @@ const GAUGE: f64 = 2.159;
 const LENGTH: f64 = 5.0 * 0.667;
 
 fn m113() -> VehicleModel {
-    let text = include_str!("../../../tasks/vehicles/m113.yaml");
-    common::model(VehicleSpec::parse(text, "m113.yaml").expect("the shipped vehicle is valid"))
+    let text = include_str!("../../../../tasks/vehicles/m113.yaml");
+    crate::common::model(VehicleSpec::parse(text, "m113.yaml").expect("the shipped vehicle is valid"))
 }
 
 fn start(world: &Arc<World>, model: &VehicleModel, soils: &SoilSet, x: f64) -> Simulation {
@@ -28,7 +27,7 @@ fn start(world: &Arc<World>, model: &VehicleModel, soils: &SoilSet, x: f64) -> S
 fn across(height: impl Fn(f64) -> f64) -> Arc<World> {
     let (rows, cols) = (41, 401);
     let heights = (0..rows * cols).map(|i| height((i % cols) as f64 * 0.1 - 20.0)).collect();
-    common::world(Heightfield::new(rows, cols, 0.1, heights), 0.8, vec![])
+    crate::common::world(Heightfield::new(rows, cols, 0.1, heights), 0.8, vec![])
 }
 
 /// Drives at a speed until x, or for half a minute; returns where it is then.
@@ -47,7 +46,7 @@ fn belt(sim: &Simulation, side: usize) -> f64 {
 
 #[test]
 fn on_hard_ground_the_belts_move_as_fast_as_the_vehicle() {
-    let mut sim = start(&common::flat(0.8), &m113(), &common::soils(), 0.0);
+    let mut sim = start(&crate::common::flat(0.8), &m113(), &crate::common::soils(), 0.0);
     for _ in 0..100 {
         let controls = hold_speed(&sim, 5.0, 0.0);
         sim.advance(controls, 100).expect("it goes on");
@@ -64,12 +63,12 @@ fn on_hard_ground_the_belts_move_as_fast_as_the_vehicle() {
 /// differ by that of the brake that steers.
 #[test]
 fn the_resistance_to_turning_falls_with_the_radius_as_in_trials() {
-    let (model, world) = (m113(), common::flat(0.8));
+    let (model, world) = (m113(), crate::common::flat(0.8));
     let weight = model.spec().total_mass() * GRAVITY;
     let torque = model.spec().tracks.as_ref().expect("a tracked vehicle").steering_torque;
     let mut last = f64::INFINITY;
     for steering in [0.1, 0.2, 0.3, 0.4, 0.5] {
-        let mut sim = start(&world, &model, &common::soils(), 0.0);
+        let mut sim = start(&world, &model, &crate::common::soils(), 0.0);
         for _ in 0..150 {
             let controls = hold_speed(&sim, 3.0, steering);
             sim.advance(controls, 100).expect("it goes on");
@@ -92,7 +91,7 @@ fn the_resistance_to_turning_falls_with_the_radius_as_in_trials() {
 #[test]
 fn at_full_steering_it_turns_about_its_inner_track_and_stays_level() {
     for sign in [1.0, -1.0] {
-        let mut sim = start(&common::flat(0.8), &m113(), &common::soils(), 0.0);
+        let mut sim = start(&crate::common::flat(0.8), &m113(), &crate::common::soils(), 0.0);
         for _ in 0..100 {
             let controls = hold_speed(&sim, 3.0, sign);
             sim.advance(controls, 100).expect("it goes on");
@@ -111,7 +110,7 @@ fn at_full_steering_it_turns_about_its_inner_track_and_stays_level() {
 /// of radius, is a wall.
 #[test]
 fn it_climbs_the_published_step_and_grade_crosses_the_published_trench_and_stops_at_a_wall() {
-    let (model, soils) = (m113(), common::soils());
+    let (model, soils) = (m113(), crate::common::soils());
     for (height, over) in [(0.3, true), (0.61, true), (0.9, false)] {
         let mut sim = start(&across(|x| if x > 0.0 { height } else { 0.0 }), &model, &soils, -8.0);
         let x = drive_to(&mut sim, 1.5, 8.0);
@@ -125,7 +124,7 @@ fn it_climbs_the_published_step_and_grade_crosses_the_published_trench_and_stops
         lowest = sim.state().position.z.min(lowest);
     }
     assert!(sim.state().position.x >= 8.0 && lowest > 0.1, "it bridges the trench: {lowest} m");
-    let mut sim = start(&common::grade(30.96, 0.8), &model, &soils, -100.0);
+    let mut sim = start(&crate::common::grade(30.96, 0.8), &model, &soils, -100.0);
     assert!(drive_to(&mut sim, 3.0, -85.0) >= -85.0, "60 %");
 }
 
@@ -134,7 +133,7 @@ fn it_climbs_the_published_step_and_grade_crosses_the_published_trench_and_stops
 fn on_a_slope_it_climbs_up_to_the_angle_of_friction_and_slides_beyond() {
     let bound = vb_math::atan(0.5).to_degrees();
     for (degrees, climbs) in [(bound - 1.5, true), (bound + 0.5, false)] {
-        let mut sim = start(&common::grade(degrees, 0.5), &m113(), &common::soils(), 0.0);
+        let mut sim = start(&crate::common::grade(degrees, 0.5), &m113(), &crate::common::soils(), 0.0);
         drive_to(&mut sim, 2.0, 10.0);
         let x = sim.state().position.x;
         assert_eq!(x > 5.0, climbs, "{degrees} degrees: {x} m");
@@ -143,7 +142,7 @@ fn on_a_slope_it_climbs_up_to_the_angle_of_friction_and_slides_beyond() {
 
 #[test]
 fn parked_on_a_slope_it_stays() {
-    let mut sim = start(&common::grade(20.0, 0.8), &m113(), &common::soils(), 0.0);
+    let mut sim = start(&crate::common::grade(20.0, 0.8), &m113(), &crate::common::soils(), 0.0);
     sim.advance(controls(0.0, 0.0, 1.0), 5_000).expect("it goes on");
     let before = sim.state().position;
     sim.advance(controls(0.0, 0.0, 1.0), 60_000).expect("it goes on");
@@ -153,14 +152,14 @@ fn parked_on_a_slope_it_stays() {
 
 /// The set with one soil throughout.
 fn of_one(law: SoilLaw) -> SoilSet {
-    let mut set = common::soils();
+    let mut set = crate::common::soils();
     set.soils.values_mut().for_each(|l| *l = law);
     set
 }
 
 /// Slip and sinkage at a pull of `share` of the weight, or none if it can't.
 fn pulled(model: &VehicleModel, law: SoilLaw, share: f64) -> Option<(f64, f64)> {
-    let world = common::soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Sand);
+    let world = crate::common::soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Sand);
     let mut sim = start(&world, model, &of_one(law), -50.0);
     let (mut slip, mut sinkage, mut count) = (0.0, 0.0_f64, 0.0);
     for i in 0..150 {
@@ -182,7 +181,7 @@ fn pulled(model: &VehicleModel, law: SoilLaw, share: f64) -> Option<(f64, f64)> 
 
 /// Published soils with pressure on the outline and little that springs back (Wong, table 2.3).
 fn published() -> [(&'static str, SoilLaw); 3] {
-    let wong = common::wong_soils();
+    let wong = crate::common::wong_soils();
     ["dry-sand", "sandy-loam", "lete-sand"].map(|name| {
         let pressure = PressureDirection::Radial;
         let law =

@@ -4,9 +4,7 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::harness;
+use crate::common::harness;
 use tempfile::TempDir;
 
 fn succeed(dir: &TempDir, args: &[&str]) -> String {
@@ -18,7 +16,7 @@ fn succeed(dir: &TempDir, args: &[&str]) -> String {
 #[test]
 fn help_lists_the_documented_exit_codes() {
     let help = succeed(&tempfile::tempdir().unwrap(), &["--help"]);
-    let documented = include_str!("../../../docs/results.md");
+    let documented = include_str!("../../../../docs/results.md");
     let codes = documented.lines().skip_while(|l| !l.starts_with("| exit code")).skip(2);
     let codes: Vec<&str> =
         codes.map_while(|l| l.strip_prefix("| ")?.split(" |").next()).map(str::trim).collect();

@@ -1,8 +1,7 @@
 //! Whatever the world and the commands, the simulation goes on: no NaN, no tunnelling, no explosion, no energy from
 //! nowhere.
 
-mod common;
-use common::{hmmwv, model, soils};
+use crate::common::{hmmwv, model, soils};
 use std::sync::Arc;
 use vb_math::rng::Stream;
 use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet};
@@ -117,13 +116,13 @@ fn energy_that_nothing_supplied_is_an_error_with_the_state_to_look_at() {
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
     let drive = |vehicle| -> Result<(), SimError> {
         let mut sim = Simulation::new(
-            common::flat(0.8),
+            crate::common::flat(0.8),
             &model(vehicle),
             &SoilSet::default(),
             start,
             SimOptions::default(),
         )?;
-        sim.advance(common::controls(0.0, 0.3, 0.0), 5000)
+        sim.advance(crate::common::controls(0.0, 0.3, 0.0), 5000)
     };
     drive(hmmwv()).expect("as it is, it drives");
     let message = drive(vehicle).expect_err("it is pushed").to_string();
@@ -136,7 +135,7 @@ fn energy_that_nothing_supplied_is_an_error_with_the_state_to_look_at() {
 
 #[test]
 fn a_world_with_a_class_that_the_set_has_no_soil_for_is_refused_by_name() {
-    let world = common::soil_world(Heightfield::flat(9, 9, 1.0, 0.0), TerrainClass::Snow);
+    let world = crate::common::soil_world(Heightfield::flat(9, 9, 1.0, 0.0), TerrainClass::Snow);
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
     let new = |soils: &SoilSet| {
         Simulation::new(world.clone(), &model(hmmwv()), soils, start, SimOptions::default()).map(|_| ())

@@ -3,11 +3,9 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
 use std::fs;
 
-use common::bench;
+use crate::common::bench;
 use vb_record::TraceMode;
 use vb_submission::{Division, Submission};
 

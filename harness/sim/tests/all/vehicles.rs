@@ -1,7 +1,5 @@
 //! What every vehicle that comes with the harness promises.
 
-mod common;
-
 use std::sync::Arc;
 use vb_math::rng::Stream;
 use vb_sim::{Controls, GRAVITY, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
@@ -16,8 +14,9 @@ fn vehicles() -> Vec<VehicleModel> {
         std::fs::read_dir(&folder).expect("the shipped vehicles").flatten().map(|e| e.path()).collect();
     files.sort();
     assert!(files.len() >= 8, "{files:?}");
-    let load =
-        |f: &std::path::PathBuf| common::model(VehicleSpec::load(f).expect("a shipped vehicle is valid"));
+    let load = |f: &std::path::PathBuf| {
+        crate::common::model(VehicleSpec::load(f).expect("a shipped vehicle is valid"))
+    };
     files.iter().map(load).collect()
 }
 
@@ -44,7 +43,7 @@ fn rough(model: &VehicleModel, seed: u64, deviation: f64) -> Arc<World> {
 
 fn start(world: &Arc<World>, model: &VehicleModel, step: f64) -> Simulation {
     let options = SimOptions { step, ..SimOptions::default() };
-    Simulation::new(world.clone(), model, &common::soils(), START, options).expect("it settles")
+    Simulation::new(world.clone(), model, &crate::common::soils(), START, options).expect("it settles")
 }
 
 fn advance(sim: &mut Simulation, name: &str, controls: Controls, seconds: f64, step: f64) {
@@ -58,7 +57,7 @@ fn every_vehicle_stands_on_its_wheels_and_their_loads_make_its_weight() {
     for model in vehicles() {
         let (spec, name) = (model.spec(), model.spec().name.clone());
         let mut sim = start(&flat(&model, 0.9), &model, 1e-3);
-        let brakes = common::controls(0.0, 0.0, 1.0);
+        let brakes = crate::common::controls(0.0, 0.0, 1.0);
         advance(&mut sim, &name, brakes, 2.0, 1e-3);
         let before = sim.state();
         advance(&mut sim, &name, brakes, 2.0, 1e-3);
@@ -91,7 +90,7 @@ fn every_vehicle_reaches_the_top_speed_that_its_file_says_and_no_more() {
         let mut fastest = 0.0_f64;
         for _ in 0..900 {
             let yaw = sim.state().roll_pitch_yaw().2;
-            advance(&mut sim, &name, common::controls((-yaw).clamp(-1.0, 1.0), 1.0, 0.0), 0.1, 1e-3);
+            advance(&mut sim, &name, crate::common::controls((-yaw).clamp(-1.0, 1.0), 1.0, 0.0), 0.1, 1e-3);
             fastest = fastest.max(sim.state().velocity.x);
         }
         let share = fastest / spec.max_speed;
@@ -109,7 +108,7 @@ fn every_vehicle_turns_to_the_side_that_it_is_told_to_and_both_ways_alike() {
             let speed = 3.0 * spec.scale.sqrt();
             for _ in 0..80 {
                 let e = (speed - sim.state().velocity.x) / spec.scale.sqrt();
-                let controls = common::controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
+                let controls = crate::common::controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                 advance(&mut sim, &name, controls, 0.1 * spec.scale.sqrt(), 1e-3 * spec.scale.sqrt());
             }
             sim.state().rates.z
@@ -129,7 +128,7 @@ fn no_commands_on_rough_ground_make_a_vehicle_diverge_or_gain_energy() {
             let mut sim = start(&rough(&model, seed, 0.12), &model, 1e-3);
             let mut s = Stream::new(seed, &["commands", &name]);
             for _ in 0..150 {
-                let controls = common::controls(
+                let controls = crate::common::controls(
                     s.uniform(-1.0, 1.0),
                     s.uniform(-0.5, 1.0).max(0.0),
                     s.uniform(-2.0, 1.0).max(0.0),
@@ -163,7 +162,7 @@ fn an_overturned_vehicle_comes_to_rest_on_its_roof_and_is_not_thrown_off_its_sid
             sim.overturn(roll, spec.width);
             let mut highest = 0.0_f64;
             for _ in 0..150 {
-                advance(&mut sim, &name, common::controls(0.0, 0.0, 1.0), 0.1, 1e-3);
+                advance(&mut sim, &name, crate::common::controls(0.0, 0.0, 1.0), 0.1, 1e-3);
                 highest = highest.max(sim.state().position.z);
             }
             let s = sim.state();
@@ -187,7 +186,7 @@ fn a_rugged_drive_of_every_vehicle_ends_at_the_same_place_at_a_quarter_of_the_st
             let mut sim = start(&rough(&model, 3, 0.05), &model, step);
             for _ in 0..50 {
                 let e = 3.0 - sim.state().velocity.x / pace;
-                let controls = common::controls(0.2, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
+                let controls = crate::common::controls(0.2, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                 advance(&mut sim, &name, controls, 0.1 * pace, step);
             }
             sim.state()
@@ -211,7 +210,13 @@ fn an_axle_may_have_tyres_of_its_own() {
     let mut sim = start(&flat(&model, 0.9), &model, 1e-3);
     for _ in 0..60 {
         let e = 3.0 - sim.state().velocity.x;
-        advance(&mut sim, "gator", common::controls(0.0, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0)), 0.1, 1e-3);
+        advance(
+            &mut sim,
+            "gator",
+            crate::common::controls(0.0, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0)),
+            0.1,
+            1e-3,
+        );
     }
     let s = sim.state();
     for (i, w) in s.wheels.iter().enumerate().take(2) {
@@ -234,7 +239,7 @@ fn a_vehicle_whose_wheels_lie_unevenly_about_its_middle_is_set_down_along_the_sl
     let model = vehicles().into_iter().find(|m| m.spec().name == "man7t").expect("the 7 t is shipped");
     let slope = vb_math::tan(0.35);
     let heights = (0..25).map(|i| 400.0 + slope * 10.0 * f64::from(i % 5)).collect();
-    let world = common::world(Heightfield::new(5, 5, 10.0, heights), 0.9, vec![]);
+    let world = crate::common::world(Heightfield::new(5, 5, 10.0, heights), 0.9, vec![]);
     let options = SimOptions { settle_time: 0.0, ..SimOptions::default() };
     let sim =
         Simulation::new(world.clone(), &model, &SoilSet::default(), START, options).expect("it is set down");

@@ -2,8 +2,7 @@
 //! (rigid cylinder tyres, 5 ms; rows of the tables named at each test). Where Chrono's solver is known to be at
 //! fault (creep on slopes, no body roll), theory is the reference.
 
-mod common;
-use common::{controls, flat, grade, hmmwv, hold_speed, start};
+use crate::common::{controls, flat, grade, hmmwv, hold_speed, start};
 use vb_math::angle::degrees;
 use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, SoilSet, TyreSpec, VehicleSpec};
 use vb_world::Pose2;
@@ -72,7 +71,7 @@ fn brakes_at_the_rear_alone_hold_all_wheels_through_a_locked_driveline() {
         let facing_down = Pose2 { x: 20.0, y: 0.0, yaw: std::f64::consts::PI };
         let mut sim = Simulation::new(
             grade(28.0, 0.9),
-            &common::model(vehicle.clone()),
+            &crate::common::model(vehicle.clone()),
             &SoilSet::default(),
             facing_down,
             SimOptions::default(),
@@ -105,7 +104,7 @@ fn behind_a_converter_it_creeps_until_the_brakes_hold_it() {
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
     let mut sim = Simulation::new(
         flat(0.9),
-        &common::model(vehicle),
+        &crate::common::model(vehicle),
         &SoilSet::default(),
         start,
         SimOptions::default(),
@@ -165,7 +164,7 @@ fn times_to(vehicle: &VehicleSpec, throttle: f64, mu: f64, speeds: &[f64]) -> Ve
     let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
     let mut sim = Simulation::new(
         flat(mu),
-        &common::model(vehicle.clone()),
+        &crate::common::model(vehicle.clone()),
         &SoilSet::default(),
         start,
         SimOptions::default(),
@@ -241,7 +240,7 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
         let vehicle = with_reference_resistance();
         let mut sim = Simulation::new(
             flat(0.9),
-            &common::model(vehicle),
+            &crate::common::model(vehicle),
             &SoilSet::default(),
             start,
             SimOptions::default(),
@@ -354,7 +353,7 @@ fn the_governor_holds_the_published_top_speed() {
         let start = Pose2 { x: -145.0, y: 0.0, yaw: 0.0 };
         let mut sim = Simulation::new(
             flat(0.9),
-            &common::model(vehicle),
+            &crate::common::model(vehicle),
             &SoilSet::default(),
             start,
             SimOptions::default(),

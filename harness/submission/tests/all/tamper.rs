@@ -3,12 +3,10 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::fs;
 
-use common::{bench, changed, dotted, leaves};
+use crate::common::{bench, changed, dotted, leaves};
 use vb_submission::{Division, Manifest, SubmissionError, Verification};
 
 fn informational(path: &str) -> bool {
@@ -232,10 +230,10 @@ fn fewer_tasks_than_the_suite_has_are_found_or_open() {
 #[test]
 fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let b = bench();
-    let other = common::suite(&b.path("other"), [0.9, 0.5]);
+    let other = crate::common::suite(&b.path("other"), [0.9, 0.5]);
     let text = told(&b.verify_with("honest", None, |e| e.suite = Box::leak(Box::new(other))));
     assert!(text.starts_with("suite: submission.json: run.suite.hash"), "{text}");
-    let file = common::repository("tests/golden/abi-0.1/pursuit-c.wasm");
+    let file = crate::common::repository("tests/golden/abi-0.1/pursuit-c.wasm");
     let plugin = vb_host::Plugin::load(&file, &vb_host::Limits::default(), None).unwrap();
     let text = told(&b.verify_with("honest", None, |e| e.plugin = Box::leak(Box::new(plugin))));
     assert!(text.starts_with("plugin: submission.json: run.plugin.sha256"), "{text}");

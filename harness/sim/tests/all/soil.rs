@@ -1,7 +1,8 @@
 //! Wheels and the HMMWV on soil, against the theory of rigid wheels and against Chrono 9.0.1's reference runs.
 
-mod common;
-use common::{controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils};
+use crate::common::{
+    controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils,
+};
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{Controls, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, Start, WheelRig};
 use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};

@@ -1,7 +1,6 @@
 //! The tyre models against their closed forms and sheets, and the whole vehicle on each of them.
 
-mod common;
-use common::{controls, flat, grade, hmmwv, hold_speed, world};
+use crate::common::{controls, flat, grade, hmmwv, hold_speed, world};
 use std::sync::Arc;
 use vb_math::{atan, hypot, tan};
 use vb_sim::{SimOptions, Simulation, SoilSet, Tyre, TyreSpec, VehicleSpec};
@@ -21,7 +20,7 @@ fn start(name: &str, world: &Arc<World>, x: f64, yaw: f64, step: f64) -> Simulat
     let options = SimOptions { step, ..SimOptions::default() };
     Simulation::new(
         world.clone(),
-        &common::model(on(name)),
+        &crate::common::model(on(name)),
         &SoilSet::default(),
         Pose2 { x, y: 0.0, yaw },
         options,

@@ -1,7 +1,6 @@
 //! Rugged ground, obstacles, rollover: what the simulator must survive and conserve.
 
-mod common;
-use common::{controls, flat, hmmwv, hold_speed, soils, start, world};
+use crate::common::{controls, flat, hmmwv, hold_speed, soils, start, world};
 use std::sync::Arc;
 use vb_math::rng::Stream;
 use vb_sim::{SimOptions, Simulation};
@@ -26,7 +25,7 @@ fn drive(world: &Arc<World>, step: f64, seconds: f64) -> Simulation {
     let options = SimOptions { step, ..SimOptions::default() };
     let mut sim = Simulation::new(
         world.clone(),
-        &common::model(hmmwv()),
+        &crate::common::model(hmmwv()),
         &soils(),
         Pose2 { x: -50.0, y: 0.0, yaw: 0.0 },
         options,

@@ -2,9 +2,7 @@
 //! pass.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-mod common;
-
-use common::{facet_slopes, percentile};
+use crate::common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
 use vb_suite::{
     import::{Ground, ImportError, Source},

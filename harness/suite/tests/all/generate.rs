@@ -1,9 +1,7 @@
 //! The generator: its worlds against the original's measured figures and against its own rules.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-mod common;
-
-use common::{facet_slopes, percentile};
+use crate::common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
 use vb_math::angle::{degrees, radians};
 use vb_math::{atan, atan2, hypot};

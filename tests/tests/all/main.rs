@@ -1,0 +1,20 @@
+//! All tests of the built program, in one program.
+
+mod bad_input;
+mod check;
+mod determinism;
+mod fail_fast;
+mod full_disk;
+mod golden;
+mod imported;
+mod languages;
+mod pages;
+mod planners;
+mod processes;
+mod proof;
+mod scoring;
+mod sites;
+mod submission;
+mod submission_ci;
+mod vehicle;
+mod vehicles;
