@@ -69,7 +69,7 @@ impl Browser {
     #[must_use]
     pub fn start(width: u32, height: u32) -> Option<Self> {
         let Some(program) = program() else {
-            eprintln!("skipped: no Chromium (install it, or set VB_BROWSER)");
+            vb_testing::skip("no Chromium (install it, or set VB_BROWSER)");
             return None;
         };
         let profile = tempfile::tempdir().unwrap();

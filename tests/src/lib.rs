@@ -85,18 +85,6 @@ pub fn pid() -> PathBuf {
     plugin("pid", Carrier::Wasm)
 }
 
-/// The reference data, which lies beside the repository or where `VB_SHARED` says; says so and gives none where it
-/// is missing.
-#[must_use]
-pub fn shared() -> Option<PathBuf> {
-    let dir = std::env::var_os("VB_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
-    if dir.join("verti-bench").is_dir() {
-        return Some(std::path::absolute(dir).unwrap());
-    }
-    eprintln!("skipped: no reference data at {} (set VB_SHARED)", dir.display());
-    None
-}
-
 /// A folder in which commands run and leave their files; it is removed in the end.
 #[derive(Debug)]
 pub struct Bench {

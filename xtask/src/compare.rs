@@ -1,20 +1,14 @@
 //! Whole tasks against Project Chrono.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 use crate::run::{Failure, cargo, run, step};
 use crate::{built, default_plugin_dir, plugins, root, target_dir};
 
-/// Where the reference data lie: `VB_SHARED`, or `shared` beside the repository.
-fn shared() -> PathBuf {
-    std::env::var_os("VB_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from)
-}
-
 /// Builds harness, planners and `vb-compare`, and lets it drive the recorded tasks: the few of which there are time
 /// series, or `all` of which the end is known. Without the recorded runs it says so, and that is all.
 pub(crate) fn compare_chrono(all: bool) -> Result<(), Failure> {
-    let shared = shared();
+    let shared = vb_testing::shared_folder();
     let (option, name, folder) = if all {
         ("--all", "reference/chrono/all-tasks.csv", "compare-chrono-all")
     } else {

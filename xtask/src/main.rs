@@ -12,6 +12,7 @@ mod suites;
 mod tune;
 mod wasm_target;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -150,7 +151,26 @@ fn test() -> Result<(), Failure> {
     build_all()?;
     examples::build_available(&default_plugin_dir())?;
     step("running the tests");
-    cargo(&["test", "--quiet", "--workspace"])
+    let skipped = target_dir().join("skipped.tsv");
+    let _ = std::fs::remove_file(&skipped);
+    let mut command = std::process::Command::new(run::cargo_program());
+    command.args(["test", "--quiet", "--workspace"]).env(vb_testing::SKIPPED, &skipped);
+    let result = run::run(command.current_dir(root()));
+    // Of a run without any there is no file.
+    say_skipped(&std::fs::read_to_string(&skipped).unwrap_or_default());
+    result
+}
+
+/// Prints which tests were skipped, by the reason; `list` has a line each: name, tab, reason.
+fn say_skipped(list: &str) {
+    let mut reasons: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for (test, reason) in list.lines().filter_map(|line| line.split_once('\t')) {
+        reasons.entry(reason).or_default().insert(test);
+    }
+    for (reason, tests) in reasons {
+        let names: Vec<&str> = tests.into_iter().collect();
+        step(&format!("skipped {}, {reason}: {}", names.len(), names.join(", ")));
+    }
 }
 
 fn lint() -> Result<(), Failure> {

@@ -123,12 +123,8 @@ mod tests {
     /// obstacles (`gen_obs_map` in its envs/gen-VertiBench.py).
     #[test]
     fn squares_are_those_of_the_original_bitmaps() {
-        let shared = crate::reference::shared().join("verti-bench");
-        let Ok(source) = Source::find(&shared) else {
-            eprintln!("skipped: no reference data at {} (set VB_SHARED)", shared.display());
-            return;
-        };
-        let source = source.ground(Ground::AsSimulated);
+        let Some(shared) = vb_testing::shared("verti-bench") else { return };
+        let source = Source::find(&shared).unwrap().ground(Ground::AsSimulated);
         for id in source.ids().take(6) {
             let world = source.world(id).unwrap();
             let level = ["low", "mid", "high"][world.elevation as usize];

@@ -252,13 +252,6 @@ impl Series {
     }
 }
 
-/// Where the reference data lie: beside the repository, or where `VB_SHARED` says.
-#[cfg(test)]
-pub(crate) fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("VB_SHARED").map_or(beside, PathBuf::from)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

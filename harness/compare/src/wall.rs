@@ -249,13 +249,8 @@ mod tests {
     /// The reference is Chrono's mean over five settings of its solver; the bound of 15 % is what docs/validation.md states.
     #[test]
     fn at_the_recorded_walls_ours_loses_what_chrono_loses() {
-        let shared = crate::reference::shared();
-        let records = shared.join("reference/chrono/self-agreement/win");
-        let worlds = shared.join("verti-bench");
-        if !records.is_dir() || !worlds.is_dir() {
-            eprintln!("skipped: no records of walls at {}", records.display());
-            return;
-        }
+        let Some(records) = vb_testing::shared("reference/chrono/self-agreement/win") else { return };
+        let Some(worlds) = vb_testing::shared("verti-bench") else { return };
         let source = vb_suite::import::Source::find(&worlds).unwrap();
         let source = source.ground(vb_suite::import::Ground::AsSimulated);
         let worlds = [8, 91].map(|id| (id, source.world(id).unwrap())).into_iter().collect();

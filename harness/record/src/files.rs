@@ -62,7 +62,7 @@ mod tests {
         // /dev/full refuses every write with ENOSPC; the temporary name leads there.
         let full = Path::new("/dev/full");
         if !full.exists() {
-            eprintln!("skipped: no /dev/full on this system");
+            vb_testing::skip("no /dev/full on this system");
             return;
         }
         let dir = tempfile::tempdir().unwrap();

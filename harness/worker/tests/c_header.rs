@@ -28,7 +28,7 @@ fn c_program(body: &str, compiler: &str, extension: &str) -> Option<String> {
     command.args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-I"]).arg(header_dir());
     let built = command.arg("-o").arg(&program).arg(&source).output();
     let Ok(built) = built else {
-        eprintln!("skipped: there is no `{compiler}`");
+        vb_testing::skip(format_args!("there is no `{compiler}`"));
         return None;
     };
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));

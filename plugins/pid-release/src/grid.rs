@@ -193,17 +193,6 @@ fn bernstein(n: usize, t: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::{Path, PathBuf};
-
-    fn shared() -> Option<PathBuf> {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-        let dir = std::env::var_os("VB_SHARED").map_or(beside, PathBuf::from);
-        if !dir.join("verti-bench/BenchMaps").is_dir() {
-            eprintln!("skipped: no reference data at {} (set VB_SHARED)", dir.display());
-            return None;
-        }
-        Some(dir)
-    }
 
     fn length(path: &[[f64; 2]]) -> f64 {
         path.windows(2).map(|w| vb_sdk::math::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1])).sum()
@@ -213,7 +202,8 @@ mod tests {
     /// (8 bits, 129 rows of 132 bytes from byte 1078 on, bottom row first; 255 is an obstacle, envs/gen-VertiBench.py).
     #[test]
     fn ways_are_as_long_as_those_of_the_original() {
-        let Some(shared) = shared() else { return };
+        let Some(_) = vb_testing::shared("verti-bench/BenchMaps") else { return };
+        let shared = vb_testing::shared_folder();
         let table = std::fs::read_to_string(shared.join("reference/tasks.csv")).unwrap();
         let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
         let column = |name: &str| header.iter().position(|h| *h == name).unwrap();

@@ -1,12 +1,12 @@
 //! The original's released data, from import to a driven task. Without the data the tests say so and pass.
 
-use vb_tests::{Bench, pid, shared};
+use vb_tests::{Bench, pid};
 
 #[test]
 fn the_released_worlds_are_imported_checked_and_driven() {
-    let Some(shared) = shared() else { return };
+    let Some(original) = vb_testing::shared("verti-bench") else { return };
+    let shared = vb_testing::shared_folder();
     let bench = Bench::new();
-    let original = shared.join("verti-bench");
     let imported = bench.ok(&["suite", "import", original.to_str().expect("text"), "--out", "imported"]);
 
     // What is there by the reference's own table, which lists each world of the release.

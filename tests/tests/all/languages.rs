@@ -35,7 +35,7 @@ fn example(name: &str) -> Option<PathBuf> {
         return Some(path);
     }
     assert!(!wanted(), "{} is missing: run `cargo xtask examples`", path.display());
-    eprintln!("skipped: {} is missing; run `cargo xtask examples`", path.display());
+    vb_testing::skip(format_args!("{} is missing; run `cargo xtask examples`", path.display()));
     None
 }
 
@@ -241,7 +241,7 @@ fn environment(lang: &str) -> Option<BTreeMap<&'static str, std::ffi::OsString>>
         .filter(|p| p.file_name().is_some_and(|n| text(Path::new(n)).starts_with(prefix)));
     let Some(folder) = found.max() else {
         assert!(!wanted(), "there is no {prefix}* in {}: run `cargo xtask examples`", cache.display());
-        eprintln!("skipped: there is no {prefix}* in the cache; run `cargo xtask examples`");
+        vb_testing::skip(format_args!("there is no {prefix}* in the cache; run `cargo xtask examples`"));
         return None;
     };
     let programs = folder.join(if lang == "js" { "node_modules/.bin" } else { "bin" });

@@ -19,11 +19,14 @@ fn python() -> Option<&'static str> {
     static PYTHON: OnceLock<Option<String>> = OnceLock::new();
     let found = PYTHON.get_or_init(|| {
         let program = std::env::var("VB_PYTHON").unwrap_or_else(|_| "python3".into());
-        let check = with_libraries(&mut Command::new(&program)).args(["-c", "import numpy, msgpack"]).output();
+        let check =
+            with_libraries(&mut Command::new(&program)).args(["-c", "import numpy, msgpack"]).output();
         if check.is_ok_and(|o| o.status.success()) {
             return Some(program);
         }
-        eprintln!("skipped: {program} lacks numpy or msgpack (pip install numpy msgpack, or set VB_PYTHON or VB_PYTHON_LIBS)");
+        vb_testing::skip(format_args!(
+            "{program} lacks numpy or msgpack (pip install numpy msgpack, or set VB_PYTHON or VB_PYTHON_LIBS)"
+        ));
         None
     });
     found.as_deref()
@@ -66,7 +69,7 @@ fn pure_pursuit_in_cpp_ends_every_task_as_in_rust() {
     ]);
     compile.arg("-I").arg(root().join("sdk/c")).arg("-o").arg(&library);
     let Ok(built) = compile.arg(root().join("examples/pursuit-cpp/pursuit.cpp")).output() else {
-        eprintln!("skipped: there is no C++ compiler");
+        vb_testing::skip("there is no C++ compiler");
         return;
     };
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
@@ -206,7 +209,7 @@ fn the_python_modules_own_tests_pass() {
     let Some(python) = python() else { return };
     let tests = with_libraries(&mut Command::new(python)).args(["-c", "import pytest"]).output();
     if !tests.is_ok_and(|o| o.status.success()) {
-        eprintln!("skipped: {python} lacks pytest");
+        vb_testing::skip(format_args!("{python} lacks pytest"));
         return;
     }
     let folder = root().join("sdk/python");

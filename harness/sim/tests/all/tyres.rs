@@ -222,13 +222,8 @@ fn sheet_numbers(sheet: &str, section: &str, key: &str) -> Vec<f64> {
 
 #[test]
 fn the_shipped_tyres_are_those_of_the_reference_sheet() {
-    let shared = std::env::var("VB_SHARED")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared").to_owned());
-    let path = std::path::Path::new(&shared).join("reference/vehicles/hmmwv.yaml");
-    let Ok(sheet) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: no {}", path.display());
-        return;
-    };
+    let Some(path) = vb_testing::shared("reference/vehicles/hmmwv.yaml") else { return };
+    let sheet = std::fs::read_to_string(path).unwrap();
     let TyreSpec::Tmeasy(t) = on("tmeasy").tyre else { panic!("tmeasy") };
     for (key, ours) in [
         ("unloaded_radius", &[t.radius][..]),

@@ -11,13 +11,7 @@ use vb_suite::{
 use vb_world::{ObstacleKind, Suite, Terrain, geometry, yaml};
 
 fn shared() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let dir = std::env::var_os("VB_SHARED").map_or(beside, PathBuf::from);
-    if !dir.join("verti-bench/BenchMaps").is_dir() {
-        eprintln!("skipped: no reference data at {} (set VB_SHARED)", dir.display());
-        return None;
-    }
-    Some(dir)
+    vb_testing::shared("verti-bench/BenchMaps").map(|_| vb_testing::shared_folder())
 }
 
 /// Rows of a CSV file as (header, cells).
@@ -45,7 +39,7 @@ fn pixels_labels_and_heights_are_those_of_the_reference_vectors() {
     for (id, v) in vectors.as_object().unwrap() {
         let id: u32 = id.parse().unwrap();
         if !present.contains(&id) {
-            eprintln!("skipped: world {id} is not among the reference data");
+            eprintln!("world {id} is not among the reference data");
             continue;
         }
         let world = source.world(id).unwrap();

@@ -113,15 +113,8 @@ fn folders_that_cannot_be_learned_from_are_told_in_one_line() {
 
 #[test]
 fn the_originals_thousand_training_images_hold_32_tiles() {
-    // The original's envs/data/elev_maps and raw. Where the reference data lie is said by VB_SHARED; without them there
-    // is nothing to check.
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("VB_SHARED").map_or(beside, Into::into);
-    let dir = shared.join("verti-bench/BenchMaps/elev_maps");
-    if !dir.is_dir() {
-        eprintln!("skipped: there is no {}", dir.display());
-        return;
-    }
+    // The original's envs/data/elev_maps.
+    let Some(dir) = vb_testing::shared("verti-bench/BenchMaps/elev_maps") else { return };
     // Levelling and repair would make tiles of one image differ by its plane: raw rasters here.
     let mut names: Vec<_> = std::fs::read_dir(&dir).unwrap().flatten().map(|e| e.path()).collect();
     names.sort();
