@@ -80,7 +80,9 @@ impl Check<'_> {
     }
 
     fn beyond<T>(&self, field: &str, value: f64) -> Result<T, SimError> {
-        let reason = format!("{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)");
+        let reason = format!(
+            "{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)"
+        );
         self.fail(field, reason)
     }
 
