@@ -83,6 +83,8 @@ pub struct RunConfig {
     pub started_at: String,
     /// Version of the harness, for the record.
     pub harness_version: String,
+    /// Git commit that it was built from, for the record ([`RunHeader::harness_commit`]).
+    pub harness_commit: String,
 }
 
 /// What happens during a run.
@@ -147,6 +149,11 @@ pub fn run(
     } else {
         (RunStore::create(&config.out, &header)?, Vec::new())
     };
+    // It would count as done, and its figures would be in the summary.
+    let chosen: BTreeSet<String> = config.tasks.iter().map(ToString::to_string).collect();
+    if let Some(foreign) = records.iter().find(|r| !chosen.contains(&r.task)) {
+        return Err(RunError::ForeignTask { dir: config.out.clone(), task: foreign.task.clone() });
+    }
     on_event(Event::Started { total: config.tasks.len(), resumed: records.clone() });
     let done: BTreeSet<&str> = records.iter().map(|r| r.task.as_str()).collect();
     let open: Vec<&TaskRef> =
@@ -265,11 +272,13 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
     RunHeader {
         schema: RUN_SCHEMA,
         harness_version: config.harness_version.clone(),
+        harness_commit: config.harness_commit.clone(),
         started_at: config.started_at.clone(),
         suite: SuiteHeader {
             name: config.suite.meta().name.clone(),
             hash: config.suite.hash(),
             path: config.suite.dir().display().to_string(),
+            tasks: Some(config.suite.task_count() as u64),
         },
         selector: config.selector.clone(),
         tasks: config.tasks.len() as u64,
