@@ -86,6 +86,8 @@ codes! {
     Metadata = "planner/metadata", Planner;
     /// The plugin file, or something in it, is larger than it may be.
     TooLarge = "planner/too-large", Planner;
+    /// Compiling the plugin takes more memory or processor time than it may.
+    TooCostly = "planner/too-costly", Planner;
     /// The engine or the system refuses the plugin's code.
     Unloadable = "planner/unloadable", Planner;
     /// The operating system refused what the host needs.

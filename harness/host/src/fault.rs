@@ -165,6 +165,13 @@ pub enum FaultCause {
 }
 
 impl FaultCause {
+    /// A process that somebody else ended; `who` it was.
+    pub(crate) fn killed(who: &str) -> Self {
+        let message =
+            format!("{who} was killed from outside, by the system for want of memory or by somebody");
+        Self::Machine { message }
+    }
+
     /// The cause as that of a failed `init`, where a returned error has a name of its own.
     pub(crate) fn in_init(self) -> Self {
         match self {

@@ -25,6 +25,10 @@ pub struct Limits {
     pub log_bytes: usize,
     /// Size of the plugin file.
     pub module_bytes: u64,
+    /// Memory of the compiler, bytes; WASM only.
+    pub compile_bytes: usize,
+    /// Processor time of the compiler, s, all its threads together; WASM only.
+    pub compile_seconds: u64,
     /// Wall-clock time of one call, ms. It only ever ends what hangs: no score depends on it. A planner in a process of
     /// its own always has it; WASM code only if `wasm_watchdog` is set.
     pub watchdog_ms: u64,
@@ -44,6 +48,8 @@ impl Default for Limits {
             output_bytes: 16 << 20,
             log_bytes: 64 << 10,
             module_bytes: 64 << 20,
+            compile_bytes: 2 << 30,
+            compile_seconds: 120,
             watchdog_ms: 60_000,
             wasm_watchdog: false,
         }
@@ -84,6 +90,8 @@ impl Limits {
                 "output_bytes" => (1 << 10, 1 << 30),
                 "log_bytes" => (0, 1 << 30),
                 "module_bytes" => (1, 4 << 30),
+                "compile_bytes" => (64 << 20, 1 << 40),
+                "compile_seconds" => (1, 24 * 3600),
                 "watchdog_ms" => (1, 24 * 3600 * 1000),
                 _ => (0, 1),
             };
@@ -96,7 +104,7 @@ impl Limits {
 
     /// Every limit by name, as results record them; `wasm_watchdog` is 0 or 1.
     #[must_use]
-    pub fn named(&self) -> [(&'static str, u64); 10] {
+    pub fn named(&self) -> [(&'static str, u64); 12] {
         [
             ("fuel_init", self.fuel_init),
             ("fuel_per_step", self.fuel_per_step),
@@ -106,6 +114,8 @@ impl Limits {
             ("output_bytes", self.output_bytes as u64),
             ("log_bytes", self.log_bytes as u64),
             ("module_bytes", self.module_bytes),
+            ("compile_bytes", self.compile_bytes as u64),
+            ("compile_seconds", self.compile_seconds),
             ("watchdog_ms", self.watchdog_ms),
             ("wasm_watchdog", u64::from(self.wasm_watchdog)),
         ]

@@ -30,12 +30,14 @@ pub(super) fn new(limits: &Limits) -> wasmtime::Result<Engine> {
         .cranelift_opt_level(OptLevel::Speed)
         .max_wasm_stack(limits.stack_bytes)
         .wasm_backtrace_max_frames(std::num::NonZeroUsize::new(BACKTRACE_FRAMES));
-    let engine = Engine::new(&config)?;
-    if limits.wasm_watchdog {
-        let weak = engine.weak();
-        std::thread::Builder::new().name("watchdog".to_owned()).spawn(move || tick(&weak))?;
-    }
-    Ok(engine)
+    Engine::new(&config)
+}
+
+/// Starts the clock of the watchdog.
+pub(super) fn watch(engine: &Engine) -> std::io::Result<()> {
+    let weak = engine.weak();
+    std::thread::Builder::new().name("watchdog".to_owned()).spawn(move || tick(&weak))?;
+    Ok(())
 }
 
 /// Ticks until which a call that begins now may run.

@@ -7,7 +7,7 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
 use super::wasi::Wasi;
-use super::{convert, engine};
+use super::{convert, engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
@@ -292,16 +292,6 @@ fn is_deep_recursion(backtrace: &[String]) -> bool {
 fn function(frame: &wasmtime::FrameInfo) -> String {
     let name = frame.func_name().unwrap_or("an unnamed function");
     one_line(&format!("{:#}", rustc_demangle::demangle(name)))
-}
-
-/// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
-fn is_of_the_system(error: &Error) -> bool {
-    let root = error.root_cause();
-    #[cfg(unix)]
-    if root.is::<rustix::io::Errno>() {
-        return true;
-    }
-    root.is::<std::io::Error>()
 }
 
 #[cfg(test)]
