@@ -56,7 +56,7 @@ codes! {
     Error = "planner/error", Planner;
     /// `init` returned an error.
     InitFailed = "planner/init-failed", Planner;
-    /// A call used up its fuel.
+    /// A call, or the task, used up its fuel.
     OutOfFuel = "planner/out-of-fuel", Planner;
     /// The planner was refused memory or table elements and gave up.
     OutOfMemory = "planner/out-of-memory", Planner;

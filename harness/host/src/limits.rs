@@ -13,6 +13,8 @@ pub struct Limits {
     pub fuel_init: u64,
     /// Fuel for one step; WASM only.
     pub fuel_per_step: u64,
+    /// Fuel for start-up, `init` and all steps of one task together; WASM only.
+    pub fuel_per_task: u64,
     /// Linear memory, bytes, all memories of the plugin together.
     pub memory_bytes: usize,
     /// Elements of all tables of the plugin together; WASM only.
@@ -42,6 +44,7 @@ impl Default for Limits {
         Self {
             fuel_init: 20_000_000_000,
             fuel_per_step: 2_000_000_000,
+            fuel_per_task: 1_000_000_000_000,
             memory_bytes: 256 << 20,
             table_elements: 1 << 20,
             stack_bytes: 1 << 20,
@@ -83,7 +86,7 @@ impl Limits {
         for (field, value) in self.named() {
             // Below the lower bounds no planner starts; above the upper ones the number means nothing.
             let (low, high) = match field {
-                "fuel_init" | "fuel_per_step" => (1, i64::MAX as u64),
+                "fuel_init" | "fuel_per_step" | "fuel_per_task" => (1, i64::MAX as u64),
                 "memory_bytes" => (64 << 10, 1 << 40),
                 "table_elements" => (0, u64::from(u32::MAX)),
                 "stack_bytes" => (64 << 10, 64 << 20),
@@ -104,10 +107,11 @@ impl Limits {
 
     /// Every limit by name, as results record them; `wasm_watchdog` is 0 or 1.
     #[must_use]
-    pub fn named(&self) -> [(&'static str, u64); 12] {
+    pub fn named(&self) -> [(&'static str, u64); 13] {
         [
             ("fuel_init", self.fuel_init),
             ("fuel_per_step", self.fuel_per_step),
+            ("fuel_per_task", self.fuel_per_task),
             ("memory_bytes", self.memory_bytes as u64),
             ("table_elements", self.table_elements as u64),
             ("stack_bytes", self.stack_bytes as u64),

@@ -29,7 +29,7 @@ pub(crate) const ARGUMENT: &str = "__compile";
 
 /// The compiler works without pause, so that by the wall clock it takes longer than its processor time only where the
 /// machine is overloaded: a compiler that takes so many times its processor time is given up.
-const PATIENCE: u64 = 5;
+const PATIENCE: u64 = 20;
 /// Threads of the compiler: each has memory of its own, and the limit of memory is for all together.
 const MOST_THREADS: usize = 8;
 

@@ -25,7 +25,7 @@ use vb_host::{FaultCode, Limits, LoadError, LogSink, PlannerFault, Plugin, Proce
 use vb_sdk::Task;
 
 /// The fewest planners that the corpus may have.
-const AT_LEAST: usize = 100;
+const AT_LEAST: usize = 170;
 
 /// Where a planner does its harm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

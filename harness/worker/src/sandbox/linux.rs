@@ -101,6 +101,16 @@ pub(crate) fn confine(library: &Path, memory_bytes: u64) -> io::Result<SandboxRe
     let mut report = SandboxReport::default();
     let (space, data) = (address_space(&mut statm)?, data_in_use(&mut statm)?);
     drop(statm);
+    let (data, space) =
+        (data.saturating_add(memory_bytes), space.saturating_add(memory_bytes).saturating_add(LIBRARIES));
+    for (resource, name, wanted) in [(Resource::Data, "d", data), (Resource::As, "v", space)] {
+        // With less than it may have, a planner would fail for want of memory that the machine refuses.
+        if let Some(granted) = rustix::process::getrlimit(resource).maximum.filter(|m| *m < wanted) {
+            let text =
+                format!("the system gives {granted} bytes (ulimit -{name}) of {wanted} that it may take");
+            return Err(io::Error::other(text));
+        }
+    }
     report.rlimits = limit(&[
         (Resource::Core, 0),
         (Resource::Fsize, 0),
@@ -108,8 +118,8 @@ pub(crate) fn confine(library: &Path, memory_bytes: u64) -> io::Result<SandboxRe
         (Resource::Memlock, 0),
         (Resource::Nofile, 64),
         (Resource::Cpu, CPU_SECONDS),
-        (Resource::Data, data.saturating_add(memory_bytes)),
-        (Resource::As, space.saturating_add(memory_bytes).saturating_add(LIBRARIES)),
+        (Resource::Data, data),
+        (Resource::As, space),
     ]);
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     signals::expect_memory(memory_bytes);
