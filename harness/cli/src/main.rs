@@ -24,9 +24,9 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // Before anything else: the worker must be alone in its process.
-    if std::env::args_os().nth(1).is_some_and(|arg| arg == vb_host::WORKER_ARGUMENT) {
-        return vb_worker::serve();
+    // Before anything else: a worker must be alone in its process.
+    if let Some(end) = vb_host::serve_as_worker() {
+        return end;
     }
     report_large_files();
     let cli = match args::Cli::of_the_program() {
