@@ -1,22 +1,21 @@
 //! A vehicle file with a number that no vehicle has is refused, or the vehicle drives or ends in an error: never in a panic.
 
-mod common;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Duration;
 
-use common::{controls, flat, soil_world, soils};
+use crate::common::{controls, flat, soil_world, soils};
 use vb_math::rng::Stream;
 use vb_sim::{SimOptions, Simulation, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// Vehicles whose files are changed: one of each kind of linkage, tyre and driveline, and the tracked one.
 const VEHICLES: [(&str, &str); 4] = [
-    ("m113", include_str!("../../../tasks/vehicles/m113.yaml")),
-    ("hmmwv", include_str!("../../../tasks/vehicles/hmmwv.yaml")),
-    ("man5t", include_str!("../../../tasks/vehicles/man5t.yaml")),
-    ("gator", include_str!("../../../tasks/vehicles/gator.yaml")),
+    ("m113", include_str!("../../../../tasks/vehicles/m113.yaml")),
+    ("hmmwv", include_str!("../../../../tasks/vehicles/hmmwv.yaml")),
+    ("man5t", include_str!("../../../../tasks/vehicles/man5t.yaml")),
+    ("gator", include_str!("../../../../tasks/vehicles/gator.yaml")),
 ];
 
 /// Mutations of each file.
