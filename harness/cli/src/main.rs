@@ -20,20 +20,22 @@ mod suite;
 mod terrain;
 mod vehicle;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // Before anything else: the worker must be alone in its process.
-    if std::env::args_os().nth(1).is_some_and(|arg| arg == vb_host::WORKER_ARGUMENT) {
-        return vb_worker::serve();
+    // Before anything else: a worker must be alone in its process.
+    if let Some(end) = vb_host::serve_as_worker() {
+        return end;
     }
+    report_large_files();
     let cli = match args::Cli::of_the_program() {
         Ok(cli) => cli,
         Err(e) if e.use_stderr() => return failed(&usage(&e)),
         Err(e) => {
-            // Help and version go to stdout with exit code 0; a reader that went away doesn't matter.
-            let _ = e.print();
-            return ExitCode::from(error::DONE);
+            // Help and version go to stdout with exit code 0.
+            output::check(e.print().and_then(|()| std::io::stdout().flush()));
+            return output::failure().map_or(ExitCode::from(error::DONE), |e| failed(&e));
         }
     };
     let result = match cli.command {
@@ -71,11 +73,25 @@ fn main() -> ExitCode {
         Some(args::Command::Terrain(args::TerrainCommand::Generate(args))) => terrain::generate(&args),
         Some(args::Command::Terrain(args::TerrainCommand::Measure(args))) => terrain::measure(&args),
     };
-    match result {
+    // What went wrong with the work itself says more than that it could not be told.
+    match result.and_then(|()| output::failure().map_or(Ok(()), Err)) {
         Ok(()) => ExitCode::from(error::DONE),
         Err(e) => failed(&e),
     }
 }
+
+/// Makes a file beyond the user's limit (`ulimit -f`) an error of the write, as a full disk is one, where the system would kill
+/// the process without a word.
+#[cfg(unix)]
+fn report_large_files() {
+    extern "C" fn nothing(_: libc::c_int) {}
+    // A handler, since a signal that is ignored would stay so in the processes of native planners, whose sandbox counts on it.
+    // SAFETY: the handler does nothing, which is safe in a signal, and no thread runs yet.
+    unsafe { libc::signal(libc::SIGXFSZ, nothing as *const () as libc::sighandler_t) };
+}
+
+#[cfg(not(unix))]
+fn report_large_files() {}
 
 fn failed(e: &error::CliError) -> ExitCode {
     if !e.is_told() {

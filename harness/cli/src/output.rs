@@ -1,15 +1,37 @@
-//! Writing to stdout and stderr. A reader that went away is no error: results are on disk.
+//! Writing to stdout and stderr. A reader that went away is no error: results are on disk. Any other failure of stdout is one –
+//! whoever sends results to a file must not believe that they are there – and the program ends with it.
 
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::sync::OnceLock;
 
 use serde::Serialize;
 
 use crate::error::CliError;
 
+/// Why stdout could not be written, the first time that it couldn't.
+static FAILURE: OnceLock<String> = OnceLock::new();
+
 /// Text to stdout.
 pub(crate) fn text(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    check(out.write_all(text.as_bytes()).and_then(|()| out.flush()));
+}
+
+/// Remembers a failure of stdout.
+pub(crate) fn check(written: std::io::Result<()>) {
+    if let Err(e) = written
+        && e.kind() != ErrorKind::BrokenPipe
+    {
+        let _ = FAILURE.set(e.to_string());
+    }
+}
+
+/// The error that stdout could not be written, if so.
+pub(crate) fn failure() -> Option<CliError> {
+    let why = FAILURE.get()?;
+    Some(CliError::output(format!(
+        "cannot write to the standard output: {why} (free some space, or send it elsewhere)"
+    )))
 }
 
 /// One JSON object on a line of stdout.

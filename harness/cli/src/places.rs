@@ -56,19 +56,23 @@ pub(crate) fn suite(wanted: Option<&Path>) -> Result<PathBuf, CliError> {
     let Some(wanted) = wanted else {
         return Ok(tasks_dir().ok_or_else(no_tasks_dir)?.join(DEFAULT_SUITE));
     };
-    if !wanted.exists() && is_name(wanted.as_os_str()) {
-        let all = suites()?;
-        if let Some(found) = all.iter().find(|p| p.file_name() == Some(wanted.as_os_str())) {
-            return Ok(found.clone());
-        }
-        let names: Vec<_> = all.iter().filter_map(|p| p.file_name()).map(OsStr::to_string_lossy).collect();
-        return Err(CliError::input(format!(
-            "there is no suite {} (give a directory, or one of: {})",
-            wanted.display(),
-            names.join(", ")
-        )));
+    match wanted.to_str() {
+        Some(name) if !wanted.exists() && is_name(wanted.as_os_str()) => own_suite(name),
+        _ => Ok(wanted.to_owned()),
     }
-    Ok(wanted.to_owned())
+}
+
+/// The suite of this name that comes with the harness, whatever lies in the working directory.
+pub(crate) fn own_suite(name: &str) -> Result<PathBuf, CliError> {
+    let all = suites()?;
+    if let Some(found) = all.iter().find(|p| p.file_name() == Some(OsStr::new(name))) {
+        return Ok(found.clone());
+    }
+    let names: Vec<_> = all.iter().filter_map(|p| p.file_name()).map(OsStr::to_string_lossy).collect();
+    let names = names.join(", ");
+    Err(CliError::input(format!(
+        "there is no suite {name} (give a directory with --suite, or one of: {names})"
+    )))
 }
 
 /// The terrain model of this name that comes with the harness.
@@ -107,6 +111,11 @@ pub(crate) fn data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
     if !is_name(OsStr::new(wanted)) || Path::new(wanted).is_file() {
         return Ok(PathBuf::from(wanted));
     }
+    own_data(kind, wanted)
+}
+
+/// The data file of this name that comes with the harness, whatever lies in the working directory.
+pub(crate) fn own_data(kind: Data, wanted: &str) -> Result<PathBuf, CliError> {
     let dir = tasks_dir().ok_or_else(no_tasks_dir)?.join(kind.folder());
     let file = dir.join(format!("{wanted}.yaml"));
     if file.is_file() {

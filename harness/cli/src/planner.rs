@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use vb_host::{Limits, LoadError, NativeOptions, Plugin, SandboxReport};
+use vb_host::{Limits, LoadError, Plugin, ProcessOptions, SandboxReport};
 
 use crate::error::CliError;
 use crate::{output, places};
@@ -31,7 +31,7 @@ pub(crate) fn load_quietly(
     limits: &Limits,
     require_sandbox: bool,
 ) -> Result<Plugin, LoadError> {
-    let native = NativeOptions { worker: None, require_sandbox };
+    let native = ProcessOptions { worker: None, require_sandbox };
     match command(wanted) {
         Some(words) => Plugin::command(&words, limits),
         None => Plugin::load_with(wanted, limits, places::cache_dir().as_deref(), &native),

@@ -49,7 +49,7 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
             summary: &report.summary,
         }),
         MessageFormat::Human => {
-            output::text(&report.summary.table());
+            output::text(&vb_host::printable(&report.summary.table()));
             if let Some(clamped) = progress.clamped() {
                 output::text(&format!("{clamped}\n"));
             }
@@ -140,6 +140,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         keep_going: args.keep_going,
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
+        harness_commit: env!("VB_COMMIT").to_owned(),
     })
 }
 
@@ -154,7 +155,7 @@ pub(crate) fn jobs(wanted: Option<u16>) -> usize {
 /// The limits in a file: every field may be left out.
 pub(crate) fn limits(path: &Path) -> Result<Limits, CliError> {
     let file = path.display();
-    let text = std::fs::read_to_string(path)
+    let text = vb_files::read_text(path, vb_files::DOCUMENT)
         .map_err(|e| CliError::input(format!("cannot read limits {file}: {e} (give a YAML file)")))?;
     // A file with nothing but comments is one with every field left out.
     let empty = text.lines().all(|l| l.trim().is_empty() || l.trim_start().starts_with('#'));
@@ -170,21 +171,30 @@ pub(crate) fn limits(path: &Path) -> Result<Limits, CliError> {
 
 /// A vehicle by its name or file.
 pub(crate) fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
-    let (file, text, hash) = read_data(Data::Vehicle, wanted)?;
+    vehicle_of(&places::data(Data::Vehicle, wanted)?)
+}
+
+/// The vehicle in this file.
+pub(crate) fn vehicle_of(path: &Path) -> Result<Vehicle, CliError> {
+    let (file, text, hash) = read_data(Data::Vehicle, path)?;
     Ok(Vehicle { spec: VehicleSpec::parse(&text, &file).map_err(CliError::input)?, hash })
 }
 
 /// A set of soils by its name or file, and the side of the cells in which soil remembers ruts, m.
 pub(crate) fn soils(wanted: &str, pitch: f64) -> Result<Soils, CliError> {
-    let (file, text, hash) = read_data(Data::Soils, wanted)?;
+    soils_of(&places::data(Data::Soils, wanted)?, pitch)
+}
+
+/// The set of soils in this file.
+pub(crate) fn soils_of(path: &Path, pitch: f64) -> Result<Soils, CliError> {
+    let (file, text, hash) = read_data(Data::Soils, path)?;
     Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, pitch })
 }
 
 /// (path, text, SHA-256 in hexadecimal) of a data file.
-fn read_data(kind: Data, wanted: &str) -> Result<(String, String, String), CliError> {
-    let path = places::data(kind, wanted)?;
+fn read_data(kind: Data, path: &Path) -> Result<(String, String, String), CliError> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(&path).map_err(|e| {
+    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| {
         CliError::input(format!("cannot read {} {file}: {e} (give a file, or a name)", kind.noun()))
     })?;
     let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
@@ -212,7 +222,7 @@ fn started_at() -> String {
 
 pub(crate) fn run_error(e: RunError) -> CliError {
     match e {
-        RunError::Store(_) => CliError::output(e),
+        RunError::Store(_) | RunError::ForeignTask { .. } => CliError::output(e),
         RunError::Param(_) | RunError::NoTasks | RunError::Scale(_) => CliError::usage(e),
         _ => CliError::input(e),
     }

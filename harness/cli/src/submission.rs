@@ -125,28 +125,31 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
             args.submission.display()
         )));
     }
+    // What the submission names is looked up among what comes with the harness, never in the working folder, where a stranger's
+    // files may lie.
     let suite = match &args.suite {
         Some(dir) => suite::open(Some(dir))?,
-        None => suite::open(Some(Path::new(plain("suite", &m.run.suite.name)?)))?,
+        None => {
+            let own = places::own_suite(plain("suite", &m.run.suite.name)?)?;
+            Suite::open(own).map_err(CliError::input)?
+        }
     };
     let vehicle = match &args.vehicle {
         Some(vehicle) => run::vehicle(vehicle)?,
-        None => run::vehicle(plain("vehicle", &m.run.vehicle.name)?)?,
+        None => run::vehicle_of(&places::own_data(Data::Vehicle, plain("vehicle", &m.run.vehicle.name)?)?)?,
     };
+    let pitch = m.run.soil_pitch;
     let soils = match &args.soils {
-        Some(soils) => run::soils(soils, m.run.soil_pitch)?,
-        None => run::soils(plain("soils", &m.run.soils.name)?, m.run.soil_pitch)?,
+        Some(soils) => run::soils(soils, pitch)?,
+        None => run::soils_of(&places::own_data(Data::Soils, plain("soils", &m.run.soils.name)?)?, pitch)?,
     };
-    // Limits that make no sense are found by the check; until then the plugin is held within ours.
-    let limits = m.limits().unwrap_or_default();
     if !is_wasm(&args.plugin)? && !args.allow_native {
         return Err(CliError::input(format!(
             "{} is no WASM file, and nothing else is loaded here (--allow-native loads a native library in its sandbox)",
             args.plugin.display()
         )));
     }
-    let plugin = planner::load_quietly(&args.plugin, &limits, true)
-        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let plugin_sha256 = vb_submission::sha256_file(&args.plugin).map_err(failed)?;
     let draw = match (args.sample, args.seed) {
         (Some(count), Some(seed)) => Some((count as usize, seed)),
         (Some(count), None) => Some((count as usize, random()?)),
@@ -155,12 +158,13 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     let shipped = shipped()?;
     let expected = Expected {
         suite: &suite,
-        plugin: &plugin,
+        plugin_sha256: &plugin_sha256,
         vehicle: &vehicle,
         soils: &soils,
         shipped: &shipped,
         harness_version: env!("CARGO_PKG_VERSION"),
     };
+    let load = |limits: &Limits| planner::load_quietly(&args.plugin, limits, true);
     let cancel = run::stop_on_ctrl_c()?;
     let json = args.format.get() == MessageFormat::Json;
     let sampling = Sampling { draw, jobs: run::jobs(args.jobs) };
@@ -171,8 +175,8 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
             output::note(&format!("driven again: {done} of {total}"));
         }
     };
-    let verdict =
-        vb_submission::verify(&submission, &expected, &sampling, &mut ended, &cancel).map_err(failed)?;
+    let verdict = vb_submission::verify(&submission, &expected, &load, &sampling, &mut ended, &cancel)
+        .map_err(failed)?;
     let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
     write_json(&out, &verdict)?;
     if json {
@@ -185,9 +189,9 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let first = verdict.findings.first().map_or_else(String::new, |f| vb_host::one_line(&f.to_string()));
-    let more = match verdict.findings.len() {
+    let more = match verdict.findings.len() as u64 + verdict.more_findings {
         0 | 1 => String::new(),
-        n => format!(" (and {} more in {})", n - 1, out.display()),
+        n => format!(" (and {} more, see {})", n - 1, out.display()),
     };
     Err(CliError::not_verified(format!("{} does not verify: {first}{more}", args.submission.display())))
 }
@@ -214,6 +218,9 @@ fn told(verdict: &Verification) -> String {
     let mut text = output::columns(&rows);
     for f in &verdict.findings {
         text += &format!("  {}\n", vb_host::one_line(&f.to_string()));
+    }
+    if verdict.more_findings > 0 {
+        text += &format!("  and {} more\n", verdict.more_findings);
     }
     text
 }
@@ -276,7 +283,7 @@ fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), CliError> {
     let fail = |e: &dyn std::fmt::Display| CliError::output(format!("cannot write {}: {e}", path.display()));
     let mut text = serde_json::to_vec_pretty(value).map_err(|e| fail(&e))?;
     text.push(b'\n');
-    std::fs::write(path, text).map_err(|e| fail(&e))
+    vb_files::write(path, &text).map_err(|e| fail(&e))
 }
 
 /// A name in a submission by which something that comes with the harness is looked up: strangers must not name files.
@@ -294,7 +301,7 @@ fn plain<'a>(what: &str, name: &'a str) -> Result<&'a str, CliError> {
 /// Whether a file is WASM, by its first bytes: of what strangers hand in nothing else is loaded unless one says so.
 fn is_wasm(path: &Path) -> Result<bool, CliError> {
     let mut magic = [0; 4];
-    let read = std::fs::File::open(path).and_then(|mut f| f.read(&mut magic));
+    let read = vb_files::open(path).and_then(|mut f| f.read(&mut magic));
     let n =
         read.map_err(|e| CliError::input(format!("cannot read {}: {e} (give a WASM file)", path.display())))?;
     Ok(magic[..n] == *b"\0asm")
@@ -307,14 +314,17 @@ fn random() -> Result<u64, CliError> {
 
 /// What comes with the harness.
 fn shipped() -> Result<Shipped, CliError> {
-    let mut shipped = Shipped { soils: run::soils("default", 0.1)?.hash, ..Shipped::default() };
+    let mut shipped = Shipped {
+        soils: run::soils_of(&places::own_data(Data::Soils, "default")?, 0.1)?.hash,
+        ..Shipped::default()
+    };
     for dir in places::suites()? {
         let suite = Suite::open(&dir).map_err(CliError::input)?;
         let (name, tasks) = (suite.meta().name.clone(), suite.task_count() as u64);
         shipped.suites.push(ShippedSuite { name, hash: suite.hash(), tasks });
     }
     for name in places::names(Data::Vehicle)? {
-        let vehicle = run::vehicle(&name)?;
+        let vehicle = run::vehicle_of(&places::own_data(Data::Vehicle, &name)?)?;
         shipped.vehicles.insert(
             vehicle.spec.name.clone(),
             ShippedVehicle { hash: vehicle.hash, scale: vehicle.spec.scale },

@@ -11,7 +11,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use vb_host::{Limits, LogSink, NativeOptions, Plugin, Session};
+use vb_host::{Limits, LogSink, Plugin, ProcessOptions, Session};
 use vb_sdk::{GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle};
 
 /// Steps of each carrier.
@@ -80,7 +80,7 @@ fn native_name(name: &str) -> String {
 
 fn start(file: &Path, params: &[(&str, &str)]) -> Result<Session> {
     let options =
-        NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
+        ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
     let plugin = Plugin::load_with(file, &Limits::default(), None, &options)?;
     let params: Vec<_> = params.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let params = plugin.params(&params)?;

@@ -12,15 +12,15 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use transcript::{Step, Transcript, bits, observation};
-use vb_host::{Limits, LogSink, Plugin, WORKER_ARGUMENT, clamp};
+use vb_host::{Limits, LogSink, Plugin, clamp};
 use vb_sdk::math;
 
 fn main() -> ExitCode {
+    if let Some(end) = vb_host::serve_as_worker() {
+        return end;
+    }
     let mut args = std::env::args().skip(1);
     let file = PathBuf::from(args.next().expect("give the file of a plugin"));
-    if file.as_os_str() == WORKER_ARGUMENT {
-        return vb_worker::serve();
-    }
     let plugin = Plugin::load(&file, &Limits::default(), None).unwrap();
     let mut transcript = Transcript {
         abi: plugin.metadata().abi.clone(),

@@ -56,7 +56,7 @@ codes! {
     Error = "planner/error", Planner;
     /// `init` returned an error.
     InitFailed = "planner/init-failed", Planner;
-    /// A call used up its fuel.
+    /// A call, or the task, used up its fuel.
     OutOfFuel = "planner/out-of-fuel", Planner;
     /// The planner was refused memory or table elements and gave up.
     OutOfMemory = "planner/out-of-memory", Planner;
@@ -86,6 +86,8 @@ codes! {
     Metadata = "planner/metadata", Planner;
     /// The plugin file, or something in it, is larger than it may be.
     TooLarge = "planner/too-large", Planner;
+    /// Compiling the plugin takes more memory or processor time than it may.
+    TooCostly = "planner/too-costly", Planner;
     /// The engine or the system refuses the plugin's code.
     Unloadable = "planner/unloadable", Planner;
     /// The operating system refused what the host needs.

@@ -97,6 +97,22 @@ pub enum LoadError {
         /// How much there may be.
         limit: u64,
     },
+    /// Compiling the plugin takes more than it may.
+    #[error(
+        "{}: compiling the plugin takes more than {limit} {what}; make its largest functions smaller and fewer, or raise {field} \
+         (--limits)",
+        .path.display()
+    )]
+    TooCostly {
+        /// The file.
+        path: PathBuf,
+        /// What there is a limit of, e.g. `bytes of memory`.
+        what: &'static str,
+        /// How much it may take.
+        limit: u64,
+        /// Name of the limit.
+        field: &'static str,
+    },
     /// The process that should have opened the plugin failed.
     #[error("{}: the plugin can't be loaded: {cause}; {}", .path.display(), .cause.hint())]
     Faulty {
@@ -128,6 +144,7 @@ impl LoadError {
             Self::AbiVersion { .. } | Self::LayoutMismatch { .. } => FaultCode::AbiMismatch,
             Self::ForbiddenImports { .. } => FaultCode::ImportDenied,
             Self::TooLarge { .. } => FaultCode::TooLarge,
+            Self::TooCostly { .. } => FaultCode::TooCostly,
             Self::Unloadable { .. } => FaultCode::Unloadable,
             Self::Faulty { cause, .. } => cause.code(),
         }

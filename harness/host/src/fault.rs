@@ -54,6 +54,12 @@ pub enum FaultCause {
         /// Fuel that it had for the call.
         budget: u64,
     },
+    /// It computed longer than it may in all of a task.
+    #[error("used up its task's {budget} units of fuel")]
+    OutOfTaskFuel {
+        /// Fuel that it had for the task.
+        budget: u64,
+    },
     /// It wanted more memory than it may have, was refused, and gave up.
     #[error("wanted {}, it may have {limit}", amount(*.what, *.wanted))]
     OutOfMemory {
@@ -165,6 +171,13 @@ pub enum FaultCause {
 }
 
 impl FaultCause {
+    /// A process that somebody else ended; `who` it was.
+    pub(crate) fn killed(who: &str) -> Self {
+        let message =
+            format!("{who} was killed from outside, by the system for want of memory or by somebody");
+        Self::Machine { message }
+    }
+
     /// The cause as that of a failed `init`, where a returned error has a name of its own.
     pub(crate) fn in_init(self) -> Self {
         match self {
@@ -177,7 +190,7 @@ impl FaultCause {
     #[must_use]
     pub fn code(&self) -> FaultCode {
         match self {
-            Self::OutOfFuel { .. } => FaultCode::OutOfFuel,
+            Self::OutOfFuel { .. } | Self::OutOfTaskFuel { .. } => FaultCode::OutOfFuel,
             Self::OutOfMemory { .. } => FaultCode::OutOfMemory,
             Self::StackOverflow { .. } => FaultCode::StackOverflow,
             Self::Trap { .. } => FaultCode::Trap,
@@ -202,6 +215,9 @@ impl FaultCause {
         match self {
             Self::OutOfFuel { .. } => {
                 "compute less a call, or raise fuel_init or fuel_per_step (--limits); one unit is about one instruction"
+            }
+            Self::OutOfTaskFuel { .. } => {
+                "compute less a call or less often, or raise fuel_per_task (--limits)"
             }
             Self::OutOfMemory { .. } => "allocate less, or raise memory_bytes or table_elements (--limits)",
             Self::StackOverflow { limit: None, .. } => {

@@ -24,7 +24,7 @@ pub use fault::{FaultCause, PlannerFault, ProcessEnd, Resource};
 pub use inspect::{imports, inspect};
 pub use limits::Limits;
 pub use log::LogSink;
-pub use native::{NativeOptions, WORKER_ARGUMENT};
+pub use native::{ProcessOptions, serve_as_worker};
 pub use plugin::{Carrier, FuelUse, Plugin, Session, clamp, resolve_params};
 pub use text::{one_line, printable};
 pub use vb_sdk::metadata::{Metadata, ParamSpec};

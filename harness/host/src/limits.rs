@@ -13,6 +13,8 @@ pub struct Limits {
     pub fuel_init: u64,
     /// Fuel for one step; WASM only.
     pub fuel_per_step: u64,
+    /// Fuel for start-up, `init` and all steps of one task together; WASM only.
+    pub fuel_per_task: u64,
     /// Linear memory, bytes, all memories of the plugin together.
     pub memory_bytes: usize,
     /// Elements of all tables of the plugin together; WASM only.
@@ -25,6 +27,10 @@ pub struct Limits {
     pub log_bytes: usize,
     /// Size of the plugin file.
     pub module_bytes: u64,
+    /// Memory of the compiler, bytes; WASM only.
+    pub compile_bytes: usize,
+    /// Processor time of the compiler, s, all its threads together; WASM only.
+    pub compile_seconds: u64,
     /// Wall-clock time of one call, ms. It only ever ends what hangs: no score depends on it. A planner in a process of
     /// its own always has it; WASM code only if `wasm_watchdog` is set.
     pub watchdog_ms: u64,
@@ -38,12 +44,15 @@ impl Default for Limits {
         Self {
             fuel_init: 20_000_000_000,
             fuel_per_step: 2_000_000_000,
+            fuel_per_task: 1_000_000_000_000,
             memory_bytes: 256 << 20,
             table_elements: 1 << 20,
             stack_bytes: 1 << 20,
             output_bytes: 16 << 20,
             log_bytes: 64 << 10,
             module_bytes: 64 << 20,
+            compile_bytes: 2 << 30,
+            compile_seconds: 120,
             watchdog_ms: 60_000,
             wasm_watchdog: false,
         }
@@ -77,13 +86,15 @@ impl Limits {
         for (field, value) in self.named() {
             // Below the lower bounds no planner starts; above the upper ones the number means nothing.
             let (low, high) = match field {
-                "fuel_init" | "fuel_per_step" => (1, i64::MAX as u64),
+                "fuel_init" | "fuel_per_step" | "fuel_per_task" => (1, i64::MAX as u64),
                 "memory_bytes" => (64 << 10, 1 << 40),
                 "table_elements" => (0, u64::from(u32::MAX)),
                 "stack_bytes" => (64 << 10, 64 << 20),
                 "output_bytes" => (1 << 10, 1 << 30),
                 "log_bytes" => (0, 1 << 30),
                 "module_bytes" => (1, 4 << 30),
+                "compile_bytes" => (64 << 20, 1 << 40),
+                "compile_seconds" => (1, 24 * 3600),
                 "watchdog_ms" => (1, 24 * 3600 * 1000),
                 _ => (0, 1),
             };
@@ -96,16 +107,19 @@ impl Limits {
 
     /// Every limit by name, as results record them; `wasm_watchdog` is 0 or 1.
     #[must_use]
-    pub fn named(&self) -> [(&'static str, u64); 10] {
+    pub fn named(&self) -> [(&'static str, u64); 13] {
         [
             ("fuel_init", self.fuel_init),
             ("fuel_per_step", self.fuel_per_step),
+            ("fuel_per_task", self.fuel_per_task),
             ("memory_bytes", self.memory_bytes as u64),
             ("table_elements", self.table_elements as u64),
             ("stack_bytes", self.stack_bytes as u64),
             ("output_bytes", self.output_bytes as u64),
             ("log_bytes", self.log_bytes as u64),
             ("module_bytes", self.module_bytes),
+            ("compile_bytes", self.compile_bytes as u64),
+            ("compile_seconds", self.compile_seconds),
             ("watchdog_ms", self.watchdog_ms),
             ("wasm_watchdog", u64::from(self.wasm_watchdog)),
         ]

@@ -13,7 +13,7 @@ use vb_worker::sandbox::SandboxReport;
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, PlannerFault};
 use crate::inspect::{self, Format};
-use crate::native::{NativeOptions, ProcessPlugin, ProcessSession};
+use crate::native::{self, ProcessOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
 
@@ -56,17 +56,18 @@ impl Plugin {
     /// Compiled WASM is kept in `cache_dir` (made if it doesn't exist) and taken from there the next time. It is
     /// machine code: the directory must be one that only the user can write to.
     ///
-    /// A native library is opened by a worker process, for which the running program starts itself again: it must call
-    /// [`vb_worker::serve`] when its first argument is [`WORKER_ARGUMENT`](crate::WORKER_ARGUMENT). See
-    /// [`Plugin::load_with`] for another program.
+    /// WASM is compiled and a native library is opened by a process of its own, for which the running program starts
+    /// itself again: it must begin with [`serve_as_worker`](crate::serve_as_worker). See [`Plugin::load_with`] for
+    /// another program. Without either, no native library can be opened, and WASM is compiled in the running program,
+    /// without the limits `compile_bytes` and `compile_seconds`: that is for plugins that one trusts.
     ///
     /// # Errors
     /// If the file is no plugin that this harness can run; see [`LoadError`]. An unusable cache is no error.
     pub fn load(path: &Path, limits: &Limits, cache_dir: Option<&Path>) -> Result<Self, LoadError> {
-        Self::load_with(path, limits, cache_dir, &NativeOptions::default())
+        Self::load_with(path, limits, cache_dir, &ProcessOptions::default())
     }
 
-    /// As [`Plugin::load`], with a choice of how native libraries are run.
+    /// As [`Plugin::load`], with a choice of the program for the processes.
     ///
     /// # Errors
     /// As [`Plugin::load`].
@@ -74,17 +75,18 @@ impl Plugin {
         path: &Path,
         limits: &Limits,
         cache_dir: Option<&Path>,
-        native: &NativeOptions,
+        processes: &ProcessOptions,
     ) -> Result<Self, LoadError> {
         let file = inspect::read(path, limits.module_bytes)?;
         let sha256 = hex(&Sha256::digest(&file.bytes));
         let code = match file.format {
             Format::Native => {
-                let (plugin, sandbox) = ProcessPlugin::load(path, &sha256, file.abi, limits, native)?;
+                let (plugin, sandbox) = ProcessPlugin::load(path, &sha256, file.abi, limits, processes)?;
                 Code::Native(plugin, sandbox)
             }
             Format::Component | Format::CoreModule => {
-                Code::Wasm(WasmPlugin::load(path, &file, &sha256, limits, cache_dir)?)
+                let compiler = native::compiler(processes);
+                Code::Wasm(WasmPlugin::load(path, &file, &sha256, limits, cache_dir, compiler.as_deref())?)
             }
         };
         let (abi, metadata, limits) = (file.abi, file.metadata, limits.clone());

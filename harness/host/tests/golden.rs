@@ -7,7 +7,7 @@ mod transcript;
 use std::path::{Path, PathBuf};
 
 use transcript::{Transcript, number};
-use vb_host::{AbiVersion, Limits, NativeOptions, Plugin, inspect};
+use vb_host::{AbiVersion, Limits, Plugin, ProcessOptions, inspect};
 
 /// The golden plugins of a version that this machine can run, with their transcripts.
 fn golden(version: AbiVersion) -> Vec<(PathBuf, Transcript)> {
@@ -32,7 +32,7 @@ fn golden(version: AbiVersion) -> Vec<(PathBuf, Transcript)> {
 #[test]
 fn a_golden_plugin_answers_what_it_answered_when_its_version_was_new_bit_for_bit() {
     let worker = option_env!("CARGO_BIN_EXE_vb-worker").map(PathBuf::from);
-    let options = NativeOptions { worker, require_sandbox: false };
+    let options = ProcessOptions { worker, require_sandbox: false };
     for version in AbiVersion::SUPPORTED {
         for (file, transcript) in golden(*version) {
             assert_eq!(transcript.abi, version.name());

@@ -8,7 +8,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::{METADATA, core_module, observation, planner_wat, task};
-use vb_host::{Limits, LogSink, NativeOptions, Plugin};
+use vb_host::{Limits, LogSink, Plugin, ProcessOptions};
 
 /// Rounds, in which each plugin is loaded once.
 const ROUNDS: usize = 1000;
@@ -30,7 +30,7 @@ fn possessions() -> (usize, usize, usize) {
 fn visit(path: &Path) {
     let limits = Limits { fuel_per_step: 100_000, ..Limits::default() };
     let worker = Some(env!("CARGO_BIN_EXE_vb-worker").into());
-    let options = NativeOptions { worker, require_sandbox: false };
+    let options = ProcessOptions { worker, require_sandbox: false };
     let Ok(plugin) = Plugin::load_with(path, &limits, None, &options) else { return };
     let Ok(mut session) = plugin.start(&task(), LogSink::discard()) else { return };
     let _ = session.step(&observation());

@@ -108,3 +108,47 @@ fn every_cause_has_a_hint() {
     assert_eq!(found.to_string(), "step 0 (t = 0.50 s): used up its 100000 units of fuel");
     assert!(found.cause.hint().contains("fuel_per_step"));
 }
+
+#[test]
+fn a_task_has_fuel_for_all_its_calls() {
+    let fuel = |limits: &Limits| {
+        let mut session = plugin(OK, GO, limits).start(&task(), LogSink::discard()).unwrap();
+        let end = (0..100).find_map(|_| session.step(&observation()).err());
+        (session.fuel().unwrap(), end)
+    };
+    let (used, end) = fuel(&Limits::default());
+    assert_eq!(end, None);
+    // Enough for half of the steps.
+    let fuel_per_task = used.init + used.steps / 2;
+    let (capped, end) = fuel(&Limits { fuel_per_task, ..Limits::default() });
+    let end = end.unwrap();
+    assert_eq!(end.cause, FaultCause::OutOfTaskFuel { budget: fuel_per_task });
+    assert_eq!((end.code().name(), end.step), ("planner/out-of-fuel", Some(50)));
+    assert!(capped.init + capped.steps <= fuel_per_task);
+}
+
+#[test]
+fn what_the_engine_calls_its_own_functions_for_is_dear() {
+    let fuel = |text: &str, n: usize| {
+        let step = format!("{} {GO}", text.repeat(n));
+        let item = "(elem declare func $spin) (elem $e func $spin) (data $d \"x\") (func $spin";
+        let text = planner_wat(OK, &step).replacen("(func $spin", item, 1);
+        let (_dir, path) = file(&core_module(&text, METADATA));
+        let plugin = Plugin::load(&path, &Limits::default(), None).unwrap();
+        let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+        session.step(&observation()).unwrap();
+        session.fuel().unwrap().last_step
+    };
+    let zeros = "(i32.const 0) (i32.const 0) (i32.const 0)";
+    for text in [
+        "(drop (ref.func $spin))".to_owned(),
+        format!("(memory.init $d {zeros})"),
+        format!("(table.init $table $e {zeros})"),
+        format!("(table.copy $table $table {zeros})"),
+        "(table.fill $table (i32.const 0) (ref.null func) (i32.const 0))".to_owned(),
+        "(data.drop $d)".to_owned(),
+        "(elem.drop $e)".to_owned(),
+    ] {
+        assert!(fuel(&text, 110) - fuel(&text, 10) >= 100 * 255, "{text}");
+    }
+}

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use common::{keeper, observation, task};
-use vb_host::{Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, NativeOptions, Plugin};
+use vb_host::{Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, Plugin, ProcessOptions};
 use vb_sdk::{LogLevel, Series, Task};
 
 /// A library made of `hostile.c`, with macros; none where there is no compiler.
@@ -25,8 +25,8 @@ fn limits() -> Limits {
     Limits { memory_bytes: 64 << 20, watchdog_ms: 1500, output_bytes: 1 << 20, ..Limits::default() }
 }
 
-fn options() -> NativeOptions {
-    NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+fn options() -> ProcessOptions {
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
 }
 
 fn load(path: &Path) -> Result<Plugin, LoadError> {
@@ -151,7 +151,9 @@ fn the_sandbox_tells_what_it_is_made_of() {
     let Some((_dir, path)) = compile(&[]) else { return };
     let report = *load(&path).unwrap().sandbox().unwrap();
     assert!(report.no_new_privs && report.rlimits, "{report:?}");
-    let strict = NativeOptions { require_sandbox: true, ..options() };
+    // Else the tests of what it forbids would be left out.
+    assert_eq!(report.seccomp, Path::new("/proc/sys/kernel/seccomp").exists(), "{report:?}");
+    let strict = ProcessOptions { require_sandbox: true, ..options() };
     match Plugin::load_with(&path, &limits(), None, &strict) {
         Ok(_) => assert!(report.missing().is_empty(), "{report:?}"),
         Err(error) => {
@@ -165,7 +167,7 @@ fn the_sandbox_tells_what_it_is_made_of() {
 fn a_worker_that_cant_be_started_is_the_hosts_fault() {
     let Some((dir, path)) = compile(&[]) else { return };
     for worker in [dir.path().join("nowhere"), dir.path().to_owned()] {
-        let options = NativeOptions { worker: Some(worker), require_sandbox: false };
+        let options = ProcessOptions { worker: Some(worker), require_sandbox: false };
         let error = Plugin::load_with(&path, &limits(), None, &options).unwrap_err();
         assert_eq!(error.code(), FaultCode::Worker, "{error}");
     }
@@ -173,8 +175,56 @@ fn a_worker_that_cant_be_started_is_the_hosts_fault() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_library_that_is_being_opened_reads_no_files_of_others() {
-    // Its constructor ends the process with code 9 if it can open the file.
-    let Some((_dir, path)) = compile(&["HARM_AT_LOAD=\"passwd\""]) else { return };
-    is_well(&load(&path).unwrap());
+fn a_library_that_is_being_opened_may_do_no_more_than_later() {
+    let Some(plugin) = hostile() else { return };
+    if plugin.sandbox().is_none_or(|report| !report.missing().is_empty()) {
+        eprintln!("skipped: the kernel can't confine planners");
+        return;
+    }
+    // Its constructor ends the process with code 9 if it is let.
+    for harm in [
+        "passwd",
+        "write",
+        "limits",
+        "parents-limits",
+        "own",
+        "signal",
+        "async",
+        "survive",
+        "dumpable",
+        "filter-prctl",
+        "shared",
+        "downwards",
+        "thread",
+        "handler",
+    ] {
+        let Some((_dir, path)) = compile(&[&format!("HARM_AT_LOAD=\"{harm}\"")]) else { return };
+        let plugin = load(&path).unwrap_or_else(|e| panic!("{harm}: {e}"));
+        is_well(&plugin);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_process_that_was_killed_from_outside_is_not_blamed_on_its_planner() {
+    use rustix::process::{Pid, Signal, kill_process};
+    let Some(plugin) = hostile() else { return };
+    if !plugin.sandbox().is_some_and(|report| report.seccomp) {
+        eprintln!("skipped: the kernel has no seccomp");
+        return;
+    }
+    for signal in [Signal::KILL, Signal::TERM] {
+        // It tells its number and then waits for its end.
+        let sink = LogSink::new(move |_, line| {
+            let pid = line.trim().parse().ok().and_then(Pid::from_raw).unwrap();
+            kill_process(pid, signal).unwrap();
+        });
+        let mut session = plugin.start(&harmful(&plugin, "wait", "step"), sink).unwrap();
+        let fault = session.step(&observation()).unwrap_err();
+        assert_eq!(fault.code(), FaultCode::Machine, "{fault}");
+        assert!(fault.to_string().contains("killed from outside"), "{fault}");
+        assert!(!fault.is_planners());
+        drop(session);
+        is_well(&plugin);
+    }
 }

@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
+mod common;
+
 use std::path::PathBuf;
 
-use vb_host::{Carrier, Limits, LoadError, LogSink, NativeOptions, Plugin, inspect};
+use vb_host::{Carrier, Limits, LoadError, LogSink, Plugin, ProcessOptions, inspect};
 use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle, Wheel, math};
 
 /// A built planner, or a word on why the test is skipped.
@@ -20,8 +22,8 @@ fn built(file: &str) -> Option<PathBuf> {
 }
 
 /// The worker that cargo builds with this crate.
-fn native() -> NativeOptions {
-    NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+fn native() -> ProcessOptions {
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
 }
 
 fn load(file: &str) -> Option<Plugin> {
@@ -183,4 +185,42 @@ fn a_native_library_with_metadata_but_no_root_module_is_refused() {
     std::fs::write(&other, bytes).unwrap();
     let error = Plugin::load_with(&other, &Limits::default(), None, &native()).unwrap_err();
     assert!(matches!(error, LoadError::NotAPlugin { .. } | LoadError::Unloadable { .. }), "{error}");
+}
+
+#[test]
+fn the_largest_planner_is_compiled_with_room() {
+    let Some(any) = built("mppi.wasm") else { return };
+    let size = |path: &PathBuf| path.metadata().unwrap().len();
+    let files = std::fs::read_dir(any.parent().unwrap()).unwrap().map(|f| f.unwrap().path());
+    let largest = files.filter(|f| f.extension().is_some_and(|e| e == "wasm")).max_by_key(size).unwrap();
+    let limits = Limits::default();
+    let (compile_bytes, compile_seconds) = (limits.compile_bytes / 8, limits.compile_seconds / 8);
+    let tight = Limits { compile_bytes, compile_seconds, ..limits };
+    Plugin::load_with(&largest, &tight, None, &native()).unwrap();
+}
+
+#[test]
+fn ten_megabytes_of_ordinary_code_are_compiled_with_room() {
+    // Functions of a few hundred bytes each, as compilers make them: arithmetic, loads and stores, branches and calls.
+    let body = "(local.set 1 (i32.add (local.get 0) (i32.load offset=64 (local.get 1))))
+        (if (i32.gt_s (local.get 1) (i32.const 100)) (then (i32.store offset=128 (local.get 0) (local.get 1))))
+        (f64.store offset=8 (local.get 0) (f64.mul (f64.load (local.get 0)) (f64.const 1.5)))";
+    let function = |i: usize| {
+        let call =
+            if i == 0 { String::new() } else { format!("(call $f{} (local.get 1) (local.get 0))", i - 1) };
+        format!("(func $f{i} (param i32 i32) {} {call})", body.repeat(8))
+    };
+    let items: String = (0..22_000).map(function).collect();
+    let text = common::planner_wat(
+        "(call $ok_planner)",
+        "(call $ok_command (f64.const 0) (f64.const 0) (f64.const 0))",
+    );
+    let text = text.replacen("(func $spin", &format!("{items} (func $spin"), 1);
+    let module = common::core_module(&text, common::METADATA);
+    assert!(module.len() > 7_000_000, "{}", module.len());
+    let (_dir, path) = common::file(&module);
+    let limits = Limits::default();
+    let (compile_bytes, compile_seconds) = (limits.compile_bytes / 2, limits.compile_seconds / 2);
+    let tight = Limits { compile_bytes, compile_seconds, ..limits };
+    Plugin::load_with(&path, &tight, None, &native()).unwrap();
 }

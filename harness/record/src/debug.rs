@@ -34,8 +34,8 @@ pub struct DebugEntry {
 }
 
 impl DebugSeries {
-    /// Number of values kept of one task (16 MiB of memory).
-    pub const MAX_VALUES: usize = 4 << 20;
+    /// Number of values kept of one task: 4 MiB of memory, and a file of 16 MiB at most.
+    pub const MAX_VALUES: usize = 1 << 20;
 
     /// Number of different names kept of one task.
     pub const MAX_NAMES: usize = 256;

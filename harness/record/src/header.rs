@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LogMode, TraceMode};
+use crate::{LogMode, TraceMode, planner_with_params, suite_with_selection};
 
 /// Version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has the
-/// outcome `host_error`, codes with the one to blame in front, and more of what planners used. Runs of version 1 can
-/// be read.
-pub const RUN_SCHEMA: u32 = 2;
+/// outcome `host_error`, codes with the one to blame in front, and more of what planners used. Version 3 has checksums, the
+/// number of the suite's tasks and the commit of the harness. Runs of older versions can be read.
+pub const RUN_SCHEMA: u32 = 3;
 /// The oldest version that can be read.
 pub(crate) const OLDEST_SCHEMA: u32 = 1;
 
@@ -23,6 +23,9 @@ pub struct SuiteHeader {
     pub hash: String,
     /// Where it lay.
     pub path: String,
+    /// Number of its tasks, chosen or not; runs of schemas before 3 don't say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tasks: Option<u64>,
 }
 
 /// The planner of a run.
@@ -44,6 +47,10 @@ pub struct PluginHeader {
     /// How the process of a native planner was confined.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxHeader>,
+}
+
+fn unknown() -> String {
+    "unknown".to_owned()
 }
 
 fn yes() -> bool {
@@ -90,6 +97,10 @@ pub struct RunHeader {
     pub schema: u32,
     /// Version of the harness.
     pub harness_version: String,
+    /// Git commit that the harness was built from, with `, modified` behind it if its sources had been changed since;
+    /// `unknown` if it was not built in a checkout. It says where a result is from and is no part of any hash or score.
+    #[serde(default = "unknown")]
+    pub harness_commit: String,
     /// When the run was started, RFC 3339 in UTC. For people only: nothing depends on it.
     pub started_at: String,
     /// The suite.
@@ -139,6 +150,18 @@ const INFORMATION_ONLY: [&str; 7] = [
 ];
 
 impl RunHeader {
+    /// The planner, with its parameters where the user gave any: [`planner_with_params`].
+    #[must_use]
+    pub fn planner(&self) -> String {
+        planner_with_params(&format!("{} {}", self.plugin.name, self.plugin.version), &self.params)
+    }
+
+    /// The suite, with what was chosen of it where that is not all: [`suite_with_selection`].
+    #[must_use]
+    pub fn scope(&self) -> String {
+        suite_with_selection(&self.suite.name, self.tasks, self.suite.tasks, self.selector.as_deref())
+    }
+
     /// The first field (dotted path) in which `other` would lead to other results, with both values as text.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {

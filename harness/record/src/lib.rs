@@ -1,10 +1,11 @@
 //! The run store: what a run leaves on disk, and how it survives being killed.
 //!
 //! A run directory holds `run.json` (what was run: [`RunHeader`]), `tasks.jsonl` (one line a finished task,
-//! appended and synced when it ends), `traces/<world>/<task>.parquet` ([`Trace`]), the planner's own series in
+//! appended and synced when it ends), `checksums.txt` (the SHA-256 of each file and record, by which damage is found), `traces/<world>/<task>.parquet` ([`Trace`]), the planner's own series in
 //! `traces/<world>/<task>.debug.parquet` ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing
 //! of rules: records and summaries are whatever its callers serialise.
 
+mod checksums;
 mod debug;
 mod error;
 mod files;
@@ -12,6 +13,7 @@ mod header;
 mod log_mode;
 mod parquet_io;
 mod sample;
+mod scope;
 mod store;
 mod trace;
 
@@ -20,5 +22,6 @@ pub use error::StoreError;
 pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, SuiteHeader};
 pub use log_mode::LogMode;
 pub use sample::{Sample, WheelSample};
+pub use scope::{planner_with_params, suite_with_selection};
 pub use store::{RunReader, RunStore};
 pub use trace::{TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder};

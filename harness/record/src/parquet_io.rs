@@ -98,7 +98,7 @@ pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
 
 impl Table {
     pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
-        let file = File::open(path).map_err(StoreError::io("read", path))?;
+        let file = vb_files::open(path).map_err(StoreError::io("read", path))?;
         let reader = SerializedFileReader::new(file).map_err(|e| damaged(path, e))?;
         Ok(Self { reader })
     }

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{BufRead as _, BufReader, ErrorKind, Seek as _, SeekFrom, Write as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, record_name};
 use crate::files::{is_temporary, sync_dir, write_atomic};
 use crate::header::OLDEST_SCHEMA;
 use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
@@ -17,12 +18,15 @@ const HEADER: &str = "run.json";
 const TASKS: &str = "tasks.jsonl";
 const SUMMARY: &str = "summary.json";
 const LOCK: &str = "run.lock";
+/// Longest record that is read, bytes; logs in it are bounded far below.
+const LINE: u64 = 64 << 20;
 
 /// A run directory open for writing, by this process alone. Workers share it.
 #[derive(Debug)]
 pub struct RunStore {
     dir: PathBuf,
     tasks: Mutex<TaskFile>,
+    checksums: Mutex<ChecksumWriter>,
     lock: File,
 }
 
@@ -55,12 +59,17 @@ impl RunStore {
         // A directory with a lock file is ours: that it is in use says more than that it is not empty.
         let lock = lock(dir)?;
         refuse_unless_empty(dir)?;
-        write_json(&dir.join(HEADER), "run.json", header)?;
+        let header = pretty("run.json", header)?;
+        let mut checksums = ChecksumWriter::open(dir)?;
+        checksums.add(HEADER, &header)?;
+        checksums.sync()?;
+        write_atomic(&dir.join(HEADER), &header)?;
         let path = dir.join(TASKS);
         let file = File::create(&path).map_err(StoreError::io("create", &path))?;
         file.sync_all().map_err(StoreError::io("sync", &path))?;
         sync_dir(dir);
-        Ok(Self { dir: dir.to_owned(), tasks: Mutex::new(TaskFile { file, len: 0 }), lock })
+        let (tasks, checksums) = (Mutex::new(TaskFile { file, len: 0 }), Mutex::new(checksums));
+        Ok(Self { dir: dir.to_owned(), tasks, checksums, lock })
     }
 
     /// Goes on with the run in `dir`, which must have been made with the same settings: see
@@ -84,7 +93,8 @@ impl RunStore {
             return Err(StoreError::Differs { dir: dir.to_owned(), field, recorded, wanted });
         }
         let path = dir.join(TASKS);
-        let (mut records, mut len) = read_tasks::<T>(&path)?;
+        let (mut records, mut len) = read_tasks::<T>(dir)?;
+        let checksums = Mutex::new(ChecksumWriter::open(dir)?);
         if !records.iter().all(&counts) {
             let bytes = fs::read(&path).map_err(StoreError::io("read", &path))?;
             // Every whole line is a record, in the same order.
@@ -109,7 +119,8 @@ impl RunStore {
         file.set_len(len).map_err(StoreError::io("cut", &path))?;
         file.seek(SeekFrom::Start(len)).map_err(StoreError::io("seek in", &path))?;
         file.sync_all().map_err(StoreError::io("sync", &path))?;
-        Ok((Self { dir: dir.to_owned(), tasks: Mutex::new(TaskFile { file, len }), lock }, records))
+        let tasks = Mutex::new(TaskFile { file, len });
+        Ok((Self { dir: dir.to_owned(), tasks, checksums, lock }, records))
     }
 
     /// The run directory.
@@ -126,6 +137,14 @@ impl RunStore {
     pub fn append<T: Serialize>(&self, record: &T) -> Result<(), StoreError> {
         let mut line = serde_json::to_vec(record)
             .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
+        let key: Key = serde_json::from_slice(&line)
+            .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
+        {
+            // Before the record: what counts has its checksum. Those of the task's files become durable along with it.
+            let mut checksums = self.checksums.lock().unwrap_or_else(PoisonError::into_inner);
+            checksums.add(&record_name(&key.task), &line)?;
+            checksums.sync()?;
+        }
         line.push(b'\n');
         let path = self.dir.join(TASKS);
         // A panic elsewhere can't have left the state half changed: it is changed last.
@@ -151,9 +170,7 @@ impl RunStore {
     /// # Errors
     /// [`StoreError::TaskName`] or an error of the file system.
     pub fn write_trace(&self, trace: &Trace) -> Result<(), StoreError> {
-        let path = trace_path(&self.dir, &trace.meta.task)?;
-        self.make_parent(&path)?;
-        write_atomic(&path, &trace.encode()?)
+        self.write_file(&trace_name(&trace.meta.task)?, &trace.encode()?)
     }
 
     /// Writes a planner's series of a task to `traces/<world>/<task>.debug.parquet`; nothing if there are none.
@@ -164,9 +181,15 @@ impl RunStore {
         if series.is_empty() {
             return Ok(());
         }
-        let path = debug_path(&self.dir, task)?;
+        self.write_file(&debug_name(task)?, &series.encode()?)
+    }
+
+    /// Writes a file below the run directory, its checksum first.
+    fn write_file(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = self.dir.join(name);
         self.make_parent(&path)?;
-        write_atomic(&path, &series.encode()?)
+        self.checksums.lock().unwrap_or_else(PoisonError::into_inner).add(name, bytes)?;
+        write_atomic(&path, bytes)
     }
 
     /// Makes the directory of a file below `traces`, durably.
@@ -185,7 +208,7 @@ impl RunStore {
     /// # Errors
     /// An error of the file system.
     pub fn write_summary<T: Serialize>(&self, summary: &T) -> Result<(), StoreError> {
-        write_json(&self.dir.join(SUMMARY), "summary.json", summary)
+        write_atomic(&self.dir.join(SUMMARY), &pretty("summary.json", summary)?)
     }
 }
 
@@ -222,7 +245,7 @@ impl RunReader {
     /// # Errors
     /// [`StoreError::Damaged`] or an error of the file system.
     pub fn records<T: DeserializeOwned>(&self) -> Result<Vec<T>, StoreError> {
-        Ok(read_tasks(&self.dir.join(TASKS))?.0)
+        Ok(read_tasks(&self.dir)?.0)
     }
 
     /// Hands over the same records one by one, so that they need not all be in memory.
@@ -230,13 +253,13 @@ impl RunReader {
     /// # Errors
     /// [`StoreError::Damaged`] or an error of the file system.
     pub fn each_record<T: DeserializeOwned>(&self, take: impl FnMut(T)) -> Result<(), StoreError> {
-        each_task(&self.dir.join(TASKS), take).map(drop)
+        each_task(&self.dir, take).map(drop)
     }
 
     /// Whether the run has a trace of this task.
     #[must_use]
     pub fn has_trace(&self, task: &str) -> bool {
-        trace_path(&self.dir, task).is_ok_and(|p| p.exists())
+        trace_name(task).is_ok_and(|name| self.dir.join(name).exists())
     }
 
     /// The trajectory of a task.
@@ -244,7 +267,7 @@ impl RunReader {
     /// # Errors
     /// [`StoreError::TaskName`], or as [`Trace::read`].
     pub fn trace(&self, task: &str) -> Result<Trace, StoreError> {
-        Trace::read(&trace_path(&self.dir, task)?)
+        Trace::read(&self.checked(&trace_name(task)?)?)
     }
 
     /// The series that the planner sent in a task, in the order of time; empty if it sent none.
@@ -252,21 +275,31 @@ impl RunReader {
     /// # Errors
     /// [`StoreError::TaskName`], or as [`DebugSeries::read`].
     pub fn debug(&self, task: &str) -> Result<Vec<DebugEntry>, StoreError> {
-        let path = debug_path(&self.dir, task)?;
-        if path.exists() { DebugSeries::read(&path) } else { Ok(Vec::new()) }
+        let name = debug_name(task)?;
+        if self.dir.join(&name).exists() { DebugSeries::read(&self.checked(&name)?) } else { Ok(Vec::new()) }
+    }
+
+    /// The path of a file of the run, which is as it was written.
+    fn checked(&self, name: &str) -> Result<PathBuf, StoreError> {
+        let path = self.dir.join(name);
+        if let Some(sums) = Checksums::read(&self.dir)? {
+            let bytes = vb_files::read(&path, vb_files::DATA).map_err(StoreError::io("read", &path))?;
+            sums.check(&path, name, &bytes)?;
+        }
+        Ok(path)
     }
 }
 
-/// Where a task's trace lies.
-fn trace_path(dir: &Path, task: &str) -> Result<PathBuf, StoreError> {
+/// Where a task's trace lies in a run.
+fn trace_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
-    Ok(dir.join("traces").join(world).join(format!("{name}.parquet")))
+    Ok(format!("traces/{world}/{name}.parquet"))
 }
 
-/// Where a task's debug series lie.
-fn debug_path(dir: &Path, task: &str) -> Result<PathBuf, StoreError> {
+/// Where a task's debug series lie in a run.
+fn debug_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
-    Ok(dir.join("traces").join(world).join(format!("{name}.debug.parquet")))
+    Ok(format!("traces/{world}/{name}.debug.parquet"))
 }
 
 /// `WORLD/TASK` in two, if both are safe as file names on every system.
@@ -303,23 +336,24 @@ fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
     for entry in fs::read_dir(dir).map_err(StoreError::io("read directory", dir))? {
         let name = entry.map_err(StoreError::io("read directory", dir))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK && !is_temporary(&name) {
+        if name != LOCK && name != CHECKSUMS && !is_temporary(&name) {
             return Err(StoreError::NotEmpty(dir.to_owned()));
         }
     }
     Ok(())
 }
 
-fn write_json<T: Serialize>(path: &Path, what: &'static str, value: &T) -> Result<(), StoreError> {
+/// A document as it is written.
+fn pretty<T: Serialize>(what: &'static str, value: &T) -> Result<Vec<u8>, StoreError> {
     let mut text =
         serde_json::to_vec_pretty(value).map_err(|e| StoreError::Encode { what, detail: e.to_string() })?;
     text.push(b'\n');
-    write_atomic(path, &text)
+    Ok(text)
 }
 
 fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
     let path = dir.join(HEADER);
-    let bytes = fs::read(&path).map_err(|source| {
+    let bytes = vb_files::read(&path, vb_files::DOCUMENT).map_err(|source| {
         if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) {
             StoreError::NoRun(dir.to_owned())
         } else {
@@ -336,7 +370,12 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
         Some(found) if !(u64::from(OLDEST_SCHEMA)..=u64::from(RUN_SCHEMA)).contains(&found) => {
             Err(StoreError::Schema { path, found, supported: RUN_SCHEMA })
         }
-        _ => serde_json::from_value(value).map_err(damaged),
+        _ => {
+            if let Some(sums) = Checksums::read(dir)? {
+                sums.check(&path, HEADER, &bytes)?;
+            }
+            serde_json::from_value(value).map_err(damaged)
+        }
     }
 }
 
@@ -346,16 +385,18 @@ struct Key {
 }
 
 /// The records in tasks.jsonl and the length of their lines.
-fn read_tasks<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), StoreError> {
+fn read_tasks<T: DeserializeOwned>(dir: &Path) -> Result<(Vec<T>, u64), StoreError> {
     let mut records = Vec::new();
-    let len = each_task(path, |record| records.push(record))?;
+    let len = each_task(dir, |record| records.push(record))?;
     Ok((records, len))
 }
 
 /// Hands over each record in tasks.jsonl and returns the length of their lines. A last line that is not whole was torn
 /// when its process was killed; any other bad line is damage that nobody should overlook.
-fn each_task<T: DeserializeOwned>(path: &Path, mut take: impl FnMut(T)) -> Result<u64, StoreError> {
-    let mut file = match File::open(path) {
+fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T)) -> Result<u64, StoreError> {
+    let path = &dir.join(TASKS);
+    let mut sums = Checksums::read(dir)?;
+    let mut file = match vb_files::open(path) {
         Ok(file) => BufReader::new(file),
         // Killed between run.json and the first task.
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(0),
@@ -366,7 +407,8 @@ fn each_task<T: DeserializeOwned>(path: &Path, mut take: impl FnMut(T)) -> Resul
     let mut line = Vec::new();
     loop {
         line.clear();
-        if file.read_until(b'\n', &mut line).map_err(StoreError::io("read", path))? == 0 {
+        (&mut file).take(LINE + 1).read_until(b'\n', &mut line).map_err(StoreError::io("read", path))?;
+        if line.is_empty() {
             return Ok(len);
         }
         number += 1;
@@ -375,6 +417,9 @@ fn each_task<T: DeserializeOwned>(path: &Path, mut take: impl FnMut(T)) -> Resul
             detail: format!("line {number}: {detail}"),
             hint: "delete the line to have its task run again with --resume",
         };
+        if line.len() as u64 > LINE {
+            return Err(damaged(format!("longer than {LINE} bytes")));
+        }
         let parsed =
             serde_json::from_slice::<Key>(&line).and_then(|key| Ok((key, serde_json::from_slice(&line)?)));
         if parsed.is_err() || !line.ends_with(b"\n") {
@@ -384,6 +429,16 @@ fn each_task<T: DeserializeOwned>(path: &Path, mut take: impl FnMut(T)) -> Resul
             }
         }
         let (key, record) = parsed.map_err(|e| damaged(e.to_string()))?;
+        if let Some(known) = &sums {
+            let name = record_name(&key.task);
+            // The run may have gone on since its checksums were read.
+            if !known.has(&name) {
+                sums = Checksums::read(dir)?;
+            }
+            if let Some(known) = &sums {
+                known.check(path, &name, line.strip_suffix(b"\n").unwrap_or(&line))?;
+            }
+        }
         if seen.contains(key.task.as_str()) {
             return Err(damaged(format!("task {} is there twice", key.task)));
         }

@@ -27,8 +27,9 @@ fn header() -> RunHeader {
     RunHeader {
         schema: RUN_SCHEMA,
         harness_version: "0.1.0".into(),
+        harness_commit: "unknown".into(),
         started_at: "2026-01-01T00:00:00Z".into(),
-        suite: SuiteHeader { name: "s".into(), hash: "aa".into(), path: "tasks/s".into() },
+        suite: SuiteHeader { name: "s".into(), hash: "aa".into(), path: "tasks/s".into(), tasks: None },
         selector: None,
         tasks: 3,
         plugin: PluginHeader {
@@ -161,6 +162,8 @@ fn damage_in_the_middle_and_a_task_twice_are_errors_that_name_the_line() {
     let tmp = tempfile::tempdir().unwrap();
     let path = tmp.path().join("tasks.jsonl");
     drop(RunStore::create(tmp.path(), &header()).unwrap());
+    // Changed by hand, as its owner may: he deletes the checksums.
+    fs::remove_file(tmp.path().join("checksums.txt")).unwrap();
     fs::write(
         &path,
         "{\"task\":\"w/a\",\"value\":1}\n{\"task\":\"w/b\",\"val\n{\"task\":\"w/c\",\"value\":1}\n",
@@ -241,7 +244,9 @@ fn a_run_of_the_first_schema_can_be_read() {
     drop(RunStore::create(tmp.path(), &header()).unwrap());
     let path = tmp.path().join("run.json");
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 1")).unwrap();
+    fs::write(&path, text.replace("\"schema\": 3", "\"schema\": 1")).unwrap();
+    // They have no checksums.
+    fs::remove_file(tmp.path().join("checksums.txt")).unwrap();
     assert_eq!(RunReader::open(tmp.path()).unwrap().header().schema, 1);
 }
 
@@ -251,7 +256,7 @@ fn a_run_of_another_schema_or_a_broken_header_is_refused() {
     drop(RunStore::create(tmp.path(), &header()).unwrap());
     let path = tmp.path().join("run.json");
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 9")).unwrap();
+    fs::write(&path, text.replace("\"schema\": 3", "\"schema\": 9")).unwrap();
     assert!(matches!(RunReader::open(tmp.path()).unwrap_err(), StoreError::Schema { found: 9, .. }));
     fs::write(&path, &text[..text.len() / 2]).unwrap();
     let e = RunReader::open(tmp.path()).unwrap_err();
@@ -320,4 +325,79 @@ fn results_before_a_full_disk_survive_and_the_run_goes_on_when_there_is_room() {
     store.append(&long).unwrap();
     drop(store);
     assert_eq!(resume(&dir).unwrap().1, [record("w/a", 1.0), long]);
+}
+
+#[test]
+fn a_bit_that_was_flipped_anywhere_is_found_by_whoever_reads_it() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path().join("run");
+    let store = RunStore::create(&dir, &header()).unwrap();
+    let mut debug = DebugSeries::default();
+    debug.push(0.0, "cost", &[1.0, 2.0]);
+    for task in ["w001/t00", "w001/t01"] {
+        store.write_trace(&trace(task)).unwrap();
+        store.write_debug(task, &debug).unwrap();
+        store.append(&record(task, 1.0 / 3.0)).unwrap();
+    }
+    drop(store);
+    let read = || -> Result<usize, StoreError> {
+        let reader = RunReader::open(&dir)?;
+        let records = reader.records::<Record>()?;
+        for r in &records {
+            reader.trace(&r.task)?;
+            reader.debug(&r.task)?;
+        }
+        Ok(records.len())
+    };
+    assert_eq!(read().unwrap(), 2);
+    let files = [
+        "run.json",
+        "tasks.jsonl",
+        "checksums.txt",
+        "traces/w001/t00.parquet",
+        "traces/w001/t00.debug.parquet",
+    ];
+    let mut accepted = Vec::new();
+    for file in files {
+        let path = dir.join(file);
+        let whole = fs::read(&path).unwrap();
+        for k in 0..200 {
+            let mut flipped = whole.clone();
+            let at = k * whole.len() / 200;
+            flipped[at] ^= 1 << (k % 8);
+            fs::write(&path, &flipped).unwrap();
+            match read() {
+                // A last line that is not whole is what a killed process leaves: its task counts as not done.
+                Ok(1) if file == "tasks.jsonl" => {}
+                Ok(_) => accepted.push((file, at)),
+                Err(e) => assert!(!e.to_string().contains('\n'), "{e}"),
+            }
+        }
+        fs::write(&path, &whole).unwrap();
+    }
+    assert!(accepted.is_empty(), "{accepted:?}");
+    assert_eq!(read().unwrap(), 2);
+}
+
+#[test]
+fn what_a_kill_leaves_of_checksums_is_gone_on_with() {
+    let tmp = tempfile::tempdir().unwrap();
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    store.append(&record("w/a", 1.0)).unwrap();
+    drop(store);
+    let path = tmp.path().join("checksums.txt");
+    // Killed within the checksum of a task that is not recorded yet.
+    let mut torn = fs::read(&path).unwrap();
+    torn.extend_from_slice(b"0123456789abcdef");
+    fs::write(&path, &torn).unwrap();
+    let (store, done) = resume(tmp.path()).unwrap();
+    assert_eq!(done, [record("w/a", 1.0)]);
+    store.append(&record("w/b", 2.0)).unwrap();
+    drop(store);
+    assert_eq!(RunReader::open(tmp.path()).unwrap().records::<Record>().unwrap().len(), 2);
+    // Killed before run.json was there.
+    fs::remove_file(tmp.path().join("run.json")).unwrap();
+    fs::remove_file(tmp.path().join("tasks.jsonl")).unwrap();
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    RunReader::open(tmp.path()).unwrap();
 }

@@ -1,12 +1,9 @@
 //! Figures of a run over some of its tasks.
 
-use vb_score::Outcome;
+use vb_score::{BOOTSTRAP_SEED, Outcome};
 
 use crate::runs::{Row, Run, Runs, WorldLabels};
-use crate::statistics::{Interval, Ratio, bootstrap_ratio, wilson};
-
-/// Seed of the resampling: a report of the same runs is the same report.
-pub(crate) const SEED: u64 = 0;
+use crate::statistics::{Interval, Ratio, bootstrap_ratio, success_interval};
 
 /// A measure of which a report gives means and intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -84,8 +81,6 @@ pub struct Figures {
     pub worlds: usize,
     /// Number by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [u64; Outcome::ALL.len()],
-    /// 95 % score interval of the success rate, as if tasks were independent (as in summary.json).
-    pub wilson: Option<(f64, f64)>,
     /// Means, in the order of [`Measure::ALL`]; none without anything to average.
     pub means: [Option<Estimate>; Measure::ALL.len()],
 }
@@ -109,15 +104,14 @@ impl Figures {
             }
         }
         let means = std::array::from_fn(|k| {
-            let clusters: Vec<Ratio> = sums.iter().map(|s| s[k]).collect();
-            estimate(&clusters, Measure::ALL[k].name())
+            let (clusters, measure): (Vec<Ratio>, _) = (sums.iter().map(|s| s[k]).collect(), Measure::ALL[k]);
+            match measure {
+                Measure::Success => mean(&clusters, success_interval(&clusters)),
+                _ => estimate(&clusters, measure.name()),
+            }
         });
         let found = sums.iter().filter(|s| s[0].weight > 0.0).count();
-        let mut means: [Option<Estimate>; Measure::ALL.len()] = means;
-        if let Some(success) = &mut means[Measure::Success as usize] {
-            success.interval = success.interval.map(|i| unspread(i, found as u64));
-        }
-        Self { tasks, worlds: found, outcomes, wilson: wilson(outcomes[0], tasks), means }
+        Self { tasks, worlds: found, outcomes, means }
     }
 
     /// A mean.
@@ -133,26 +127,15 @@ impl Figures {
     }
 }
 
-/// The interval of a rate of which all worlds are alike, all tasks or none: there is nothing to draw from, and an interval
-/// without width would claim certainty. Wilson's then, with each world as one trial.
-fn unspread(i: Interval, worlds: u64) -> Interval {
-    let successes = if i.estimate == 0.0 {
-        0
-    } else if i.estimate == 1.0 {
-        worlds
-    } else {
-        return i;
-    };
-    wilson(successes, worlds).map_or(i, |(low, high)| Interval { low, high, ..i })
-}
-
 /// A mean over clusters with its interval.
 pub(crate) fn estimate(clusters: &[Ratio], label: &str) -> Option<Estimate> {
+    mean(clusters, bootstrap_ratio(clusters, BOOTSTRAP_SEED, &["report", label]))
+}
+
+/// A mean over clusters with this interval; none without anything to average.
+fn mean(clusters: &[Ratio], interval: Option<Interval>) -> Option<Estimate> {
     let (sum, weight) = clusters.iter().fold((0.0, 0.0), |(s, w), c| (s + c.sum, w + c.weight));
-    (weight > 0.0).then(|| Estimate {
-        mean: sum / weight,
-        interval: bootstrap_ratio(clusters, SEED, &["report", label]),
-    })
+    (weight > 0.0).then(|| Estimate { mean: sum / weight, interval })
 }
 
 /// A label of worlds by which figures are split.

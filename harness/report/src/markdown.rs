@@ -43,7 +43,7 @@ impl Report {
         let mut s = format!(
             "| planner on {} | tasks | success % | time s | \\|roll\\| ° | \\|pitch\\| ° | rollover | stuck | timeout | out | errors |\n\
              |:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-            text(&crate::runs::one_line(&runs[0].header.suite.name, 80))
+            text(&self.runs.scope())
         );
         for (run, f) in runs.iter().zip(&self.figures) {
             let n = |o| f.all.count(o);

@@ -266,6 +266,15 @@ impl Runs {
         }
     }
 
+    /// The suite, with what was chosen of it where that is not all; if the runs differ in it, each says it by itself.
+    #[must_use]
+    pub fn scope(&self) -> String {
+        let first = &self.runs[0].header;
+        let alike = self.runs.iter().all(|r| r.header.scope() == first.scope());
+        let scope = if alike { first.scope() } else { first.suite.name.clone() };
+        one_line(&scope, 240)
+    }
+
     /// Settings in which the runs differ, by name with each run's value: whoever compares them should know.
     #[must_use]
     pub fn differences(&self) -> Vec<(String, Vec<String>)> {
@@ -300,7 +309,8 @@ fn environment(h: &RunHeader) -> Vec<(&'static str, String)> {
         ("seed", h.seed.to_string()),
         ("time step", h.time_step.to_string()),
         ("soil pitch", h.soil_pitch.to_string()),
-        ("harness", h.harness_version.clone()),
+        ("harness", format!("{} ({})", h.harness_version, h.harness_commit)),
+        ("tasks", h.selector.clone().unwrap_or_else(|| "all".into())),
         ("limits", h.limits.iter().map(|(k, v)| format!("{k} {v}")).collect::<Vec<_>>().join(", ")),
     ]
 }

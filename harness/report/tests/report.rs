@@ -24,8 +24,9 @@ fn header(name: &str, tasks: u64) -> RunHeader {
     RunHeader {
         schema: RUN_SCHEMA,
         harness_version: "0.1.0".into(),
+        harness_commit: "unknown".into(),
         started_at: "2026-01-01T00:00:00Z".into(),
-        suite: SuiteHeader { name: "s".into(), hash: "aa".repeat(32), path: "tasks/s".into() },
+        suite: SuiteHeader { name: "s".into(), hash: "aa".repeat(32), path: "tasks/s".into(), tasks: None },
         selector: None,
         tasks,
         plugin: PluginHeader {
@@ -127,7 +128,12 @@ fn figures_agree_with_those_of_the_summary() {
         (ours.all.tasks, ours.all.count(Outcome::Success)),
         (theirs.tasks, theirs.outcomes[&Outcome::Success])
     );
-    assert_eq!(ours.all.wilson, Some((theirs.success_low, theirs.success_high)));
+    // One interval everywhere: that of the page is that of terminal and summary.json, to the bit.
+    let shown = ours.all.mean(Measure::Success).unwrap().interval.unwrap();
+    assert_eq!((Some(shown.low), Some(shown.high)), (theirs.success_low, theirs.success_high));
+    let (level, low) = (&ours.splits[0][0].1, &summary.elevation[&Elevation::Low]);
+    let shown = level.mean(Measure::Success).unwrap().interval.map(|i| (i.low, i.high));
+    assert_eq!(shown, low.success_low.zip(low.success_high));
     for (m, value) in [
         (Measure::Success, theirs.success_rate),
         (Measure::Time, theirs.time_mean_s.unwrap()),

@@ -36,6 +36,18 @@ pub enum RunError {
     /// The system gives no thread.
     #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
     Thread(std::io::Error),
+    /// A run that is resumed has a task that is none of those chosen.
+    #[error(
+        "cannot resume {}: tasks.jsonl has {task}, which is none of the run's tasks (delete its line, or start a new run with \
+         another --out)",
+        .dir.display()
+    )]
+    ForeignTask {
+        /// The run directory.
+        dir: std::path::PathBuf,
+        /// The task.
+        task: String,
+    },
     /// Nothing to do.
     #[error("no task is chosen")]
     NoTasks,

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
+use std::time::Duration;
 
 use vb_host::{Limits, Metadata, Plugin};
 use vb_record::{
@@ -83,6 +84,8 @@ pub struct RunConfig {
     pub started_at: String,
     /// Version of the harness, for the record.
     pub harness_version: String,
+    /// Git commit that it was built from, for the record ([`RunHeader::harness_commit`]).
+    pub harness_commit: String,
 }
 
 /// What happens during a run.
@@ -126,8 +129,14 @@ pub fn start(rule: StartRule, scale: f64) -> Start {
     }
 }
 
-/// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run soon: tasks in flight are
-/// given up, all others are on disk. If the planner fails alike in all of the first tasks, before its first command, no
+/// How often it is looked whether a run is cancelled.
+const LOOK: Duration = Duration::from_millis(50);
+/// So many looks a worker has to end by itself when the run is cancelled: half a second.
+const LOOKS: u32 = 10;
+
+/// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run within a second: tasks in flight
+/// are given up, all others are on disk. A planner in the midst of a long step isn't waited for: its thread ends with the
+/// step, or with the program. If the planner fails alike in all of the first tasks, before its first command, no
 /// further ones are started.
 ///
 /// # Errors
@@ -147,62 +156,83 @@ pub fn run(
     } else {
         (RunStore::create(&config.out, &header)?, Vec::new())
     };
+    // It would count as done, and its figures would be in the summary.
+    let chosen: BTreeSet<String> = config.tasks.iter().map(ToString::to_string).collect();
+    if let Some(foreign) = records.iter().find(|r| !chosen.contains(&r.task)) {
+        return Err(RunError::ForeignTask { dir: config.out.clone(), task: foreign.task.clone() });
+    }
     on_event(Event::Started { total: config.tasks.len(), resumed: records.clone() });
     let done: BTreeSet<&str> = records.iter().map(|r| r.task.as_str()).collect();
-    let open: Vec<&TaskRef> =
-        config.tasks.iter().filter(|t| !done.contains(format!("{}/{}", t.world, t.task).as_str())).collect();
+    let is_open = |t: &&TaskRef| !done.contains(format!("{}/{}", t.world, t.task).as_str());
+    let open: Vec<TaskRef> = config.tasks.iter().filter(is_open).cloned().collect();
 
-    let work = Work {
-        config,
-        prepared: &prepared,
+    let work = Arc::new(Work {
+        config: config.clone(),
+        prepared,
         options,
         open,
         next: AtomicUsize::new(0),
         worlds: Mutex::new(VecDeque::new()),
         stop: AtomicBool::new(false),
         fail_fast: Mutex::default(),
-        cancel,
-    };
+        cancel: AtomicBool::new(false),
+    });
     let mut failure = None;
-    std::thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        for _ in 0..config.jobs.clamp(1, work.open.len().max(1)) {
-            let sender = sender.clone();
-            let work = &work;
-            // The WASM code runs on the thread's own stack.
-            let stack = config.plugin.limits().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
-            let thread = std::thread::Builder::new().stack_size(stack);
-            if let Err(source) = thread.spawn_scoped(scope, move || work.work(&sender)) {
-                work.stop.store(true, Ordering::Relaxed);
+    let (sender, receiver) = mpsc::channel();
+    let mut workers = Vec::new();
+    for _ in 0..config.jobs.clamp(1, work.open.len().max(1)) {
+        let (sender, work) = (sender.clone(), Arc::clone(&work));
+        // The WASM code runs on the thread's own stack.
+        let stack = config.plugin.limits().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
+        let thread = std::thread::Builder::new().stack_size(stack);
+        let stop = Arc::clone(&work);
+        match thread.spawn(move || work.work(&sender)) {
+            Ok(worker) => workers.push(worker),
+            Err(source) => {
+                stop.stop.store(true, Ordering::Relaxed);
                 failure.get_or_insert(RunError::Thread(source));
             }
         }
-        drop(sender);
-        for message in receiver {
-            let outcome = match message {
-                Message::Started(task) => {
-                    on_event(Event::TaskStarted { task });
-                    Ok(())
-                }
-                Message::Ended(result) => keep(&store, &result).map(|()| {
-                    records.push(result.record.clone());
-                    on_event(Event::TaskEnded(Box::new(result.record)));
-                }),
-                Message::Failed(error) => Err(error),
-            };
-            if let Err(error) = outcome {
-                work.stop.store(true, Ordering::Relaxed);
-                failure.get_or_insert(error);
+    }
+    drop(sender);
+    let mut looks = 0;
+    while looks < LOOKS {
+        let outcome = match receiver.recv_timeout(LOOK) {
+            Ok(Message::Started(task)) => {
+                on_event(Event::TaskStarted { task });
+                Ok(())
             }
+            Ok(Message::Ended(result)) => keep(&store, &result).map(|()| {
+                records.push(result.record.clone());
+                on_event(Event::TaskEnded(Box::new(result.record)));
+            }),
+            Ok(Message::Failed(error)) => Err(error),
+            Err(mpsc::RecvTimeoutError::Timeout) => {
+                looks += u32::from(cancel.load(Ordering::Relaxed));
+                Ok(())
+            }
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+        };
+        if cancel.load(Ordering::Relaxed) {
+            work.cancel.store(true, Ordering::Relaxed);
         }
-    });
+        if let Err(error) = outcome {
+            work.stop.store(true, Ordering::Relaxed);
+            failure.get_or_insert(error);
+        }
+    }
+    for worker in workers.into_iter().filter(std::thread::JoinHandle::is_finished) {
+        if let Err(panic) = worker.join() {
+            std::panic::resume_unwind(panic);
+        }
+    }
     if let Some(error) = failure {
         return Err(error);
     }
     let summary = Summary::new(&header, &config.rules, &records, Vec::new());
     store.write_summary(&summary)?;
-    let fail_fast = work.fail_fast.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let failed_start = fail_fast.found();
+    let mut fail_fast = work.fail_fast.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let failed_start = std::mem::take(&mut *fail_fast).found();
     let interrupted = failed_start.is_none() && records.len() < config.tasks.len();
     Ok(RunReport { summary, interrupted, failed_start })
 }
@@ -265,11 +295,13 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
     RunHeader {
         schema: RUN_SCHEMA,
         harness_version: config.harness_version.clone(),
+        harness_commit: config.harness_commit.clone(),
         started_at: config.started_at.clone(),
         suite: SuiteHeader {
             name: config.suite.meta().name.clone(),
             hash: config.suite.hash(),
             path: config.suite.dir().display().to_string(),
+            tasks: Some(config.suite.task_count() as u64),
         },
         selector: config.selector.clone(),
         tasks: config.tasks.len() as u64,
@@ -313,21 +345,21 @@ enum Message {
 }
 
 /// What the workers share.
-struct Work<'a> {
-    config: &'a RunConfig,
-    prepared: &'a Prepared,
+struct Work {
+    config: RunConfig,
+    prepared: Prepared,
     options: SimOptions,
-    open: Vec<&'a TaskRef>,
+    open: Vec<TaskRef>,
     next: AtomicUsize,
     /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
     worlds: Mutex<VecDeque<Arc<World>>>,
     /// Set after an error, or if the planner can't even begin: start nothing more.
     stop: AtomicBool,
     fail_fast: Mutex<FailFast>,
-    cancel: &'a AtomicBool,
+    cancel: AtomicBool,
 }
 
-impl Work<'_> {
+impl Work {
     fn work(&self, sender: &mpsc::Sender<Message>) {
         while !self.stop.load(Ordering::Relaxed) && !self.cancel.load(Ordering::Relaxed) {
             let place = self.next.fetch_add(1, Ordering::Relaxed);
@@ -368,7 +400,7 @@ impl Work<'_> {
         let Some(definition) = world.task(&task.task) else {
             return Ok(None);
         };
-        let c = self.config;
+        let c = &self.config;
         let brief =
             planner_task(&world, definition, self.prepared.vehicle.clone(), self.prepared.params.clone());
         let control_period = c.plugin.metadata().control_period;
@@ -385,7 +417,7 @@ impl Work<'_> {
             trace: c.trace,
             logs: c.logs,
         };
-        Ok(trial.run(self.cancel))
+        Ok(trial.run(&self.cancel))
     }
 
     fn world(&self, id: &str) -> Result<Arc<World>, SuiteError> {

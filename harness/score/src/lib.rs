@@ -21,5 +21,8 @@ pub use record::{FuelUse, TaskRecord};
 pub use rescore::{RescoreError, Rescored, rescore};
 pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, RulesError, StartRule, StuckRule, SuccessRule};
 pub use scorer::{Scorer, TaskGeometry, TaskScore, Verdict};
-pub use stats::wilson;
+pub use stats::{
+    BOOTSTRAP_SEED, Interval, Ratio, bootstrap, bootstrap_ratio, normal_cdf, normal_quantile,
+    success_interval, wilson,
+};
 pub use summary::{Group, SUMMARY_SCHEMA, Summary};

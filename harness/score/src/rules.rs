@@ -210,7 +210,7 @@ impl Rules {
     /// # Errors
     /// [`RulesError`].
     pub fn load(path: &Path) -> Result<Self, RulesError> {
-        let text = std::fs::read_to_string(path)
+        let text = vb_files::read_text(path, vb_files::DOCUMENT)
             .map_err(|source| RulesError::Read { path: path.to_owned(), source })?;
         Self::from_yaml(&path.display().to_string(), &text)
     }

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
-use crate::stats::{Running, wilson};
+use crate::stats::{Ratio, Running, success_interval};
 use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
 
 /// Version of the layout of a summary.
-pub const SUMMARY_SCHEMA: u32 = 2;
+pub const SUMMARY_SCHEMA: u32 = 3;
 
 /// The result of a run. It does not depend on the order in which tasks ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct Summary {
     pub suite_hash: String,
     /// Name and version of the planner.
     pub planner: String,
+    /// Its parameters as the user gave them; all others are its defaults.
+    #[serde(default)]
+    pub params: BTreeMap<String, String>,
     /// SHA-256 of its plugin file.
     pub plugin_sha256: String,
     /// Name of the vehicle.
@@ -37,6 +40,12 @@ pub struct Summary {
     pub rules: String,
     /// Hash of the rules applied.
     pub rules_hash: String,
+    /// The selector that chose the tasks; none: all.
+    #[serde(default)]
+    pub selector: Option<String>,
+    /// Number of tasks of the whole suite; none of runs that don't say it.
+    #[serde(default)]
+    pub suite_tasks: Option<u64>,
     /// Number of tasks that were to be run.
     pub planned: u64,
     /// Tasks whose trace ends before the rules can decide. They are in none of the figures below.
@@ -70,10 +79,10 @@ pub struct Group {
     /// Successes over tasks. Errors of planner and simulation count as failures: leaving them out would reward
     /// them.
     pub success_rate: f64,
-    /// Lower end of the 95 % score interval of the rate.
-    pub success_low: f64,
+    /// Lower end of the 95 % interval of the rate ([`success_interval`]); none of a single world.
+    pub success_low: Option<f64>,
     /// Upper end of it.
-    pub success_high: f64,
+    pub success_high: Option<f64>,
     /// Mean traversal time over successes, s; none without any.
     pub time_mean_s: Option<f64>,
     /// Standard deviation of it, s.
@@ -131,12 +140,15 @@ impl Summary {
             suite: header.suite.name.clone(),
             suite_hash: header.suite.hash.clone(),
             planner: format!("{} {}", header.plugin.name, header.plugin.version),
+            params: header.params.clone(),
             plugin_sha256: header.plugin.sha256.clone(),
             vehicle: header.vehicle.name.clone(),
             scale: header.scale,
             seed: header.seed,
             rules: rules.name.clone(),
             rules_hash: rules.hash(),
+            selector: header.selector.clone(),
+            suite_tasks: header.suite.tasks,
             planned: header.tasks,
             undecided,
             host_errors: failed.iter().map(|r| r.task.clone()).collect(),
@@ -183,10 +195,14 @@ impl Group {
         let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
         let mut fuel: Option<FuelUse> = None;
         let mut clamped = 0;
+        let mut worlds: BTreeMap<&str, Ratio> = BTreeMap::new();
         for r in records {
+            let world = worlds.entry(&r.world).or_default();
+            world.weight += 1.0;
             *outcomes.entry(r.outcome).or_default() += 1;
             *three_way.entry(r.three_way).or_default() += 1;
             if r.outcome == Outcome::Success {
+                world.sum += 1.0;
                 time.push(r.time_s);
             }
             if let Some(m) = &r.metrics {
@@ -216,7 +232,11 @@ impl Group {
             }
             clamped += r.clamped;
         }
-        let (success_low, success_high) = wilson(time.count, tasks)?;
+        if tasks == 0 {
+            return None;
+        }
+        let worlds: Vec<Ratio> = worlds.into_values().collect();
+        let success = success_interval(&worlds);
         let mean = |s: &Running| (s.count > 0).then_some(s.mean);
         let variance = |s: &Running| (s.count > 0).then(|| s.variance());
         let max = |s: &Running| (s.count > 0).then_some(s.max);
@@ -225,8 +245,8 @@ impl Group {
             outcomes,
             three_way,
             success_rate: time.count as f64 / tasks as f64,
-            success_low,
-            success_high,
+            success_low: success.map(|i| i.low),
+            success_high: success.map(|i| i.high),
             time_mean_s: mean(&time),
             time_std_s: variance(&time).map(f64::sqrt),
             roll_mean_deg: mean(&roll),

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use vb_record::{planner_with_params, suite_with_selection};
+
 use crate::{Group, Outcome, Summary};
 
 const COLUMNS: [&str; 11] = [
@@ -44,7 +46,10 @@ impl Summary {
             out.push('\n');
         }
         // Writing to a string can't fail.
-        let _ = writeln!(out, "{} on {}, rules: {}", self.planner, self.suite, self.rules);
+        let planner = planner_with_params(&self.planner, &self.params);
+        let suite =
+            suite_with_selection(&self.suite, self.planned, self.suite_tasks, self.selector.as_deref());
+        let _ = writeln!(out, "{planner} on {suite}; rules: {}", self.rules);
         if !self.undecided.is_empty() {
             // What could be decided is a biased choice, failures first: without the bounds it would mislead.
             let n = self.undecided.len() as u64;
@@ -98,12 +103,12 @@ fn row(name: &str, g: &Group) -> [String; COLUMNS.len()] {
     [
         name.to_owned(),
         g.tasks.to_string(),
-        format!(
-            "{:.1} ({:.1}-{:.1})",
-            percent(g.success_rate),
-            percent(g.success_low),
-            percent(g.success_high)
-        ),
+        match (g.success_low, g.success_high) {
+            (Some(low), Some(high)) => {
+                format!("{:.1} ({:.1}-{:.1})", percent(g.success_rate), percent(low), percent(high))
+            }
+            _ => format!("{:.1}", percent(g.success_rate)),
+        },
         number(g.time_mean_s),
         number(g.roll_mean_deg),
         number(g.pitch_mean_deg),

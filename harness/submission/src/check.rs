@@ -15,7 +15,7 @@ use crate::division::{Shipped, division, open_reasons};
 use crate::files::{self, DOCUMENT, HOLDOUT, MANIFEST, PAGE, REPORT, RUN, SMALL, VERDICT};
 use crate::make::{REPLAYS, published, report, slim, trace_files};
 use crate::manifest::{Manifest, SUBMISSION_SCHEMA, TaskEntry};
-use crate::verdict::Finding;
+use crate::verdict::{Finding, Findings};
 
 /// Of a document that says the same, but in other bytes.
 const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
@@ -28,13 +28,14 @@ pub struct Submission {
     bytes: Vec<u8>,
 }
 
-/// What a submission says it was made with, as it is at hand.
+/// What a submission says it was made with, as it is at hand. The plugin itself is loaded, and compiled, only where all else is
+/// as it should be ([`verify`](crate::verify)).
 #[derive(Clone, Debug)]
 pub struct Expected<'a> {
     /// The suite.
     pub suite: &'a Suite,
-    /// The plugin, loaded with the submission's limits.
-    pub plugin: &'a Plugin,
+    /// SHA-256 of the plugin's file, hexadecimal.
+    pub plugin_sha256: &'a str,
     /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// The soils.
@@ -90,8 +91,8 @@ impl Submission {
     }
 
     /// The files that are not as the manifest says, or that are there and shouldn't be.
-    pub(crate) fn check_files(&self) -> Result<Vec<Finding>, SubmissionError> {
-        let mut found = Vec::new();
+    pub(crate) fn check_files(&self) -> Result<Findings, SubmissionError> {
+        let mut found = Findings::default();
         let mut there = files::list(&self.dir)?;
         for own in [MANIFEST, VERDICT, HOLDOUT] {
             there.remove(own);
@@ -127,11 +128,11 @@ impl Submission {
     }
 }
 
-/// Everything that can be checked without driving, and the tasks.
+/// Everything that can be checked without loading the plugin, and the tasks.
 pub(crate) fn check(
     submission: &Submission,
     expected: &Expected<'_>,
-) -> Result<(Vec<Finding>, Vec<String>), SubmissionError> {
+) -> Result<(Findings, Vec<String>), SubmissionError> {
     let m = &submission.manifest;
     let mut found = submission.check_files()?;
     if found.iter().any(|f| f.text == "is missing") {
@@ -143,7 +144,7 @@ pub(crate) fn check(
     }
     check_run(submission, &mut found)?;
     check_suite(m, expected.suite, &mut found);
-    check_plugin(m, expected.plugin, &mut found);
+    same(&mut found, "plugin", "run.plugin.sha256", m.run.plugin.sha256.as_str(), expected.plugin_sha256);
     check_vehicle(m, expected, &mut found);
     let rules = m.rules();
     match &rules {
@@ -178,7 +179,7 @@ pub(crate) fn check(
 
 /// Notes a field that is not what it should be.
 fn same<T: PartialEq + std::fmt::Debug + ?Sized>(
-    found: &mut Vec<Finding>,
+    found: &mut Findings,
     check: &str,
     field: &str,
     is: &T,
@@ -190,7 +191,7 @@ fn same<T: PartialEq + std::fmt::Debug + ?Sized>(
 }
 
 /// `run.json` and what of the header can be judged by itself.
-fn check_run(submission: &Submission, found: &mut Vec<Finding>) -> Result<(), SubmissionError> {
+fn check_run(submission: &Submission, found: &mut Findings) -> Result<(), SubmissionError> {
     let m = &submission.manifest;
     let path = submission.run_dir().join("run.json");
     let bytes = files::read(&path, SMALL)?;
@@ -240,13 +241,15 @@ fn check_run(submission: &Submission, found: &mut Vec<Finding>) -> Result<(), Su
     Ok(())
 }
 
-fn check_suite(m: &Manifest, suite: &Suite, found: &mut Vec<Finding>) {
+fn check_suite(m: &Manifest, suite: &Suite, found: &mut Findings) {
     same(found, "suite", "run.suite.hash", &m.run.suite.hash, &suite.hash());
     same(found, "suite", "run.suite.name", &m.run.suite.name, &suite.meta().name);
+    same(found, "suite", "run.suite.tasks", &m.run.suite.tasks, &Some(suite.task_count() as u64));
     same(found, "suite", "suite_version", &m.suite_version, &suite.meta().version);
 }
 
-fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Vec<Finding>) {
+/// What the plugin says of itself.
+pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Findings) {
     let carrier = match plugin.carrier() {
         Carrier::Wasm => "wasm",
         Carrier::Native => "native",
@@ -267,7 +270,7 @@ fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Vec<Finding>) {
     }
 }
 
-fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Vec<Finding>) {
+fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Findings) {
     let (vehicle, soils) = (expected.vehicle, expected.soils);
     same(found, "vehicle", "run.vehicle.hash", &m.run.vehicle.hash, &vehicle.hash);
     same(found, "vehicle", "run.vehicle.name", &m.run.vehicle.name, &vehicle.spec.name);
@@ -280,7 +283,7 @@ fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Vec<Finding>
 fn check_tasks(
     submission: &Submission,
     suite: &Suite,
-    found: &mut Vec<Finding>,
+    found: &mut Findings,
 ) -> Result<Vec<TaskRecord>, SubmissionError> {
     let m = &submission.manifest;
     let worlds: BTreeMap<&str, &WorldInfo> = suite.worlds().iter().map(|w| (w.id.as_str(), w)).collect();
@@ -368,7 +371,7 @@ fn check_tasks(
 fn check_summary(
     submission: &Submission,
     summary: &Summary,
-    found: &mut Vec<Finding>,
+    found: &mut Findings,
 ) -> Result<(), SubmissionError> {
     for d in differences(&submission.manifest.results, &summary.all) {
         let text = format!("is {}, the records give {}", d.a, d.b);
@@ -396,7 +399,7 @@ fn check_summary(
     Ok(())
 }
 
-fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Vec<Finding>) {
+fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Findings) {
     let reasons = open_reasons(&m.run, shipped);
     same(found, "division", "division", m.division.name(), division(&reasons).name());
     for d in differences(&m.open_because, &reasons) {

@@ -91,7 +91,11 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         "plugin.carrier",
         format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.carrier),
     );
-    unless(run.params.is_empty(), "params", "parameters were given: ranked planners run as they are".into());
+    unless(
+        run.params.is_empty(),
+        "params",
+        format!("{}: ranked planners run without parameters", vb_report::one_line(&run.planner(), 160)),
+    );
     for (name, default) in Limits::default().named() {
         let value = run.limits.get(name).copied();
         let shown = value.map_or_else(|| "nothing".to_owned(), |v| v.to_string());
@@ -116,7 +120,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         run.selector.is_none() && suite.is_none_or(|s| s.tasks == run.tasks),
         "selector",
-        "not all tasks of the suite".into(),
+        format!("{}: not the whole suite", vb_report::one_line(&run.scope(), 160)),
     );
     let vehicle = shipped.vehicles.get(&run.vehicle.name).filter(|v| v.hash == run.vehicle.hash);
     unless(

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use vb_host::LoadError;
 use vb_record::StoreError;
 use vb_report::ReportError;
 use vb_runner::RunError;
@@ -148,6 +149,9 @@ pub enum SubmissionError {
     /// A run can't be reported.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// The plugin can't be loaded.
+    #[error("{} ({})", .0, .0.code())]
+    Plugin(#[from] LoadError),
     /// Tasks can't be driven again.
     #[error(transparent)]
     Run(#[from] RunError),

@@ -94,13 +94,10 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, SubmissionError> 
     if !meta.is_file() {
         return Err(SubmissionError::Unsafe { path: path.to_owned(), what: "neither a file nor a folder" });
     }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(SubmissionError::read(path))?;
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(SubmissionError::read(path))?;
-    if bytes.len() as u64 > limit {
+    if meta.len() > limit {
         return Err(SubmissionError::TooLarge { path: path.to_owned(), what: "a file of bytes", limit });
     }
-    Ok(bytes)
+    vb_files::read(path, limit).map_err(SubmissionError::read(path))
 }
 
 /// A JSON document with a number `schema`, which is one of `1..=newest`.
@@ -163,9 +160,12 @@ pub(crate) fn sha256(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file, hexadecimal.
-pub(crate) fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
-    let mut file = BufReader::new(File::open(path).map_err(SubmissionError::read(path))?);
+/// SHA-256 of a regular file, hexadecimal.
+///
+/// # Errors
+/// If it can't be read or is something else.
+pub fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
+    let mut file = BufReader::new(vb_files::open(path).map_err(SubmissionError::read(path))?);
     let mut hasher = Sha256::new();
     loop {
         let chunk = file.fill_buf().map_err(SubmissionError::read(path))?;

@@ -24,6 +24,7 @@ mod verdict;
 pub use check::{Expected, Submission};
 pub use division::{Division, OpenReason, Shipped, ShippedSuite, ShippedVehicle};
 pub use error::SubmissionError;
+pub use files::sha256_file;
 pub use make::{Request, check_replays, make};
 pub use manifest::{Entrant, Manifest, SUBMISSION_SCHEMA, TaskEntry};
 pub use rerun::{Sampling, verify};

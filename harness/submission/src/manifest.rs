@@ -41,6 +41,12 @@ impl Entrant {
             if text.chars().any(char::is_control) {
                 return fail("holds a control character (give one line)".into());
             }
+            // Two names that look alike, or one that turns the text around it, would mislead whoever reads a board.
+            if vb_host::printable(text) != text {
+                return fail(
+                    "holds a character that can't be seen, or that turns the direction of writing".into(),
+                );
+            }
             Ok(())
         };
         field("entrant", &self.name, 80)?;
@@ -109,7 +115,8 @@ pub struct Manifest {
 impl Manifest {
     /// Fields (dotted paths, or beginnings of such that end in a dot) that inform people and decide nothing: they are not
     /// checked. The sandbox is that of the machine on which a native planner ran.
-    pub const INFORMATIONAL: [&str; 3] = ["entrant.", "run.started_at", "run.plugin.sandbox."];
+    pub const INFORMATIONAL: [&str; 4] =
+        ["entrant.", "run.started_at", "run.harness_commit", "run.plugin.sandbox."];
 
     /// The rules of the run, if they are rules.
     ///
@@ -166,5 +173,10 @@ mod tests {
         let named = |name: &str| Entrant { name: name.into(), ..Entrant::default() }.check();
         named("Ünï <b> & Co.").unwrap();
         assert!(named("a\nb").is_err() && named(&"a".repeat(81)).is_err());
+        // Zero-width space, right-to-left override, an isolate, a soft hyphen, a tag; U+FFFD itself hides nothing.
+        for c in ['\u{200b}', '\u{202e}', '\u{2066}', '\u{ad}', '\u{e0041}'] {
+            assert!(named(&format!("A team{c}")).unwrap_err().to_string().contains("can't be seen"), "{c:?}");
+        }
+        named("שלום \u{fffd}").unwrap();
     }
 }

@@ -4,20 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use vb_host::Carrier;
+use vb_host::{Carrier, Limits, LoadError, Plugin};
 use vb_record::TraceMode;
 use vb_runner::{Event, RunConfig};
 use vb_score::{Outcome, Rules, TaskRecord};
 use vb_world::TaskRef;
 
 use crate::SubmissionError;
-use crate::check::{Expected, Submission, check};
+use crate::check::{Expected, Submission, check, check_plugin};
 use crate::compare::differences;
 use crate::division::{division, open_reasons};
-use crate::files::{self, RUN, SERIES, TRACE};
+use crate::files::{self, MANIFEST, RUN, SERIES, TRACE};
 use crate::make::trace_files;
 use crate::sample::draw;
-use crate::verdict::{Finding, SampleTaken, VERIFICATION_SCHEMA, Verification};
+use crate::verdict::{Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
 
 /// Which tasks are driven again, and how.
 #[derive(Clone, Debug)]
@@ -28,9 +28,9 @@ pub struct Sampling {
     pub jobs: usize,
 }
 
-/// Verifies a submission: holds it against itself and `expected`, and if nothing is found, drives a sample of its tasks again
-/// and compares every record, trajectory hash and trace. `ended` hears of each task (done, of how many); setting `cancel`
-/// stops.
+/// Verifies a submission: holds it against itself and `expected`; if nothing is found, `load`s the plugin with the submission's
+/// limits and holds it against what it says of itself; and if still nothing is found, drives a sample of the tasks again and
+/// compares every record, trajectory hash and trace. `ended` hears of each task (done, of how many); setting `cancel` stops.
 ///
 /// # Errors
 /// If the submission can't be read, was made by another version of the harness, or the machine fails. What isn't as it should
@@ -38,6 +38,7 @@ pub struct Sampling {
 pub fn verify(
     submission: &Submission,
     expected: &Expected<'_>,
+    load: &dyn Fn(&Limits) -> Result<Plugin, LoadError>,
     sampling: &Sampling,
     ended: &mut dyn FnMut(usize, usize, &TaskRecord),
     cancel: &AtomicBool,
@@ -58,20 +59,35 @@ pub fn verify(
         harness_version: expected.harness_version.to_owned(),
         verified: false,
         submission_sha256: submission.sha256(),
-        plugin_sha256: expected.plugin.sha256().to_owned(),
+        plugin_sha256: expected.plugin_sha256.to_owned(),
         suite_hash: expected.suite.hash(),
         division: division(&open_reasons(&m.run, expected.shipped)),
         checks,
         findings: Vec::new(),
+        more_findings: 0,
         sample: None,
     };
-    let rules = m.rules();
-    if let (true, Ok(rules)) = (findings.is_empty(), rules) {
+    let plugin = match (findings.is_empty(), m.limits()) {
+        (true, Ok(limits)) => Some(load(&limits)?),
+        _ => None,
+    };
+    if let Some(plugin) = &plugin {
+        // A file that was replaced between its hash and its loading is another plugin, too.
+        if plugin.sha256() != expected.plugin_sha256 {
+            findings.push(Finding::new(
+                "plugin",
+                MANIFEST,
+                "the plugin's file was changed while it was verified",
+            ));
+        }
+        check_plugin(m, plugin, &mut findings);
+    }
+    if let (true, Some(plugin), Ok(rules)) = (findings.is_empty(), &plugin, m.rules()) {
         let sample: BTreeSet<String> = match sampling.draw {
             None => tasks.iter().cloned().collect(),
             Some((count, seed)) => draw(&tasks, count, seed, &m.replays),
         };
-        let again = Again { submission, expected, rules, jobs: sampling.jobs };
+        let again = Again { submission, expected, plugin, rules, jobs: sampling.jobs };
         findings = again.drive(&sample, ended, cancel)?;
         verdict.sample = Some(SampleTaken {
             seed: sampling.draw.map(|(_, seed)| seed),
@@ -82,13 +98,14 @@ pub fn verify(
         verdict.checks.pop();
     }
     verdict.verified = findings.is_empty();
-    verdict.findings = findings;
+    (verdict.findings, verdict.more_findings) = findings.into_parts();
     Ok(verdict)
 }
 
 struct Again<'a> {
     submission: &'a Submission,
     expected: &'a Expected<'a>,
+    plugin: &'a Plugin,
     rules: Rules,
     jobs: usize,
 }
@@ -99,7 +116,7 @@ impl Again<'_> {
         sample: &BTreeSet<String>,
         ended: &mut dyn FnMut(usize, usize, &TaskRecord),
         cancel: &AtomicBool,
-    ) -> Result<Vec<Finding>, SubmissionError> {
+    ) -> Result<Findings, SubmissionError> {
         let scratch = tempfile::tempdir().map_err(SubmissionError::write(&std::env::temp_dir()))?;
         let m = self.submission.manifest();
         let (shown, plain): (Vec<&String>, Vec<&String>) = sample.iter().partition(|t| m.replays.contains(t));
@@ -127,7 +144,7 @@ impl Again<'_> {
         if let Some(first) = failed.first() {
             return Err(SubmissionError::Machine { failed: failed.len(), example: first.task.clone() });
         }
-        let mut found = Vec::new();
+        let mut found = Findings::default();
         self.compare_records(&records, &mut found)?;
         for task in &m.replays {
             self.compare_traces(&scratch.path().join("shown"), task, &mut found)?;
@@ -145,7 +162,7 @@ impl Again<'_> {
             suite: e.suite.clone(),
             tasks: tasks.iter().filter_map(named).collect(),
             selector: m.run.selector.clone(),
-            plugin: e.plugin.clone(),
+            plugin: self.plugin.clone(),
             plugin_path: Default::default(),
             params: m.run.params.iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
             vehicle: e.vehicle.clone(),
@@ -163,13 +180,14 @@ impl Again<'_> {
             keep_going: true,
             started_at: String::new(),
             harness_version: e.harness_version.to_owned(),
+            harness_commit: m.run.harness_commit.clone(),
         }
     }
 
     fn compare_records(
         &self,
         again: &BTreeMap<String, TaskRecord>,
-        found: &mut Vec<Finding>,
+        found: &mut Findings,
     ) -> Result<(), SubmissionError> {
         let file = format!("{RUN}/tasks.jsonl");
         let path = self.submission.dir().join(&file);
@@ -189,18 +207,13 @@ impl Again<'_> {
     /// What of a record must come out again. The log of a native planner may tell the time, and the lines that it prints and
     /// those that it logs come in any order: where nothing but the rules ended the task, it is information.
     fn comparable(&self, mut record: TaskRecord) -> TaskRecord {
-        if self.expected.plugin.carrier() == Carrier::Native && record.fault.is_none() {
+        if self.plugin.carrier() == Carrier::Native && record.fault.is_none() {
             record.log.clear();
         }
         record
     }
 
-    fn compare_traces(
-        &self,
-        again: &Path,
-        task: &str,
-        found: &mut Vec<Finding>,
-    ) -> Result<(), SubmissionError> {
+    fn compare_traces(&self, again: &Path, task: &str, found: &mut Findings) -> Result<(), SubmissionError> {
         for (name, limit) in trace_files(task).into_iter().zip([TRACE, SERIES]) {
             let content = |dir: &Path, limit| {
                 let path = dir.join(&name);

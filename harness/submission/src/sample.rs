@@ -30,6 +30,36 @@ mod tests {
     }
 
     #[test]
+    fn the_documented_table_of_detection_is_the_hypergeometric_distribution() {
+        // P(none of f forged tasks among n drawn of 1000) = Π (1000 − n − i) / (1000 − i), i = 0…f−1.
+        let detected = |forged: u32, drawn: u32| {
+            let escape: f64 = (0..forged)
+                .map(|i| (1000.0 - f64::from(drawn) - f64::from(i)).max(0.0) / (1000.0 - f64::from(i)))
+                .product();
+            100.0 * (1.0 - escape)
+        };
+        let page = include_str!("../../../docs/leaderboard.md");
+        let mut rows =
+            page.lines().skip_while(|l| !l.starts_with("| forged")).take_while(|l| l.starts_with('|'));
+        let cells = |row: &str| -> Vec<String> {
+            row.trim_matches('|').split('|').map(|c| c.trim().to_owned()).collect()
+        };
+        let drawn: Vec<u32> = cells(rows.next().unwrap())[1..].iter().map(|c| c.parse().unwrap()).collect();
+        let mut checked = 0;
+        for row in rows.skip(1) {
+            let row = cells(row);
+            let forged: u32 = row[0].parse().unwrap();
+            for (text, n) in row[1..].iter().zip(&drawn) {
+                assert_eq!(*text, format!("{:.1}", detected(forged, *n)), "{forged} forged, {n} drawn");
+                checked += 1;
+            }
+        }
+        assert_eq!(checked, 35);
+        // Ten forged tasks of a thousand escape a sample of 50 in six of ten cases.
+        assert!((detected(10, 50) - 40.0).abs() < 0.5);
+    }
+
+    #[test]
     fn every_task_is_drawn_as_often_as_any_other() {
         let tasks: Vec<String> = (0..10).map(|k| format!("w001/t{k:02}")).collect();
         let mut counts = [0; 10];

@@ -33,6 +33,39 @@ impl std::fmt::Display for Finding {
     }
 }
 
+/// What was found, so far as it is kept: a stranger's file can be wrong in a million places.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Findings {
+    kept: Vec<Finding>,
+    more: u64,
+}
+
+impl Findings {
+    /// Findings that are kept at most.
+    pub(crate) const MOST: usize = 100;
+
+    pub(crate) fn push(&mut self, finding: Finding) {
+        if self.kept.len() < Self::MOST {
+            self.kept.push(finding);
+        } else {
+            self.more += 1;
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Finding> {
+        self.kept.iter()
+    }
+
+    /// Those that are kept, and the number of the others.
+    pub(crate) fn into_parts(self) -> (Vec<Finding>, u64) {
+        (self.kept, self.more)
+    }
+}
+
 /// Which tasks were driven again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,10 +98,17 @@ pub struct Verification {
     pub division: Division,
     /// The checks that were made, in order.
     pub checks: Vec<String>,
-    /// What was found.
+    /// What was found, a hundred at most.
     pub findings: Vec<Finding>,
+    /// Number of findings beyond those.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub more_findings: u64,
     /// What was driven again; none if that was not come to, since something was found before.
     pub sample: Option<SampleTaken>,
+}
+
+fn is_zero(n: &u64) -> bool {
+    *n == 0
 }
 
 impl Verification {

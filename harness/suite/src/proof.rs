@@ -170,7 +170,7 @@ impl Proof {
     /// If it can't be read, is no proof, or is another suite's.
     pub fn read(suite: &Suite) -> Result<Option<Self>, ProofError> {
         let path = Self::path(suite);
-        let text = match std::fs::read_to_string(&path) {
+        let text = match vb_files::read_text(&path, vb_files::DATA) {
             Ok(text) => text,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(ProofError::File { path, source }),

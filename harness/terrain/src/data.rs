@@ -139,7 +139,7 @@ impl Data {
                 None => Part { window: None, held_out: i % HELD_OUT == HELD_OUT - 1 },
             };
             let mut raster = read::read(&path, Holes::Keep)?;
-            let bytes = std::fs::read(&path).map_err(|e| folder(&path, e))?;
+            let bytes = vb_files::read(&path, vb_files::DATA).map_err(|e| folder(&path, e))?;
             hash.update(name.as_bytes());
             hash.update([0]);
             hash.update((bytes.len() as u64).to_le_bytes());
@@ -215,7 +215,7 @@ fn read_selection(
         None if own.is_file() => &own,
         None => return Ok(None),
     };
-    let text = std::fs::read_to_string(path).map_err(|e| folder(path, e))?;
+    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| folder(path, e))?;
     hash.update(text.replace("\r\n", "\n").as_bytes());
     let selection: Selection = serde_yaml::from_str(&text).map_err(|e| folder(path, e))?;
     if selection.schema != 1 {

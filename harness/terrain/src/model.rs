@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
 use crate::bands::{Curve, MAX_PASSES, Pass};
@@ -18,6 +19,12 @@ const MAX_BYTES: u64 = 64 << 20;
 pub const SCHEMA: u32 = 2;
 /// The metadata's key.
 const KEY: &str = "vb-terrain";
+
+/// What of a model's card its reader needs.
+#[derive(Deserialize)]
+struct Checksum {
+    sha256: String,
+}
 
 /// Why a file is no model.
 #[derive(Debug, Error)]
@@ -125,18 +132,31 @@ impl Model {
         Ok(Self { header, decoder: Decoder::new(weights), passes: passes.to_vec() })
     }
 
-    /// Reads a model file.
+    /// Reads a model file, and holds it against the SHA-256 in its card: the file of the same name that ends in `.json`.
     ///
     /// # Errors
-    /// [`ModelError`] if it can't be read or is no model.
+    /// [`ModelError`] if it can't be read, is no model, or isn't that of its card.
     pub fn read(path: &Path) -> Result<Self, ModelError> {
         let unreadable = |source| ModelError::Unreadable { path: path.to_owned(), source };
-        let size = std::fs::metadata(path).map_err(unreadable)?.len();
         let problem = |problem| ModelError::NoModel { path: path.to_owned(), problem };
-        if size > MAX_BYTES {
-            return Err(problem(format!("{size} bytes are more than the {MAX_BYTES} of a model")));
+        let bytes = vb_files::read(path, MAX_BYTES).map_err(unreadable)?;
+        let model = Self::decode(&bytes).map_err(problem)?;
+        // Most damages leave it a model, which draws other ground.
+        let card = path.with_extension("json");
+        let text = vb_files::read_text(&card, vb_files::DOCUMENT).map_err(|e| {
+            problem(format!("its card {}, which has its SHA-256, can't be read: {e}", card.display()))
+        })?;
+        let stated: Checksum = serde_json::from_str(&text)
+            .map_err(|e| problem(format!("its card {} has no SHA-256: {e}", card.display())))?;
+        let own: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        if own != stated.sha256 {
+            return Err(problem(format!(
+                "its SHA-256 is {own}, its card {} says {}",
+                card.display(),
+                stated.sha256
+            )));
         }
-        Self::decode(&std::fs::read(path).map_err(unreadable)?).map_err(problem)
+        Ok(model)
     }
 
     /// Reads a model from a file's bytes.

@@ -110,9 +110,8 @@ impl References {
     /// # Errors
     /// [`ValidateError::ReferencesUnreadable`] or [`ValidateError::ReferencesInvalid`], which name file and field.
     pub fn load(path: &Path, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
-        let text = std::fs::read_to_string(path).map_err(|e| ValidateError::ReferencesUnreadable {
-            path: path.to_owned(),
-            reason: e.to_string(),
+        let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| {
+            ValidateError::ReferencesUnreadable { path: path.to_owned(), reason: e.to_string() }
         })?;
         Self::parse(&text, &path.display().to_string(), vehicle)
     }

@@ -98,8 +98,8 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
         return Err(unloadable("its file has changed since the harness read it".into()));
     }
     let refused = |e: io::Error| Failure { kind: FailureKind::Sandbox, message: e.to_string() };
-    let confinement = sandbox::confine_for_loading(path, wanted.memory_bytes).map_err(refused)?;
-    let missing = confinement.report().missing();
+    let sandbox = sandbox::confine(path, wanted.memory_bytes).map_err(refused)?;
+    let missing = sandbox.missing();
     if wanted.require_sandbox && !missing.is_empty() {
         let message = format!("this system can't confine it by {}", missing.join(" and "));
         return Err(Failure { kind: FailureKind::Sandbox, message });
@@ -108,7 +108,6 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
     if !identity.is_still(path) {
         return Err(unloadable("its file changed while it was opened".into()));
     }
-    let sandbox = confinement.confine_for_work(wanted.memory_bytes).map_err(refused)?;
     let introduction = Introduction {
         protocol: PROTOCOL,
         abi: vb_sdk::ABI_VERSION.to_owned(),

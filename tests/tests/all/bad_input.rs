@@ -419,7 +419,7 @@ fn a_damaged_run_is_refused_by_score_and_resume() {
         ("run.json", header[..header.len() / 2].into(), &["run.json", "line"], true),
         (
             "run.json",
-            header.replace("\"schema\": 2", "\"schema\": 9").into(),
+            header.replace("\"schema\": 3", "\"schema\": 9").into(),
             &["run.json", "schema 9"],
             true,
         ),

@@ -117,6 +117,37 @@ fn a_run_killed_again_and_again_ends_as_the_unbroken_one() {
 
 #[cfg(unix)]
 #[test]
+fn a_run_is_stopped_in_the_midst_of_a_long_step_and_its_task_is_not_recorded() {
+    let bench = Bench::new();
+    // A step of minutes.
+    bench.write("limits.yaml", "fuel_per_step: 1000000000000\n");
+    let faulty = plugin("faulty", Carrier::Wasm);
+    let mut args = vec!["--plugin", faulty.to_str().expect("paths of tests are text")];
+    args.extend([
+        "--param",
+        "fault=endless",
+        "--limits",
+        "limits.yaml",
+        "--tasks",
+        "w001/t00",
+        "--out",
+        "long",
+    ]);
+    let mut run = bench.watch(&args);
+    run.until("started");
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    #[allow(clippy::disallowed_methods, reason = "it is the time that is promised")]
+    let now = std::time::Instant::now;
+    let asked = now();
+    let done = run.interrupt();
+    // A second, and what a machine with other work takes to notice.
+    assert!(now() - asked < std::time::Duration::from_secs(10));
+    done.error(130);
+    assert!(bench.records("long").is_empty());
+}
+
+#[cfg(unix)]
+#[test]
 fn a_run_stopped_by_ctrl_c_ends_with_130_and_resumed_as_the_unbroken_one() {
     let bench = Bench::new();
     let (plugin, tasks) = (pid(), "w001,w003");

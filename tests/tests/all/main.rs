@@ -14,6 +14,7 @@ mod processes;
 mod proof;
 mod scoring;
 mod sites;
+mod streams;
 mod submission;
 mod submission_ci;
 mod vehicle;

@@ -115,6 +115,17 @@ fn a_planner_goes_from_its_authors_repository_onto_the_site() {
     assert_eq!((&entry["id"], &entry["entrant"]["name"]), (&"my-planner".into(), &"A team".into()));
     assert_eq!(entry["holdout"]["tasks"], 10);
     assert!(place.path("site/entries/my-planner/report.html").is_file());
+    // A sample was driven again, so all tasks of who is in the first ranks are; once they were, nothing is left to do.
+    let driven = |place: &Place| {
+        let verdict = place.mini.bench.json("board/accepted/my-planner/verification.json");
+        verdict["sample"]["tasks"].as_array().map(Vec::len)
+    };
+    assert!(driven(&place) < Some(20));
+    let told = place.script("board", &["scripts/top.sh", "../top"]).ok();
+    assert!(told.contains("my-planner: all tasks verify"), "{told}");
+    assert_eq!(driven(&place), Some(20));
+    let told = place.script("board", &["scripts/top.sh", "../top"]).ok();
+    assert!(!told.contains("verify"), "{told}");
     // The name is taken now.
     let told = place.accept("my-planner", "my-planner");
     assert_eq!(told.status.code(), Some(2));

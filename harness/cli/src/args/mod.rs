@@ -24,7 +24,7 @@ pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 #[derive(Debug, Parser)]
 #[command(
     name = "vb-harness",
-    version,
+    version = concat!(env!("CARGO_PKG_VERSION"), " (commit ", env!("VB_COMMIT"), ")"),
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     override_usage = "vb-harness --plugin FILE [OPTIONS]\n       vb-harness COMMAND"

@@ -34,7 +34,7 @@ struct Param {
 
 /// Reads such a file. The ABI version is that of this harness.
 pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
-    let text = std::fs::read_to_string(file).map_err(|e| {
+    let text = vb_files::read_text(file, vb_files::DOCUMENT).map_err(|e| {
         CliError::input(format!("{}: can't read the planner's metadata: {e}", file.display()))
     })?;
     parse(&text).map_err(|problem| CliError::input(format!("{}: {problem}", file.display())))

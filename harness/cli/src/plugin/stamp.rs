@@ -22,7 +22,8 @@ pub(crate) fn stamp(args: &StampArgs) -> Result<(), CliError> {
     let metadata = meta::read(&args.meta)?;
     let file = &args.file;
     let input = |problem: String| CliError::input(format!("{}: {problem}", file.display()));
-    let bytes = std::fs::read(file).map_err(|e| input(format!("can't read the plugin: {e}")))?;
+    let bytes =
+        vb_files::read(file, vb_files::DATA).map_err(|e| input(format!("can't read the plugin: {e}")))?;
     let stamped = with_section(&bytes, metadata.to_text().as_bytes()).map_err(input)?;
     let out = args.out.as_deref().unwrap_or(file);
     replace(out, &stamped)?;

@@ -127,7 +127,7 @@ pub(crate) fn rules<T: Default>(
 ) -> Result<T, CliError> {
     let Some(path) = file else { return Ok(T::default()) };
     let at = |e: &dyn std::fmt::Display| CliError::input(format!("{}: {e}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| at(&e))?;
+    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| at(&e))?;
     parse(&text).map_err(|e| at(&e))
 }
 

@@ -4,13 +4,14 @@
 //! Both speak the protocol of [`vb_worker::protocol`]. A process serves one session after another as long as it is
 //! healthy; after any fault it is ended, and the next session gets a fresh one.
 
-mod process;
+pub(crate) mod process;
 mod spawn;
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
-use std::process::Command as OsCommand;
+use std::process::{Command as OsCommand, ExitCode};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -19,18 +20,20 @@ use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
     Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
-use vb_worker::sandbox::{STACK_OVERFLOW, SandboxReport, system_call_name};
+use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
 
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd, Resource};
 use crate::log::Log;
 use crate::text::one_line;
+use crate::wasm::compile;
 use crate::{Limits, LoadError, LogSink};
 
-use process::{End, Process, Role, Trouble};
+use process::End;
+pub(crate) use process::{Process, Role, Trouble};
 
 /// The argument that makes the worker of a program that is a worker among other things.
-pub const WORKER_ARGUMENT: &str = "__worker";
+const WORKER_ARGUMENT: &str = "__worker";
 
 /// How long a command may take until it has introduced itself. Interpreters load large libraries.
 const HELLO: Duration = Duration::from_secs(120);
@@ -41,13 +44,30 @@ const WORN_OUT: Duration = Duration::from_secs(60 * 60);
 /// Bytes of a message beside the data that the limits name.
 const MESSAGE: usize = 64 << 10;
 
-/// How native plugins are run.
+/// Whether the running program is a worker when it is started as one.
+static SERVES: AtomicBool = AtomicBool::new(false);
+
+/// Serves as a worker or a compiler if the program was started as one, and returns how it is to end; nothing otherwise.
+/// A program calls it before anything else: a worker must be alone in its process. By this call the host knows that it
+/// may start the program again.
+pub fn serve_as_worker() -> Option<ExitCode> {
+    let argument = std::env::args_os().nth(1).unwrap_or_default();
+    if argument == WORKER_ARGUMENT {
+        return Some(vb_worker::serve());
+    }
+    if argument == compile::ARGUMENT {
+        return Some(compile::serve());
+    }
+    SERVES.store(true, Ordering::Relaxed);
+    None
+}
+
+/// How native plugins are run and WASM is compiled.
 #[derive(Clone, Debug, Default)]
-pub struct NativeOptions {
-    /// A program that calls [`vb_worker::serve`] when its first argument is [`WORKER_ARGUMENT`]; by default the one
-    /// that is running.
+pub struct ProcessOptions {
+    /// A program that begins with [`serve_as_worker`]; by default the one that is running.
     pub worker: Option<PathBuf>,
-    /// Whether to refuse plugins where the system can't confine them in every way.
+    /// Whether to refuse native plugins where the system can't confine them in every way.
     pub require_sandbox: bool,
 }
 
@@ -92,7 +112,7 @@ impl ProcessPlugin {
         sha256: &str,
         abi: AbiVersion,
         limits: &Limits,
-        options: &NativeOptions,
+        options: &ProcessOptions,
     ) -> Result<(Self, SandboxReport), LoadError> {
         let io = |source| LoadError::Io { path: path.into(), source };
         // With a bare file name the system would search its library folders.
@@ -198,7 +218,12 @@ impl ProcessPlugin {
         // Words on standard error that precede the introduction are in the fault, if it comes to one.
         let mut log = Log::new(LogSink::discard(), 0);
         match process.ask(&Request::Hello(greeting), self.0.hello, &mut log) {
-            Ok(Reply::Hello(introduction)) => Ok((process, introduction)),
+            Ok(Reply::Hello(introduction)) => {
+                process
+                    .seal(introduction.sandbox.is_some_and(|report| report.seccomp))
+                    .map_err(|e| Refusal::Fault(FaultCause::Worker { message: one_line(&e.to_string()) }))?;
+                Ok((process, introduction))
+            }
             Ok(Reply::Error(failure)) => Err(match refused(&failure) {
                 Some(cause) => Refusal::Fault(cause),
                 None => Refusal::Failure(failure),
@@ -237,17 +262,18 @@ impl ProcessPlugin {
 
     /// What a process died of.
     fn death(&self, end: &End) -> FaultCause {
-        /// What the allocators of Rust and C++ say before they give up.
-        const MEMORY: [&str; 3] = ["memory allocation of ", "std::bad_alloc", "MemoryError"];
+        /// What the worker and the allocators of Rust, C++ and Python say before they give up.
+        const MEMORY: [&str; 4] = [OUT_OF_MEMORY, "memory allocation of ", "std::bad_alloc", "MemoryError"];
+        /// What ends a process from outside. Behind the filter of system calls a planner can't send itself these.
+        const FROM_OUTSIDE: [i32; 3] = [libc::SIGKILL, libc::SIGTERM, libc::SIGINT];
+        if end.is_filtered && matches!(end.how, ProcessEnd::Signal(s) if FROM_OUTSIDE.contains(&s)) {
+            return FaultCause::killed("the planner's process");
+        }
         let said = |text: &str| end.words.iter().any(|w| w.contains(text));
-        // A process that dies with most of its memory in use died of that, one may assume.
-        let full = matches!(self.0.kind, Kind::Worker { .. })
-            && matches!(end.how, ProcessEnd::Signal(_))
-            && end.peak / 7 >= self.0.memory_bytes / 8;
         if said(STACK_OVERFLOW) {
             let limit = rustix::process::getrlimit(rustix::process::Resource::Stack).current;
             FaultCause::StackOverflow { limit, backtrace: Vec::new() }
-        } else if full || MEMORY.iter().any(|text| said(text)) {
+        } else if MEMORY.iter().any(|text| said(text)) {
             FaultCause::OutOfMemory { what: Resource::Memory, wanted: None, limit: self.0.memory_bytes }
         } else {
             FaultCause::Crashed { how: end.how }
@@ -454,6 +480,12 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
     Ok((abi, metadata))
 }
 
+/// The program that compiles; none if the running one would not know what it is asked.
+pub(crate) fn compiler(options: &ProcessOptions) -> Option<PathBuf> {
+    let own = || SERVES.load(Ordering::Relaxed).then(this_program)?.ok();
+    options.worker.clone().or_else(own)
+}
+
 /// The program that is running; on Linux even if its file has been replaced since.
 fn this_program() -> std::io::Result<PathBuf> {
     let link = Path::new("/proc/self/exe");
@@ -461,7 +493,7 @@ fn this_program() -> std::io::Result<PathBuf> {
 }
 
 /// Has the system end the process when the harness is gone.
-fn die_with_parent(command: &mut OsCommand) {
+pub(crate) fn die_with_parent(command: &mut OsCommand) {
     #[cfg(target_os = "linux")]
     {
         let ask = || {

@@ -5,9 +5,14 @@ use std::os::fd::{AsFd as _, BorrowedFd};
 use std::process::{ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{Pid, Signal};
+#[cfg(target_os = "linux")]
+use rustix::process::{Resource, Rlimit};
 #[cfg(target_os = "linux")]
 use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
 use vb_sdk::LogLevel;
@@ -26,7 +31,7 @@ const GRACE: Duration = Duration::from_millis(500);
 
 /// Why a request got no answer.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(crate) enum Trouble {
     /// The process ended, or closed its output.
     Gone,
     /// It didn't answer in time.
@@ -41,25 +46,27 @@ pub(super) enum Trouble {
 
 /// How a process ended.
 #[derive(Clone, Debug)]
-pub(super) struct End {
-    pub(super) how: ProcessEnd,
-    /// Greatest resident memory, bytes.
-    pub(super) peak: u64,
+pub(crate) struct End {
+    pub(crate) how: ProcessEnd,
     /// The last lines on standard error.
-    pub(super) words: Vec<String>,
+    pub(crate) words: Vec<String>,
+    /// Whether its system calls were filtered, so that it couldn't end itself in every way.
+    pub(crate) is_filtered: bool,
 }
 
 /// Whose program a process runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     /// The harness's worker: it has one thread and no children.
     Worker,
+    /// The harness's compiler: it may have threads.
+    Compiler,
     /// Somebody's program, started as the leader of a process group.
     Command,
 }
 
 #[derive(Debug)]
-pub(super) struct Process {
+pub(crate) struct Process {
     pid: Pid,
     role: Role,
     /// The processor that it was put on last.
@@ -79,13 +86,15 @@ pub(super) struct Process {
     words: Vec<String>,
     /// Bytes that a message of the process may have.
     limit: usize,
+    /// Whether its system calls are filtered.
+    is_filtered: bool,
     /// How it ended, once that has been asked of the system: its number may be another's from then on.
-    ended: Option<(ProcessEnd, u64)>,
+    ended: Option<ProcessEnd>,
 }
 
 impl Process {
     /// Starts a process whose messages may have `limit` bytes.
-    pub(super) fn start(mut command: Command, role: Role, limit: usize) -> io::Result<Self> {
+    pub(crate) fn start(mut command: Command, role: Role, limit: usize) -> io::Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = spawn(command)?;
         let (Some(stdin), Some(stdout), Some(stderr)) =
@@ -109,6 +118,7 @@ impl Process {
             line: Vec::new(),
             words: Vec::new(),
             limit,
+            is_filtered: false,
             ended: None,
         };
         for pipe in [process.stdin.as_ref().map(|p| p.as_fd()), Some(process.stdout.as_fd())] {
@@ -119,7 +129,7 @@ impl Process {
     }
 
     /// Sends a request and waits for the answer. Lines of the log are taken on the way.
-    pub(super) fn ask(
+    pub(crate) fn ask(
         &mut self,
         request: &Request,
         limit: Duration,
@@ -137,7 +147,7 @@ impl Process {
         protocol::encode(request, &mut outbox).map_err(Trouble::Nonsense)?;
         #[cfg(target_os = "linux")]
         let home = self.stay_together();
-        let result = self.exchange(&outbox, limit, log);
+        let result = self.exchange(&outbox, limit, log, Self::next_reply);
         #[cfg(target_os = "linux")]
         if let Some(home) = home {
             // It was allowed before.
@@ -147,7 +157,41 @@ impl Process {
         result
     }
 
-    fn exchange(&mut self, frame: &[u8], limit: Duration, log: &mut Log) -> Result<Reply, Trouble> {
+    /// Forbids a worker whose library is open to open any more files. This is done from outside, since nothing that the
+    /// process does by itself from now on is beyond doubt. `is_filtered` is whether its system calls are.
+    pub(crate) fn seal(&mut self, is_filtered: bool) -> io::Result<()> {
+        self.is_filtered = is_filtered;
+        #[cfg(target_os = "linux")]
+        if self.role == Role::Worker {
+            let none = Rlimit { current: Some(0), maximum: Some(0) };
+            rustix::process::prlimit(Some(self.pid), Resource::Nofile, none)?;
+        }
+        Ok(())
+    }
+
+    /// Sends the only message that a process gets, and waits for the only one that it sends.
+    pub(crate) fn order<T: DeserializeOwned>(
+        &mut self,
+        message: &impl Serialize,
+        limit: Duration,
+        log: &mut Log,
+    ) -> Result<T, Trouble> {
+        let mut frame = Vec::new();
+        protocol::encode(message, &mut frame).map_err(Trouble::Nonsense)?;
+        self.exchange(&frame, limit, log, |process, _| {
+            let payload = protocol::payload(&process.inbox, process.limit).map_err(Trouble::Nonsense)?;
+            payload.map(|payload| protocol::decode(payload).map_err(Trouble::Nonsense)).transpose()
+        })
+    }
+
+    /// Sends a frame and waits until `next` finds an answer in the inbox.
+    fn exchange<T>(
+        &mut self,
+        frame: &[u8],
+        limit: Duration,
+        log: &mut Log,
+        next: impl Fn(&mut Self, &mut Log) -> Result<Option<T>, Trouble>,
+    ) -> Result<T, Trouble> {
         let deadline = now() + limit;
         let mut rest = frame;
         // As a rule this takes all of it.
@@ -166,8 +210,8 @@ impl Process {
             }
             if ready.output {
                 let more = self.read_output()?;
-                if let Some(reply) = self.next_reply(log)? {
-                    return Ok(reply);
+                if let Some(answer) = next(self, log)? {
+                    return Ok(answer);
                 }
                 if !more {
                     return Err(Trouble::Gone);
@@ -177,11 +221,11 @@ impl Process {
     }
 
     /// Keeps a worker and this thread on one processor until the answer is there: the two take turns, and to wake a
-    /// sleeping processor takes longer than a planner's step. Commands are left alone: they may have threads. Returns
+    /// sleeping processor takes longer than a planner's step. Others are left alone: they may have threads. Returns
     /// where this thread may run, to be given back to it.
     #[cfg(target_os = "linux")]
     fn stay_together(&mut self) -> Option<CpuSet> {
-        if self.role == Role::Command {
+        if self.role != Role::Worker {
             return None;
         }
         let home = sched_getaffinity(None).ok()?;
@@ -299,12 +343,12 @@ impl Process {
     }
 
     /// Whether the process is there.
-    pub(super) fn is_alive(&mut self) -> bool {
+    pub(crate) fn is_alive(&mut self) -> bool {
         self.reap(false).is_none()
     }
 
     /// Processor time that it has used; none where the system doesn't tell.
-    pub(super) fn cpu_time(&self) -> Option<Duration> {
+    pub(crate) fn cpu_time(&self) -> Option<Duration> {
         let (mut clock, mut time) = (0, libc::timespec { tv_sec: 0, tv_nsec: 0 });
         // SAFETY: both pointers lead to values of their types.
         let known = unsafe {
@@ -317,7 +361,7 @@ impl Process {
 
     /// Waits for the end of a process that has closed its output, ending it if it takes too long; then takes its last
     /// words.
-    pub(super) fn end(&mut self, log: &mut Log) -> End {
+    pub(crate) fn end(&mut self, log: &mut Log) -> End {
         let deadline = now() + GRACE;
         while self.reap(false).is_none() && now() < deadline {
             std::thread::sleep(Duration::from_millis(1));
@@ -328,9 +372,9 @@ impl Process {
     }
 
     /// Ends the process at once and takes its last words.
-    pub(super) fn kill(&mut self, log: &mut Log) -> End {
+    pub(crate) fn kill(&mut self, log: &mut Log) -> End {
         self.signal();
-        let (how, peak) = self.reap(true).unwrap_or((ProcessEnd::Signal(9), 0));
+        let how = self.reap(true).unwrap_or(ProcessEnd::Signal(libc::SIGKILL));
         // Descendants of a command may hold the pipe open: no waiting for its end.
         for _ in 0..ERROR_LINE {
             let full = self.wait(Duration::from_nanos(1), false).is_ok_and(|ready| ready.errors);
@@ -343,11 +387,11 @@ impl Process {
             let line = std::mem::take(&mut self.line);
             keep(&line, &mut self.words, log);
         }
-        End { how, peak, words: self.words.clone() }
+        End { how, words: self.words.clone(), is_filtered: self.is_filtered }
     }
 
     /// Says goodbye, waits a moment, and ends what is left.
-    pub(super) fn farewell(&mut self, patience: Duration) {
+    pub(crate) fn farewell(&mut self, patience: Duration) {
         let mut frame = Vec::new();
         if protocol::encode(&Request::Bye(protocol::Empty {}), &mut frame).is_ok() {
             // If it doesn't listen it is ended below.
@@ -370,30 +414,23 @@ impl Process {
         }
     }
 
-    /// Asks the system how the process ended, with its greatest resident memory; none while it runs.
-    fn reap(&mut self, wait: bool) -> Option<(ProcessEnd, u64)> {
+    /// Asks the system how the process ended; none while it runs.
+    fn reap(&mut self, wait: bool) -> Option<ProcessEnd> {
         if self.ended.is_none() {
             let flags = if wait { 0 } else { libc::WNOHANG };
             let mut status = 0;
-            // SAFETY: zero is a valid value of the struct.
-            let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
             loop {
-                // SAFETY: both pointers lead to values of their types; nobody else waits for this process.
-                let found =
-                    unsafe { libc::wait4(self.pid.as_raw_pid(), &raw mut status, flags, &raw mut usage) };
+                // SAFETY: the pointer leads to a value of its type; nobody else waits for this process.
+                let found = unsafe { libc::waitpid(self.pid.as_raw_pid(), &raw mut status, flags) };
                 if found == -1 && io::Error::last_os_error().kind() == io::ErrorKind::Interrupted {
                     continue;
                 }
                 if found > 0 {
-                    let how = if libc::WIFSIGNALED(status) {
+                    self.ended = Some(if libc::WIFSIGNALED(status) {
                         ProcessEnd::Signal(libc::WTERMSIG(status))
                     } else {
                         ProcessEnd::Exit(libc::WEXITSTATUS(status))
-                    };
-                    // Kilobytes on Linux, bytes on macOS.
-                    let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
-                    let peak = u64::try_from(usage.ru_maxrss).unwrap_or(0).saturating_mul(unit);
-                    self.ended = Some((how, peak));
+                    });
                 }
                 break;
             }

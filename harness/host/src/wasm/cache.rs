@@ -71,22 +71,21 @@ impl Entry {
     }
 
     /// Keeps the compiled plugin for the next time. Failing is no error: it costs that time a compilation.
-    pub(super) fn store(&self, component: &Component) {
-        let _ = self.try_store(component);
+    pub(super) fn store(&self, code: &[u8]) {
+        let _ = self.try_store(code);
     }
 
-    fn try_store(&self, component: &Component) -> Result<(), Box<dyn std::error::Error>> {
+    fn try_store(&self, code: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
         make_dir(&self.dir)?;
         let key = match read_key(&self.dir) {
             Some(key) => key,
             None => make_key(&self.dir)?,
         };
-        let code = component.serialize()?;
         // Renamed into place when it is whole, since other processes may be reading. Readable by its owner only.
         let mut file = tempfile::NamedTempFile::new_in(&self.dir)?;
         file.write_all(MAGIC)?;
-        file.write_all(&self.mac(&key, &code).finalize().into_bytes())?;
-        file.write_all(&code)?;
+        file.write_all(&self.mac(&key, code).finalize().into_bytes())?;
+        file.write_all(code)?;
         file.persist(self.path())?;
         self.prune()?;
         Ok(())
@@ -235,8 +234,8 @@ mod tests {
     }
 
     /// The smallest component: magic, component version, layer.
-    fn component(engine: &Engine) -> Component {
-        Component::new(engine, b"\0asm\x0d\0\x01\0").unwrap()
+    fn component(engine: &Engine) -> Vec<u8> {
+        engine.precompile_component(b"\0asm\x0d\0\x01\0").unwrap()
     }
 
     #[cfg(unix)]

@@ -1,6 +1,7 @@
 //! WASM plugins, run by wasmtime.
 
 mod cache;
+pub(crate) mod compile;
 mod convert;
 mod engine;
 mod session;
@@ -18,10 +19,11 @@ use wasmtime::component::{Component, Linker};
 
 use crate::abi::AbiVersion;
 use crate::fault::FaultCause;
-use crate::inspect::{Format, PluginFile};
+use crate::inspect::PluginFile;
 use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 
+use compile::Refusal;
 use session::State;
 pub(crate) use session::WasmSession;
 
@@ -51,6 +53,7 @@ impl WasmPlugin {
         sha256: &str,
         limits: &Limits,
         cache_dir: Option<&Path>,
+        compiler: Option<&Path>,
     ) -> Result<Self, LoadError> {
         let unloadable = |e: wasmtime::Error| LoadError::Unloadable {
             path: path.into(),
@@ -65,17 +68,18 @@ impl WasmPlugin {
         let component = match cache.as_ref().and_then(|entry| entry.load(&engine)) {
             Some(component) => component,
             None => {
-                let component = match file.format {
-                    Format::CoreModule => Component::new(&engine, componentize(path, &file.bytes)?),
-                    _ => Component::new(&engine, &file.bytes),
-                }
-                .map_err(unloadable)?;
+                let code = compile::compile(path, file, &engine, limits, compiler)?;
                 if let Some(entry) = &cache {
-                    entry.store(&component);
+                    entry.store(&code);
                 }
-                component
+                // SAFETY: it comes from this harness's compiler, through memory or a pipe that nobody else has, and
+                // not from a file.
+                unsafe { Component::deserialize(&engine, &code) }.map_err(|e| not_the_planners(path, &e))?
             }
         };
+        if limits.wasm_watchdog {
+            engine::watch(&engine).map_err(|e| not_the_planners(path, &e.into()))?;
+        }
         let imports = forbidden_imports(&component, &engine, file.abi);
         if !imports.is_empty() {
             return Err(LoadError::ForbiddenImports { path: path.into(), imports });
@@ -129,7 +133,7 @@ fn not_the_planners(path: &Path, error: &wasmtime::Error) -> LoadError {
 
 /// A component from a core module that carries its component type in a custom section. A module for `wasm32-wasip1`
 /// gets the adapter from that interface to WASI 0.2.
-fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
+fn componentize(module: &[u8]) -> Result<Vec<u8>, Refusal> {
     wit_component::ComponentEncoder::default()
         .validate(true)
         .module(module)
@@ -144,11 +148,16 @@ fn componentize(path: &Path, module: &[u8]) -> Result<Vec<u8>, LoadError> {
         .map_err(|e| {
             let imports = foreign_imports(module);
             if !imports.is_empty() {
-                return LoadError::ForbiddenImports { path: path.into(), imports };
+                return Refusal::ForbiddenImports(imports);
             }
-            let reason = one_line(&format!("it can't be made a component: {e:#}"));
-            LoadError::NotAPlugin { path: path.into(), reason }
+            Refusal::NotAPlugin(one_line(&format!("it can't be made a component: {e:#}")))
         })
+}
+
+/// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
+fn is_of_the_system(error: &wasmtime::Error) -> bool {
+    let root = error.root_cause();
+    root.is::<rustix::io::Errno>() || root.is::<std::io::Error>()
 }
 
 /// What a core module imports that no interface can name, e.g. from `env` or what tools for browsers ask for, as

@@ -7,7 +7,7 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
 use super::wasi::Wasi;
-use super::{convert, engine};
+use super::{convert, engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
@@ -87,7 +87,15 @@ struct MemoryLimiter {
 }
 
 impl ResourceLimiter for MemoryLimiter {
-    fn memory_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
+    fn memory_growing(
+        &mut self,
+        current: usize,
+        desired: usize,
+        most: Option<usize>,
+    ) -> wasmtime::Result<bool> {
+        if most.is_some_and(|most| desired > most) {
+            return Ok(false);
+        }
         let used = self.used.saturating_add(desired.saturating_sub(current));
         if used > self.limit {
             self.refused = Some((Resource::Memory, used as u64));
@@ -97,7 +105,15 @@ impl ResourceLimiter for MemoryLimiter {
         Ok(true)
     }
 
-    fn table_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
+    fn table_growing(
+        &mut self,
+        current: usize,
+        desired: usize,
+        most: Option<usize>,
+    ) -> wasmtime::Result<bool> {
+        if most.is_some_and(|most| desired > most) {
+            return Ok(false);
+        }
         let elements = self.table_used.saturating_add(desired.saturating_sub(current));
         if elements > self.table_limit {
             self.refused = Some((Resource::Table, elements as u64));
@@ -105,6 +121,11 @@ impl ResourceLimiter for MemoryLimiter {
         }
         self.table_used = elements;
         Ok(true)
+    }
+
+    /// What the limits allow and the machine refuses is no affair of the planner's: it doesn't learn of it.
+    fn memory_grow_failed(&mut self, error: Error) -> wasmtime::Result<()> {
+        if is_of_the_system(&error) { Err(error) } else { Ok(()) }
     }
 
     fn instances(&self) -> usize {
@@ -158,6 +179,7 @@ pub(crate) struct WasmSession {
     plugin: PlannerPlugin,
     planner: ResourceAny,
     fuel_per_step: u64,
+    fuel_per_task: u64,
     /// Ticks that a call has; `None` without a watchdog.
     deadline: Option<u64>,
     fuel: FuelUse,
@@ -187,23 +209,26 @@ impl WasmSession {
             store.epoch_deadline_trap();
         }
         let task = convert::task(task);
-        let budget = limits.fuel_init;
+        let budget = Budget::new(limits.fuel_init, limits.fuel_per_task);
         let mut init = || {
-            store.set_fuel(budget)?;
+            store.set_fuel(budget.fuel)?;
             let plugin = pre.instantiate(&mut store)?;
             let planner = plugin.vertibench_planner_guest().planner().call_init(&mut store, &task)?;
-            Ok((plugin, planner, budget - store.get_fuel()?))
+            Ok((plugin, planner, budget.fuel - store.get_fuel()?))
         };
         let result = init();
         store.data_mut().flush_output();
         let (plugin, planner, used) = result.map_err(|e| cause(&e, store.data(), budget))?;
         let planner = planner.map_err(|message| FaultCause::Error { message: one_line(&message) })?;
         let fuel = FuelUse { init: used, ..FuelUse::default() };
-        Ok(Self { store, plugin, planner, fuel_per_step: limits.fuel_per_step, deadline, fuel })
+        let (fuel_per_step, fuel_per_task) = (limits.fuel_per_step, limits.fuel_per_task);
+        Ok(Self { store, plugin, planner, fuel_per_step, fuel_per_task, deadline, fuel })
     }
 
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
-        let (store, budget) = (&mut self.store, self.fuel_per_step);
+        let left = self.fuel_per_task.saturating_sub(self.fuel.init + self.fuel.steps);
+        let budget = Budget { task: self.fuel_per_task, ..Budget::new(self.fuel_per_step, left) };
+        let store = &mut self.store;
         let state = store.data_mut();
         state.memory.refused = None;
         state.panic = None;
@@ -214,10 +239,10 @@ impl WasmSession {
         let observation = convert::observation(observation);
         let interface = self.plugin.vertibench_planner_guest();
         let result = store
-            .set_fuel(budget)
+            .set_fuel(budget.fuel)
             .and_then(|()| interface.planner().call_step(&mut *store, self.planner, &observation));
         store.data_mut().flush_output();
-        let used = budget - store.get_fuel().unwrap_or(0);
+        let used = budget.fuel - store.get_fuel().unwrap_or(0);
         self.fuel.last_step = used;
         self.fuel.steps += used;
         self.fuel.max_step = self.fuel.max_step.max(used);
@@ -238,16 +263,44 @@ impl WasmSession {
     }
 }
 
+/// Fuel that a call has.
+#[derive(Clone, Copy, Debug)]
+struct Budget {
+    fuel: u64,
+    /// Whether that is what is left for the task.
+    is_last: bool,
+    /// What the task had.
+    task: u64,
+}
+
+impl Budget {
+    /// The budget of a call that may use this much, where so much is left for the task.
+    fn new(call: u64, left: u64) -> Self {
+        Self { fuel: call.min(left), is_last: left < call, task: left }
+    }
+
+    fn used_up(self) -> FaultCause {
+        if self.is_last {
+            FaultCause::OutOfTaskFuel { budget: self.task }
+        } else {
+            FaultCause::OutOfFuel { budget: self.fuel }
+        }
+    }
+}
+
 /// What an error of the engine means for the planner.
-fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
+fn cause(error: &Error, state: &State, budget: Budget) -> FaultCause {
     let trap = error.downcast_ref::<Trap>();
     match trap {
-        Some(Trap::OutOfFuel) => return FaultCause::OutOfFuel { budget },
+        Some(Trap::OutOfFuel) => return budget.used_up(),
         Some(Trap::Interrupt) => return FaultCause::Watchdog { limit_ms: state.watchdog_ms },
         _ => {}
     }
     if let Some(cause) = error.downcast_ref::<FaultCause>() {
         return cause.clone();
+    }
+    if is_of_the_system(error) {
+        return FaultCause::Machine { message: one_line(&error.root_cause().to_string()) };
     }
     if let Some(message) = &state.panic {
         return FaultCause::Panic { message: message.clone() };
@@ -266,9 +319,6 @@ fn cause(error: &Error, state: &State, budget: u64) -> FaultCause {
             Resource::Table => state.memory.table_limit,
         };
         return FaultCause::OutOfMemory { what, wanted: Some(wanted), limit: limit as u64 };
-    }
-    if is_of_the_system(error) {
-        return FaultCause::Machine { message: one_line(&error.root_cause().to_string()) };
     }
     // The engine's type for this is private; a test holds its text.
     if trap.is_none() && error.root_cause().to_string().starts_with("too much data is being copied") {
@@ -294,16 +344,6 @@ fn function(frame: &wasmtime::FrameInfo) -> String {
     one_line(&format!("{:#}", rustc_demangle::demangle(name)))
 }
 
-/// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
-fn is_of_the_system(error: &Error) -> bool {
-    let root = error.root_cause();
-    #[cfg(unix)]
-    if root.is::<rustix::io::Errno>() {
-        return true;
-    }
-    root.is::<std::io::Error>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,14 +352,15 @@ mod tests {
     fn a_refusal_of_the_system_is_not_blamed_on_the_planner() {
         let state = State::new(&Task::default(), LogSink::discard(), &Limits::default());
         let refusal = std::io::Error::from(std::io::ErrorKind::OutOfMemory);
-        let found = cause(&Error::from(refusal).context("while making room"), &state, 1);
+        let found = cause(&Error::from(refusal).context("while making room"), &state, Budget::new(1, 1));
         assert!(matches!(&found, FaultCause::Machine { message } if message.contains("memory")), "{found}");
         #[cfg(unix)]
         {
-            let found = cause(&Error::from(rustix::io::Errno::NOMEM).context("mmap"), &state, 1);
+            let found =
+                cause(&Error::from(rustix::io::Errno::NOMEM).context("mmap"), &state, Budget::new(1, 1));
             assert!(matches!(found, FaultCause::Machine { .. }), "{found}");
         }
-        let found = cause(&Error::msg("no such table"), &state, 1);
+        let found = cause(&Error::msg("no such table"), &state, Budget::new(1, 1));
         assert!(matches!(found, FaultCause::Trap { .. }), "{found}");
     }
 

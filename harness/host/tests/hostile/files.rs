@@ -47,7 +47,7 @@ fn random_after(first: &[u8]) -> Vec<u8> {
 }
 
 pub fn table() -> Vec<Case> {
-    [no_files(), no_plugins(), other_plugins(), greedy(), refused_code()].concat()
+    [no_files(), no_plugins(), other_plugins(), greedy(), refused_code(), costly()].concat()
 }
 
 fn no_files() -> Vec<Case> {
@@ -209,4 +209,42 @@ fn refused_code() -> Vec<Case> {
         file("instructions that differ between processors", planner(relaxed), Unloadable, "relaxed SIMD"),
         file("memory for threads", core_module(&shared, METADATA), NotAPlugin, ""),
     ]
+}
+
+/// Files of some kilobytes or megabytes that take a compiler gigabytes, or minutes.
+fn costly() -> Vec<Case> {
+    /// The good planner with functions more.
+    fn with(items: &str) -> Vec<u8> {
+        let text = planner_wat(OK, GO).replacen("(func $spin", &format!("{items} (func $spin"), 1);
+        core_module(&text, METADATA)
+    }
+    // A function with so many variables, and a body.
+    let function =
+        |locals: usize, body: &str| with(&format!("(func (local {}) {body})", "i32 ".repeat(locals)));
+    let each = |locals: usize, text: fn(usize) -> String| (0..locals).map(text).collect::<String>();
+    let change = |i: usize| format!("local.get {i} i32.const 1 i32.add local.set {i} ");
+    let loops = |depth: usize, locals: usize| {
+        let end = "local.get 0 br_if 0 end ";
+        format!("{} {} {}", "loop ".repeat(depth), each(locals, change), end.repeat(depth))
+    };
+    let row = |depth: usize, locals: usize| {
+        format!("loop {} local.get 0 br_if 0 end ", each(locals, change)).repeat(depth)
+    };
+    let branches =
+        |count: usize, locals: usize| format!("local.get 0 if {} end ", each(locals, change)).repeat(count);
+    let table = |targets: usize, locals: usize| {
+        let blocks = "block ".repeat(targets);
+        let table = each(targets, |i| format!("{i} "));
+        let ends: String = (0..targets).map(|i| format!("end {} ", change(i % locals))).collect();
+        format!("{blocks} local.get 0 br_table {table} {ends}")
+    };
+    let takes = "compiling the plugin takes more than";
+    let cases = [
+        ("loops in loops of many variables", function(2000, &loops(3000, 2000))),
+        ("loops after loops of many variables", function(2000, &row(100, 2000))),
+        ("a table of branches between many variables", function(1000, &table(20_000, 1000))),
+        ("hundreds of thousands of functions", with(&"(func)".repeat(900_000))),
+        ("branches after branches of many variables", function(1800, &branches(220, 1800))),
+    ];
+    cases.map(|(name, bytes)| file(name, bytes, TooCostly, takes)).into()
 }

@@ -1,5 +1,6 @@
 /* A planner that does what its parameter says, where it says: what must not harm the harness. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <dlfcn.h>
@@ -14,8 +15,10 @@
 #include <unistd.h>
 
 #ifdef __linux__
+#include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/shm.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #endif
 
@@ -105,6 +108,40 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         struct itimerval soon = {{0, 1000}, {0, 1000}};
         setitimer(ITIMER_REAL, &soon, NULL);
     }
+    if (strcmp(what, "filter") == 0) syscall(SYS_seccomp, 1 /* SECCOMP_SET_MODE_FILTER */, 0, NULL);
+    if (strcmp(what, "rules") == 0) syscall(446 /* landlock_restrict_self */, -1, 0);
+    if (strcmp(what, "queue") == 0) syscall(SYS_rt_sigqueueinfo, getppid(), 0, NULL);
+    if (strcmp(what, "pidfd") == 0) syscall(434 /* pidfd_open */, getppid(), 0);
+    if (strcmp(what, "raise-kill") == 0) raise(SIGKILL);
+    if (strcmp(what, "raise-term") == 0) raise(SIGTERM);
+    int tried = 1, refused = 0;
+    struct rlimit least = {1, 1};
+    if (strcmp(what, "parents-limits") == 0) refused = prlimit(getppid(), RLIMIT_CPU, &least, NULL) != 0;
+    else if (strcmp(what, "own") == 0) refused = fcntl(3, F_SETOWN, getppid()) != 0;
+    else if (strcmp(what, "signal") == 0) refused = fcntl(3, F_SETSIG, SIGKILL) != 0;
+    else if (strcmp(what, "async") == 0) refused = fcntl(3, F_SETFL, O_ASYNC) != 0;
+    else if (strcmp(what, "pipe") == 0) refused = fcntl(3, F_SETPIPE_SZ, 1 << 20) < 0;
+    else if (strcmp(what, "survive") == 0) refused = prctl(PR_SET_PDEATHSIG, 0) != 0;
+    else if (strcmp(what, "dumpable") == 0) refused = prctl(PR_SET_DUMPABLE, 1) != 0;
+    else if (strcmp(what, "filter-prctl") == 0) refused = prctl(PR_SET_SECCOMP, 2, NULL) != 0 && errno == EPERM;
+    else tried = 0;
+    if (tried) {
+        snprintf(error->message, sizeof error->message, "%s", refused ? "it is refused" : "it is open");
+        return 1;
+    }
+    if (strcmp(what, "shared") == 0 || strcmp(what, "downwards") == 0) {
+        int flags = MAP_ANONYMOUS | (strcmp(what, "shared") == 0 ? MAP_SHARED : MAP_PRIVATE | MAP_GROWSDOWN);
+        void *block = mmap(NULL, 1 << 20, PROT_READ | PROT_WRITE, flags, -1, 0);
+        snprintf(error->message, sizeof error->message, "%s", block == MAP_FAILED ? "no such memory" : "it is open");
+        return 1;
+    }
+    if (strcmp(what, "itself") == 0 || strcmp(what, "folder") == 0) {
+        Dl_info info = {"", NULL, NULL, NULL};
+        dladdr(&calls, &info);
+        int file = open(strcmp(what, "itself") == 0 ? info.dli_fname : "/usr/lib", O_RDONLY);
+        snprintf(error->message, sizeof error->message, "%s", file < 0 ? "it can't be opened" : "it is open");
+        return 1;
+    }
     if (strcmp(what, "remove") == 0) unlinkat(AT_FDCWD, "/tmp/vb-hostile", 0);
 #endif
     if (strcmp(what, "nan") == 0 && due) due->steering = 0.0 / 0.0;
@@ -133,6 +170,12 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         int refused = setrlimit(RLIMIT_AS, &none) != 0 && setrlimit(RLIMIT_CORE, &none) != 0;
         snprintf(error->message, sizeof error->message, refused ? "no other limits" : "limits are gone");
         return 1;
+    }
+    if (strcmp(what, "wait") == 0) {
+        char number[32];
+        snprintf(number, sizeof number, "%d", (int)getpid());
+        host->log(host->context, VB_LOG_INFO, number);
+        for (;;) calls++;
     }
     if (strcmp(what, "talk") == 0)
         for (;;) host->log(host->context, VB_LOG_INFO, "la la la");
@@ -204,7 +247,10 @@ __attribute__((constructor)) static void loaded(void) {
 #ifdef HARM_AT_LOAD
     vb_host host = {sizeof host, NULL, NULL};
     static vb_error error;
-    if (harm(HARM_AT_LOAD, &host, &error) != 0 && strstr(error.message, "open") && !strstr(error.message, "can't")) exit(9);
+    static const char *const let[] = {"it is open", "limits are gone", "it runs", "it is handled"};
+    int failed = harm(HARM_AT_LOAD, &host, &error);
+    for (int i = 0; i < 4; i++)
+        if (failed && strcmp(error.message, let[i]) == 0) exit(9);
 #endif
 }
 

@@ -21,11 +21,11 @@ use std::sync::OnceLock;
 
 use common::{keeper, observation, task};
 use good::Good;
-use vb_host::{FaultCode, Limits, LoadError, LogSink, NativeOptions, PlannerFault, Plugin};
+use vb_host::{FaultCode, Limits, LoadError, LogSink, PlannerFault, Plugin, ProcessOptions};
 use vb_sdk::Task;
 
 /// The fewest planners that the corpus may have.
-const AT_LEAST: usize = 100;
+const AT_LEAST: usize = 170;
 
 /// Where a planner does its harm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,13 +79,15 @@ fn limits() -> Limits {
         output_bytes: 1 << 20,
         log_bytes: 4096,
         module_bytes: 4 << 20,
+        compile_bytes: 192 << 20,
+        compile_seconds: 3,
         watchdog_ms: 1500,
         ..Limits::default()
     }
 }
 
-fn options() -> NativeOptions {
-    NativeOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+fn options() -> ProcessOptions {
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
 }
 
 /// How a planner ended: where, its code and the message.

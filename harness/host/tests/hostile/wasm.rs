@@ -118,6 +118,25 @@ fn without_end() -> Vec<Case> {
             OutOfFuel,
             step_fuel,
         ),
+        bodies_with(
+            "endless references to a function",
+            "(elem declare func $spin)",
+            "(loop $l (drop (ref.func $spin)) (br $l)) unreachable",
+            OutOfFuel,
+            step_fuel,
+        ),
+        step(
+            "endless filling of a table by nothing",
+            "(loop $l (table.fill $table (i32.const 0) (ref.null func) (i32.const 0)) (br $l)) unreachable",
+            OutOfFuel,
+            step_fuel,
+        ),
+        step(
+            "endless dependent loads",
+            "(loop $l (global.set $calls (i32.load (global.get $calls))) (br $l)) unreachable",
+            OutOfFuel,
+            step_fuel,
+        ),
         step(
             "a recursion",
             "(call $recurse) unreachable",

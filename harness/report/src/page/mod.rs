@@ -23,7 +23,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         many => format!("{} planners", many.len()),
     };
     let tasks: u64 = report.figures.iter().map(|f| f.all.tasks).sum();
-    let suite = crate::runs::one_line(&first.suite.name, 80);
+    let suite = report.runs.scope();
     let mut head = format!(
         "<h1>{} <small>on {}</small></h1><p class=\"meta\">{} results in {} worlds; suite hash <code title=\"{hash}\">{}</code>; \
          Verti-Bench in Rust {}</p><nav>",

@@ -114,26 +114,16 @@ pub(super) fn overview(s: &mut String, report: &Report) {
         }
         let _ = write!(
             s,
-            "</dl><p class=\"sub\">{} {}, {}{}; vehicle {}, rules {}{}</p></article>",
-            escape(&crate::runs::one_line(&h.plugin.name, 60)),
-            escape(&crate::runs::one_line(&h.plugin.version, 30)),
+            "</dl><p class=\"sub\">{}, {}; {}; vehicle {}, rules {}{}</p></article>",
+            escape(&crate::runs::one_line(&h.planner(), 240)),
             escape(&h.plugin.carrier),
-            params(run),
+            escape(&crate::runs::one_line(&h.scope(), 240)),
             escape(&h.vehicle.name),
             escape(&h.rules.name),
             if h.scale == 1.0 { String::new() } else { format!(", scale {}", number(h.scale, 3)) },
         );
     }
     s.push_str("</div>");
-}
-
-fn params(run: &Run) -> String {
-    let all: Vec<String> = run.header.params.iter().map(|(k, v)| format!("{k}={v}")).collect();
-    if all.is_empty() {
-        String::new()
-    } else {
-        format!(", {}", escape(&crate::runs::one_line(&all.join(" "), 160)))
-    }
 }
 
 /// Shares of the outcomes as a bar.
@@ -165,7 +155,7 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
     for &k in &used {
         let _ = write!(s, "<th class=\"n\"><i class=\"swatch o{k}\"></i>{}</th>", label(Outcome::ALL[k]));
     }
-    s.push_str("<th class=\"n\">success % (Wilson 95 %)</th></tr></thead><tbody>");
+    s.push_str("<th class=\"n\">success % (95 %)</th></tr></thead><tbody>");
     for (run, f) in report.runs.runs.iter().zip(&report.figures) {
         let _ = write!(s, "<tr><th>{}</th><td class=\"n\">{}</td>", escape(&run.label), grouped(f.all.tasks));
         for &k in &used {
@@ -178,19 +168,16 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
                 number(share, 1)
             );
         }
-        let rate = f.all.mean(Measure::Success).map_or(0.0, |e| e.mean);
-        let (low, high) = f.all.wilson.unwrap_or((0.0, 1.0));
+        let rate = f.all.mean(Measure::Success);
         let _ = write!(
             s,
-            "<td class=\"n\" data-v=\"{rate}\">{} <small>[{}, {}]</small></td></tr>",
-            number(100.0 * rate, 1),
-            number(100.0 * low, 1),
-            number(100.0 * high, 1)
+            "<td class=\"n\" data-v=\"{}\">{}</td></tr>",
+            rate.map_or(0.0, |e| e.mean),
+            with_interval(rate, Measure::Success)
         );
     }
     s.push_str(
-        "</tbody></table></div><p class=\"about\">Wilson's interval takes tasks as independent, as summary.json does; the intervals \
-         elsewhere on this page don't. Errors of planner and simulation count as failures.</p>",
+        "</tbody></table></div><p class=\"about\">Errors of planner and simulation count as failures.</p>",
     );
 }
 
@@ -326,21 +313,20 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
 }
 
 pub(super) fn about(s: &mut String, report: &Report) {
-    s.push_str("<div class=\"scroll\"><table><thead><tr><th>run</th><th>directory</th><th>plugin</th><th>sha256</th><th>vehicle</th><th>rules</th><th>soils</th><th class=\"n\">scale</th><th class=\"n\">seed</th><th>trace</th><th>harness</th><th>started</th></tr></thead><tbody>");
+    s.push_str("<div class=\"scroll\"><table><thead><tr><th>run</th><th>directory</th><th>tasks</th><th>plugin</th><th>sha256</th><th>vehicle</th><th>rules</th><th>soils</th><th class=\"n\">scale</th><th class=\"n\">seed</th><th>trace</th><th>harness</th><th>started</th></tr></thead><tbody>");
     for run in &report.runs.runs {
         let h = &run.header;
         let short = |t: &str| escape(t.get(..12).unwrap_or(t));
         let text = |t: &str| escape(&crate::runs::one_line(t, 120));
         let _ = write!(
             s,
-            "<tr><th>{}</th><td>{}</td><td>{} {} ({}){}</td><td><code title=\"{}\">{}</code></td><td>{} <code>{}</code></td><td>{} <code>{}</code></td>\
+            "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}, {}</td><td><code title=\"{}\">{}</code></td><td>{} <code>{}</code></td><td>{} <code>{}</code></td>\
              <td>{} <code>{}</code></td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
             escape(&run.label),
             text(&run.dir.display().to_string()),
-            text(&h.plugin.name),
-            text(&h.plugin.version),
+            text(&h.scope()),
+            text(&h.planner()),
             text(&h.plugin.carrier),
-            params(run),
             escape(&h.plugin.sha256),
             short(&h.plugin.sha256),
             text(&h.vehicle.name),
@@ -352,7 +338,7 @@ pub(super) fn about(s: &mut String, report: &Report) {
             h.scale,
             h.seed,
             h.trace.name(),
-            text(&h.harness_version),
+            text(&format!("{}, commit {}", h.harness_version, h.harness_commit)),
             text(&h.started_at),
         );
     }

@@ -60,7 +60,7 @@ impl SoilSet {
     /// # Errors
     /// [`SimError::SoilsUnreadable`] or [`SimError::SoilsInvalid`], which name the file, the field and the value.
     pub fn load(path: &Path) -> Result<Self, SimError> {
-        let text = std::fs::read_to_string(path)
+        let text = vb_files::read_text(path, vb_files::DOCUMENT)
             .map_err(|e| SimError::SoilsUnreadable { path: path.to_owned(), reason: e.to_string() })?;
         Self::parse(&text, &path.display().to_string())
     }

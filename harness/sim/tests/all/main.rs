@@ -4,6 +4,7 @@ mod canonical;
 #[path = "../common/mod.rs"]
 mod common;
 mod linkages;
+mod mutations;
 mod robust;
 mod rugged;
 mod soil;

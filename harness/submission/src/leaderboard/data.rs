@@ -22,6 +22,7 @@ fn board(board: &Board) -> Value {
     let m = &board.entries[0].entry.manifest;
     json!({
         "division": board.division,
+        "ranked_by": board.ranked_by,
         "suite": {"name": m.run.suite.name, "version": m.suite_version, "hash": m.run.suite.hash},
         "selector": m.run.selector,
         "vehicle": m.run.vehicle,

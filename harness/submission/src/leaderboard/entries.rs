@@ -62,7 +62,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     if verification.submission_sha256 != submission.sha256() {
         return fail(format!("{VERDICT} is of another submission.json (verify it again)"));
     }
-    if let Some(finding) = submission.check_files()?.first() {
+    if let Some(finding) = submission.check_files()?.iter().next() {
         return fail(format!("changed after it was verified: {finding} (verify it again)"));
     }
     submission.manifest().entrant.check()?;

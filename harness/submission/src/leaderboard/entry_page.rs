@@ -129,12 +129,12 @@ fn conditions(s: &mut String, r: &Ranked) {
         ("plugin", data(&format!("{}, interface {}", m.run.plugin.carrier, m.abi), &m.run.plugin.sha256)),
         ("parameters", if params.is_empty() { "none".into() } else { text(&params.join(" ")) }),
         ("suite", data(&format!("{} {}", m.run.suite.name, m.suite_version), &m.run.suite.hash)),
-        ("tasks", text(m.run.selector.as_deref().unwrap_or("all"))),
+        ("tasks", text(&m.run.scope())),
         ("vehicle", data(&m.run.vehicle.name, &m.run.vehicle.hash)),
         ("soils", data(&m.run.soils.name, &m.run.soils.hash)),
         ("rules", data(&m.run.rules.name, &m.run.rules.hash)),
         ("scale, seed", format!("{}, {}", m.run.scale, m.run.seed)),
-        ("harness", text(&m.run.harness_version)),
+        ("harness", text(&format!("{}, commit {}", m.run.harness_version, m.run.harness_commit))),
     ];
     s.push_str("<div class=\"scroll\"><table class=\"facts\"><tbody>");
     for (name, value) in rows {

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
+use vb_record::planner_with_params;
 use vb_report::html::{SORTED_TABLES, document, escape, grouped, number};
 use vb_report::{Estimate, Measure, one_line};
 
-use super::rank::{Board, Ranked};
+use super::rank::{Board, Ranked, RankedBy};
 use crate::division::Division;
 
 pub(super) const STYLE: &str = include_str!("site.css");
@@ -43,6 +44,7 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
         "<section><h2>How to read it</h2><p class=\"about\">Entries are in the order of their success rates; the interval is 95 %, \
          by the bootstrap over worlds, since tasks of a world are not independent. An entry shares the rank of the best one above \
          it (marked =) as long as the interval of their difference, paired by tasks, holds zero: nobody can say which is better. \
+         Where all entries of a board have scores on the owner's hidden suite, order and ties are by those and their intervals. \
          Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
          or versions of the harness are on boards of their own.</p></section>",
     );
@@ -59,15 +61,22 @@ fn board(s: &mut String, b: &Board) {
         s,
         "<section class=\"board\" data-suite=\"{suite}\" data-vehicle=\"{vehicle}\" data-division=\"{division}\"><h2>{suite} \
          <small>{vehicle}</small> <span class=\"tag {division}\">{division}</span></h2><p class=\"sub\">{} {} tasks{}; rules {}; \
-         harness {}; suite hash <code title=\"{hash}\">{}</code></p>",
+         harness {}; {}; suite hash <code title=\"{hash}\">{}</code></p>",
         match b.division {
             Division::Ranked => RANKED,
             Division::Open => OPEN,
         },
         grouped(m.run.tasks),
-        m.run.selector.as_ref().map_or_else(String::new, |t| format!(" ({})", text(t))),
+        m.run.selector.as_ref().map_or_else(String::new, |t| {
+            let of = m.run.suite.tasks.map_or_else(String::new, |of| format!("of {}: ", grouped(of)));
+            format!(" ({of}{})", text(t))
+        }),
         text(&m.run.rules.name),
         text(&m.run.harness_version),
+        match b.ranked_by {
+            RankedBy::Suite => "ranked by this suite",
+            RankedBy::Holdout => "ranked by the hidden suite",
+        },
         escape(m.run.suite.hash.get(..12).unwrap_or(&m.run.suite.hash)),
         hash = escape(&m.run.suite.hash),
     );
@@ -96,13 +105,14 @@ fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
     let e = &r.entry;
     let success = e.figures.mean(Measure::Success);
     let mean = |m: Measure| cell(m, e.figures.mean(m));
+    let params = e.manifest.run.params.iter().map(|(k, v)| (one_line(k, 60), one_line(v, 60))).collect();
     let _ = write!(
         s,
         "<tr><td class=\"n rank\" data-v=\"{rank}\">{rank}{}</td><td><a href=\"entries/{id}/index.html\">{}</a> <small>{}</small><br>\
          <small class=\"who\">{}</small></td>{}<td class=\"plot\">{}</td>",
         if r.tied { "<small>=</small>" } else { "" },
         escape(&one_line(&e.manifest.run.plugin.name, 60)),
-        escape(&one_line(&e.manifest.run.plugin.version, 30)),
+        escape(&planner_with_params(&one_line(&e.manifest.run.plugin.version, 30), &params)),
         escape(&one_line(&e.manifest.entrant.name, 80)),
         mean(Measure::Success),
         whisker(success),

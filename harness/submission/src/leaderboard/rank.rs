@@ -8,11 +8,23 @@ use crate::SubmissionError;
 use crate::division::Division;
 use crate::files::RUN;
 
+/// The results by which the entries of a board are ranked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RankedBy {
+    /// Those on the board's suite, which everybody has.
+    Suite,
+    /// The scores on the owner's hidden suite, which all entries have.
+    Holdout,
+}
+
 /// Entries under the same conditions, best first.
 #[derive(Clone, Debug)]
 pub struct Board {
     /// Where they are listed.
     pub division: Division,
+    /// By which results they are ranked.
+    pub ranked_by: RankedBy,
     /// The entries, at least one.
     pub entries: Vec<Ranked>,
 }
@@ -81,7 +93,12 @@ pub(super) fn boards(mut entries: Vec<Entry>) -> Result<Vec<Board>, SubmissionEr
 
 fn board(mut entries: Vec<Entry>) -> Result<Board, SubmissionError> {
     let division = entries[0].manifest.division;
-    let value = |e: &Entry, m| e.figures.mean(m).map_or(f64::INFINITY, |e| e.mean);
+    let ranked_by = ranked_by(&entries);
+    let value = |e: &Entry, m| match (ranked_by, &e.holdout) {
+        (RankedBy::Holdout, Some(h)) if m == Measure::Success => h.success_percent,
+        (RankedBy::Holdout, Some(h)) => h.time_mean_s.unwrap_or(f64::INFINITY),
+        _ => e.figures.mean(m).map_or(f64::INFINITY, |e| e.mean),
+    };
     entries.sort_by(|a, b| {
         let rate = |e| value(e, Measure::Success);
         rate(b)
@@ -92,11 +109,14 @@ fn board(mut entries: Vec<Entry>) -> Result<Board, SubmissionError> {
     let mut ranked: Vec<Ranked> = Vec::with_capacity(entries.len());
     let mut first = 0;
     for (k, entry) in entries.into_iter().enumerate() {
-        let behind = match ranked.get(first) {
-            Some(best) => difference(&best.entry, &entry)?,
-            None => None,
+        let (behind, tied) = match (ranked.get(first), ranked_by) {
+            (None, _) => (None, false),
+            (Some(best), RankedBy::Holdout) => (None, overlap(&best.entry, &entry)),
+            (Some(best), RankedBy::Suite) => {
+                let behind = difference(&best.entry, &entry)?;
+                (behind, !differs(behind.and_then(|b| b.interval)))
+            }
         };
-        let tied = k > 0 && !differs(behind.and_then(|b| b.interval));
         if tied {
             ranked[first].tied = true;
             ranked.push(Ranked { entry, rank: first + 1, tied, behind });
@@ -105,7 +125,26 @@ fn board(mut entries: Vec<Entry>) -> Result<Board, SubmissionError> {
             ranked.push(Ranked { entry, rank: k + 1, tied, behind: None });
         }
     }
-    Ok(Board { division, entries: ranked })
+    Ok(Board { division, ranked_by, entries: ranked })
+}
+
+/// By the hidden suite if all have scores on the same one: public tasks can be learnt by heart.
+fn ranked_by(entries: &[Entry]) -> RankedBy {
+    let suite = |e: &Entry| e.holdout.as_ref().map(|h| (h.suite.clone(), h.suite_version.clone(), h.tasks));
+    match suite(&entries[0]) {
+        Some(first) if entries.iter().all(|e| suite(e).as_ref() == Some(&first)) => RankedBy::Holdout,
+        _ => RankedBy::Suite,
+    }
+}
+
+/// Whether the intervals of two entries on the hidden suite overlap. Nothing is known of single tasks there, so nothing can be
+/// paired; without an interval nothing is known at all.
+fn overlap(a: &Entry, b: &Entry) -> bool {
+    let interval = |e: &Entry| e.holdout.as_ref().and_then(|h| h.success_interval_percent);
+    match (interval(a), interval(b)) {
+        (Some([a_low, a_high]), Some([b_low, b_high])) => a_low <= b_high && b_low <= a_high,
+        _ => true,
+    }
 }
 
 /// Whether an interval of a difference says that there is one. Without an interval, of a single world, nothing is known.

@@ -94,6 +94,48 @@ fn ties_share_a_rank_and_certain_differences_part() {
 }
 
 #[test]
+fn entries_that_all_have_scores_on_the_hidden_suite_are_ranked_by_them() {
+    let b = bench();
+    let scores = |id: &str, suite: &str, success: f64, interval: [f64; 2]| {
+        let run = &b.json(&format!("hold/{id}/submission.json"))["run"];
+        let scores = json!({
+            "schema": 1, "harness_version": "0.1.0", "suite": suite, "suite_version": "1", "planner": id,
+            "planner_version": "1", "plugin_sha256": run["plugin"]["sha256"], "vehicle": "hmmwv", "rules": "paper",
+            "tasks": 100, "outcomes": {}, "success_percent": success, "success_interval_percent": interval,
+            "time_mean_s": 30.0, "roll_mean_deg": 1.0, "pitch_mean_deg": 1.0,
+        });
+        fs::write(b.path("hold").join(id).join("holdout.json"), scores.to_string()).unwrap();
+    };
+    // By heart: all public tasks, hardly a hidden one.
+    accept(b, "hold", "by-heart", |m, _| planner(m, "by-heart"));
+    for id in ["good", "fair"] {
+        accept(b, "hold", id, |m, r| {
+            planner(m, id);
+            r.iter_mut().for_each(fail);
+        });
+    }
+    let ranks = |out: &str| -> (Value, Vec<(String, usize, bool)>) {
+        let site = build(b, "hold", out).unwrap();
+        let entries = site.boards[0].entries.iter().map(|r| (r.entry.id.clone(), r.rank, r.tied)).collect();
+        (board(b, out)["boards"][0]["ranked_by"].clone(), entries)
+    };
+    scores("by-heart", "secret", 5.0, [2.0, 9.0]);
+    scores("good", "secret", 60.0, [50.0, 70.0]);
+    // One without scores, or with those of another suite: all are held against each other on what all have.
+    let (by, entries) = ranks("hold-site-1");
+    assert_eq!((by, entries[0].0.as_str()), ("suite".into(), "by-heart"));
+    scores("fair", "older", 55.0, [45.0, 65.0]);
+    assert_eq!(ranks("hold-site-2").0, "suite");
+    scores("fair", "secret", 55.0, [45.0, 65.0]);
+    let (by, entries) = ranks("hold-site-3");
+    assert_eq!(by, "holdout");
+    let expected = [("good", 1, true), ("fair", 1, true), ("by-heart", 3, false)];
+    assert_eq!(entries, expected.map(|(id, rank, tied)| (id.to_owned(), rank, tied)));
+    let page = fs::read_to_string(b.path("hold-site-3/index.html")).unwrap();
+    assert!(page.contains("ranked by the hidden suite"), "{page}");
+}
+
+#[test]
 fn other_conditions_are_other_boards() {
     let b = bench();
     accept(b, "boards", "a", |_, _| {});

@@ -3,6 +3,7 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
+
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -231,14 +232,19 @@ fn fewer_tasks_than_the_suite_has_are_found_or_open() {
 fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let b = bench();
     let other = crate::common::suite(&b.path("other"), [0.9, 0.5]);
-    let text = told(&b.verify_with("honest", None, |e| e.suite = Box::leak(Box::new(other))));
+    // Compiling is what costs: whatever a hash can tell is told before.
+    let unloaded = |_: &vb_host::Limits| panic!("a plugin was loaded though something was found already");
+    let text = told(&b.verify_with("honest", None, &unloaded, |e| e.suite = Box::leak(Box::new(other))));
     assert!(text.starts_with("suite: submission.json: run.suite.hash"), "{text}");
-    let file = crate::common::repository("tests/golden/abi-0.1/pursuit-c.wasm");
-    let plugin = vb_host::Plugin::load(&file, &vb_host::Limits::default(), None).unwrap();
-    let text = told(&b.verify_with("honest", None, |e| e.plugin = Box::leak(Box::new(plugin))));
+    let text = told(&b.verify_with("honest", None, &unloaded, |e| e.plugin_sha256 = "00"));
     assert!(text.starts_with("plugin: submission.json: run.plugin.sha256"), "{text}");
+    // A file that is another one by the time it is loaded.
+    let file = crate::common::repository("tests/golden/abi-0.1/pursuit-c.wasm");
+    let other = |limits: &vb_host::Limits| vb_host::Plugin::load(&file, limits, None);
+    let text = told(&b.verify_with("honest", None, &other, |_| {}));
+    assert!(text.contains("the plugin's file was changed"), "{text}");
     let vehicle = vb_runner::Vehicle { hash: "00".repeat(32), ..b.vehicle.clone() };
-    let text = told(&b.verify_with("honest", None, |e| e.vehicle = Box::leak(Box::new(vehicle))));
+    let text = told(&b.verify_with("honest", None, &unloaded, |e| e.vehicle = Box::leak(Box::new(vehicle))));
     assert!(text.starts_with("vehicle: submission.json: run.vehicle.hash"), "{text}");
     // A run with more fuel is open, and one that hides it is found by the shares that its records tell.
     let mut header = b.json("run/run.json");
@@ -305,4 +311,18 @@ fn a_forged_result_survives_only_if_it_is_not_drawn() {
     assert!((1..6).contains(&caught), "{caught}");
     let verdict = b.verify("lucky", None);
     assert!(told(&verdict).contains("w002/t01: time_s: is 1.0"), "{}", told(&verdict));
+}
+
+#[test]
+fn findings_without_end_are_counted_and_a_hundred_of_them_kept() {
+    let b = bench();
+    b.copy("honest", "newlines");
+    let lines = 1_000_000;
+    fs::write(b.path("newlines/run/tasks.jsonl"), "\n".repeat(lines)).unwrap();
+    b.state_hash_of("newlines", "run/tasks.jsonl");
+    let verdict = b.verify("newlines", None).unwrap();
+    assert!(!verdict.verified);
+    assert_eq!(verdict.findings.len(), 100);
+    // Each empty line, and what else its file then lacks.
+    assert!(verdict.more_findings >= lines as u64 - 100, "{}", verdict.more_findings);
 }

@@ -196,7 +196,7 @@ impl Source {
     /// If `id` is not one of [`Source::ids`].
     pub fn world(&self, id: u32) -> Result<World, ImportError> {
         let file = &self.configs[&id];
-        let text = std::fs::read_to_string(file)
+        let text = vb_files::read_text(file, vb_files::DOCUMENT)
             .map_err(|source| ImportError::Read { path: file.clone(), source })?;
         let config: Config = yaml::parse(&text).map_err(|e| invalid(file, e.field, e.problem))?;
         let side = check_terrain(file, &config)?;
@@ -247,7 +247,7 @@ pub fn import(dir: impl AsRef<Path>) -> Result<(SuiteMeta, Vec<World>), ImportEr
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, ImportError> {
-    std::fs::read(path).map_err(|source| ImportError::Read { path: path.into(), source })
+    vb_files::read(path, vb_files::DATA).map_err(|source| ImportError::Read { path: path.into(), source })
 }
 
 /// The id in `config{id}_{difficulty}.yaml`; none for any other name.

@@ -28,7 +28,7 @@ type Source = Decoder<BufReader<File>>;
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 8 * MAX_SAMPLES as usize;
-    let mut tiff = Decoder::new(BufReader::new(File::open(path)?)).map_err(flaw)?.with_limits(limits);
+    let mut tiff = Decoder::new(BufReader::new(vb_files::open(path)?)).map_err(flaw)?.with_limits(limits);
     let (cols, rows) = tiff.dimensions().map_err(flaw)?;
     check_size(rows.into(), cols.into())?;
     let bands: Option<u16> = tiff.find_tag_unsigned(Tag::SamplesPerPixel).map_err(flaw)?;

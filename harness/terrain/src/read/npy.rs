@@ -20,7 +20,7 @@ const BRACKETS: usize = 16;
 /// state, and twice the time for every bracket within another.
 fn check_header(path: &Path) -> Result<(), Flaw> {
     let mut start = Vec::new();
-    File::open(path)?.take(HEADER as u64).read_to_end(&mut start)?;
+    vb_files::open(path)?.take(HEADER as u64).read_to_end(&mut start)?;
     let length = match start.get(6..12) {
         Some(&[1, _, a, b, ..]) => usize::from(u16::from_le_bytes([a, b])),
         Some(&[_, _, a, b, c, d]) => u32::from_le_bytes([a, b, c, d]) as usize,
@@ -40,7 +40,7 @@ fn check_header(path: &Path) -> Result<(), Flaw> {
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     let size = std::fs::metadata(path)?.len();
     check_header(path)?;
-    let file = NpyFile::new(BufReader::new(File::open(path)?)).map_err(|e| match e.kind() {
+    let file = NpyFile::new(BufReader::new(vb_files::open(path)?)).map_err(|e| match e.kind() {
         std::io::ErrorKind::UnexpectedEof => Flaw::Truncated("it ends in the header".into()),
         _ => Flaw::Damaged(line(&e)),
     })?;

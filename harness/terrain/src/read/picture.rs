@@ -1,5 +1,6 @@
 //! Grey pictures: BMP and PNG, 8 or 16 bits.
 
+use std::io::BufReader;
 use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageReader};
@@ -9,7 +10,7 @@ use crate::Raster;
 
 /// Reads the grey levels of a picture.
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
-    let reader = ImageReader::open(path)?.with_guessed_format()?;
+    let reader = ImageReader::new(BufReader::new(vb_files::open(path)?)).with_guessed_format()?;
     let decoder = reader.into_decoder().map_err(flaw)?;
     let (cols, rows) = decoder.dimensions();
     check_size(rows.into(), cols.into())?;

@@ -232,6 +232,19 @@ fn a_file_that_is_no_model_is_told_in_one_line() {
         assert!(!e.to_string().contains('\n') && e.to_string().contains("a.safetensors"), "{e}");
     }
     assert!(matches!(Model::read(&dir.path().join("none")), Err(ModelError::Unreadable { .. })));
+    // Without its card nobody knows whether it is whole.
+    std::fs::write(&path, &whole).unwrap();
+    assert!(Model::read(&path).unwrap_err().to_string().contains("its card"));
+    std::fs::copy(shipped().with_extension("json"), path.with_extension("json")).unwrap();
+    Model::read(&path).unwrap();
+    // A bit anywhere, most of which leave a model that draws other ground.
+    for k in 0..50 {
+        let mut flipped = whole.clone();
+        flipped[k * whole.len() / 50] ^= 1 << (k % 8);
+        std::fs::write(&path, &flipped).unwrap();
+        let e = Model::read(&path).unwrap_err();
+        assert!(matches!(e, ModelError::NoModel { .. }) && !e.to_string().contains('\n'), "{k}: {e}");
+    }
 }
 
 #[test]

@@ -30,7 +30,7 @@ const LOADER: [&str; 9] = [
     "/etc/ld.so.cache",
 ];
 
-/// Address space for the library itself and what it links, bytes.
+/// Address space for the code of the library and of what it links, bytes: what can be written to is limited as data.
 const LIBRARIES: u64 = 1 << 30;
 
 /// Processor time of a worker, s. The harness ends a worker that hangs much sooner; this is for one that has lost it.
@@ -62,18 +62,55 @@ fn close_descriptors_from(first: i32) {
     }
 }
 
-/// The first stage, in force.
-pub(crate) struct Confinement {
-    report: SandboxReport,
-    /// `/proc/self/statm`, which can't be opened any more.
-    statm: File,
+/// Confines this process, a compiler, to computing within these limits of memory (beside what it has now, bytes) and of
+/// processor time (s), and to the descriptors that it has. Other means than the limits are used where the system has them:
+/// what is compiled is not run, so that they only guard against flaws of the compiler.
+///
+/// # Errors
+/// If the limits can't be set.
+pub fn confine_compiler(memory_bytes: u64, seconds: u64) -> io::Result<()> {
+    let data = data_in_use(&mut File::open("/proc/self/statm")?)?;
+    let limits = limit(&[
+        (Resource::Core, 0),
+        (Resource::Fsize, 0),
+        (Resource::Memlock, 0),
+        (Resource::Data, data.saturating_add(memory_bytes)),
+    ]);
+    // At the first the process is told, by a signal that tells the harness why it ended.
+    let (first, last) = (Some(seconds), Some(seconds.saturating_add(5)));
+    let cpu = rustix::process::setrlimit(Resource::Cpu, Rlimit { current: first, maximum: last });
+    if !limits || cpu.is_err() {
+        return Err(io::Error::other("the system refuses limits of memory and processor time"));
+    }
+    if rustix::thread::set_no_new_privs(true).is_ok() {
+        restrict(None).map_err(io::Error::other)?;
+        limit(&[(Resource::Nofile, 0)]);
+        #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+        seccomp::filter(true);
+    }
+    Ok(())
 }
 
-/// Confines the process to what the dynamic loader needs for `library`.
-pub(crate) fn confine_for_loading(library: &Path, memory_bytes: u64) -> io::Result<Confinement> {
+/// Confines the process for good to computing, to talking to the harness, and to what the dynamic loader needs for
+/// `library`, before any code of the library runs. Of memory it gets `memory_bytes` beside what it has.
+///
+/// The one thing that is still to be given up when the library is open, the harness takes: it forbids the process to open
+/// any more files ([`Introduction`](crate::protocol::Introduction) is its word).
+pub(crate) fn confine(library: &Path, memory_bytes: u64) -> io::Result<SandboxReport> {
     let mut statm = File::open("/proc/self/statm")?;
     let mut report = SandboxReport::default();
-    let space = address_space(&mut statm)?.saturating_add(memory_bytes).saturating_add(LIBRARIES);
+    let (space, data) = (address_space(&mut statm)?, data_in_use(&mut statm)?);
+    drop(statm);
+    let (data, space) =
+        (data.saturating_add(memory_bytes), space.saturating_add(memory_bytes).saturating_add(LIBRARIES));
+    for (resource, name, wanted) in [(Resource::Data, "d", data), (Resource::As, "v", space)] {
+        // With less than it may have, a planner would fail for want of memory that the machine refuses.
+        if let Some(granted) = rustix::process::getrlimit(resource).maximum.filter(|m| *m < wanted) {
+            let text =
+                format!("the system gives {granted} bytes (ulimit -{name}) of {wanted} that it may take");
+            return Err(io::Error::other(text));
+        }
+    }
     report.rlimits = limit(&[
         (Resource::Core, 0),
         (Resource::Fsize, 0),
@@ -81,36 +118,18 @@ pub(crate) fn confine_for_loading(library: &Path, memory_bytes: u64) -> io::Resu
         (Resource::Memlock, 0),
         (Resource::Nofile, 64),
         (Resource::Cpu, CPU_SECONDS),
+        (Resource::Data, data),
         (Resource::As, space),
     ]);
+    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    signals::expect_memory(memory_bytes);
     report.no_new_privs = rustix::thread::set_no_new_privs(true).is_ok();
     report.landlock = restrict(Some(library)).map_err(io::Error::other)?;
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     {
-        report.seccomp = seccomp::filter_for_loading();
+        report.seccomp = seccomp::filter(false);
     }
-    Ok(Confinement { report, statm })
-}
-
-impl Confinement {
-    pub(crate) fn report(&self) -> SandboxReport {
-        self.report
-    }
-
-    /// Confines the process to computing and talking to the harness; from now on it gets `memory_bytes` more.
-    pub(crate) fn confine_for_work(mut self, memory_bytes: u64) -> io::Result<SandboxReport> {
-        if self.report.landlock.is_some() {
-            restrict(None).map_err(io::Error::other)?;
-        }
-        let space = address_space(&mut self.statm)?.saturating_add(memory_bytes);
-        drop(self.statm);
-        self.report.rlimits &= limit(&[(Resource::As, space), (Resource::Nofile, 0)]);
-        #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-        {
-            self.report.seccomp = self.report.seccomp && seccomp::filter_for_work();
-        }
-        Ok(self.report)
-    }
+    Ok(report)
 }
 
 /// Sets limits, soft and hard, none of them above what is allowed now; false if the system refuses one.
@@ -124,10 +143,20 @@ fn limit(limits: &[(Resource, u64)]) -> bool {
 
 /// Address space in use, bytes.
 fn address_space(statm: &mut File) -> io::Result<u64> {
+    in_use(statm, 0)
+}
+
+/// Memory in use of the kind that the limit of data counts, and stacks, bytes.
+fn data_in_use(statm: &mut File) -> io::Result<u64> {
+    in_use(statm, 5)
+}
+
+/// A field of `/proc/self/statm`, in bytes.
+fn in_use(statm: &mut File, field: usize) -> io::Result<u64> {
     let mut text = String::new();
     statm.rewind()?;
     statm.read_to_string(&mut text)?;
-    let pages = text.split(' ').next().and_then(|n| n.parse::<u64>().ok());
+    let pages = text.split_ascii_whitespace().nth(field).and_then(|n| n.parse::<u64>().ok());
     let pages = pages.ok_or_else(|| io::Error::other(format!("/proc/self/statm is `{text}`")))?;
     Ok(pages * rustix::param::page_size() as u64)
 }

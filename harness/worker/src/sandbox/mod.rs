@@ -1,8 +1,9 @@
 //! How the worker gives up what a planner doesn't get. It needs no privileges.
 //!
 //! On Linux: no new privileges, resource limits, landlock (files, TCP, signals), and a seccomp list of the system calls
-//! that remain. There are two stages. While the library is opened, the dynamic loader may read it and the system's
-//! libraries; afterwards nothing can be opened at all. Elsewhere the process is only a process of its own.
+//! that remain, all before the library is opened: what it does as it is opened is its code already. Files that the loader
+//! reads can be read until the harness, from outside, forbids the process to open any. Elsewhere the process is only a
+//! process of its own.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,12 @@ mod signals;
 
 /// What the worker says on standard error before it dies of a stack that is full; Rust's own runtime says the same.
 pub const STACK_OVERFLOW: &str = "has overflowed its stack";
+
+/// What the worker says on standard error before it dies for want of memory.
+pub const OUT_OF_MEMORY: &str = "has used up its memory";
+
+/// The version of landlock from which on it keeps signals from other processes.
+const SIGNALS: u32 = 6;
 
 /// How a worker is confined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +43,10 @@ impl SandboxReport {
     pub fn missing(&self) -> Vec<&'static str> {
         let parts = [
             (self.landlock.is_some(), "landlock"),
+            (
+                self.landlock.is_none_or(|version| version >= SIGNALS),
+                "landlock's scope of signals (Linux 6.12)",
+            ),
             (self.seccomp, "seccomp"),
             (self.no_new_privs, "no_new_privs"),
             (self.rlimits, "resource limits"),
@@ -55,10 +66,14 @@ pub fn system_call_name(number: i64) -> String {
 }
 
 #[cfg(target_os = "linux")]
-pub(crate) use linux::{confine_for_loading, isolate};
+pub use linux::confine_compiler;
+#[cfg(target_os = "linux")]
+pub(crate) use linux::{confine, isolate};
 
 #[cfg(all(unix, not(target_os = "linux")))]
-pub(crate) use elsewhere::{confine_for_loading, isolate};
+pub use elsewhere::confine_compiler;
+#[cfg(all(unix, not(target_os = "linux")))]
+pub(crate) use elsewhere::{confine, isolate};
 
 #[cfg(all(unix, not(target_os = "linux")))]
 mod elsewhere {
@@ -67,24 +82,20 @@ mod elsewhere {
 
     use super::SandboxReport;
 
-    pub(crate) struct Confinement;
+    /// Elsewhere a compiler has no limits but the clock's.
+    ///
+    /// # Errors
+    /// None.
+    pub fn confine_compiler(_memory_bytes: u64, _seconds: u64) -> io::Result<()> {
+        Ok(())
+    }
 
     pub(crate) fn isolate(_protocol: i32) -> io::Result<()> {
         Ok(())
     }
 
-    pub(crate) fn confine_for_loading(_library: &Path, _memory_bytes: u64) -> io::Result<Confinement> {
-        Ok(Confinement)
-    }
-
-    impl Confinement {
-        pub(crate) fn report(&self) -> SandboxReport {
-            SandboxReport::default()
-        }
-
-        pub(crate) fn confine_for_work(self, _memory_bytes: u64) -> io::Result<SandboxReport> {
-            Ok(SandboxReport::default())
-        }
+    pub(crate) fn confine(_library: &Path, _memory_bytes: u64) -> io::Result<SandboxReport> {
+        Ok(SandboxReport::default())
     }
 }
 
@@ -94,12 +105,14 @@ mod tests {
 
     #[test]
     fn what_the_system_lacks_is_named() {
-        let whole = SandboxReport { landlock: Some(1), seccomp: true, no_new_privs: true, rlimits: true };
+        let whole = SandboxReport { landlock: Some(6), seccomp: true, no_new_privs: true, rlimits: true };
         assert!(whole.missing().is_empty());
         assert_eq!(
             SandboxReport { landlock: None, seccomp: false, ..whole }.missing(),
             ["landlock", "seccomp"]
         );
+        let old = SandboxReport { landlock: Some(5), ..whole };
+        assert_eq!(old.missing(), ["landlock's scope of signals (Linux 6.12)"]);
     }
 
     #[cfg(target_os = "linux")]

@@ -21,6 +21,7 @@ const ALLOWED: &[i64] = &[
     libc::SYS_lseek,
     libc::SYS_fstat,
     libc::SYS_fcntl,
+    libc::SYS_prlimit64,
     libc::SYS_mmap,
     libc::SYS_munmap,
     libc::SYS_mremap,
@@ -56,11 +57,13 @@ const ALLOWED: &[i64] = &[
     #[cfg(target_arch = "x86_64")]
     libc::SYS_time,
     #[cfg(target_arch = "x86_64")]
+    libc::SYS_getrlimit,
+    #[cfg(target_arch = "x86_64")]
     libc::SYS_arch_prctl,
 ];
 
-/// What the loader and this module do until the planner is at work; later it fails.
-const LOADING: &[i64] = &[
+/// Asking about files, and opening them for reading: the dynamic loader does it. What may be read is landlock's affair.
+const FILES: &[i64] = &[
     libc::SYS_openat,
     libc::SYS_newfstatat,
     libc::SYS_statx,
@@ -69,11 +72,6 @@ const LOADING: &[i64] = &[
     libc::SYS_faccessat2,
     libc::SYS_getdents64,
     libc::SYS_getcwd,
-    libc::SYS_prctl,
-    libc::SYS_prlimit64,
-    libc::SYS_seccomp,
-    libc::SYS_landlock_create_ruleset,
-    libc::SYS_landlock_restrict_self,
     #[cfg(target_arch = "x86_64")]
     libc::SYS_open,
     #[cfg(target_arch = "x86_64")]
@@ -84,12 +82,11 @@ const LOADING: &[i64] = &[
     libc::SYS_access,
     #[cfg(target_arch = "x86_64")]
     libc::SYS_readlink,
-    #[cfg(target_arch = "x86_64")]
-    libc::SYS_getrlimit,
 ];
 
-/// What fails from the start: asking about terminals and the machine, handling signals, threads.
+/// What fails: asking about terminals and the machine, changing what the process is to the system, handling signals.
 const REFUSED: &[i64] = &[
+    libc::SYS_prctl,
     libc::SYS_ioctl,
     libc::SYS_rt_sigaction,
     libc::SYS_sysinfo,
@@ -126,6 +123,11 @@ const NAMES: &[(i64, &str)] = &[
     (libc::SYS_execveat, "execveat"),
     (libc::SYS_kill, "kill"),
     (libc::SYS_tgkill, "tgkill"),
+    (libc::SYS_seccomp, "seccomp"),
+    (libc::SYS_landlock_restrict_self, "landlock_restrict_self"),
+    (libc::SYS_rt_sigqueueinfo, "rt_sigqueueinfo"),
+    (libc::SYS_pidfd_open, "pidfd_open"),
+    (libc::SYS_pidfd_send_signal, "pidfd_send_signal"),
     (libc::SYS_ptrace, "ptrace"),
     (libc::SYS_process_vm_readv, "process_vm_readv"),
     (libc::SYS_process_vm_writev, "process_vm_writev"),
@@ -142,6 +144,8 @@ const NAMES: &[(i64, &str)] = &[
     (libc::SYS_setitimer, "setitimer"),
     (libc::SYS_shmget, "shmget"),
     (libc::SYS_io_uring_setup, "io_uring_setup"),
+    #[cfg(target_arch = "x86_64")]
+    (libc::SYS_setrlimit, "setrlimit"),
     #[cfg(target_arch = "x86_64")]
     (libc::SYS_fork, "fork"),
     #[cfg(target_arch = "x86_64")]
@@ -161,48 +165,125 @@ pub(super) fn name(number: i64) -> Option<&'static str> {
 
 type Rules = BTreeMap<i64, Vec<SeccompRule>>;
 
-/// Filters for the time while the library is opened; false if the kernel has none.
-pub(super) fn filter_for_loading() -> bool {
-    let calls = ALLOWED.iter().chain(LOADING).chain(REFUSED).chain(&[libc::SYS_clone3]);
-    let mut known: Rules = calls.map(|call| (*call, Vec::new())).collect();
-    // abort() sends a signal to its own thread; threads are refused below, but other processes end this one.
-    let own = std::process::id();
-    let conditions = [(libc::SYS_tgkill, 0, SeccompCmpOp::Eq, u64::from(own)), {
-        let thread = libc::CLONE_THREAD as u64;
-        (libc::SYS_clone, 0, SeccompCmpOp::MaskedEq(thread), thread)
-    }];
-    for (call, argument, operator, value) in conditions {
-        let Some(rule) = rule(argument, operator, value) else { return false };
-        known.insert(call, vec![rule]);
+/// What an argument must be: its place, how much of it the kernel looks at, and what it is compared with.
+type Condition = (u8, SeccompCmpArgLen, SeccompCmpOp, u64);
+
+/// Filters all calls of this process from now on; it may have `threads` or not. False if the kernel has no filters.
+///
+/// They are all in force before any code of a library runs, and no call by which they, or other limits, could be changed
+/// is among those that remain.
+pub(super) fn filter(threads: bool) -> bool {
+    filters(threads).is_some_and(|filters| filters.iter().all(apply))
+}
+
+fn filters(threads: bool) -> Option<Vec<BpfProgram>> {
+    let unconditional = |calls: &[&[i64]]| -> Rules {
+        calls.iter().copied().flatten().map(|call| (*call, Vec::new())).collect()
+    };
+    let mut refused = unconditional(&[REFUSED]);
+    if !threads {
+        refused.insert(libc::SYS_clone, Vec::new());
     }
-    let refused: Rules = REFUSED.iter().chain(&[libc::SYS_clone]).map(|call| (*call, Vec::new())).collect();
     // The C library tries clone3 first and then clone.
-    let unknown: Rules = [(libc::SYS_clone3, Vec::new())].into();
+    let unknown = unconditional(&[&[libc::SYS_clone3]]);
+    let mut known = unconditional(&[ALLOWED, FILES, REFUSED, &[libc::SYS_clone3]]);
+    for (call, rules) in allowed_if() {
+        known.insert(call, rules?);
+    }
+    let conditional =
+        |rules: Vec<(i64, Option<Vec<SeccompRule>>)>| rules.into_iter().map(|(c, r)| Some((c, r?))).collect();
+    let refused_if: Option<Rules> = conditional(refused_if());
+    let unreadable_if: Option<Rules> = conditional(unreadable_if());
+    let fails = |errno: i32| SeccompAction::Errno(errno as u32);
     [
-        program(refused, SeccompAction::Allow, SeccompAction::Errno(libc::EPERM as u32)),
-        program(unknown, SeccompAction::Allow, SeccompAction::Errno(libc::ENOSYS as u32)),
+        program(refused, SeccompAction::Allow, fails(libc::EPERM)),
+        program(refused_if?, SeccompAction::Allow, fails(libc::EPERM)),
+        program(unreadable_if?, SeccompAction::Allow, fails(libc::EACCES)),
+        program(unknown, SeccompAction::Allow, fails(libc::ENOSYS)),
         program(known, SeccompAction::Trap, SeccompAction::Allow),
     ]
     .into_iter()
-    .all(apply)
+    .collect()
 }
 
-/// One filter more, for the time when the library is open.
-pub(super) fn filter_for_work() -> bool {
-    let refused: Rules = LOADING.iter().map(|call| (*call, Vec::new())).collect();
-    apply(program(refused, SeccompAction::Allow, SeccompAction::Errno(libc::EACCES as u32)))
+/// Calls that are allowed with some arguments only, and end the process with others.
+fn allowed_if() -> Vec<(i64, Option<Vec<SeccompRule>>)> {
+    use SeccompCmpArgLen::{Dword, Qword};
+    use SeccompCmpOp::{Eq, MaskedEq, Ne};
+    /// Signals by which others end a process: the harness must be able to tell that it was them.
+    const FROM_OUTSIDE: [i32; 5] = [libc::SIGKILL, libc::SIGTERM, libc::SIGINT, libc::SIGHUP, libc::SIGQUIT];
+    // abort() sends a signal to its own thread.
+    let own = (0, Dword, Eq, u64::from(std::process::id()));
+    let other = FROM_OUTSIDE.map(|signal| (2, Dword, Ne, signal as u64));
+    let to_itself: Vec<Condition> = [own].into_iter().chain(other).collect();
+    let thread = libc::CLONE_THREAD as u64;
+    vec![
+        (libc::SYS_tgkill, rules(&[&to_itself])),
+        (libc::SYS_clone, rules(&[&[(0, Qword, MaskedEq(thread), thread)]])),
+    ]
 }
 
-fn rule(argument: u8, operator: SeccompCmpOp, value: u64) -> Option<SeccompRule> {
-    let condition = SeccompCondition::new(argument, SeccompCmpArgLen::Qword, operator, value).ok()?;
-    SeccompRule::new(vec![condition]).ok()
+/// Calls that fail with some arguments, as if the user had no permission.
+fn refused_if() -> Vec<(i64, Option<Vec<SeccompRule>>)> {
+    use SeccompCmpArgLen::{Dword, Qword};
+    use SeccompCmpOp::{MaskedEq, Ne};
+    // Asking for signals, for locks and for other sizes of a pipe are commands of fcntl too.
+    let command = [libc::F_GETFD, libc::F_SETFD, libc::F_GETFL].map(|c| (1, Dword, Ne, c as u64));
+    let flag = |flag: i32| (3, Qword, MaskedEq(flag as u64), flag as u64);
+    vec![
+        (libc::SYS_fcntl, rules(&[&command])),
+        // Limits may be read, its own only.
+        (libc::SYS_prlimit64, rules(&[&[(0, Dword, Ne, 0)], &[(2, Qword, Ne, 0)]])),
+        // Memory that the limit of data doesn't count.
+        (libc::SYS_mmap, rules(&[&[flag(libc::MAP_SHARED)], &[flag(libc::MAP_GROWSDOWN)]])),
+    ]
+}
+
+/// Calls that open files for anything but reading.
+fn unreadable_if() -> Vec<(i64, Option<Vec<SeccompRule>>)> {
+    let writing = |argument: u8| {
+        let is = |mask: i32, value: i32| {
+            [(argument, SeccompCmpArgLen::Dword, SeccompCmpOp::MaskedEq(mask as u64), value as u64)]
+        };
+        let temporary = libc::O_TMPFILE & !libc::O_DIRECTORY;
+        rules(&[
+            &is(libc::O_ACCMODE, libc::O_WRONLY),
+            &is(libc::O_ACCMODE, libc::O_RDWR),
+            &is(libc::O_ACCMODE, libc::O_ACCMODE),
+            &is(libc::O_CREAT, libc::O_CREAT),
+            &is(libc::O_TRUNC, libc::O_TRUNC),
+            &is(temporary, temporary),
+        ])
+    };
+    vec![
+        (libc::SYS_openat, writing(2)),
+        #[cfg(target_arch = "x86_64")]
+        (libc::SYS_open, writing(1)),
+    ]
+}
+
+/// Rules of which one must hold; all conditions of a rule must.
+fn rules(all: &[&[Condition]]) -> Option<Vec<SeccompRule>> {
+    let condition = |(argument, length, operator, value): &Condition| {
+        SeccompCondition::new(*argument, length.clone(), operator.clone(), *value).ok()
+    };
+    let rule = |conditions: &&[Condition]| {
+        SeccompRule::new(conditions.iter().map(condition).collect::<Option<Vec<_>>>()?).ok()
+    };
+    all.iter().map(rule).collect()
+}
+
+/// Puts a filter in force. The process has no way to new privileges already; `seccompiler` would ask for that again, by a
+/// call that the first filter refuses.
+fn apply(program: &BpfProgram) -> bool {
+    let Ok(len) = u16::try_from(program.len()) else { return false };
+    // What the kernel's and seccompiler's structs hold is the same: two bytes of code, two of jumps, four of value.
+    let program = libc::sock_fprog { len, filter: program.as_ptr().cast_mut().cast::<libc::sock_filter>() };
+    // SAFETY: the struct and the instructions live until the call returns, and the kernel only reads them.
+    unsafe { libc::syscall(libc::SYS_seccomp, libc::SECCOMP_SET_MODE_FILTER, 0, &raw const program) == 0 }
 }
 
 fn program(rules: Rules, otherwise: SeccompAction, listed: SeccompAction) -> Option<BpfProgram> {
     let arch = std::env::consts::ARCH.try_into().ok()?;
     SeccompFilter::new(rules, otherwise, listed, arch).ok()?.try_into().ok()
-}
-
-fn apply(program: Option<BpfProgram>) -> bool {
-    program.is_some_and(|p| seccompiler::apply_filter(&p).is_ok())
 }

@@ -3,12 +3,20 @@
 use std::io;
 use std::mem;
 use std::ptr;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
 
 use libc::{c_int, c_void, siginfo_t};
 
 /// For the handler of forbidden system calls.
 static PROTOCOL: AtomicI32 = AtomicI32::new(-1);
+
+/// Bytes of memory that the planner may have.
+static MEMORY: AtomicUsize = AtomicUsize::new(0);
+
+/// Has a fault told as one of memory where an eighth of this is not to be had any more.
+pub(super) fn expect_memory(bytes: u64) {
+    MEMORY.store(usize::try_from(bytes).unwrap_or(usize::MAX), Ordering::Relaxed);
+}
 
 /// Has a forbidden system call reported as a message to the descriptor `protocol`, and a stack that is full as a word on
 /// standard error.
@@ -74,11 +82,13 @@ extern "C" fn denied(_: c_int, info: *mut siginfo_t, _: *mut c_void) {
     }
 }
 
-/// Says so if the stack is full: memory near the stack pointer isn't there. Then the fault comes again.
+/// Says so if the stack is full: memory near the stack pointer isn't there; or if the memory is used up: nobody looked at
+/// a null pointer. Then the fault comes again.
 extern "C" fn crashed(_: c_int, info: *mut siginfo_t, context: *mut c_void) {
     /// A function's frame, or the pages that compilers touch one after the other to reserve a larger one.
     const NEAR: usize = 64 << 10;
-    const TEXT: &[u8] = b"planner worker: the planner has overflowed its stack\n";
+    const STACK: &[u8] = b"planner worker: the planner has overflowed its stack\n";
+    const FULL: &[u8] = b"planner worker: the planner has used up its memory\n";
     // SAFETY: the kernel hands over the address of the fault and the registers.
     let (address, stack) = unsafe {
         let registers = &(*context.cast::<libc::ucontext_t>()).uc_mcontext;
@@ -88,8 +98,21 @@ extern "C" fn crashed(_: c_int, info: *mut siginfo_t, context: *mut c_void) {
         let stack = registers.sp as usize;
         ((*info).si_addr() as usize, stack)
     };
-    if address.abs_diff(stack) < NEAR {
-        // SAFETY: safe in a signal handler.
-        unsafe { libc::write(2, TEXT.as_ptr().cast(), TEXT.len()) };
-    }
+    let text = if address.abs_diff(stack) < NEAR {
+        STACK
+    } else if is_full() {
+        FULL
+    } else {
+        return;
+    };
+    // SAFETY: safe in a signal handler.
+    unsafe { libc::write(2, text.as_ptr().cast(), text.len()) };
+}
+
+/// Whether an eighth of the planner's memory is refused. It is asked for and not used; the process ends anyway.
+fn is_full() -> bool {
+    let bytes = MEMORY.load(Ordering::Relaxed) / 8;
+    let (access, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
+    // SAFETY: a new mapping at a place of the system's choice changes no other.
+    bytes > 0 && unsafe { libc::mmap(ptr::null_mut(), bytes, access, kind, -1, 0) } == libc::MAP_FAILED
 }

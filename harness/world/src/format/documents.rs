@@ -99,15 +99,21 @@ impl WorldDocument {
             return flaw("grid.pitch", format!("{} must be a positive length in metres", grid.pitch));
         }
         let [low, high] = grid.height_range;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
+        if !(low >= LOWEST && high <= HIGHEST && low <= high) {
             return flaw(
                 "grid.height_range",
-                format!("[{low}, {high}] must be two heights in metres, lower first"),
+                format!(
+                    "[{low}, {high}] must be two heights in metres from {LOWEST} to {HIGHEST}, lower first"
+                ),
             );
         }
         Ok(())
     }
 }
+
+/// The deepest trench of the oceans and the highest mountain, with some room, m: what is beyond is no ground.
+const LOWEST: f64 = -12_000.0;
+const HIGHEST: f64 = 12_000.0;
 
 /// The letter of each class in `semantics.yaml`, in label order; capitals yield under a wheel.
 const LETTERS: [char; 10] = ['c', 'k', 'd', 'g', 'v', 'r', 'w', 'M', 'S', 'F'];

@@ -16,7 +16,7 @@ pub use suite::{Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
 /// # Errors
 /// If it can't be read or isn't of that form. Whether they lie in a world is for [`crate::World::check`] to say.
 pub fn read_obstacles(file: &std::path::Path) -> Result<Vec<crate::Obstacle>, SuiteError> {
-    let yaml = std::fs::read_to_string(file).map_err(|source| SuiteError::Read {
+    let yaml = vb_files::read_text(file, vb_files::DOCUMENT).map_err(|source| SuiteError::Read {
         path: file.to_owned(),
         source,
         hint: "give a YAML file of obstacles",

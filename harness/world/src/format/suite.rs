@@ -96,7 +96,7 @@ impl Suite {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, SuiteError> {
         let dir = dir.as_ref().to_path_buf();
         let file = dir.join(INDEX);
-        let yaml = std::fs::read_to_string(&file).map_err(|source| SuiteError::Read {
+        let yaml = vb_files::read_text(&file, vb_files::DOCUMENT).map_err(|source| SuiteError::Read {
             path: file.clone(),
             hint: "name a suite's folder, one that holds suite.yaml",
             source,

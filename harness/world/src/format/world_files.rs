@@ -9,6 +9,9 @@ use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// Largest file of a world that is read, bytes: the picture of the largest world there may be has 128 MiB at most.
+const MAX_BYTES: u64 = 256 << 20;
+
 /// The files of a world, in the order of [`Part::ALL`].
 pub(crate) struct WorldFiles([Vec<u8>; 5]);
 
@@ -36,7 +39,7 @@ impl WorldFiles {
         let mut files = Self(Default::default());
         for (part, slot) in Part::ALL.iter().zip(&mut files.0) {
             let path = folder.join(part.file_name());
-            *slot = std::fs::read(&path).map_err(|source| SuiteError::Read {
+            *slot = vb_files::read(&path, MAX_BYTES).map_err(|source| SuiteError::Read {
                 path,
                 hint: "each world needs world.yaml, elevation.png, semantics.yaml, obstacles.yaml and tasks.yaml",
                 source,

@@ -16,7 +16,7 @@ impl VehicleSpec {
     /// # Errors
     /// [`SimError::VehicleUnreadable`] or [`SimError::VehicleInvalid`], which name the file, the field and the value.
     pub fn load(path: &Path) -> Result<Self, SimError> {
-        let text = std::fs::read_to_string(path)
+        let text = vb_files::read_text(path, vb_files::DOCUMENT)
             .map_err(|e| SimError::VehicleUnreadable { path: path.to_owned(), reason: e.to_string() })?;
         Self::parse(&text, &path.display().to_string())
     }
@@ -36,6 +36,12 @@ impl VehicleSpec {
     }
 }
 
+/// The largest number that a vehicle file may have, in whatever unit: a spring of 1e9 N/m gives a micrometre under a tonne. Squares
+/// and products of larger ones leave the range in which a simulation can compute.
+const LARGEST: f64 = 1e9;
+/// The smallest number above zero where zero makes no sense, for the same reason: one over it is [`LARGEST`].
+const SMALLEST: f64 = 1e-9;
+
 struct Check<'a> {
     file: &'a str,
 }
@@ -46,24 +52,38 @@ impl Check<'_> {
     }
 
     fn positive(&self, field: &str, value: f64) -> Result<(), SimError> {
-        if value.is_finite() && value > 0.0 {
+        if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(());
+        }
+        if value.is_finite() && value > 0.0 {
+            return self.beyond(field, value);
         }
         self.fail(field, format!("{value} must be a positive number"))
     }
 
     fn not_negative(&self, field: &str, value: f64) -> Result<(), SimError> {
-        if value.is_finite() && value >= 0.0 {
+        if (0.0..=LARGEST).contains(&value) {
             return Ok(());
+        }
+        if value.is_finite() && value > 0.0 {
+            return self.beyond(field, value);
         }
         self.fail(field, format!("{value} must be zero or a positive number"))
     }
 
     fn finite(&self, field: &str, values: &[f64]) -> Result<(), SimError> {
-        match values.iter().find(|v| !v.is_finite()) {
+        match values.iter().find(|v| !(v.abs() <= LARGEST)) {
             None => Ok(()),
+            Some(v) if v.is_finite() => self.beyond(field, *v),
             Some(v) => self.fail(field, format!("{v} is not a number to compute with")),
         }
+    }
+
+    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, SimError> {
+        let reason = format!(
+            "{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)"
+        );
+        self.fail(field, reason)
     }
 
     fn vehicle(&self, v: &VehicleSpec) -> Result<(), SimError> {

@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
-use vb_host::{Limits, Plugin};
+use vb_host::{Limits, LoadError, Plugin};
 use vb_record::{LogMode, RunHeader, TraceMode};
 use vb_runner::{RunConfig, Soils, Vehicle};
 use vb_score::{Rules, Summary, TaskRecord};
@@ -126,6 +126,7 @@ impl Bench {
             keep_going: false,
             started_at: "2026-01-01T00:00:00Z".into(),
             harness_version: VERSION.into(),
+            harness_commit: "unknown".into(),
         };
         change(&mut config);
         vb_runner::run(&config, &mut |_| {}, &AtomicBool::new(false)).unwrap();
@@ -158,7 +159,10 @@ impl Bench {
     }
 
     pub fn verify(&self, name: &str, draw: Option<(usize, u64)>) -> Result<Verification, SubmissionError> {
-        self.verify_with(name, draw, |_| {})
+        let load = |limits: &Limits| {
+            Ok(if *limits == Limits::default() { self.plugin.clone() } else { load(limits, self.dir.path()) })
+        };
+        self.verify_with(name, draw, &load, |_| {})
     }
 
     /// Verifies with something else at hand than what it was made with.
@@ -166,15 +170,13 @@ impl Bench {
         &self,
         name: &str,
         draw: Option<(usize, u64)>,
+        load: &dyn Fn(&Limits) -> Result<Plugin, LoadError>,
         change: impl for<'a> FnOnce(&mut Expected<'a>),
     ) -> Result<Verification, SubmissionError> {
         let submission = Submission::open(&self.path(name))?;
-        let limits = submission.manifest().limits().unwrap_or_default();
-        let plugin =
-            if limits == Limits::default() { self.plugin.clone() } else { load(&limits, self.dir.path()) };
         let mut expected = Expected {
             suite: &self.suite,
-            plugin: &plugin,
+            plugin_sha256: self.plugin.sha256(),
             vehicle: &self.vehicle,
             soils: &self.soils,
             shipped: &self.shipped,
@@ -182,7 +184,8 @@ impl Bench {
         };
         change(&mut expected);
         let sampling = Sampling { draw, jobs: 2 };
-        vb_submission::verify(&submission, &expected, &sampling, &mut |_, _, _| {}, &AtomicBool::new(false))
+        let cancel = AtomicBool::new(false);
+        vb_submission::verify(&submission, &expected, load, &sampling, &mut |_, _, _| {}, &cancel)
     }
 
     /// A copy of a folder to forge in.
@@ -202,7 +205,7 @@ impl Bench {
             _ => typed::<Summary>(value),
         };
         text.push(b'\n');
-        fs::write(self.path(file), text).unwrap();
+        self.forge(file, &text);
     }
 
     /// The lines of a run's or submission's records.
@@ -223,7 +226,14 @@ impl Bench {
             }
             lines.push(b'\n');
         }
-        fs::write(self.path(file), lines).unwrap();
+        self.forge(file, &lines);
+    }
+
+    /// Writes a file. Checksums beside it are against accidents; a forger deletes them.
+    fn forge(&self, file: &str, bytes: &[u8]) {
+        let path = self.path(file);
+        let _ = fs::remove_file(path.with_file_name("checksums.txt"));
+        fs::write(path, bytes).unwrap();
     }
 
     /// What a forger does after he changed a file: he states its hash.

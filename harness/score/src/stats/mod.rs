@@ -1,4 +1,15 @@
-//! Running statistics, and the interval of a rate.
+//! Running statistics, and intervals.
+//!
+//! Ten tasks share a world, and a world that is hard for one task is hard for the others: tasks are not independent.
+//! Intervals are therefore by a bootstrap that draws whole worlds.
+
+mod bootstrap;
+mod normal;
+mod rate;
+
+pub use bootstrap::{Interval, Ratio, bootstrap, bootstrap_ratio};
+pub use normal::{normal_cdf, normal_quantile};
+pub use rate::{BOOTSTRAP_SEED, success_interval};
 
 /// Mean, variance and maximum in one pass (Welford 1962), combinable (Chan, Golub, LeVeque 1979, eq. 2.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

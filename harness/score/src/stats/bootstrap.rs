@@ -1,6 +1,6 @@
 //! Intervals by resampling whole clusters.
 
-use super::{normal_cdf, normal_quantile};
+use super::normal::{normal_cdf, normal_quantile};
 use vb_math::rng::Stream;
 
 /// Number of resamples. The ends of a 95 % interval move by about a hundredth of its width with another seed.

@@ -1,0 +1,40 @@
+//! Tells the program which git commit it is built from, as `VB_COMMIT`: where a result is from should be found again.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What the program is made of, as paths of the repository.
+const SOURCES: [&str; 4] = ["harness", "sdk", "Cargo.toml", "Cargo.lock"];
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    println!("cargo::rustc-env=VB_COMMIT={}", commit(&root).unwrap_or_else(|| "unknown".into()));
+}
+
+/// The commit, with `, modified` if the sources differ from it; none outside of a checkout of this repository, or without git.
+fn commit(root: &Path) -> Option<String> {
+    let git = |args: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(root).args(args).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim_end().to_owned())
+    };
+    // Sources that were unpacked within another repository are none of its.
+    let top = git(&["rev-parse", "--show-toplevel"])?;
+    if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
+        return None;
+    }
+    let hash = git(&["rev-parse", "HEAD"])?;
+    let status = ["status", "--porcelain", "--untracked-files=no", "--"];
+    let modified = !git(&[&status[..], &SOURCES].concat())?.is_empty();
+    // Asked again only when HEAD moved or a source changed, which builds the program anyway. A path that isn't there would make
+    // cargo ask each time. The log of HEAD grows with every commit and checkout, also where HEAD itself names a branch.
+    let of_git = ["HEAD", "logs/HEAD"].iter().filter_map(|name| git(&["rev-parse", "--git-path", name]));
+    let sources = root.join("harness").read_dir().ok()?.flatten().map(|e| e.path().join("src"));
+    let paths =
+        of_git.map(|p| root.join(p)).chain(sources).chain(["sdk/src", "Cargo.lock"].map(|p| root.join(p)));
+    for path in paths.filter(|p| p.exists()) {
+        println!("cargo::rerun-if-changed={}", path.display());
+    }
+    Some(if modified { format!("{hash}, modified") } else { hash })
+}
