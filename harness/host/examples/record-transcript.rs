@@ -5,7 +5,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a tool for developers")]
 
-#[path = "../tests/transcript/mod.rs"]
+#[path = "../tests/all/golden/transcript/mod.rs"]
 mod transcript;
 
 use std::path::PathBuf;

@@ -256,7 +256,7 @@ fn native_planners_that_do_harm_end_under_their_codes() {
 #[test]
 fn what_native_planners_may_not_do_ends_under_its_code() {
     if !Good::seccomp() {
-        eprintln!("skipped: the kernel has no seccomp");
+        vb_testing::skip("the kernel has no seccomp");
         return;
     }
     meet(&native::confined());

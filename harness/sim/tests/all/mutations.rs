@@ -1,6 +1,5 @@
 //! A vehicle file with a number that no vehicle has is refused, or the vehicle drives or ends in an error: never in a panic.
 
-
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Duration;

@@ -3,7 +3,6 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-
 use std::collections::BTreeSet;
 use std::fs;
 

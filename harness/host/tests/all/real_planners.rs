@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
 use std::path::PathBuf;
 
 use vb_host::{Carrier, Limits, LoadError, LogSink, Plugin, ProcessOptions, inspect};
@@ -17,7 +15,7 @@ fn built(file: &str) -> Option<PathBuf> {
     if path.is_file() {
         return Some(path);
     }
-    eprintln!("skipped: {} is missing; run `cargo xtask plugins`", path.display());
+    vb_testing::skip(format_args!("{} is missing; run `cargo xtask plugins`", path.display()));
     None
 }
 
@@ -211,14 +209,14 @@ fn ten_megabytes_of_ordinary_code_are_compiled_with_room() {
         format!("(func $f{i} (param i32 i32) {} {call})", body.repeat(8))
     };
     let items: String = (0..22_000).map(function).collect();
-    let text = common::planner_wat(
+    let text = crate::common::planner_wat(
         "(call $ok_planner)",
         "(call $ok_command (f64.const 0) (f64.const 0) (f64.const 0))",
     );
     let text = text.replacen("(func $spin", &format!("{items} (func $spin"), 1);
-    let module = common::core_module(&text, common::METADATA);
+    let module = crate::common::core_module(&text, crate::common::METADATA);
     assert!(module.len() > 7_000_000, "{}", module.len());
-    let (_dir, path) = common::file(&module);
+    let (_dir, path) = crate::common::file(&module);
     let limits = Limits::default();
     let (compile_bytes, compile_seconds) = (limits.compile_bytes / 2, limits.compile_seconds / 2);
     let tight = Limits { compile_bytes, compile_seconds, ..limits };

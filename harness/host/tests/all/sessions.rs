@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
-use common::{keeper, observation, plugin, task};
+use crate::common::{keeper, observation, plugin, task};
 use vb_host::{Carrier, FaultCause, Limits, LogSink, PlannerFault, Plugin, Resource, Session};
 use vb_sdk::{Command, LogLevel};
 

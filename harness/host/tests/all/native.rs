@@ -4,12 +4,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use common::{keeper, observation, task};
+use crate::common::{keeper, observation, task};
 use vb_host::{Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, Plugin, ProcessOptions};
 use vb_sdk::{LogLevel, Series, Task};
 
@@ -17,7 +15,7 @@ use vb_sdk::{LogLevel, Series, Task};
 fn compile(macros: &[&str]) -> Option<(tempfile::TempDir, PathBuf)> {
     let dir = tempfile::tempdir().unwrap();
     let library = dir.path().join("hostile.so");
-    common::compile_c(Path::new("hostile.c"), &library, macros)?;
+    crate::common::compile_c(Path::new("hostile.c"), &library, macros)?;
     Some((dir, library))
 }
 

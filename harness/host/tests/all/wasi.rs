@@ -3,9 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
-use common::{METADATA, core_module, core_module_of, file, keeper, observation, planner_wat, task};
+use crate::common::{METADATA, core_module, core_module_of, file, keeper, observation, planner_wat, task};
 use vb_host::{FaultCause, Limits, LogSink, Plugin};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
-use common::{METADATA, core_module, file, observation, planner_wat, plugin, task};
+use crate::common::{METADATA, core_module, file, observation, planner_wat, plugin, task};
 use vb_host::{FaultCause, Limits, LogSink, PlannerFault, Plugin, Resource};
 
 const OK: &str = "(call $ok_planner)";

@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{METADATA, core_module, file, observation, planner_wat, task, with_metadata};
+use crate::common::{METADATA, core_module, file, observation, planner_wat, task, with_metadata};
 use sha2::Digest as _;
 use vb_host::{Limits, LoadError, LogSink, Plugin, imports, inspect};
 
