@@ -29,8 +29,8 @@ const X86_64_V3: [&str; 12] = [
 ];
 
 /// Has code compiled for the same processor everywhere, whatever this machine's can do: the frames of functions, and with
-/// them the depth at which a recursion ends, depend on the instructions that there are. On x86-64 that is x86-64-v3, which
-/// costs no time against all that a newer one has; elsewhere it is the architecture's baseline.
+/// them the depth at which a recursion ends, depend on the instructions that there are. On x86-64 that is x86-64-v3, with
+/// which a step of MPPI takes no longer than with all that a newer processor has; elsewhere it is the architecture's baseline.
 fn fix_processor(config: &mut Config) -> wasmtime::Result<()> {
     config.target(&target_lexicon::HOST.to_string())?;
     #[cfg(target_arch = "x86_64")]
