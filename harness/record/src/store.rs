@@ -422,7 +422,9 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T)) -> Result
         }
         let parsed =
             serde_json::from_slice::<Key>(&line).and_then(|key| Ok((key, serde_json::from_slice(&line)?)));
-        if parsed.is_err() || !line.ends_with(b"\n") {
+        // With checksums a line that is ended is known to have been written whole: one that can't be read is damaged, not torn.
+        let torn = !line.ends_with(b"\n") || (parsed.is_err() && sums.is_none());
+        if torn {
             let last = file.fill_buf().map_err(StoreError::io("read", path))?.is_empty();
             if last {
                 return Ok(len);

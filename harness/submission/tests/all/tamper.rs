@@ -149,10 +149,10 @@ fn each_field_of_what_was_run_is_checked_or_costs_the_rank() {
             }
         }
     }
-    // Paths are not in submissions.
-    let expected = ["plugin.path", "started_at", "suite.path"].map(str::to_owned);
+    // Paths are not in submissions; the commit and the start are for people.
+    let expected = ["harness_commit", "plugin.path", "started_at", "suite.path"].map(str::to_owned);
     assert_eq!(unfound, expected.into());
-    assert!(informational("run.started_at"));
+    assert!(informational("run.started_at") && informational("run.harness_commit"));
 }
 
 #[test]
