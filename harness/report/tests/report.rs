@@ -342,6 +342,8 @@ fn the_page_of_very_many_tasks_stays_small() {
         file.write_all(b"\n").unwrap();
     }
     file.into_inner().unwrap();
+    // They are of records that were there before.
+    fs::remove_file(run.join("checksums.txt")).unwrap();
     let report = Report::new(Runs::read(&[run]).unwrap());
     let page = report.page(&BTreeSet::new(), &[]);
     assert!(page.len() < 12 << 20, "{} bytes", page.len());

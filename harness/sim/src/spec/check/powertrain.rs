@@ -4,6 +4,9 @@ use super::Check;
 use crate::error::SimError;
 use crate::spec::{Converter, Differential, Driveline, Engine, Gearbox, VehicleSpec};
 
+/// What no engine idles at, rad/s; the squares of much higher speeds make torques that nothing can compute with.
+const FASTEST_IDLE: f64 = 1000.0;
+
 impl Check<'_> {
     pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), SimError> {
         let p = &v.powertrain;
@@ -80,6 +83,10 @@ impl Check<'_> {
     fn converter(&self, c: &Converter) -> Result<(), SimError> {
         let at = |f: &str| format!("powertrain.converter.{f}");
         self.positive(&at("idle_speed"), c.idle_speed)?;
+        if c.idle_speed > FASTEST_IDLE {
+            let reason = format!("{} must be {FASTEST_IDLE} rad/s at most", c.idle_speed);
+            return self.fail(&at("idle_speed"), reason);
+        }
         for (name, points) in [("capacity", &c.capacity), ("torque_ratio", &c.torque_ratio)] {
             self.table(&at(name), points)?;
             for (i, p) in points.iter().enumerate() {
@@ -212,6 +219,11 @@ mod tests {
             with_engine(&engine.replace("INERTIA", inertia).replace("RATIO", ratio))
         };
         assert!(of("1.6", "1.05").is_ok());
+        let e = with_engine(&engine.replace("idle_speed: 80.0", "idle_speed: 1.0e9")).unwrap_err();
+        assert!(
+            e.starts_with("car.yaml: powertrain.converter.idle_speed: 1000000000 must be 1000 rad/s"),
+            "{e}"
+        );
         let e = of("0.0", "1.05").unwrap_err();
         assert!(e.starts_with("car.yaml: powertrain.engine.inertia: 0 must be positive"), "{e}");
         let e = of("1.6", "1.3").unwrap_err();
