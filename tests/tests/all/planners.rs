@@ -113,7 +113,7 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
     let limits = &bench.json("r/run.json")["limits"];
     assert_eq!((&limits["fuel_per_step"], &limits["stack_bytes"]), (&1_000_000.into(), &262_144.into()));
     assert_eq!((&limits["memory_bytes"], &limits["table_elements"]), (&(32 << 20).into(), &(1 << 20).into()));
-    assert_eq!(limits.as_object().expect("limits").len(), 10);
+    assert_eq!(limits.as_object().expect("limits").len(), 13);
     let fuel = &bench.records("r")["w001/t00"]["fuel"];
     let n = |name: &str| fuel[name].as_f64().expect(name);
     assert!(

@@ -30,7 +30,7 @@ fn pipes_and_devices_are_refused_at_once_wherever_a_file_can_be_named() {
             assert!(told.contains(file) && told.contains("no regular file"), "{option} {file}: {told}");
         }
         for args in [
-            ["suite", "generate", "--seed", "1", "--out", "s", "--params"].as_slice(),
+            ["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "s", "--params"].as_slice(),
             &["vehicle", "validate"],
             &["terrain", "measure"],
         ] {
