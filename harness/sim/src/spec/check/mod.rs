@@ -72,7 +72,7 @@ impl Check<'_> {
     }
 
     fn finite(&self, field: &str, values: &[f64]) -> Result<(), SimError> {
-        match values.iter().find(|v| !(v.abs() <= LARGEST)) {
+        match values.iter().find(|v| !(-LARGEST..=LARGEST).contains(*v)) {
             None => Ok(()),
             Some(v) if v.is_finite() => self.beyond(field, *v),
             Some(v) => self.fail(field, format!("{v} is not a number to compute with")),
