@@ -4,6 +4,9 @@ use super::Check;
 use crate::error::SimError;
 use crate::spec::{Converter, Differential, Driveline, Engine, Gearbox, VehicleSpec};
 
+/// No engine turns faster, rad/s: it is about 95 000 revolutions a minute.
+const FASTEST: f64 = 1e4;
+
 impl Check<'_> {
     pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), SimError> {
         let p = &v.powertrain;
@@ -29,6 +32,9 @@ impl Check<'_> {
     pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), SimError> {
         if points.is_empty() || points.iter().flatten().any(|x| !x.is_finite()) {
             return self.fail(field, "needs at least one point of two finite numbers".to_owned());
+        }
+        for (i, point) in points.iter().enumerate() {
+            self.finite(&format!("{field}[{i}]"), point)?;
         }
         match points.windows(2).find(|w| w[0][0] >= w[1][0]) {
             None => Ok(()),
@@ -80,6 +86,10 @@ impl Check<'_> {
     fn converter(&self, c: &Converter) -> Result<(), SimError> {
         let at = |f: &str| format!("powertrain.converter.{f}");
         self.positive(&at("idle_speed"), c.idle_speed)?;
+        if c.idle_speed > FASTEST {
+            let reason = format!("{} rad/s is more than the {FASTEST} of any engine", c.idle_speed);
+            return self.fail(&at("idle_speed"), reason);
+        }
         for (name, points) in [("capacity", &c.capacity), ("torque_ratio", &c.torque_ratio)] {
             self.table(&at(name), points)?;
             for (i, p) in points.iter().enumerate() {
