@@ -1,5 +1,7 @@
 //! All tests of the built program, in one program.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 mod bad_input;
 mod check;
 mod determinism;

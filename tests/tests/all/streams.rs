@@ -40,9 +40,9 @@ fn pipes_and_devices_are_refused_at_once_wherever_a_file_can_be_named() {
     }
     let told = bench.run(&["--plugin", pid, "--suite", "suite"]).error(BAD_INPUT);
     assert!(told.contains("suite.yaml") && told.contains("no regular file"), "{told}");
-    for command in ["score", "report"] {
-        let told = bench.run(&[command, "run"]).error(BAD_INPUT);
-        assert!(told.contains("run.json") && told.contains("no regular file"), "{command}: {told}");
+    for command in [&["score", "run"][..], &["report", "run", "--out", "page"]] {
+        let told = bench.run(command).error(BAD_INPUT);
+        assert!(told.contains("run.json") && told.contains("no regular file"), "{command:?}: {told}");
     }
 }
 

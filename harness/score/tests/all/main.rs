@@ -1,4 +1,6 @@
 //! The tests of this crate, in one program.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 mod runs;
 mod trials;
