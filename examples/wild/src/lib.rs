@@ -103,7 +103,7 @@ impl Planner for Wild {
             }
             Phase::Hold(command) => command,
             Phase::Slalom { period } => {
-                let turned = (observation.time / period) as u64 % 2 == 0;
+                let turned = ((observation.time / period) as u64).is_multiple_of(2);
                 let steering = if turned { 1.0 } else { -1.0 };
                 Command { steering, throttle: 1.0, ..Command::default() }
             }
