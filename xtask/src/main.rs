@@ -154,7 +154,7 @@ fn test() -> Result<(), Failure> {
     let skipped = target_dir().join("skipped.tsv");
     let _ = std::fs::remove_file(&skipped);
     let mut command = std::process::Command::new(run::cargo_program());
-    command.args(["test", "--quiet", "--workspace"]).env(vb_testing::SKIPPED, &skipped);
+    command.args(["test", "--quiet", "--workspace", "--no-fail-fast"]).env(vb_testing::SKIPPED, &skipped);
     let result = run::run(command.current_dir(root()));
     // Of a run without any there is no file.
     say_skipped(&std::fs::read_to_string(&skipped).unwrap_or_default());
