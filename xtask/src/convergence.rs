@@ -42,7 +42,7 @@ pub(crate) fn convergence() -> Result<(), Failure> {
             ("3.003 m/s", vec!["--param", "speed=3.003"]),
         ];
         if ground == SOFT {
-            changes.push(("half the grid", vec!["--soil-pitch", "0.05"]));
+            changes.push(("half the grid", vec!["--soil-resolution", "0.05"]));
         }
         for (name, options) in changes {
             table.push(compare(ground, name, &base, &drive(name, &options)?));

@@ -16,7 +16,7 @@ const RULES: &str = "paper";
 const VEHICLE: &str = "hmmwv";
 const SOILS: &str = "default";
 /// Side of the cells in which soil remembers ruts, m.
-const SOIL_PITCH: f64 = 0.1;
+const SOIL_RESOLUTION: f64 = 0.1;
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -38,7 +38,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
     let tasks = spread(suite::select(&suite, args.tasks.as_deref())?);
     let rules = Rules::resolve(RULES).map_err(CliError::input)?;
     let vehicle = run::vehicle(VEHICLE)?;
-    let soils = run::soils(SOILS, SOIL_PITCH)?;
+    let soils = run::soils(SOILS, SOIL_RESOLUTION)?;
     let limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
     planner::can_be_confined(&args.plugin, args.require_sandbox)?;
     let command = planner::command(&args.plugin);

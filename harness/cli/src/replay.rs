@@ -10,7 +10,8 @@ use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, S
 use vb_report::Runs;
 use vb_runner::Soils;
 use vb_score::{Rules, SuccessRule, TaskRecord};
-use vb_sim::{SimOptions, VehicleModel, VehicleSpec};
+use vb_sim::SimOptions;
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
@@ -176,7 +177,7 @@ impl Player {
                 let header = &part.header;
                 let options = SimOptions {
                     step: header.time_step,
-                    soil_pitch: header.soil_pitch,
+                    soil_resolution: header.soil_resolution,
                     start,
                     ..SimOptions::default()
                 };
@@ -231,7 +232,7 @@ fn part(r: &vb_report::Run, data: &ReplayData, tasks: &BTreeSet<String>) -> Resu
     let vehicle = run::vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
         .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
     let same_vehicle = vehicle.hash == header.vehicle.hash;
-    let soils = run::soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_pitch).ok();
+    let soils = run::soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution).ok();
     let spec: VehicleSpec = vehicle.spec;
     let vehicle = VehicleModel::new(spec).map_err(CliError::input)?;
     let reader = RunReader::open(&r.dir).map_err(CliError::input)?;

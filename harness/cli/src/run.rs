@@ -10,7 +10,8 @@ use sha2::{Digest as _, Sha256};
 use vb_host::Limits;
 use vb_runner::{Event, FailedStart, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
-use vb_sim::{SoilSet, VehicleSpec};
+use vb_sim::SoilSet;
+use vb_vehicle::VehicleSpec;
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
@@ -103,7 +104,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
-    let soils = soils(&args.soils, args.soil_pitch)?;
+    let soils = soils(&args.soils, args.soil_resolution)?;
     let mut limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
@@ -181,14 +182,14 @@ pub(crate) fn vehicle_of(path: &Path) -> Result<Vehicle, CliError> {
 }
 
 /// A set of soils by its name or file, and the side of the cells in which soil remembers ruts, m.
-pub(crate) fn soils(wanted: &str, pitch: f64) -> Result<Soils, CliError> {
-    soils_of(&places::data(Data::Soils, wanted)?, pitch)
+pub(crate) fn soils(wanted: &str, resolution: f64) -> Result<Soils, CliError> {
+    soils_of(&places::data(Data::Soils, wanted)?, resolution)
 }
 
 /// The set of soils in this file.
-pub(crate) fn soils_of(path: &Path, pitch: f64) -> Result<Soils, CliError> {
+pub(crate) fn soils_of(path: &Path, resolution: f64) -> Result<Soils, CliError> {
     let (file, text, hash) = read_data(Data::Soils, path)?;
-    Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, pitch })
+    Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, resolution })
 }
 
 /// (path, text, SHA-256 in hexadecimal) of a data file.

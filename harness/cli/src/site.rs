@@ -20,16 +20,16 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     for z in heights.values_mut() {
         *z *= args.unit;
     }
-    let Some(pitch) = args.sample_pitch.or(heights.pitch()) else {
+    let Some(resolution) = args.sample_resolution.or(heights.resolution()) else {
         let message =
-            format!("{file}: the file doesn't say how far apart its samples are: give --sample-pitch");
+            format!("{file}: the file doesn't say how far apart its samples are: give --sample-resolution");
         return Err(CliError::usage(message));
     };
     let labels = args.labels.as_deref().map(raster).transpose()?;
     let obstacles = args.obstacles.as_deref().map(vb_world::read_obstacles).transpose();
     let obstacles = obstacles.map_err(CliError::input)?;
     let survey =
-        Survey { heights: &heights, pitch, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
+        Survey { heights: &heights, resolution, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
     let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
     let worlds = site::worlds(&survey, cut, args.density, &site, &params, args.seed)
         .map_err(|e| CliError::input(format!("{file}: {e}")))?;
@@ -42,8 +42,8 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
             source: format!(
                 "{}, {:.3} by {:.3} m, site rules {}, rules {}, seed {}",
                 name(&args.raster),
-                heights.cols() as f64 * pitch,
-                heights.rows() as f64 * pitch,
+                heights.cols() as f64 * resolution,
+                heights.rows() as f64 * resolution,
                 site.name,
                 params.name,
                 args.seed

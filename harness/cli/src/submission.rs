@@ -138,7 +138,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         Some(vehicle) => run::vehicle(vehicle)?,
         None => run::vehicle_of(&places::own_data(Data::Vehicle, plain("vehicle", &m.run.vehicle.name)?)?)?,
     };
-    let pitch = m.run.soil_pitch;
+    let pitch = m.run.soil_resolution;
     let soils = match &args.soils {
         Some(soils) => run::soils(soils, pitch)?,
         None => run::soils_of(&places::own_data(Data::Soils, plain("soils", &m.run.soils.name)?)?, pitch)?,

@@ -60,7 +60,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
         seed: args.seed,
         rows: args.size.1,
         cols: args.size.0,
-        pitch: args.pitch,
+        resolution: args.resolution,
         share: share(level),
     };
     let surface = model.surface(&request).map_err(CliError::usage)?;
@@ -79,7 +79,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
         args.out.display(),
         surface.cols(),
         surface.rows(),
-        surface.pitch(),
+        surface.resolution(),
         deviation(surface.heights())
     ));
     Ok(())
@@ -91,22 +91,23 @@ const WAVES: RangeInclusive<usize> = 1..=10;
 
 /// Tells heights, slopes and the spectrum's exponent of elevation files.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
-    let head = ["file", "samples", "pitch", "std", "slope p50", "p90", "p95", "p99", "p99.5", "power"];
+    let head = ["file", "samples", "resolution", "std", "slope p50", "p90", "p95", "p99", "p99.5", "power"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     let (mut steep, mut deviations, mut power) = (Vec::new(), Vec::new(), Vec::new());
-    let row = |name: String, size: String, pitch: f64, std: f64, steep: &mut [f64], power: &[Vec<f64>]| {
-        let degrees = [0.5, 0.9, 0.95, 0.99, 0.995].map(|s| format!("{:.1}", percentile(steep, s)));
-        let start = [name, size, format!("{pitch} m"), format!("{std:.3} m")];
-        start.into_iter().chain(degrees).chain([law(power)]).collect::<Vec<_>>()
-    };
+    let row =
+        |name: String, size: String, resolution: f64, std: f64, steep: &mut [f64], power: &[Vec<f64>]| {
+            let degrees = [0.5, 0.9, 0.95, 0.99, 0.995].map(|s| format!("{:.1}", percentile(steep, s)));
+            let start = [name, size, format!("{resolution} m"), format!("{std:.3} m")];
+            start.into_iter().chain(degrees).chain([law(power)]).collect::<Vec<_>>()
+        };
     for path in &args.files {
         let mut raster = read(path, Holes::Refuse).map_err(CliError::input)?;
         if args.repair {
             repair(&mut raster);
         }
-        let pitch = args.pitch.or(raster.pitch()).unwrap_or(1.0);
+        let resolution = args.resolution.or(raster.resolution()).unwrap_or(1.0);
         let heights: Vec<f64> = raster.values().iter().map(|v| v * args.height_unit).collect();
-        let mut own = slopes(&heights, raster.cols(), pitch);
+        let mut own = slopes(&heights, raster.cols(), resolution);
         let std = deviation(&heights);
         // Each file's power over its variance: a steep file counts as much as a level one.
         let mut parts: Vec<Vec<f64>> = windows(&heights, raster.cols(), WINDOW).collect();
@@ -115,7 +116,7 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
         }
         let size = format!("{} x {}", raster.cols(), raster.rows());
         if !args.summary {
-            rows.push(row(path.display().to_string(), size, pitch, std, &mut own, &parts));
+            rows.push(row(path.display().to_string(), size, resolution, std, &mut own, &parts));
         }
         steep.append(&mut own);
         power.append(&mut parts);
@@ -123,8 +124,8 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
     }
     let mean = deviations.iter().sum::<f64>() / deviations.len().max(1) as f64;
     if args.summary || args.files.len() > 1 {
-        let pitch = args.pitch.unwrap_or(1.0);
-        rows.push(row(format!("all {}", args.files.len()), "-".into(), pitch, mean, &mut steep, &power));
+        let resolution = args.resolution.unwrap_or(1.0);
+        rows.push(row(format!("all {}", args.files.len()), "-".into(), resolution, mean, &mut steep, &power));
     }
     output::text(&output::columns(&rows));
     Ok(())

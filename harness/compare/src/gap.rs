@@ -2,7 +2,7 @@
 //!
 //! A record tells the pose of the vehicle, the places and speeds of its wheels and the force of the ground on each. A
 //! wheel that rolls stands on the ground. One that slides stands above it by the solver's step times the friction
-//! coefficient times the sliding speed (`vb_sim::Dilation`), up to the distance at which contacts are reported.
+//! coefficient times the sliding speed (`vb_vehicle::tyre::Dilation`), up to the distance at which contacts are reported.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -19,8 +19,9 @@ use mode::Mode;
 use reference::Run;
 use table::{Ours, Row};
 use vb_score::TaskRecord;
-use vb_sim::{SimError, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{SimError, SoilSet};
 use vb_suite::import::{Ground, ImportError, Source};
+use vb_vehicle::{VehicleError, VehicleModel, VehicleSpec};
 use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
 
 /// Drives the tasks that Project Chrono was recorded on and puts both results side by side.
@@ -79,9 +80,12 @@ enum CompareError {
     /// The original's worlds can't be imported.
     #[error(transparent)]
     Import(#[from] ImportError),
-    /// The recorded vehicle or its soils can't be read.
+    /// The recorded vehicle can't be read.
     #[error(transparent)]
-    Vehicle(#[from] SimError),
+    Vehicle(#[from] VehicleError),
+    /// Its soils can't be read.
+    #[error(transparent)]
+    Soils(#[from] SimError),
     /// The recorded vehicle can't be driven at a wall.
     #[error("{}: {source}", file.display())]
     Simulation {

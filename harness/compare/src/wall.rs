@@ -12,9 +12,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use vb_sim::{
-    Controls, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleState, WheelState,
-};
+use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, VehicleState, WheelState};
+use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Pose2, World};
 
 use crate::CompareError;
@@ -107,7 +106,7 @@ impl Columns<'_> {
             position,
             attitude,
             velocity: attitude.inverse() * self.three(row, ["vx", "vy", "vz"])?,
-            rates: self.three(row, ["wx", "wy", "wz"])?,
+            angular_velocity: self.three(row, ["wx", "wy", "wz"])?,
             wheels,
             steering,
         })
@@ -228,7 +227,7 @@ pub(crate) fn table(walls: &[Wall]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sim::VehicleSpec;
+    use vb_vehicle::VehicleSpec;
 
     #[test]
     fn the_greatest_loss_within_a_tenth_of_a_second_is_found() {

@@ -124,7 +124,8 @@ pub struct RunHeader {
     /// Step of the simulation, s.
     pub time_step: f64,
     /// Side of the cells in which soil remembers ruts, at scale 1, m.
-    pub soil_pitch: f64,
+    #[serde(alias = "soil_pitch")]
+    pub soil_resolution: f64,
     /// Time between the samples that rules and metrics see, s.
     pub sample_period: f64,
     /// The rules.

@@ -47,7 +47,7 @@ fn header() -> RunHeader {
         scale: 1.0 / 6.0,
         seed: u64::MAX,
         time_step: 0.001,
-        soil_pitch: 0.1,
+        soil_resolution: 0.1,
         sample_period: 0.01,
         rules: RulesHeader {
             name: "paper".into(),

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
 use vb_runner::{StateHash, sample};
-use vb_sim::{Controls, Side, SimOptions, Simulation, SoilSet, VehicleModel};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
 
 /// Time between the frames of a repeated simulation, s.

@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, Vector3};
 use rapier3d_f64::parry;
 use serde_json::{Value, json};
 use vb_score::TaskRecord;
-use vb_sim::VehicleSpec;
+use vb_vehicle::VehicleSpec;
 use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
 
 use crate::debug::PlannerSeries;
@@ -120,21 +120,22 @@ fn floats(values: impl Iterator<Item = f64>) -> String {
     STANDARD.encode(bytes)
 }
 
-/// The ground thinned to what is drawn: rows, columns, pitch (m) along x and y, heights.
+/// The ground thinned to what is drawn: rows, columns, resolution (m) along x and y, heights.
 pub(crate) fn ground(world: &World) -> (usize, usize, [f64; 2], Vec<f64>) {
     let h = &world.heightfield;
     let stride = |n: usize| (n - 1).div_ceil(NODES - 1).max(1);
     let (sr, sc) = (stride(h.rows()), stride(h.cols()));
     // The last row and column are always drawn: the spacing is even, heights are asked for in between if need be.
     let (rows, cols) = ((h.rows() - 1).div_ceil(sr) + 1, (h.cols() - 1).div_ceil(sc) + 1);
-    let pitch = [2.0 * h.half_x() / (cols - 1) as f64, 2.0 * h.half_y() / (rows - 1) as f64];
+    let resolution = [2.0 * h.half_x() / (cols - 1) as f64, 2.0 * h.half_y() / (rows - 1) as f64];
     let mut heights = Vec::with_capacity(rows * cols);
     for r in 0..rows {
         for c in 0..cols {
-            heights.push(h.height(c as f64 * pitch[0] - h.half_x(), r as f64 * pitch[1] - h.half_y()));
+            heights
+                .push(h.height(c as f64 * resolution[0] - h.half_x(), r as f64 * resolution[1] - h.half_y()));
         }
     }
-    (rows, cols, pitch, heights)
+    (rows, cols, resolution, heights)
 }
 
 impl Replay {
@@ -142,7 +143,7 @@ impl Replay {
     pub(crate) fn json(&self) -> Value {
         let world = &self.world;
         let h = &world.heightfield;
-        let (rows, cols, pitch, heights) = ground(world);
+        let (rows, cols, resolution, heights) = ground(world);
         let s = &world.semantics;
         let classes: Vec<Value> = TerrainClass::ALL
             .iter()
@@ -161,7 +162,7 @@ impl Replay {
             "ground": {
                 "rows": rows,
                 "cols": cols,
-                "pitch": pitch,
+                "resolution": resolution,
                 "half": [h.half_x(), h.half_y()],
                 "heights": floats(heights.into_iter()),
             },

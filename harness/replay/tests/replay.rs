@@ -14,7 +14,8 @@ use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, T
 use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayRun, Setting, page, write_mcap};
 use vb_runner::StateHash;
 use vb_score::{Outcome, TaskRecord};
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Obstacle, ObstacleKind, Pose2, Task, TerrainClass, World};
 
 const HOSTILE: &str = "</script><script>document.title='owned'</script><img src=x onerror=alert(1)>";

@@ -308,7 +308,7 @@ fn environment(h: &RunHeader) -> Vec<(&'static str, String)> {
         ("scale", h.scale.to_string()),
         ("seed", h.seed.to_string()),
         ("time step", h.time_step.to_string()),
-        ("soil pitch", h.soil_pitch.to_string()),
+        ("soil resolution", h.soil_resolution.to_string()),
         ("harness", format!("{} ({})", h.harness_version, h.harness_commit)),
         ("tasks", h.selector.clone().unwrap_or_else(|| "all".into())),
         ("limits", h.limits.iter().map(|(k, v)| format!("{k} {v}")).collect::<Vec<_>>().join(", ")),

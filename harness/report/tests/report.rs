@@ -44,7 +44,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
         scale: 1.0,
         seed: 0,
         time_step: 0.001,
-        soil_pitch: 0.1,
+        soil_resolution: 0.1,
         sample_period: 0.01,
         rules: RulesHeader { name: "paper".into(), hash: "ee".into(), profile: serde_json::json!({}) },
         limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),

@@ -3,7 +3,7 @@
 use vb_math::rng::Stream;
 use vb_score::Rules;
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
-use vb_sim::VehicleSpec;
+use vb_vehicle::VehicleSpec;
 use vb_world::{Task, World};
 
 use crate::shape::StaticShape;
@@ -57,7 +57,7 @@ pub fn planner_task(
         id: format!("{}/{}", world.id, task.id),
         vehicle,
         elevation: Map {
-            frame: frame(h.rows(), h.cols(), h.pitch(), [-h.half_x(), -h.half_y()]),
+            frame: frame(h.rows(), h.cols(), h.resolution(), [-h.half_x(), -h.half_y()]),
             data: h.heights().iter().map(|&z| z as f32).collect(),
         },
         semantics: Map {
@@ -105,7 +105,8 @@ mod tests {
     use super::*;
     use crate::shape::static_shape;
     use vb_math::tan;
-    use vb_sim::{SimOptions, VehicleModel};
+    use vb_sim::SimOptions;
+    use vb_vehicle::VehicleModel;
 
     #[test]
     fn the_hmmwv_is_told_by_its_published_figures() {

@@ -3,6 +3,7 @@
 use vb_host::ParamError;
 use vb_record::StoreError;
 use vb_sim::SimError;
+use vb_vehicle::VehicleError;
 use vb_world::SuiteError;
 
 /// An error of a run. What planners do wrong is none: it is a task's outcome.
@@ -18,9 +19,12 @@ pub enum RunError {
     /// A parameter that the planner doesn't have.
     #[error(transparent)]
     Param(#[from] ParamError),
+    /// The vehicle can't be used.
+    #[error(transparent)]
+    Vehicle(#[from] VehicleError),
     /// The vehicle can't be simulated.
     #[error(transparent)]
-    Vehicle(#[from] SimError),
+    Simulation(#[from] SimError),
     /// The planner wants to be called at a rate that doesn't fit the simulation.
     #[error(
         "planner {planner} wants a control period of {period} s, which is no multiple of the simulation's step of {step} s"

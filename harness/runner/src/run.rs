@@ -13,7 +13,8 @@ use vb_record::{
 };
 use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
 use vb_sdk::Param;
-use vb_sim::{SimOptions, SoilSet, Start, VehicleModel, VehicleSpec};
+use vb_sim::{SimOptions, SoilSet, Start};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
 use crate::brief::{Terms, planner_task, planner_vehicle};
@@ -38,7 +39,7 @@ pub struct Soils {
     /// SHA-256 of their file (hex).
     pub hash: String,
     /// Side of the cells in which soil remembers ruts, at scale 1, m.
-    pub pitch: f64,
+    pub resolution: f64,
 }
 
 /// Everything about a run.
@@ -147,8 +148,12 @@ pub fn run(
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
     let start = start(config.rules.start, config.scale);
-    let options =
-        SimOptions { step: config.time_step, soil_pitch: config.soils.pitch, start, ..SimOptions::default() };
+    let options = SimOptions {
+        step: config.time_step,
+        soil_resolution: config.soils.resolution,
+        start,
+        ..SimOptions::default()
+    };
     let prepared = prepare(config, options)?;
     let header = header(config, options);
     let (store, mut records) = if config.resume {
@@ -325,7 +330,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         scale: config.scale,
         seed: config.seed,
         time_step: options.step,
-        soil_pitch: options.soil_pitch,
+        soil_resolution: options.soil_resolution,
         sample_period: SAMPLE_PERIOD,
         rules: RulesHeader {
             name: config.rules.name.clone(),

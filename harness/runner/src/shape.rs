@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use vb_math::{atan2, tan};
-use vb_sim::{Controls, Side, SimError, SimOptions, Simulation, SoilSet, Start, VehicleModel};
+use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, Start};
+use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Heightfield, TerrainClass, World};
 
 /// How a vehicle stands on level ground, and how far its wheels turn.
@@ -120,7 +121,7 @@ fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
         sim.advance(controls, period)?;
     }
     let s = sim.state();
-    Ok(s.rates.z / s.velocity.x)
+    Ok(s.angular_velocity.z / s.velocity.x)
 }
 
 /// Least and greatest coordinates of what collides, in the chassis frame, m: the hull, and the wheels straight ahead at
@@ -165,7 +166,7 @@ impl Reach {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sim::VehicleSpec;
+    use vb_vehicle::VehicleSpec;
 
     #[test]
     fn a_vehicle_is_as_large_as_its_hull_and_the_outer_faces_of_its_tyres() {

@@ -10,7 +10,8 @@ use vb_record::{
 };
 use vb_score::{Fault, FuelUse, Outcome, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::{Command, Observation, Vec3, Wheel};
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleState};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleState};
+use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
 
 use crate::StateHash;
@@ -302,7 +303,7 @@ impl Trial<'_> {
 #[must_use]
 pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
     let (roll, pitch, yaw) = state.roll_pitch_yaw();
-    let (p, v, w) = (state.position, state.velocity, state.rates);
+    let (p, v, w) = (state.position, state.velocity, state.angular_velocity);
     Sample {
         time: state.time,
         x: p.x,
@@ -333,7 +334,7 @@ fn observation(state: &VehicleState, last: Controls) -> Observation {
         pitch,
         yaw,
         linear_velocity: vec3(&state.velocity),
-        angular_velocity: vec3(&state.rates),
+        angular_velocity: vec3(&state.angular_velocity),
         wheels: state.wheels.iter().map(|w| Wheel { speed: w.speed, deflection: w.deflection }).collect(),
         last_steering: last.steering,
         last_throttle: last.throttle,

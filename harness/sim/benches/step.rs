@@ -29,7 +29,7 @@ fn step(c: &mut Criterion) {
         w.semantics.classes = vec![TerrainClass::Mud];
         std::sync::Arc::new(w)
     };
-    for (name, world, soil_pitch) in [
+    for (name, world, soil_resolution) in [
         ("rigid, flat", common::flat(0.8), 0.1),
         ("rigid, rough", rugged(), 0.1),
         ("mud at 0.1 m, flat", on_soil(TerrainClass::Mud), 0.1),
@@ -38,7 +38,7 @@ fn step(c: &mut Criterion) {
         ("mud at 0.1 m, rough", soft, 0.1),
         ("mud at 0.05 m, flat", on_soil(TerrainClass::Mud), 0.05),
     ] {
-        let options = SimOptions { soil_pitch, ..SimOptions::default() };
+        let options = SimOptions { soil_resolution, ..SimOptions::default() };
         let (model, soils) = (common::model(common::hmmwv()), common::soils());
         let start = || {
             let start = vb_world::Pose2 { x: -50.0, y: 0.0, yaw: 0.0 };
@@ -78,7 +78,7 @@ fn vehicles(c: &mut Criterion) {
         ("artcar 1/6", include_str!("../../../tasks/vehicles/artcar.yaml")),
         ("verti4wheeler 1/10", include_str!("../../../tasks/vehicles/verti4wheeler.yaml")),
     ] {
-        let spec = vb_sim::VehicleSpec::parse(text, name).expect("the shipped vehicle is valid");
+        let spec = vb_vehicle::VehicleSpec::parse(text, name).expect("the shipped vehicle is valid");
         let (scale, pace) = (spec.scale, spec.scale.sqrt());
         let model = common::model(spec);
         for (ground, world) in [("flat", common::flat(0.8)), ("rough", rugged())] {
@@ -113,7 +113,7 @@ fn linkages(c: &mut Criterion) {
     c.bench_function("solve the linkages", |b| {
         b.iter(|| {
             for axle in &spec.axles {
-                black_box(vb_sim::AxleKinematics::solve(axle).expect("it closes"));
+                black_box(vb_vehicle::kinematics::AxleKinematics::solve(axle).expect("it closes"));
             }
         });
     });

@@ -6,24 +6,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
-    /// A vehicle file can't be read.
-    #[error("{}: {reason}", path.display())]
-    VehicleUnreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// A vehicle file has a wrong shape or a value that no vehicle can have.
-    #[error("{file}: {field}: {reason}")]
-    VehicleInvalid {
-        /// The file.
-        file: String,
-        /// Path of the field, e.g. `axles[1].suspension.spring.stiffness`.
-        field: String,
-        /// The value and what is wrong with it.
-        reason: String,
-    },
+    /// The vehicle can't be used.
+    #[error(transparent)]
+    Vehicle(#[from] vb_vehicle::VehicleError),
     /// A soil file can't be read.
     #[error("{}: {reason}", path.display())]
     SoilsUnreadable {

@@ -11,38 +11,21 @@
 mod collision;
 mod dynamics;
 mod error;
-mod model;
 mod monitor;
 mod powertrain;
 mod simulation;
-mod soil;
-mod spec;
+pub mod soil;
 mod state;
-mod suspension;
-mod track;
-mod tyre;
+pub mod track;
+pub mod tyre;
 
 pub use dynamics::WheelStand;
 pub use error::SimError;
-pub use model::VehicleModel;
 pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation, Start};
-pub use soil::{Bulldozing, Classes, Levels, PressureDirection, SoilLaw, SoilSet, WheelBehaviour, WheelRig};
-pub use spec::{
-    AntiRoll, Axle, Beam, BrushTyre, Chassis, Converter, Damper, Differential, Dilation, DoubleWishbone,
-    Driveline, DrivenAxle, Engine, FialaTyre, Gearbox, Governor, HardContact, KnuckleDrive, Knuckles,
-    LeafAxle, Linkage, LockUp, Multilink, Part, PivotAxle, Powertrain, RigidMount, RigidTyre, Rod,
-    SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops, Strut, StrutStops,
-    Suspension, TmeasyTyre, Torsion, TorsionArm, Tracks, TyreSpec, VehicleSpec,
-};
+pub use soil::SoilSet;
 pub use state::{Controls, VehicleState, WheelState};
-pub use suspension::{AxleKinematics, LinkageError, Motion, Side, SteeringAxis, WheelPose, WheelSample};
-pub use track::{Course, Disc, Span};
-pub use tyre::{Contact, Envelope, Patch, SteadyForce, Tyre};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;
 pub(crate) type Quat = nalgebra::UnitQuaternion<f64>;
-
-/// Standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
-pub const GRAVITY: f64 = 9.81;

@@ -3,13 +3,13 @@
 use crate::collision::{ChassisContacts, Obstacles, WheelShape};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
-use crate::model::VehicleModel;
 use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
 use crate::state::{Controls, VehicleState};
 use crate::{Quat, V3};
 use std::sync::Arc;
 use vb_math::atan;
+use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, World};
 
 /// How a simulation is stepped.
@@ -22,7 +22,7 @@ pub struct SimOptions {
     /// How the vehicle comes to the ground.
     pub start: Start,
     /// Side of the cells in which the soil remembers ruts, at scale 1, m; it is scaled with the world.
-    pub soil_pitch: f64,
+    pub soil_resolution: f64,
 }
 
 /// How a vehicle comes to the ground at the start.
@@ -44,7 +44,7 @@ impl Default for SimOptions {
     /// 1 ms, at which the results of a rugged drive have converged (docs/physics.md), 3 s, and the 0.1 m of the
     /// original.
     fn default() -> Self {
-        Self { step: 1e-3, settle_time: 3.0, start: Start::Settled, soil_pitch: 0.1 }
+        Self { step: 1e-3, settle_time: 3.0, start: Start::Settled, soil_resolution: 0.1 }
     }
 }
 
@@ -93,9 +93,9 @@ impl Simulation {
         options: SimOptions,
     ) -> Result<Self, SimError> {
         let spec = model.spec();
-        let soil_pitch = options.soil_pitch * world.scale;
-        let soil = SoilGround::new(&world, soils, soil_pitch)?;
-        let vehicle = Vehicle::new(spec, model.axles(), soil_pitch);
+        let soil_resolution = options.soil_resolution * world.scale;
+        let soil = SoilGround::new(&world, soils, soil_resolution)?;
+        let vehicle = Vehicle::new(spec, model.axles(), soil_resolution);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
         let mut simulation = Self {
@@ -391,7 +391,7 @@ impl Simulation {
             position: v.x + arm,
             attitude: v.q,
             velocity: inverse * (v.v + v.w.cross(&arm)),
-            rates: inverse * v.w,
+            angular_velocity: inverse * v.w,
             wheels: (0..v.wheel_count()).map(|i| v.wheel(i)).collect(),
             steering: v.steering,
         }
@@ -442,14 +442,14 @@ impl Simulation {
         v.q = state.attitude;
         let arm = v.q * self.reference;
         v.x = state.position - arm;
-        v.w = v.q * state.rates;
+        v.w = v.q * state.angular_velocity;
         v.v = v.q * state.velocity - v.w.cross(&arm);
         v.reset_wheels();
         v.put_wheels(state, gear);
         self.energy.forget();
     }
 
-    /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`crate::GRAVITY`]) at first. Not part
+    /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`vb_vehicle::GRAVITY`]) at first. Not part
     /// of [`Self::visit_state`]: whoever changes it does so again in a repeated run.
     pub fn set_gravity(&mut self, gravity: [f64; 3]) {
         self.vehicle.gravity = V3::from(gravity);

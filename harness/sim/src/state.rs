@@ -40,7 +40,7 @@ pub struct VehicleState {
     /// Velocity of the reference point in body axes, m/s.
     pub velocity: V3,
     /// Angular velocity in body axes, rad/s.
-    pub rates: V3,
+    pub angular_velocity: V3,
     /// Front to back, left before right.
     pub wheels: Vec<WheelState>,
     /// The steering command after the rate limit.
@@ -71,7 +71,7 @@ mod tests {
             position: V3::zeros(),
             attitude,
             velocity: V3::zeros(),
-            rates: V3::zeros(),
+            angular_velocity: V3::zeros(),
             wheels: vec![],
             steering: 0.0,
         }

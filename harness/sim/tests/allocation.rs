@@ -105,7 +105,7 @@ fn steps_in_its_own_rut_take_no_memory() {
 #[test]
 fn steps_of_a_tracked_vehicle_take_no_memory() {
     let text = include_str!("../../../tasks/vehicles/m113.yaml");
-    let model = common::model(vb_sim::VehicleSpec::parse(text, "m113.yaml").expect("it is valid"));
+    let model = common::model(vb_vehicle::VehicleSpec::parse(text, "m113.yaml").expect("it is valid"));
     let start = |world, x| {
         let at = vb_world::Pose2 { x, y: 0.0, yaw: 0.0 };
         Simulation::new(world, &model, &soils(), at, SimOptions::default()).expect("it settles")

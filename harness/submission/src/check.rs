@@ -220,7 +220,7 @@ fn check_run(submission: &Submission, found: &mut Findings) -> Result<(), Submis
     let ranges = [
         ("scale", m.run.scale, 0.01, 10.0),
         ("time_step", m.run.time_step, 1e-4, 5e-3),
-        ("soil_pitch", m.run.soil_pitch, 0.01, 0.5),
+        ("soil_resolution", m.run.soil_resolution, 0.01, 0.5),
     ];
     for (field, value, low, high) in ranges {
         if !(low..=high).contains(&value) {

@@ -73,7 +73,7 @@ pub struct Shipped {
 /// Step of the simulation at which results are ranked, s.
 const TIME_STEP: f64 = 0.001;
 /// Side of the soil's cells at which results are ranked, m.
-const SOIL_PITCH: f64 = 0.1;
+const SOIL_RESOLUTION: f64 = 0.1;
 /// The seed with which results are ranked: one seed, so that nobody can enter the best of many.
 const SEED: u64 = 0;
 
@@ -136,7 +136,11 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         format!("{} ({}), not the default", run.soils.name, short(&run.soils.hash)),
     );
     unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
-    unless(run.soil_pitch == SOIL_PITCH, "soil_pitch", format!("{} m, not {SOIL_PITCH} m", run.soil_pitch));
+    unless(
+        run.soil_resolution == SOIL_RESOLUTION,
+        "soil_resolution",
+        format!("{} m, not {SOIL_RESOLUTION} m", run.soil_resolution),
+    );
     unless(run.seed == SEED, "seed", format!("{}, not {SEED}", run.seed));
     reasons
 }

@@ -128,19 +128,11 @@ impl Manifest {
         Rules::from_yaml("run.rules.profile", &text).map_err(|e| e.to_string())
     }
 
-    /// The limits of the run, if they are limits.
+    /// The limits of the run, if they are limits. Those that its version did not have yet are as by default.
     ///
     /// # Errors
     /// What is wrong with them.
     pub fn limits(&self) -> Result<Limits, String> {
-        let names = Limits::default().named().map(|(name, _)| name);
-        if self.run.limits.keys().map(String::as_str).ne({
-            let mut sorted = names;
-            sorted.sort_unstable();
-            sorted
-        }) {
-            return Err(format!("want {}", names.join(", ")));
-        }
         let value = |(name, value): (&String, &u64)| {
             let value = match (name.as_str(), value) {
                 ("wasm_watchdog", 0) => false.into(),
@@ -160,6 +152,18 @@ impl Manifest {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_from_before_a_limit_has_it_by_default() {
+        let text = include_str!("../../../tests/fuzz/seeds/submission-v1/submission.json");
+        let mut manifest: Manifest = serde_json::from_str(text).unwrap();
+        manifest.run.limits.insert("fuel_per_step".into(), 7);
+        assert!(manifest.run.limits.remove("fuel_per_task").is_none(), "the seed was made before this limit");
+        let limits = manifest.limits().unwrap();
+        assert_eq!((limits.fuel_per_step, limits.fuel_per_task), (7, Limits::default().fuel_per_task));
+        manifest.run.limits.insert("fuel_per_dream".into(), 7);
+        assert!(manifest.limits().unwrap_err().contains("fuel_per_dream"));
+    }
 
     #[test]
     fn only_addresses_that_run_nothing_are_shown() {

@@ -17,7 +17,7 @@ use vb_world::{Obstacle, World, geometry};
 pub struct PathParams {
     /// Least distance from the path to any obstacle, m.
     pub clearance: f64,
-    /// Pitch of the search grid, m.
+    /// Resolution of the search grid, m.
     pub grid: f64,
     /// Largest distance between waypoints, m.
     pub spacing: f64,
@@ -119,7 +119,7 @@ pub struct Planner {
     scale: f64,
     clearance: f64,
     spacing: f64,
-    pitch: f64,
+    resolution: f64,
     rows: usize,
     cols: usize,
     /// Distance from each grid node to the nearest obstacle where it may matter, else infinite, m.
@@ -144,8 +144,8 @@ impl Planner {
         wanted("spacing", params.spacing, 0.01, "positive (at least 0.01)")?;
         let scale = world.scale;
         let half = [world.heightfield.half_x(), world.heightfield.half_y()];
-        let pitch = params.grid * scale;
-        let count = |h: f64| (2.0 * h / pitch + 1e-9) as usize + 1;
+        let resolution = params.grid * scale;
+        let count = |h: f64| (2.0 * h / resolution + 1e-9) as usize + 1;
         let (cols, rows) = (count(half[0]), count(half[1]));
         let bodies = world.obstacles.iter().map(body).collect();
         let mut planner = Self {
@@ -154,7 +154,7 @@ impl Planner {
             scale,
             clearance: params.clearance * scale,
             spacing: params.spacing * scale,
-            pitch,
+            resolution,
             rows,
             cols,
             field: vec![f64::INFINITY; rows * cols],
@@ -165,17 +165,20 @@ impl Planner {
 
     fn fill_field(&mut self) {
         // An edge is at most √2 cells long: beyond clearance + one edge an obstacle cannot matter.
-        let reach = self.clearance + 1.5 * self.pitch;
+        let reach = self.clearance + 1.5 * self.resolution;
         for body in &self.bodies {
             let span = |axis: usize, n: usize| {
-                let index = |v: f64| ((v + self.half[axis]) / self.pitch).max(0.0) as usize;
+                let index = |v: f64| ((v + self.half[axis]) / self.resolution).max(0.0) as usize;
                 let far = body.radius + reach;
                 index(body.centre[axis] - far)..(index(body.centre[axis] + far) + 2).min(n)
             };
             for row in span(1, self.rows) {
                 for col in span(0, self.cols) {
                     let node = row * self.cols + col;
-                    let p = [col as f64 * self.pitch - self.half[0], row as f64 * self.pitch - self.half[1]];
+                    let p = [
+                        col as f64 * self.resolution - self.half[0],
+                        row as f64 * self.resolution - self.half[1],
+                    ];
                     self.field[node] = self.field[node].min(geometry::point_to_polygon(p, &body.outline));
                 }
             }
@@ -225,7 +228,7 @@ impl Planner {
 
     fn node(&self, index: usize) -> [f64; 2] {
         let (row, col) = (index / self.cols, index % self.cols);
-        [col as f64 * self.pitch - self.half[0], row as f64 * self.pitch - self.half[1]]
+        [col as f64 * self.resolution - self.half[0], row as f64 * self.resolution - self.half[1]]
     }
 
     /// A* over the grid nodes, with start and goal as two more nodes that join the nodes of the cells around them.
@@ -294,7 +297,7 @@ impl Planner {
                     relax(next, &|step| self.step_is_free(node, next, step));
                 }
             }
-            if distance(here, goal) < 2.0 * self.pitch {
+            if distance(here, goal) < 2.0 * self.resolution {
                 relax(last, &|_| self.sees(here, goal));
             }
         }
@@ -313,7 +316,7 @@ impl Planner {
 
     /// The grid nodes of the 4 × 4 block about a point.
     fn around(&self, p: [f64; 2]) -> impl Iterator<Item = usize> + '_ {
-        let low = |v: f64, h: f64| ((v + h) / self.pitch) as usize;
+        let low = |v: f64, h: f64| ((v + h) / self.resolution) as usize;
         let (col, row) = (low(p[0], self.half[0]), low(p[1], self.half[1]));
         let rows = row.saturating_sub(1)..(row + 3).min(self.rows);
         rows.flat_map(move |r| {

@@ -75,7 +75,8 @@ pub struct Conditions {
     /// Step of the simulation, s.
     pub time_step: f64,
     /// Side of the cells in which soil remembers ruts, m.
-    pub soil_pitch: f64,
+    #[serde(alias = "soil_pitch")]
+    pub soil_resolution: f64,
 }
 
 /// A planner that proved tasks.
@@ -256,7 +257,7 @@ mod tests {
             rules: named("paper"),
             scale: 1.0,
             time_step: 0.001,
-            soil_pitch: 0.1,
+            soil_resolution: 0.1,
         }
     }
 

@@ -83,7 +83,7 @@ pub(crate) fn range_within(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Square {
     /// Between nodes.
-    pub(crate) pitch: f64,
+    pub(crate) resolution: f64,
     /// Side of a patch.
     pub(crate) patch: f64,
     /// Side of the square.
@@ -93,8 +93,8 @@ pub(crate) struct Square {
 impl Square {
     /// Whether each is a length and divides the next. Before their names in messages stands a prefix such as `bed.`.
     pub(crate) fn check(self, prefix: &str) -> Result<(), ParamsError> {
-        let Self { pitch, patch, side } = self;
-        let lengths = [("pitch", pitch), ("patch", patch), ("side", side)];
+        let Self { resolution, patch, side } = self;
+        let lengths = [("resolution", resolution), ("patch", patch), ("side", side)];
         for (name, length) in lengths {
             within(&format!("{prefix}{name}"), length, 1e-3, 1e5)?;
         }
@@ -110,7 +110,7 @@ impl Square {
     /// Nodes along a side.
     pub(crate) fn nodes(self) -> usize {
         // Each ratio is a whole number but for rounding, and so their product may be farther from one than either.
-        self.patches() * whole(self.patch / self.pitch).unwrap_or(1) + 1
+        self.patches() * whole(self.patch / self.resolution).unwrap_or(1) + 1
     }
 
     /// Patches along a side.

@@ -185,7 +185,7 @@ pub(crate) fn measure(
     /// The mean is taken away.
     const FIRST: usize = 1;
     let decibels = |k: usize| 10.0 / std::f64::consts::LN_10 * vb_math::ln(made[k] / real[k]);
-    let wavelength = |k: usize| SIDE as f64 * header.pitch / k as f64;
+    let wavelength = |k: usize| SIDE as f64 * header.resolution / k as f64;
     let spectrum =
         [1, 2, 3, 4, 6, 8, 12, 16, 24, 32].map(|k| (rounded(wavelength(k)), rounded(decibels(k)))).to_vec();
     Ok(Metrics {
@@ -196,7 +196,7 @@ pub(crate) fn measure(
         spectrum_db: rounded(spectral_distance(&made, &real, FIRST)),
         spectrum,
         real: look_of_scans(scans, header),
-        drawn: look_of_drawn(surfaces, header.pitch),
+        drawn: look_of_drawn(surfaces, header.resolution),
     })
 }
 
@@ -215,11 +215,11 @@ pub(crate) fn look_of_scans(scans: &[&Scan], header: &Header) -> Look {
         let measured = scaled(l.heights.values()).into_iter().zip(&l.measured);
         Raster::new(rows, cols, measured.map(|(z, m)| if *m { z } else { f64::NAN }).collect())
     });
-    look(&layers.collect::<Vec<_>>(), header.pitch, &spectrum)
+    look(&layers.collect::<Vec<_>>(), header.resolution, &spectrum)
 }
 
 /// What drawn surfaces look like.
-fn look_of_drawn(surfaces: Vec<Vec<f64>>, pitch: f64) -> Look {
+fn look_of_drawn(surfaces: Vec<Vec<f64>>, resolution: f64) -> Look {
     let mut spectrum = Spectrum::new(SIDE / 2);
     for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
         for part in halves(&Raster::new(SIDE, SIDE, window)) {
@@ -227,7 +227,7 @@ fn look_of_drawn(surfaces: Vec<Vec<f64>>, pitch: f64) -> Look {
         }
     }
     let rasters: Vec<_> = surfaces.into_iter().map(|s| Raster::new(DRAWN, DRAWN, s)).collect();
-    look(&rasters, pitch, &spectrum)
+    look(&rasters, resolution, &spectrum)
 }
 
 /// Every second sample, from each of the four that can be the first.
@@ -235,12 +235,12 @@ fn halves(raster: &Raster) -> impl Iterator<Item = Raster> {
     (0..4).map(|i| raster.thinned(i / 2, i % 2, 2))
 }
 
-fn look(rasters: &[Raster], pitch: f64, spectrum: &Spectrum) -> Look {
+fn look(rasters: &[Raster], resolution: f64, spectrum: &Spectrum) -> Look {
     let (mut all, mut steep, mut fine) = (Vec::new(), Vec::new(), Vec::new());
     for raster in rasters {
-        fine.extend(slopes(raster.values(), raster.cols(), pitch));
+        fine.extend(slopes(raster.values(), raster.cols(), resolution));
         for part in halves(raster) {
-            steep.extend(slopes(part.values(), part.cols(), 2.0 * pitch));
+            steep.extend(slopes(part.values(), part.cols(), 2.0 * resolution));
         }
         all.extend(raster.values().iter().filter(|v| !v.is_nan()));
     }

@@ -31,7 +31,7 @@ pub(crate) fn finish<'a>(
     weights: &Weights,
     tiles: &Tiles,
     scans: impl Iterator<Item = &'a Scan>,
-    pitch: f64,
+    resolution: f64,
     relief: f64,
     detail: f64,
 ) -> Result<(Header, Vec<Pass>), TrainError> {
@@ -39,7 +39,7 @@ pub(crate) fn finish<'a>(
     const WAVE: usize = 1;
     let header = Header {
         schema: SCHEMA,
-        pitch,
+        resolution,
         relief: 1.0,
         detail,
         swell: [0.0; 2],
@@ -87,7 +87,7 @@ pub(crate) fn finish<'a>(
     Ok((Header { relief, mean, std: rounded((variance + long * long).sqrt()), ..header }, passes))
 }
 
-/// Surfaces at the model's own pitch, row by row.
+/// Surfaces at the model's own resolution, row by row.
 pub(crate) fn drawn(
     header: &Header,
     weights: &Weights,
@@ -98,7 +98,8 @@ pub(crate) fn drawn(
     let model = Model::new(*header, weights, passes).map_err(|e| internal(&e))?;
     seeds
         .map(|seed| {
-            let request = Request { seed, rows: DRAWN, cols: DRAWN, pitch: header.pitch, share: 1.0 };
+            let request =
+                Request { seed, rows: DRAWN, cols: DRAWN, resolution: header.resolution, share: 1.0 };
             Ok(model.surface(&request).map_err(|e| internal(&e))?.heights().to_vec())
         })
         .collect()

@@ -88,7 +88,8 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     let weights = card::weights(&trainer.network)?;
     let relief = options.relief.unwrap_or(data.std);
     let trained = || data.scans.iter().filter(|s| !s.held_out);
-    let (header, passes) = finish::finish(&weights, &tiles, trained(), data.pitch, relief, options.detail)?;
+    let (header, passes) =
+        finish::finish(&weights, &tiles, trained(), data.resolution, relief, options.detail)?;
     let bytes = Model::encode(header, &weights, &passes).map_err(TrainError::Internal)?;
     let any = data.scans.iter().any(|s| s.held_out);
     let test: Vec<_> = data.scans.iter().filter(|s| s.held_out == any).collect();

@@ -31,7 +31,7 @@ struct Args {
     selection: Option<PathBuf>,
     /// Distance between samples in metres, where a file doesn't say it
     #[arg(long, value_name = "METRES", default_value = "1", value_parser = length)]
-    pitch: f64,
+    resolution: f64,
     /// Learn from every so many-th sample along each side
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     every: u16,
@@ -84,7 +84,7 @@ fn main() -> ExitCode {
     let options = Options {
         data: args.data,
         selection: args.selection,
-        meaning: Meaning { pitch: args.pitch, every: usize::from(args.every) },
+        meaning: Meaning { resolution: args.resolution, every: usize::from(args.every) },
         relief: args.relief,
         detail: args.detail,
         out: args.out,

@@ -161,7 +161,7 @@ mod tests {
         }
         let header = Header {
             schema: SCHEMA,
-            pitch: 1.0,
+            resolution: 1.0,
             relief: 1.0,
             detail: 1.0,
             swell: [0.0; 2],

@@ -16,7 +16,7 @@ use vb_math::{cos, exp, rng::Stream, sin};
 /// Samples along x and y, and their distance, m.
 const COLS: usize = 150;
 const ROWS: usize = 130;
-const PITCH: f64 = 2.0;
+const RESOLUTION: f64 = 2.0;
 /// Where the north-western corner lies in a made-up grid of UTM zone 33 north, m.
 const CORNER: [f64; 2] = [500_000.0, 5_400_000.0];
 
@@ -33,8 +33,8 @@ fn main() {
         .collect();
     for row in 0..ROWS {
         for col in 0..COLS {
-            let x = (col as f64 - 0.5 * (COLS - 1) as f64) * PITCH;
-            let y = (0.5 * (ROWS - 1) as f64 - row as f64) * PITCH;
+            let x = (col as f64 - 0.5 * (COLS - 1) as f64) * RESOLUTION;
+            let y = (0.5 * (ROWS - 1) as f64 - row as f64) * RESOLUTION;
             // A valley with a stream, a hill with a scarp in the north-east, and undulations.
             let stream = y - 20.0 * sin(x / 45.0);
             let hill = 9.0 * exp(-((x - 80.0) * (x - 80.0) + (y - 70.0) * (y - 70.0)) / 1800.0);
@@ -57,7 +57,7 @@ fn main() {
     let mut image = tiff.new_image::<colortype::Gray32Float>(COLS as u32, ROWS as u32).expect("an image");
     let tags = image.encoder();
     // GeoTIFF 1.1: pixel scale, tie point, and the keys for a projected system (EPSG 32633) of pixels that are areas.
-    tags.write_tag(Tag::ModelPixelScaleTag, &[PITCH, PITCH, 0.0][..]).expect("a tag");
+    tags.write_tag(Tag::ModelPixelScaleTag, &[RESOLUTION, RESOLUTION, 0.0][..]).expect("a tag");
     let tie = [0.0, 0.0, 0.0, CORNER[0], CORNER[1], 0.0];
     tags.write_tag(Tag::ModelTiepointTag, &tie[..]).expect("a tag");
     let keys: [u16; 16] = [1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32633];

@@ -1,5 +1,5 @@
 //! A folder of elevation data as a model learns from it: which parts of which files, repaired, levelled, at the model's
-//! pitch.
+//! resolution.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ pub struct Part {
 #[derive(Clone, Copy, Debug)]
 pub struct Meaning {
     /// Distance between samples in metres, where a file doesn't say it.
-    pub pitch: f64,
+    pub resolution: f64,
     /// Every so many-th sample of a file, along each side, is one of the model's.
     pub every: usize,
 }
@@ -76,11 +76,11 @@ pub struct Scan {
     pub held_out: bool,
     /// What was repaired.
     pub repaired: Repaired,
-    /// Its samples at the model's pitch, once for each place that they can begin at.
+    /// Its samples at the model's resolution, once for each place that they can begin at.
     pub layers: Vec<Layer>,
 }
 
-/// Samples at the model's pitch, without holes, and which of them were measured.
+/// Samples at the model's resolution, without holes, and which of them were measured.
 #[derive(Clone, Debug)]
 pub struct Layer {
     /// Heights in units of [`Data::std`], holes filled.
@@ -97,7 +97,7 @@ pub struct Data {
     /// Standard deviation of the measured heights that are trained on, about each part's own plane, in the files' unit.
     pub std: f64,
     /// Distance between the model's samples, m.
-    pub pitch: f64,
+    pub resolution: f64,
     /// SHA-256 over the names and bytes of the files used and of the selection.
     pub sha256: String,
 }
@@ -131,7 +131,7 @@ impl Data {
             return Err(folder(dir, "holds no elevation data (.bmp, .png, .npy, .tif or .tiff)"));
         }
         let mut raw = Vec::new();
-        let mut pitch = None;
+        let mut resolution = None;
         for (i, name) in names.iter().enumerate() {
             let path = dir.join(name);
             let part = match &selection {
@@ -144,15 +144,15 @@ impl Data {
             hash.update([0]);
             hash.update((bytes.len() as u64).to_le_bytes());
             hash.update(&bytes);
-            let own = raster.pitch().unwrap_or(meaning.pitch) * meaning.every as f64;
-            match pitch {
-                None => pitch = Some(own),
+            let own = raster.resolution().unwrap_or(meaning.resolution) * meaning.every as f64;
+            match resolution {
+                None => resolution = Some(own),
                 Some(p) if (own - p).abs() <= 1e-3 * p => {}
                 Some(p) => {
                     return Err(folder(
                         &path,
                         format!(
-                            "samples are {own} m apart, those of files before {p} m: resample them to one pitch"
+                            "samples are {own} m apart, those of files before {p} m: resample them to one resolution"
                         ),
                     ));
                 }
@@ -195,7 +195,7 @@ impl Data {
             })
             .collect();
         let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        Ok(Self { scans, std, pitch: pitch.unwrap_or(meaning.pitch), sha256 })
+        Ok(Self { scans, std, resolution: resolution.unwrap_or(meaning.resolution), sha256 })
     }
 }
 
@@ -236,7 +236,7 @@ fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>) -> f64 {
     if n > 0.0 { (squares / n).sqrt() } else { 0.0 }
 }
 
-/// The raster's samples at the model's pitch, once for each place where they can begin.
+/// The raster's samples at the model's resolution, once for each place where they can begin.
 fn layers(raster: &Raster, every: usize, std: f64) -> Vec<Layer> {
     let mut layers = Vec::new();
     for row in 0..every.min(raster.rows()) {

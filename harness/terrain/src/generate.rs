@@ -1,4 +1,4 @@
-//! Surfaces drawn from a model: any size, any pitch, no seams.
+//! Surfaces drawn from a model: any size, any resolution, no seams.
 //!
 //! The plane is covered by cells of the latent field, each with its own random stream, named by seed and place. The
 //! decoder makes each sample from the cells about it, so a surface is a window on an endless terrain: a wider one with the
@@ -27,7 +27,7 @@ const WARP_REACH: i64 = 12;
 const MAX_SAMPLES: f64 = (1u64 << 27) as f64;
 /// Least and largest number of nodes along a side.
 const NODES: [usize; 2] = [2, 8193];
-/// Finest pitch as a share of the model's own.
+/// Finest resolution as a share of the model's own.
 const FINEST: f64 = 1.0 / 64.0;
 
 /// Share of the full relief for each level: 30, 60 and 100 %.
@@ -50,7 +50,7 @@ pub struct Request {
     /// Nodes west to east.
     pub cols: usize,
     /// Distance between nodes, m.
-    pub pitch: f64,
+    pub resolution: f64,
     /// Share of the model's full relief.
     pub share: f64,
 }
@@ -61,11 +61,11 @@ pub enum GenerateError {
     /// Too few or too many nodes.
     #[error("{0} nodes along a side: must be {min} to {max}", min = NODES[0], max = NODES[1])]
     Nodes(usize),
-    /// The pitch is none, or far finer than what the model knows.
-    #[error("a pitch of {pitch} m: must be at least {least} m, as the model's own is {own} m")]
-    Pitch {
-        /// The pitch asked for, m.
-        pitch: f64,
+    /// The resolution is none, or far finer than what the model knows.
+    #[error("a resolution of {resolution} m: must be at least {least} m, as the model's own is {own} m")]
+    Resolution {
+        /// The resolution asked for, m.
+        resolution: f64,
         /// The finest, m.
         least: f64,
         /// The model's, m.
@@ -73,12 +73,12 @@ pub enum GenerateError {
     },
     /// The surface is larger than memory should be taken for.
     #[error(
-        "{extent_m} m along a side at the model's own pitch of {own} m are too many samples: make it smaller"
+        "{extent_m} m along a side at the model's own resolution of {own} m are too many samples: make it smaller"
     )]
     Extent {
         /// The longer side, m.
         extent_m: f64,
-        /// The model's pitch, m.
+        /// The model's resolution, m.
         own: f64,
     },
     /// The relief is no share.
@@ -89,38 +89,42 @@ pub enum GenerateError {
 impl Model {
     /// Draws a surface about the origin. The same model and request give the same bits on any machine.
     ///
-    /// Nodes at the model's own pitch are its samples; those between samples are interpolated by a cubic kernel (Keys 1981). A node's
-    /// height is that of the ground at its place, whatever the pitch: nothing is averaged where the pitch is coarser, since that
+    /// Nodes at the model's own resolution are its samples; those between samples are interpolated by a cubic kernel (Keys 1981). A node's
+    /// height is that of the ground at its place, whatever the resolution: nothing is averaged where the resolution is coarser, since that
     /// would flatten ledges, so a coarser surface holds every so many-th node of a finer one. Heights have mean 0 and the
     /// model's standard deviation times the share, over many surfaces.
     ///
     /// # Errors
     /// [`GenerateError`] if the request makes no sense.
     pub fn surface(&self, request: &Request) -> Result<Heightfield, GenerateError> {
-        let own = self.header.pitch;
+        let own = self.header.resolution;
         for n in [request.rows, request.cols] {
             if !(NODES[0]..=NODES[1]).contains(&n) {
                 return Err(GenerateError::Nodes(n));
             }
         }
-        if !(request.pitch.is_finite() && request.pitch >= own * FINEST) {
-            return Err(GenerateError::Pitch { pitch: request.pitch, least: own * FINEST, own });
+        if !(request.resolution.is_finite() && request.resolution >= own * FINEST) {
+            return Err(GenerateError::Resolution {
+                resolution: request.resolution,
+                least: own * FINEST,
+                own,
+            });
         }
         if !(request.share > 0.0 && request.share <= 100.0) {
             return Err(GenerateError::Share(request.share));
         }
-        let extent = |n: usize| (n - 1) as f64 * request.pitch / own + 4.0;
+        let extent = |n: usize| (n - 1) as f64 * request.resolution / own + 4.0;
         if extent(request.rows) * extent(request.cols) > MAX_SAMPLES {
-            let extent_m = (request.rows.max(request.cols) - 1) as f64 * request.pitch;
+            let extent_m = (request.rows.max(request.cols) - 1) as f64 * request.resolution;
             return Err(GenerateError::Extent { extent_m, own });
         }
-        let rows = taps(request.rows, request.pitch / own);
-        let cols = taps(request.cols, request.pitch / own);
+        let rows = taps(request.rows, request.resolution / own);
+        let cols = taps(request.cols, request.resolution / own);
         let field = self.field(request.seed, span(&rows), span(&cols));
         let values = field.resampled(&rows, &cols);
         let scale = self.header.relief * request.share / self.header.std;
         let heights = values.into_iter().map(|v| (v - self.header.mean) * scale).collect();
-        Ok(Heightfield::new(request.rows, request.cols, request.pitch, heights))
+        Ok(Heightfield::new(request.rows, request.cols, request.resolution, heights))
     }
 
     /// The samples whose row and column numbers lie in these spans (first, one after the last).
@@ -359,7 +363,7 @@ struct Taps {
 }
 
 /// The taps of `n` nodes, `ratio` samples apart, of which the middle one, or the first of the two, lies on the origin's sample: at
-/// the model's own pitch and its multiples nodes are samples, whatever their number.
+/// the model's own resolution and its multiples nodes are samples, whatever their number.
 fn taps(n: usize, ratio: f64) -> Vec<Taps> {
     (0..n)
         .map(|i| {

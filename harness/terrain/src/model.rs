@@ -54,7 +54,8 @@ pub struct Header {
     /// Version of this format: [`SCHEMA`].
     pub schema: u32,
     /// Distance between the decoder's samples, m.
-    pub pitch: f64,
+    #[serde(alias = "pitch")]
+    pub resolution: f64,
     /// Standard deviation of height at full relief (level `high`), m.
     pub relief: f64,
     /// Share of the noise that details are drawn from: 1 as in training, 0 none.
@@ -91,7 +92,9 @@ impl Model {
         if header.schema != SCHEMA {
             return Err(format!("schema {}: must be {SCHEMA}", header.schema));
         }
-        for (name, value) in [("pitch", header.pitch), ("relief", header.relief), ("std", header.std)] {
+        for (name, value) in
+            [("resolution", header.resolution), ("relief", header.relief), ("std", header.std)]
+        {
             if !(value.is_finite() && value > 0.0) {
                 return Err(format!("{name} is {value}: must be above 0"));
             }

@@ -7,7 +7,7 @@ pub struct Raster {
     cols: usize,
     values: Vec<f64>,
     /// Distance between samples in metres, where the file says so.
-    pitch: Option<f64>,
+    resolution: Option<f64>,
 }
 
 impl Raster {
@@ -18,13 +18,13 @@ impl Raster {
     #[must_use]
     pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Self {
         assert_eq!(values.len(), rows * cols, "a raster has rows × columns values");
-        Self { rows, cols, values, pitch: None }
+        Self { rows, cols, values, resolution: None }
     }
 
     /// The same samples with a known distance between them, m.
     #[must_use]
-    pub fn with_pitch(self, pitch: Option<f64>) -> Self {
-        Self { pitch, ..self }
+    pub fn with_resolution(self, resolution: Option<f64>) -> Self {
+        Self { resolution, ..self }
     }
 
     /// Number of rows, north to south.
@@ -52,8 +52,8 @@ impl Raster {
 
     /// Distance between samples in metres, where it is known.
     #[must_use]
-    pub fn pitch(&self) -> Option<f64> {
-        self.pitch
+    pub fn resolution(&self) -> Option<f64> {
+        self.resolution
     }
 
     /// The sample at a row from the north and a column from the west.
@@ -71,7 +71,7 @@ impl Raster {
     pub fn window(&self, row: usize, col: usize, rows: usize, cols: usize) -> Self {
         assert!(row + rows <= self.rows && col + cols <= self.cols, "a window lies within its raster");
         let line = |r: usize| self.values[r * self.cols + col..r * self.cols + col + cols].iter().copied();
-        Self { rows, cols, values: (row..row + rows).flat_map(line).collect(), pitch: self.pitch }
+        Self { rows, cols, values: (row..row + rows).flat_map(line).collect(), resolution: self.resolution }
     }
 
     /// Number of holes.
@@ -93,7 +93,7 @@ impl Raster {
         );
         let (rows, cols) = ((self.rows - row).div_ceil(n), (self.cols - col).div_ceil(n));
         let values = (0..rows * cols).map(|i| self.at(row + i / cols * n, col + i % cols * n)).collect();
-        Self { rows, cols, values, pitch: self.pitch.map(|p| p * n as f64) }
+        Self { rows, cols, values, resolution: self.resolution.map(|p| p * n as f64) }
     }
 
     /// Means over squares of `n` × `n` samples, each a sample of the result. A square of which less than half is
@@ -121,7 +121,7 @@ impl Raster {
                 values.push(if 2 * count >= n * n { sum / count as f64 } else { f64::NAN });
             }
         }
-        Self { rows, cols, values, pitch: self.pitch.map(|p| p * n as f64) }
+        Self { rows, cols, values, resolution: self.resolution.map(|p| p * n as f64) }
     }
 
     /// Takes away the plane that fits the measured samples best (least squares): the lie of the land, or the tilt
@@ -193,9 +193,9 @@ mod tests {
     #[test]
     fn thinning_keeps_every_so_many_th_sample() {
         // 0 to 19 in rows of five: from row 1, column 0 on every third.
-        let r = Raster::new(4, 5, (0..20).map(f64::from).collect()).with_pitch(Some(0.25));
+        let r = Raster::new(4, 5, (0..20).map(f64::from).collect()).with_resolution(Some(0.25));
         let thin = r.thinned(1, 0, 3);
-        assert_eq!((thin.rows(), thin.cols(), thin.pitch()), (1, 2, Some(0.75)));
+        assert_eq!((thin.rows(), thin.cols(), thin.resolution()), (1, 2, Some(0.75)));
         assert_eq!(thin.values(), [5.0, 8.0]);
         assert_eq!(r.thinned(0, 1, 2).values(), [1.0, 3.0, 11.0, 13.0]);
     }
@@ -203,10 +203,10 @@ mod tests {
     #[test]
     fn reduction_averages_what_is_measured_and_needs_half_of_it() {
         let n = f64::NAN;
-        let r =
-            Raster::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0]).with_pitch(Some(0.5));
+        let r = Raster::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0])
+            .with_resolution(Some(0.5));
         let half = r.reduced(2);
-        assert_eq!((half.rows(), half.cols(), half.pitch()), (1, 3, Some(1.0)));
+        assert_eq!((half.rows(), half.cols(), half.resolution()), (1, 3, Some(1.0)));
         assert_eq!(half.values()[..2], [3.0, 2.0]);
         assert!(half.values()[2].is_nan());
     }

@@ -6,14 +6,14 @@ use vb_math::fft::{Complex, inverse_2d};
 
 /// Slopes in degrees of every inner node of a row-major surface by central differences, in no order.
 #[must_use]
-pub fn slopes(heights: &[f64], cols: usize, pitch: f64) -> Vec<f64> {
+pub fn slopes(heights: &[f64], cols: usize, resolution: f64) -> Vec<f64> {
     let rows = heights.len() / cols.max(1);
     let z = |r: usize, c: usize| heights[r * cols + c];
     let mut slopes = Vec::new();
     for r in 1..rows.saturating_sub(1) {
         for c in 1..cols.saturating_sub(1) {
-            let dx = (z(r, c + 1) - z(r, c - 1)) / (2.0 * pitch);
-            let dy = (z(r + 1, c) - z(r - 1, c)) / (2.0 * pitch);
+            let dx = (z(r, c + 1) - z(r, c - 1)) / (2.0 * resolution);
+            let dy = (z(r + 1, c) - z(r - 1, c)) / (2.0 * resolution);
             slopes.push(vb_math::angle::degrees(vb_math::atan(vb_math::hypot(dx, dy))));
         }
     }

@@ -18,15 +18,15 @@ pub fn npy(surface: &Heightfield) -> std::io::Result<Vec<u8>> {
     Ok(out)
 }
 
-/// A surface as a 16-bit grey PNG over its own relief; the heights in metres that levels 0 and 65535 stand for, and the pitch,
-/// are in it as the texts `low_m`, `high_m` and `pitch_m`.
+/// A surface as a 16-bit grey PNG over its own relief; the heights in metres that levels 0 and 65535 stand for, and the resolution,
+/// are in it as the texts `low_m`, `high_m` and `resolution_m`.
 ///
 /// # Errors
 /// A fault of the library that encodes it.
 pub fn png(surface: &Heightfield) -> std::io::Result<Vec<u8>> {
     let ([low, high], levels) = surface.to_levels();
     let data: Vec<u8> = north_first(&levels, surface.cols()).flat_map(u16::to_be_bytes).collect();
-    let texts = [("low_m", low), ("high_m", high), ("pitch_m", surface.pitch())];
+    let texts = [("low_m", low), ("high_m", high), ("resolution_m", surface.resolution())];
     encode(surface, png::BitDepth::Sixteen, &data, &texts)
 }
 
@@ -51,10 +51,10 @@ fn shades(surface: &Heightfield) -> Vec<u8> {
             let (r, c) = (i / cols, i % cols);
             let (south, north) = (r.saturating_sub(1), (r + 1).min(rows - 1));
             let (west, east) = (c.saturating_sub(1), (c + 1).min(cols - 1));
-            let dx =
-                (surface.node(r, east) - surface.node(r, west)) / ((east - west) as f64 * surface.pitch());
+            let dx = (surface.node(r, east) - surface.node(r, west))
+                / ((east - west) as f64 * surface.resolution());
             let dy = (surface.node(north, c) - surface.node(south, c))
-                / ((north - south) as f64 * surface.pitch());
+                / ((north - south) as f64 * surface.resolution());
             let length = (dx * dx + dy * dy + 1.0).sqrt();
             let light = (-dx * sun[0] - dy * sun[1] + sun[2]) / length;
             (255.0 * light.max(0.0)).round() as u8

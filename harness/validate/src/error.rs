@@ -24,9 +24,12 @@ pub enum ValidateError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The vehicle can't be simulated at all.
+    /// The vehicle can't be used.
     #[error(transparent)]
-    Vehicle(#[from] vb_sim::SimError),
+    Vehicle(#[from] vb_vehicle::VehicleError),
+    /// The vehicle can't be simulated.
+    #[error(transparent)]
+    Simulation(#[from] vb_sim::SimError),
     /// An event that doesn't exist.
     #[error("there is no event {name} (one of: {known})")]
     UnknownEvent {

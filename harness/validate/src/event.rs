@@ -4,7 +4,8 @@ use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
 use crate::rig::Pace;
 use serde::Serialize;
-use vb_sim::{Differential, SimError, SimOptions, SoilSet, TyreSpec, VehicleModel, VehicleSpec};
+use vb_sim::{SimError, SimOptions, SoilSet};
+use vb_vehicle::{VehicleModel, VehicleSpec, powertrain::Differential};
 
 /// A vehicle ready to be put through events.
 #[derive(Clone, Debug)]
@@ -33,11 +34,7 @@ impl<'a> Bench<'a> {
     /// Friction between the ground and the vehicle's tyres where it is the lesser of theirs; that of the ground for tyres whose
     /// forces scale with it.
     pub(crate) fn grip(&self, ground: f64) -> f64 {
-        match &self.spec.tyre {
-            TyreSpec::Rigid(t) => t.friction.min(ground),
-            TyreSpec::Brush(t) => t.friction.min(ground),
-            TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => ground,
-        }
+        self.spec.tyre.coulomb_friction().map_or(ground, |own| own.min(ground))
     }
 
     /// Whether an engine that idles behind a converter drives the vehicle with nothing pressed.
@@ -51,8 +48,8 @@ impl<'a> Bench<'a> {
         line.axles.iter().any(|a| a.differential == Differential::Locked {})
     }
 
-    pub(crate) fn at_pitch(&self, soil_pitch: f64) -> Self {
-        Self { options: SimOptions { soil_pitch, ..self.options }, ..self.clone() }
+    pub(crate) fn at_resolution(&self, soil_resolution: f64) -> Self {
+        Self { options: SimOptions { soil_resolution, ..self.options }, ..self.clone() }
     }
 
     pub(crate) fn at_step(&self, step: f64) -> Self {

@@ -1,7 +1,11 @@
 //! Where the vehicle's parts are: what theory needs of a specification and a state.
 
 use nalgebra::Vector3;
-use vb_sim::{AxleKinematics, GRAVITY, Side, VehicleModel, VehicleState, WheelPose};
+use vb_sim::VehicleState;
+use vb_vehicle::{
+    GRAVITY, VehicleModel,
+    kinematics::{AxleKinematics, Side, WheelPose},
+};
 
 type V3 = Vector3<f64>;
 
@@ -173,8 +177,8 @@ impl Geometry {
     pub(crate) fn mechanical_energy(&self, s: &VehicleState) -> f64 {
         let com = self.com_of(s);
         let arm = com - s.position;
-        let v = s.attitude * s.velocity + (s.attitude * s.rates).cross(&arm);
-        let turning = 0.5 * s.rates.dot(&self.chassis_inertia.component_mul(&s.rates));
+        let v = s.attitude * s.velocity + (s.attitude * s.angular_velocity).cross(&arm);
+        let turning = 0.5 * s.angular_velocity.dot(&self.chassis_inertia.component_mul(&s.angular_velocity));
         let spins: f64 =
             self.corners.iter().zip(&s.wheels).map(|(c, w)| 0.5 * c.spin_inertia * w.speed * w.speed).sum();
         self.weight() * com.z + 0.5 * self.mass * v.norm_squared() + turning + spins

@@ -7,7 +7,7 @@ use crate::setup::{self, Setup};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use vb_sim::VehicleSpec;
+use vb_vehicle::VehicleSpec;
 
 /// What is known of one vehicle beside theory. The file format is `tasks/validation/*.yaml`; see there for an example.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,8 @@ use crate::event::{Bench, Series};
 use std::sync::Arc;
 use vb_math::angle::{degrees, wrap};
 use vb_math::{atan2, hypot, sin, tan};
-use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec, VehicleState};
+use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, VehicleState};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// A world of one friction value over the given heights.
@@ -20,9 +21,9 @@ pub(crate) fn flat(friction: f64) -> Arc<World> {
 /// A plane that rises along x by an angle, rad.
 pub(crate) fn plane(angle: f64, friction: f64) -> Arc<World> {
     let slope = tan(angle);
-    let (rows, cols, pitch) = (5, 5, 10.0);
-    let heights = (0..rows * cols).map(|i| slope * pitch * (i % cols) as f64).collect();
-    world(Heightfield::new(rows, cols, pitch, heights), friction)
+    let (rows, cols, resolution) = (5, 5, 10.0);
+    let heights = (0..rows * cols).map(|i| slope * resolution * (i % cols) as f64).collect();
+    world(Heightfield::new(rows, cols, resolution, heights), friction)
 }
 
 /// A strip of soil along x that rises by an angle, rad. Soil has an end, unlike rigid planes: `length` × `width` m.
@@ -31,15 +32,15 @@ pub(crate) fn soil(class: TerrainClass, length: f64, width: f64, angle: f64) -> 
     Arc::new(World::uniform("rig", heights(length, width, 1.0, |x| slope * x), class, 0.0))
 }
 
-/// Heights that depend on x alone, over `length` × `width` m, nodes `pitch` apart.
+/// Heights that depend on x alone, over `length` × `width` m, nodes `resolution` apart.
 pub(crate) fn profile(
     length: f64,
     width: f64,
-    pitch: f64,
+    resolution: f64,
     friction: f64,
     height: impl Fn(f64) -> f64,
 ) -> Arc<World> {
-    world(heights(length, width, pitch, height), friction)
+    world(heights(length, width, resolution, height), friction)
 }
 
 /// Level ground with two frictions: one to the left of the line y = 0, where y > 0, and one to the right.
@@ -50,28 +51,31 @@ pub(crate) fn split(left: f64, right: f64) -> Arc<World> {
     Arc::new(world)
 }
 
-/// Heights that depend on x and y, over `length` × `width` m, nodes `pitch` apart.
+/// Heights that depend on x and y, over `length` × `width` m, nodes `resolution` apart.
 pub(crate) fn relief(
     length: f64,
     width: f64,
-    pitch: f64,
+    resolution: f64,
     friction: f64,
     height: impl Fn(f64, f64) -> f64,
 ) -> Arc<World> {
-    let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
-    let place = |k: usize, count: usize| (k as f64 - 0.5 * (count - 1) as f64) * pitch;
+    let (rows, cols) =
+        ((width / resolution).round() as usize + 1, (length / resolution).round() as usize + 1);
+    let place = |k: usize, count: usize| (k as f64 - 0.5 * (count - 1) as f64) * resolution;
     let heights = (0..rows * cols).map(|i| height(place(i % cols, cols), place(i / cols, rows))).collect();
-    world(Heightfield::new(rows, cols, pitch, heights), friction)
+    world(Heightfield::new(rows, cols, resolution, heights), friction)
 }
 
-fn heights(length: f64, width: f64, pitch: f64, height: impl Fn(f64) -> f64) -> Heightfield {
-    let (rows, cols) = ((width / pitch).round() as usize + 1, (length / pitch).round() as usize + 1);
-    let line: Vec<f64> = (0..cols).map(|c| height((c as f64 - 0.5 * (cols - 1) as f64) * pitch)).collect();
+fn heights(length: f64, width: f64, resolution: f64, height: impl Fn(f64) -> f64) -> Heightfield {
+    let (rows, cols) =
+        ((width / resolution).round() as usize + 1, (length / resolution).round() as usize + 1);
+    let line: Vec<f64> =
+        (0..cols).map(|c| height((c as f64 - 0.5 * (cols - 1) as f64) * resolution)).collect();
     let heights = (0..rows * cols).map(|i| line[i % cols]).collect();
-    Heightfield::new(rows, cols, pitch, heights)
+    Heightfield::new(rows, cols, resolution, heights)
 }
 
-/// A half-sine bump over the whole width from x = 0 to `length`, `height` high, 0.05 m pitch (the reference's mesh).
+/// A half-sine bump over the whole width from x = 0 to `length`, `height` high, 0.05 m resolution (the reference's mesh).
 pub(crate) fn bump(length: f64, height: f64, friction: f64) -> Arc<World> {
     profile(24.0, 6.0, 0.05, friction, |x| {
         if x > 0.0 && x < length { height * sin(std::f64::consts::PI * x / length) } else { 0.0 }
@@ -287,7 +291,7 @@ impl Drive {
     /// Tilts gravity about the x axis: as if the ground had turned by `angle` (rad), its y axis downhill.
     pub(crate) fn tilt(&mut self, angle: f64) {
         let (s, c) = vb_math::sin_cos(angle);
-        self.sim.set_gravity([0.0, vb_sim::GRAVITY * s, -vb_sim::GRAVITY * c]);
+        self.sim.set_gravity([0.0, vb_vehicle::GRAVITY * s, -vb_vehicle::GRAVITY * c]);
     }
 
     fn record(&mut self, s: &VehicleState, c: Controls) {
@@ -295,7 +299,7 @@ impl Drive {
         let v = s.attitude * s.velocity;
         let mut row = vec![s.time, s.position.x, s.position.y, s.position.z];
         row.extend([roll, pitch, yaw].map(degrees));
-        row.extend([s.velocity.x, s.velocity.y, v.z, s.rates.z, s.steering, c.throttle, c.brake]);
+        row.extend([s.velocity.x, s.velocity.y, v.z, s.angular_velocity.z, s.steering, c.throttle, c.brake]);
         row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
         let drive = self.sim.drive();
         row.extend([drive.gear as f64, drive.engine_speed]);

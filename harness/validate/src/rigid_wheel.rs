@@ -14,7 +14,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 use vb_math::{acos, cos, sin};
-use vb_sim::SoilLaw;
+use vb_sim::soil::SoilLaw;
 
 /// Parts of an arc in its integrals: a thousandth of the load is less than any check asks for.
 const PARTS: u32 = 1000;
@@ -122,7 +122,7 @@ impl RigidWheel {
 mod tests {
     use super::*;
     use vb_math::pow;
-    use vb_sim::PressureDirection;
+    use vb_sim::soil::PressureDirection;
 
     const WHEEL: RigidWheel = RigidWheel { radius: 0.467, breadth: 0.3175, load: 6369.0 };
 

@@ -8,7 +8,8 @@ use crate::reference::References;
 use crate::report::Report;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use vb_sim::{SimOptions, SoilSet, VehicleSpec};
+use vb_sim::{SimOptions, SoilSet};
+use vb_vehicle::VehicleSpec;
 
 /// What to run, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +73,7 @@ impl EventResult {
 /// in the order of [`events`], and the same numbers for any number of jobs.
 ///
 /// # Errors
-/// [`ValidateError::UnknownEvent`], [`ValidateError::Step`], or [`ValidateError::Vehicle`] for a vehicle that can't be
+/// [`ValidateError::UnknownEvent`], [`ValidateError::Step`], or [`ValidateError::Simulation`] for a vehicle that can't be
 /// simulated at all. A simulation that fails within an event is a failure of that event.
 pub fn run(
     spec: &VehicleSpec,

@@ -2,7 +2,7 @@
 
 use crate::check::Kind;
 use serde::Deserialize;
-use vb_sim::{SimError, SteeringGear, TyreSpec, VehicleSpec};
+use vb_vehicle::{VehicleError, VehicleSpec, suspension::SteeringGear};
 
 /// A vehicle in the set-up of a reference. It starts from the vehicle as its file has it, whatever tyre is put on for the
 /// test, since the reference's runs were made with one set-up.
@@ -26,7 +26,7 @@ pub(crate) struct Entry {
     free_travel: Option<[f64; 2]>,
     /// Travel of every steering rack at full lock, each way, m.
     rack_travel: Option<f64>,
-    /// As [`vb_sim::Chassis::resistance`], on rigid ground: that of the runs comes from their contact with it.
+    /// As [`vb_vehicle::Chassis::resistance`], on rigid ground: that of the runs comes from their contact with it.
     resistance: Option<Vec<[f64; 2]>>,
     /// Width of the tyres on soil, m.
     soil_width: Option<f64>,
@@ -38,7 +38,7 @@ impl Entry {
         let mut soil = vehicle.clone();
         if let Some(name) = &self.tyre {
             soil = soil.with_tyre(name).map_err(|e| match e {
-                SimError::VehicleInvalid { reason, .. } => ("tyre".to_owned(), reason),
+                VehicleError::Invalid { reason, .. } => ("tyre".to_owned(), reason),
                 other => ("tyre".to_owned(), other.to_string()),
             })?;
         }
@@ -66,8 +66,8 @@ impl Entry {
             if !(width.is_finite() && width > 0.0) {
                 return Err(("soil_width".to_owned(), format!("{width} must be a positive number")));
             }
-            widen(&mut soil.tyre, width);
-            soil.axles.iter_mut().filter_map(|a| a.tyre.as_mut()).for_each(|t| widen(t, width));
+            soil.tyre.set_width(width);
+            soil.axles.iter_mut().filter_map(|a| a.tyre.as_mut()).for_each(|t| t.set_width(width));
         }
         Ok(Setup { about: self.about, ground, soil })
     }
@@ -107,15 +107,6 @@ fn resistance(table: &[[f64; 2]]) -> Result<(), (String, String)> {
         }
     }
     Ok(())
-}
-
-fn widen(tyre: &mut TyreSpec, width: f64) {
-    *match tyre {
-        TyreSpec::Rigid(t) => &mut t.width,
-        TyreSpec::Brush(t) => &mut t.width,
-        TyreSpec::Fiala(t) => &mut t.width,
-        TyreSpec::Tmeasy(t) => &mut t.width,
-    } = width;
 }
 
 /// Why references of a kind can have no set-up, if they can't.

@@ -4,7 +4,12 @@
 
 use crate::event::Bench;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
-use vb_sim::{AntiRoll, Linkage, Side, Spring, StrutStops, Tyre, TyreSpec};
+use vb_sim::tyre::Tyre;
+use vb_vehicle::{
+    TyreSpec,
+    kinematics::Side,
+    suspension::{AntiRoll, Linkage, Spring, StrutStops},
+};
 
 /// A vehicle at rest.
 #[derive(Clone, Debug)]
@@ -210,7 +215,7 @@ impl<'a> Statics<'a> {
             }
         }
         if let Some(AntiRoll::Travel { stiffness } | AntiRoll::Bar { stiffness, .. }) = suspension.anti_roll {
-            let twist = |p: &[vb_sim::WheelPose; 2]| p[0].bar - p[1].bar;
+            let twist = |p: &[vb_vehicle::kinematics::WheelPose; 2]| p[0].bar - p[1].bar;
             force += stiffness * twist(&now) * (twist(&above) - twist(&below)) / (2.0 * h);
         }
         force
@@ -220,7 +225,7 @@ impl<'a> Statics<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sim::VehicleSpec;
+    use vb_vehicle::VehicleSpec;
 
     #[test]
     fn loads_bear_the_weight_at_its_place_and_depend_on_differences_of_height_alone() {

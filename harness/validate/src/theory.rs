@@ -2,7 +2,7 @@
 //! a line. Independent of the simulator's equations of motion.
 
 use crate::event::Bench;
-use vb_sim::{Tyre, TyreSpec};
+use vb_sim::tyre::Tyre;
 
 /// A drive along a line.
 pub(crate) struct PointMass<'a> {
@@ -50,16 +50,10 @@ impl<'a> PointMass<'a> {
             .sum();
         let turning = wheels + axles + line.shaft_inertia / (final_drive * final_drive);
         let inertia = g.mass + turning / (radius * radius);
-        let rolling = match &spec.tyre {
-            TyreSpec::Rigid(_) => 0.0,
-            TyreSpec::Brush(t) => t.rolling_resistance,
-            TyreSpec::Fiala(t) => t.rolling_resistance,
-            TyreSpec::Tmeasy(t) => t.rolling_resistance,
-        };
         let mut p = Self {
             bench,
             friction: bench.grip(friction),
-            rolling,
+            rolling: spec.tyre.rolling_resistance(),
             final_drive,
             inertia,
             radius,
@@ -169,7 +163,7 @@ impl<'a> PointMass<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sim::{GRAVITY, VehicleSpec};
+    use vb_vehicle::{GRAVITY, VehicleSpec};
 
     #[test]
     fn it_coasts_down_through_its_gears_and_never_up_again() {

@@ -2,16 +2,16 @@
 
 /// Heights on a regular grid, centred on the world origin.
 ///
-/// Node (row, col) lies at x = (col − (cols−1)/2)·pitch, y = (row − (rows−1)/2)·pitch. Each cell is cut along the
+/// Node (row, col) lies at x = (col − (cols−1)/2)·resolution, y = (row − (rows−1)/2)·resolution. Each cell is cut along the
 /// diagonal from its south-west to its north-east corner, as Chrono's height-map patches are: with u, v in [0, 1]
 /// measured from the south-west corner, the north-western triangle is v ≥ u.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heightfield {
     rows: usize,
     cols: usize,
-    pitch: f64,
-    /// Kept for the step loop, which asks for a hundred heights a step: 1 / pitch, and half the extents.
-    inverse_pitch: f64,
+    resolution: f64,
+    /// Kept for the step loop, which asks for a hundred heights a step: 1 / resolution, and half the extents.
+    inverse_resolution: f64,
     half: [f64; 2],
     heights: Vec<f64>,
     /// The heights (m) that the 16-bit levels 0 and 65 535 stand for, where the heights came from levels.
@@ -35,7 +35,7 @@ pub struct Facet {
     /// South-western corner of its cell, and the height there.
     corner: [f64; 2],
     z: f64,
-    pitch: f64,
+    resolution: f64,
     /// Whether it is the cell's north-western half.
     upper: bool,
     gradient: [f64; 2],
@@ -46,7 +46,7 @@ pub struct Facet {
 #[derive(Clone, Debug)]
 pub struct Nearby<'a> {
     field: &'a Heightfield,
-    /// South-western corner of the cell, in pitches from that of the grid, and its opposite; nothing lies between them
+    /// South-western corner of the cell, in resolutiones from that of the grid, and its opposite; nothing lies between them
     /// at first.
     low: [f64; 2],
     high: [f64; 2],
@@ -67,7 +67,7 @@ impl<'a> Nearby<'a> {
     #[must_use]
     pub fn height(&mut self, x: f64, y: f64) -> f64 {
         let f = self.field;
-        let (fx, fy) = ((x + f.half[0]) * f.inverse_pitch, (y + f.half[1]) * f.inverse_pitch);
+        let (fx, fy) = ((x + f.half[0]) * f.inverse_resolution, (y + f.half[1]) * f.inverse_resolution);
         let known = (fx >= self.low[0]) & (fx < self.high[0]) & (fy >= self.low[1]) & (fy < self.high[1]);
         if !known {
             self.look(fx, fy);
@@ -91,13 +91,13 @@ impl<'a> Nearby<'a> {
 struct Cell {
     col: usize,
     row: usize,
-    /// From the south-western corner, in pitches; beyond [0, 1] outside the grid.
+    /// From the south-western corner, in resolutiones; beyond [0, 1] outside the grid.
     within: [f64; 2],
     /// Whether it is on the north-western triangle.
     upper: bool,
     /// Height of the south-western corner.
     z: f64,
-    /// Rise of the triangle over a pitch along x and y.
+    /// Rise of the triangle over a resolution along x and y.
     rise: [f64; 2],
 }
 
@@ -107,7 +107,11 @@ impl Facet {
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let (u, v) = (x - self.corner[0], y - self.corner[1]);
-        let inside = (u >= 0.0) & (v >= 0.0) & (u < self.pitch) & (v < self.pitch) & ((v >= u) == self.upper);
+        let inside = (u >= 0.0)
+            & (v >= 0.0)
+            & (u < self.resolution)
+            & (v < self.resolution)
+            & ((v >= u) == self.upper);
         inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
     }
 
@@ -122,13 +126,21 @@ impl Heightfield {
     /// A surface from row-major heights (m), row 0 in the south.
     ///
     /// # Panics
-    /// If there are fewer than 2 × 2 nodes, `heights` has another length than `rows * cols`, or `pitch` is not
+    /// If there are fewer than 2 × 2 nodes, `heights` has another length than `rows * cols`, or `resolution` is not
     /// positive. Data from outside is validated before it comes here.
     #[must_use]
-    pub fn new(rows: usize, cols: usize, pitch: f64, heights: Vec<f64>) -> Self {
-        assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && pitch > 0.0);
-        let half = [cols, rows].map(|n| 0.5 * (n - 1) as f64 * pitch);
-        Self { rows, cols, pitch, inverse_pitch: 1.0 / pitch, half, heights, level_range: None }
+    pub fn new(rows: usize, cols: usize, resolution: f64, heights: Vec<f64>) -> Self {
+        assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && resolution > 0.0);
+        let half = [cols, rows].map(|n| 0.5 * (n - 1) as f64 * resolution);
+        Self {
+            rows,
+            cols,
+            resolution,
+            inverse_resolution: 1.0 / resolution,
+            half,
+            heights,
+            level_range: None,
+        }
     }
 
     /// A surface from 16-bit levels as they are stored: level v stands for `low + (high − low)·(v / 65535)` with
@@ -138,10 +150,10 @@ impl Heightfield {
     /// # Panics
     /// As [`Heightfield::new`].
     #[must_use]
-    pub fn from_levels(rows: usize, cols: usize, pitch: f64, range: [f64; 2], levels: &[u16]) -> Self {
+    pub fn from_levels(rows: usize, cols: usize, resolution: f64, range: [f64; 2], levels: &[u16]) -> Self {
         let [low, high] = range;
         let heights = levels.iter().map(|&v| low + (high - low) * (f64::from(v) / 65535.0)).collect();
-        Self { level_range: Some(range), ..Self::new(rows, cols, pitch, heights) }
+        Self { level_range: Some(range), ..Self::new(rows, cols, resolution, heights) }
     }
 
     /// The range and the nearest levels that stand for these heights. Exact for a surface from
@@ -159,8 +171,8 @@ impl Heightfield {
 
     /// A level surface.
     #[must_use]
-    pub fn flat(rows: usize, cols: usize, pitch: f64, z: f64) -> Self {
-        Self::new(rows, cols, pitch, vec![z; rows * cols])
+    pub fn flat(rows: usize, cols: usize, resolution: f64, z: f64) -> Self {
+        Self::new(rows, cols, resolution, vec![z; rows * cols])
     }
 
     /// Number of node rows (south to north).
@@ -177,8 +189,8 @@ impl Heightfield {
 
     /// Distance between nodes, m.
     #[must_use]
-    pub fn pitch(&self) -> f64 {
-        self.pitch
+    pub fn resolution(&self) -> f64 {
+        self.resolution
     }
 
     /// Row-major heights, m.
@@ -222,7 +234,7 @@ impl Heightfield {
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
-        let inv = self.inverse_pitch;
+        let inv = self.inverse_resolution;
         let c = self.cell(x, y);
         SurfacePoint {
             z: c.z + c.rise[0] * c.within[0] + c.rise[1] * c.within[1],
@@ -234,7 +246,7 @@ impl Heightfield {
     /// The cell at (x, y), the nearest one beyond the edge, and its triangle there.
     #[inline]
     fn cell(&self, x: f64, y: f64) -> Cell {
-        let inv = self.inverse_pitch;
+        let inv = self.inverse_resolution;
         let fx = (x + self.half[0]) * inv;
         let fy = (y + self.half[1]) * inv;
         let (col, row) = self.indices(fx, fy);
@@ -245,7 +257,7 @@ impl Heightfield {
         Cell { col, row, within: [u, v], upper, z: z00, rise }
     }
 
-    /// Column and row of the cell at a place in pitches from the south-western corner; the nearest beyond the edge.
+    /// Column and row of the cell at a place in resolutiones from the south-western corner; the nearest beyond the edge.
     #[inline]
     fn indices(&self, fx: f64, fy: f64) -> (usize, usize) {
         // By way of u32, which a conversion reaches with fewer instructions.
@@ -267,11 +279,14 @@ impl Heightfield {
     pub fn facet(&self, x: f64, y: f64) -> Facet {
         let c = self.cell(x, y);
         Facet {
-            corner: [c.col as f64 * self.pitch - self.half[0], c.row as f64 * self.pitch - self.half[1]],
-            pitch: self.pitch,
+            corner: [
+                c.col as f64 * self.resolution - self.half[0],
+                c.row as f64 * self.resolution - self.half[1],
+            ],
+            resolution: self.resolution,
             upper: c.upper,
             z: c.z,
-            gradient: c.rise.map(|r| r * self.inverse_pitch),
+            gradient: c.rise.map(|r| r * self.inverse_resolution),
         }
     }
 
@@ -289,10 +304,10 @@ impl Heightfield {
     pub fn ceiling(&self, x: f64, y: f64, reach: f64) -> Option<f64> {
         const FEW: usize = 3;
         let first = |v: f64, half: f64, n: usize| {
-            ((((v - reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize).min(n - 1)
+            ((((v - reach + half) * self.inverse_resolution).max(0.0)) as u32 as usize).min(n - 1)
         };
         let last = |v: f64, half: f64, n: usize| {
-            ((((v + reach + half) * self.inverse_pitch).max(0.0)) as u32 as usize + 1).min(n - 1)
+            ((((v + reach + half) * self.inverse_resolution).max(0.0)) as u32 as usize + 1).min(n - 1)
         };
         let (c0, c1) = (first(x, self.half[0], self.cols), last(x, self.half[0], self.cols));
         let (r0, r1) = (first(y, self.half[1], self.rows), last(y, self.half[1], self.rows));
@@ -320,8 +335,8 @@ impl Heightfield {
         }
         // A node more on each side, so that no rounding leaves a cell out.
         let range = |v: f64, half: f64, n: usize| {
-            let first = ((v - reach + half) * self.inverse_pitch) as usize;
-            let last = ((v + reach + half) * self.inverse_pitch) as usize;
+            let first = ((v - reach + half) * self.inverse_resolution) as usize;
+            let last = ((v + reach + half) * self.inverse_resolution) as usize;
             (first.saturating_sub(1), (last + 2).min(n - 1))
         };
         let (c0, c1) = range(x, self.half[0], self.cols);
@@ -339,7 +354,7 @@ impl Heightfield {
                 }
             }
         }
-        Some(most.map(|rise| rise * self.inverse_pitch))
+        Some(most.map(|rise| rise * self.inverse_resolution))
     }
 
     /// The same surface with every length multiplied by `s`.
@@ -347,7 +362,7 @@ impl Heightfield {
     pub fn scaled(&self, s: f64) -> Self {
         let heights = self.heights.iter().map(|z| z * s).collect();
         let level_range = self.level_range.map(|r| r.map(|z| z * s));
-        Self { level_range, ..Self::new(self.rows, self.cols, self.pitch * s, heights) }
+        Self { level_range, ..Self::new(self.rows, self.cols, self.resolution * s, heights) }
     }
 }
 

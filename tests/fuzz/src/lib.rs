@@ -15,9 +15,10 @@ mod submission;
 mod suite;
 
 use vb_score::Rules;
-use vb_sim::{SoilSet, VehicleSpec};
+use vb_sim::SoilSet;
 use vb_suite::generate::GeneratorParams;
 use vb_suite::site::SiteParams;
+use vb_vehicle::VehicleSpec;
 
 /// A reader under test.
 #[derive(Clone, Copy, Debug)]

@@ -341,7 +341,7 @@ fn what_the_command_line_names_must_exist() {
         (&["--rules", "papper"], BAD_INPUT, &["papper", "paper, release, dev"]),
         (&["--vehicle", "bicycle"], BAD_INPUT, &["bicycle", "hmmwv"]),
         (&["--soils", "slush"], BAD_INPUT, &["slush", "default, original, wong"]),
-        (&["--soil-pitch", "5"], USAGE, &["--soil-pitch", "0.01 to 0.5"]),
+        (&["--soil-resolution", "5"], USAGE, &["--soil-resolution", "0.01 to 0.5"]),
         (&["--time-step", "3"], USAGE, &["--time-step", "divide 10"]),
     ];
     for (args, code, says) in cases {
@@ -507,7 +507,7 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
         (&pid, &["--suite", "./suite"], &["suite.hash"]),
         (&pid, &["--vehicle", "heavy.yaml"], &["vehicle.hash"]),
         (&pid, &["--soils", "original"], &["soils.hash"]),
-        (&pid, &["--soil-pitch", "0.05"], &["soil_pitch", "0.1", "0.05"]),
+        (&pid, &["--soil-resolution", "0.05"], &["soil_resolution", "0.1", "0.05"]),
         (&pid, &["--time-step", "0.5"], &["time_step", "0.001", "0.0005"]),
         (&other, &[], &["plugin.carrier", "wasm", "native"]),
     ];

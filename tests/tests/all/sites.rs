@@ -55,14 +55,14 @@ fn what_is_wrong_with_a_survey_is_one_line_that_says_what_to_do() {
     let bench = Bench::new();
     bench.write("cut.tif", &std::fs::read(root().join(RASTER)).unwrap()[..4000]);
     bench.write("notes.txt", "412.0");
-    bench.write("site.yaml", "schema: 1\nname: x\npitch: 1.0\npatch: 8.0\nside: 127.0\n");
+    bench.write("site.yaml", "schema: 1\nname: x\nresolution: 1.0\npatch: 8.0\nside: 127.0\n");
     let raster = text(&root().join(RASTER));
     let labels = text(&root().join("examples/site/labels.png"));
     let cases: [(&[&str], i32, &str); 7] = [
         (&["cut.tif"], 3, "cut.tif"),
         (&["notes.txt"], 3, "must be .bmp, .png, .npy, .tif or .tiff"),
         (&["nowhere.tif"], 3, "nowhere.tif"),
-        (&[&labels], 2, "give --sample-pitch"),
+        (&[&labels], 2, "give --sample-resolution"),
         (&[&raster, "--at", "120,0"], 3, "reaches over the edge of the survey, which is 300 m by 260 m"),
         (&[&raster, "--site", "site.yaml"], 3, "site.yaml"),
         (&[&raster, "--labels", &labels], 3, "is not in ground.legend"),

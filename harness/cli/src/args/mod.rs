@@ -174,8 +174,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "NAME|FILE", default_value = "default")]
     pub(crate) soils: String,
     /// Side of the cells in which soil remembers ruts, in metres; scaled with the world
-    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = soil_pitch)]
-    pub(crate) soil_pitch: f64,
+    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = soil_resolution)]
+    pub(crate) soil_resolution: f64,
     /// Step of the simulation in milliseconds, for studies of convergence; scores are comparable at 1 only
     #[arg(long, value_name = "MS", default_value = "1", value_parser = time_step)]
     pub(crate) time_step: f64,
@@ -217,7 +217,7 @@ impl RunArgs {
             rules: "paper".into(),
             vehicle: "hmmwv".into(),
             soils: "default".into(),
-            soil_pitch: 0.1,
+            soil_resolution: 0.1,
             time_step: 0.001,
             scale: None,
             limits: None,
@@ -453,7 +453,7 @@ fn time_step(text: &str) -> Result<f64, String> {
 }
 
 /// A length in metres that a soil's memory can have.
-fn soil_pitch(text: &str) -> Result<f64, String> {
+fn soil_resolution(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
 }

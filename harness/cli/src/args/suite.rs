@@ -152,7 +152,7 @@ pub(crate) struct SiteArgs {
     pub(crate) out: PathBuf,
     /// Distance between the raster's samples, m; default: what the file says
     #[arg(long, value_name = "M", value_parser = positive)]
-    pub(crate) sample_pitch: Option<f64>,
+    pub(crate) sample_resolution: Option<f64>,
     /// Metres that one unit of the raster's values is high, such as a grey level of a picture
     #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
     pub(crate) unit: f64,

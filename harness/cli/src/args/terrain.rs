@@ -37,7 +37,7 @@ pub(crate) struct SurfaceArgs {
     pub(crate) size: (usize, usize),
     /// Distance between nodes in metres
     #[arg(long, value_name = "METRES", default_value_t = 1.0)]
-    pub(crate) pitch: f64,
+    pub(crate) resolution: f64,
     /// Relief: 30, 60 or 100 % of the model's
     #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
     pub(crate) level: Level,
@@ -78,7 +78,7 @@ pub(crate) struct MeasureArgs {
     pub(crate) files: Vec<PathBuf>,
     /// Distance between samples in metres; default: as the file says, else 1
     #[arg(long, value_name = "METRES", value_parser = positive)]
-    pub(crate) pitch: Option<f64>,
+    pub(crate) resolution: Option<f64>,
     /// Metres that one unit of the file's values stands for
     #[arg(long, value_name = "METRES", default_value = "1", value_parser = positive)]
     pub(crate) height_unit: f64,

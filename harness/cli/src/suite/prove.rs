@@ -77,7 +77,7 @@ fn conditions(header: &RunHeader) -> Conditions {
         rules: named(&header.rules.name, &header.rules.hash),
         scale: header.scale,
         time_step: header.time_step,
-        soil_pitch: header.soil_pitch,
+        soil_resolution: header.soil_resolution,
     }
 }
 

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_runner::static_shape;
-use vb_sim::{SimOptions, VehicleModel};
+use vb_sim::SimOptions;
 use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
+use vb_vehicle::VehicleModel;
 
 use crate::args::ValidateArgs;
 use crate::error::CliError;
@@ -77,8 +78,8 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
 fn footprint(wanted: &str) -> Result<Vehicle, CliError> {
     let (_, spec) = vehicle::load(wanted)?;
     let scale = spec.scale;
-    let shape = VehicleModel::new(spec).and_then(|model| static_shape(&model, SimOptions::default()));
-    let shape = shape.map_err(CliError::input)?;
+    let model = VehicleModel::new(spec).map_err(CliError::input)?;
+    let shape = static_shape(&model, SimOptions::default()).map_err(CliError::input)?;
     Ok(Vehicle { length: shape.length / scale, width: shape.width / scale })
 }
 

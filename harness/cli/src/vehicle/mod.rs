@@ -7,8 +7,9 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_sim::{SoilSet, VehicleSpec};
+use vb_sim::SoilSet;
 use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
+use vb_vehicle::VehicleSpec;
 
 use crate::args::{MessageFormat, VehicleArgs, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
 use crate::error::CliError;

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use vb_runner::{StaticShape, static_shape};
 use vb_sim::{
-    Course, Disc, Linkage, Side, SimError, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec,
-    VehicleState,
+    SimError, SimOptions, Simulation, SoilSet, VehicleState,
+    track::{Course, Disc},
 };
+use vb_vehicle::{VehicleModel, VehicleSpec, kinematics::Side};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 type Point = [f64; 3];
@@ -70,8 +71,7 @@ impl Standing {
                 let moved: Point = (pose.hub - design.hub).into();
                 let fixed = |p: Point| place(add(axle.position, [p[0], sign * p[1], p[2]]));
                 let carried = |p: Point| place(add(add(axle.position, [p[0], sign * p[1], p[2]]), moved));
-                links
-                    .extend(lines(&axle.suspension.linkage).into_iter().map(|[a, b]| [fixed(a), carried(b)]));
+                links.extend(axle.suspension.linkage.rods().into_iter().map(|[a, b]| [fixed(a), carried(b)]));
                 struts.extend(axle.suspension.struts.iter().map(|s| [fixed(s.chassis), carried(s.end)]));
             }
         }
@@ -100,39 +100,4 @@ fn vector(p: Point) -> V3 {
 
 fn add(a: Point, b: Point) -> Point {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// The rods of a linkage, from the chassis to what carries the wheel, left side at design height.
-fn lines(linkage: &Linkage) -> Vec<[Point; 2]> {
-    match linkage {
-        Linkage::DoubleWishbone(l) => vec![
-            [l.upper_arm_front, l.upper_ball_joint],
-            [l.upper_arm_rear, l.upper_ball_joint],
-            [l.lower_arm_front, l.lower_ball_joint],
-            [l.lower_arm_rear, l.lower_ball_joint],
-            [l.tie_rod_inner, l.tie_rod_outer],
-        ],
-        Linkage::SingleWishbone(l) => vec![
-            [l.arm_front, l.kingpin_lower],
-            [l.arm_rear, l.kingpin_lower],
-            [l.tie_rod_inner, l.tie_rod_outer],
-        ],
-        Linkage::Multilink(l) => {
-            let rods = l.links.iter().map(|r| [r.chassis, r.carrier]);
-            rods.chain([[l.tie_rod_inner, l.tie_rod_outer]]).collect()
-        }
-        Linkage::TorsionArm(l) => vec![[l.pivot, l.spindle]],
-        Linkage::SolidAxle(l) => {
-            let rods = l.links.iter().chain(&l.single_links).map(|r| [r.chassis, r.carrier]);
-            rods.chain([beam(l.spindle)]).collect()
-        }
-        Linkage::LeafAxle(l) => vec![[l.eye, l.seat], beam(l.spindle)],
-        Linkage::PivotAxle(l) => vec![beam(l.spindle)],
-        Linkage::Rigid(l) => vec![beam(l.spindle)],
-    }
-}
-
-/// From the middle of an axle to its left wheel.
-fn beam(spindle: Point) -> [Point; 2] {
-    [[spindle[0], 0.0, spindle[2]], spindle]
 }

@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 use vb_runner::planner_vehicle;
-use vb_sim::{Converter, Differential, Engine, Linkage, SteeringGear};
 use vb_validate::number;
+use vb_vehicle::{
+    powertrain::{Converter, Engine},
+    suspension::SteeringGear,
+};
 
 use super::standing::Standing;
 use crate::output;
@@ -73,36 +76,6 @@ pub(super) fn scale(value: f64) -> String {
     }
 }
 
-fn suspension(linkage: &Linkage) -> &'static str {
-    match linkage {
-        Linkage::DoubleWishbone(_) => "double wishbone",
-        Linkage::SingleWishbone(_) => "single wishbone",
-        Linkage::Multilink(_) => "five rods",
-        Linkage::TorsionArm(_) => "torsion arm",
-        Linkage::SolidAxle(_) => "solid axle on rods",
-        Linkage::LeafAxle(_) => "solid axle on leaf springs",
-        Linkage::PivotAxle(_) => "pivoting axle",
-        Linkage::Rigid(_) => "rigid",
-    }
-}
-
-fn gear(gear: &SteeringGear) -> &'static str {
-    match gear {
-        SteeringGear::RackAndPinion { .. } => "rack and pinion",
-        SteeringGear::PitmanArm { .. } => "pitman arm",
-        SteeringGear::RotaryArm { .. } => "rotary arm and drag link",
-    }
-}
-
-fn differential(d: Differential) -> &'static str {
-    match d {
-        Differential::Open {} => "open",
-        Differential::Clutch { .. } => "clutch",
-        Differential::LimitedSlip { .. } => "limited slip",
-        Differential::Locked {} => "locked",
-    }
-}
-
 fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
     let best = |points: &[[f64; 2]]| {
         let torque = points.iter().map(|p| p[1]).fold(0.0, f64::max);
@@ -132,13 +105,13 @@ impl Specification {
         let told = planner_vehicle(v, &standing.shape, v.scale);
         let line = &v.powertrain.driveline;
         let mut driven = line.axles.iter();
-        let tyre = |t: &vb_sim::TyreSpec| {
+        let tyre = |t: &vb_vehicle::TyreSpec| {
             format!("{}, radius {} m, width {} m", t.model(), number(t.radius()), number(t.width()))
         };
         let axles = v.axles.iter().enumerate().map(|(i, a)| {
             let angles = a.steering.as_ref().and_then(|_| {
-                let solved = vb_sim::AxleKinematics::solve(a).ok()?;
-                Some([vb_sim::Side::Left, vb_sim::Side::Right].map(|side| {
+                let solved = vb_vehicle::kinematics::AxleKinematics::solve(a).ok()?;
+                Some([vb_vehicle::kinematics::Side::Left, vb_vehicle::kinematics::Side::Right].map(|side| {
                     let axis = solved.wheel(side, [0.0; 2], 1.0).axis;
                     vb_math::angle::degrees(vb_math::atan2(-axis.x, axis.y))
                 }))
@@ -147,12 +120,12 @@ impl Specification {
             AxleRow {
                 name: a.name.clone(),
                 x_m: a.position[0] + a.suspension.linkage.spindle()[0],
-                suspension: suspension(&a.suspension.linkage),
+                suspension: a.suspension.linkage.kind(),
                 travel_mm: a.suspension.range.map(|t| 1e3 * t),
-                steering: a.steering.as_ref().map(gear),
+                steering: a.steering.as_ref().map(SteeringGear::kind),
                 wheel_angles_deg: angles,
                 driven: a.driven,
-                differential: own.map(|d| differential(d.differential)),
+                differential: own.map(|d| d.differential.kind()),
                 unsprung_mass_kg: 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass),
                 brake_torque_n_m: 2.0 * a.brake_torque,
                 tyre: tyre(v.tyre_of(a)),
@@ -184,7 +157,7 @@ impl Specification {
             tyres,
             engine: engine(&v.powertrain.engine, v.powertrain.converter.as_ref()),
             gears: v.powertrain.gearbox.ratios.clone(),
-            centre_differential: if line.axles.len() > 1 { differential(line.centre) } else { "none" },
+            centre_differential: if line.axles.len() > 1 { line.centre.kind() } else { "none" },
             deviations: v.deviations.clone(),
         }
     }
@@ -242,7 +215,7 @@ impl Specification {
 
 fn driven_axle<'a>(
     driven: bool,
-    axles: &mut std::slice::Iter<'a, vb_sim::DrivenAxle>,
-) -> Option<&'a vb_sim::DrivenAxle> {
+    axles: &mut std::slice::Iter<'a, vb_vehicle::powertrain::DrivenAxle>,
+) -> Option<&'a vb_vehicle::powertrain::DrivenAxle> {
     if driven { axles.next() } else { None }
 }

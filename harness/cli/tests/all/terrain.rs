@@ -30,7 +30,7 @@ fn a_surface_is_drawn_to_a_file_with_a_picture_and_measured() {
     // NumPy's header (NEP 1): shape of rows and columns.
     assert!(String::from_utf8_lossy(&first[..100]).contains("(30, 40"));
     assert!(std::fs::read(dir.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
-    draw("d.png", &["--pitch", "0.5"]);
+    draw("d.png", &["--resolution", "0.5"]);
     let measured = harness(&dir, &["terrain", "measure", "a.npy", "c.npy"]);
     let table = String::from_utf8(measured.stdout).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split_whitespace().collect()).collect();
@@ -57,8 +57,8 @@ fn what_can_not_be_done_ends_with_its_code() {
     assert!(code == Some(2) && text.contains(".npy or .png"), "{text}");
     let (code, text) = generate(&["--out", "a.npy", "--size", "1"]);
     assert!(code == Some(2) && text.contains("1 nodes"), "{text}");
-    let (code, text) = generate(&["--out", "a.npy", "--pitch", "0"]);
-    assert!(code == Some(2) && text.contains("pitch"), "{text}");
+    let (code, text) = generate(&["--out", "a.npy", "--resolution", "0"]);
+    assert!(code == Some(2) && text.contains("resolution"), "{text}");
     let (code, text) = generate(&["--out", "a.npy", "--model", "none.safetensors"]);
     assert!(code == Some(3) && text.contains("none.safetensors"), "{text}");
     let (code, text) = generate(&["--out", "no/folder/a.npy"]);

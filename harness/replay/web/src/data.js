@@ -42,10 +42,10 @@ export const signal = (run, k, which) => run.signals[SIGNALS * k + which];
 
 // Heights as the physics has them: cells cut from south-west to north-east.
 export function heightOf(ground) {
-  const { rows, cols, pitch, half, z } = ground;
+  const { rows, cols, resolution, half, z } = ground;
   return (x, y) => {
-    const fx = (x + half[0]) / pitch[0];
-    const fy = (y + half[1]) / pitch[1];
+    const fx = (x + half[0]) / resolution[0];
+    const fy = (y + half[1]) / resolution[1];
     const c = Math.min(cols - 2, Math.max(0, Math.floor(fx)));
     const r = Math.min(rows - 2, Math.max(0, Math.floor(fy)));
     const [u, v] = [fx - c, fy - r];

@@ -36,7 +36,7 @@ function texture(semantics, coloured) {
 }
 
 function surface(data) {
-  const { rows, cols, pitch, half, z } = data.ground;
+  const { rows, cols, resolution, half, z } = data.ground;
   const { rows: prows, cols: pcols, patch } = data.semantics;
   const position = new Float32Array(3 * rows * cols);
   const normal = new Float32Array(3 * rows * cols);
@@ -44,13 +44,13 @@ function surface(data) {
   for (let r = 0; r < rows; r += 1) {
     for (let c = 0; c < cols; c += 1) {
       const k = r * cols + c;
-      const [x, y] = [c * pitch[0] - half[0], r * pitch[1] - half[1]];
+      const [x, y] = [c * resolution[0] - half[0], r * resolution[1] - half[1]];
       position.set([x, y, z[k]], 3 * k);
       uv.set([x / (pcols * patch) + 0.5, y / (prows * patch) + 0.5], 2 * k);
       const [w, e] = [Math.max(0, c - 1), Math.min(cols - 1, c + 1)];
       const [s, n] = [Math.max(0, r - 1), Math.min(rows - 1, r + 1)];
-      const gx = (SHADING * (z[r * cols + e] - z[r * cols + w])) / ((e - w) * pitch[0]);
-      const gy = (SHADING * (z[n * cols + c] - z[s * cols + c])) / ((n - s) * pitch[1]);
+      const gx = (SHADING * (z[r * cols + e] - z[r * cols + w])) / ((e - w) * resolution[0]);
+      const gy = (SHADING * (z[n * cols + c] - z[s * cols + c])) / ((n - s) * resolution[1]);
       const length = Math.hypot(gx, gy, 1);
       normal.set([-gx / length, -gy / length, 1 / length], 3 * k);
     }
@@ -74,7 +74,7 @@ function surface(data) {
 
 // Walls around the ground, down to a level base: the world is a block that one looks at.
 function skirt(data) {
-  const { rows, cols, pitch, half, z } = data.ground;
+  const { rows, cols, resolution, half, z } = data.ground;
   let low = Infinity;
   for (const v of z) low = Math.min(low, v);
   const base = low - 0.03 * half[0];
@@ -85,7 +85,7 @@ function skirt(data) {
   for (let r = rows - 2; r >= 0; r -= 1) edge.push([r, 0]);
   const position = [];
   for (let k = 0; k + 1 < edge.length; k += 1) {
-    const [a, b] = [edge[k], edge[k + 1]].map(([r, c]) => [c * pitch[0] - half[0], r * pitch[1] - half[1], z[r * cols + c]]);
+    const [a, b] = [edge[k], edge[k + 1]].map(([r, c]) => [c * resolution[0] - half[0], r * resolution[1] - half[1], z[r * cols + c]]);
     const [al, bl] = [[a[0], a[1], base], [b[0], b[1], base]];
     position.push(...a, ...al, ...b, ...b, ...al, ...bl);
   }

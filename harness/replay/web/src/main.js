@@ -11,7 +11,7 @@ const begun = performance.now();
 const data = read();
 // Lengths of signs and cameras in those of the vehicle: worlds are scaled.
 const unit = data.runs[0].vehicle.length / 4.67;
-const pitch = 0.1 * data.scale;
+const resolution = 0.1 * data.scale;
 
 const renderer = new THREE.WebGLRenderer({ canvas: $('view'), antialias: true });
 renderer.shadowMap.enabled = true;
@@ -37,7 +37,7 @@ scene.add(sun, sun.target);
 
 const world = makeWorld(data, unit);
 scene.add(world.group);
-const runs = data.runs.map((run, k) => new Run(run, k > 0, world, unit, pitch));
+const runs = data.runs.map((run, k) => new Run(run, k > 0, world, unit, resolution));
 for (const run of runs) scene.add(run.group);
 
 let time = 0;

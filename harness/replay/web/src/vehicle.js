@@ -51,16 +51,16 @@ function label(text, colour, unit) {
   return sprite;
 }
 
-function ruts(run, height, pitch) {
+function ruts(run, height, resolution) {
   const n = run.ruts.length / 5;
   const vertices = new Float32Array(12 * n);
   const colour = new Float32Array(16 * n);
   const index = new Uint32Array(6 * n);
-  const half = 0.5 * pitch;
+  const half = 0.5 * resolution;
   for (let k = 0; k < n; k += 1) {
     const [, x, y, depth, raised] = run.ruts.subarray(5 * k, 5 * k + 5);
     [[-half, -half], [half, -half], [half, half], [-half, half]].forEach(([u, v], i) => {
-      vertices.set([x + u, y + v, height(x + u, y + v) + 0.2 * pitch + 0.6 * Math.min(raised, 3 * pitch)], 12 * k + 3 * i);
+      vertices.set([x + u, y + v, height(x + u, y + v) + 0.2 * resolution + 0.6 * Math.min(raised, 3 * resolution)], 12 * k + 3 * i);
     });
     // Ruts darken the ground, deep ones more; heaps brighten it.
     const rut = depth >= raised;
@@ -81,7 +81,7 @@ function ruts(run, height, pitch) {
 }
 
 export class Run {
-  constructor(run, ghost, world, unit, pitch) {
+  constructor(run, ghost, world, unit, resolution) {
     Object.assign(this, { run, ghost, world, unit });
     this.group = new THREE.Group();
     this.body = new THREE.Group();
@@ -110,7 +110,7 @@ export class Run {
     for (const belt of this.belts) this.body.add(belt.mesh);
     this.group.add(this.body);
     this.makeTrail();
-    this.ruts = ruts(run, world.height, pitch);
+    this.ruts = ruts(run, world.height, resolution);
     this.group.add(this.ruts);
     this.plans = Object.entries(run.series.lines).map(([name, steps]) => {
       const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 });

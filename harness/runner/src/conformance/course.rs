@@ -7,7 +7,8 @@ use vb_host::Plugin;
 use vb_record::{LogMode, TraceMode};
 use vb_score::{Outcome, Rules, TaskRecord};
 use vb_sdk::Param;
-use vb_sim::{SimOptions, SoilSet, VehicleModel};
+use vb_sim::{SimOptions, SoilSet};
+use vb_vehicle::VehicleModel;
 use vb_world::World;
 
 use super::{Kit, KitError};
@@ -30,7 +31,7 @@ pub(super) struct Course<'a> {
 
 impl<'a> Course<'a> {
     pub(super) fn new(kit: &Kit<'a>) -> Result<Self, RunError> {
-        let options = SimOptions { soil_pitch: kit.soils.pitch, ..SimOptions::default() };
+        let options = SimOptions { soil_resolution: kit.soils.resolution, ..SimOptions::default() };
         let mut tasks = Vec::new();
         for wanted in kit.tasks.iter().take(TASKS) {
             kit.suite.verify_world(&wanted.world)?;

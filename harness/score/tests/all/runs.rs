@@ -42,7 +42,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
         scale: 1.0,
         seed: 0,
         time_step: 0.001,
-        soil_pitch: 0.1,
+        soil_resolution: 0.1,
         sample_period: 0.01,
         rules: RulesHeader {
             name: rules.name.clone(),

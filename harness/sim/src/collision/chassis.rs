@@ -2,11 +2,11 @@
 
 use super::separation::{InReach, separation};
 use super::{Cuboid, OBSTACLE_FRICTION, Obstacles, extents, from_vector, points, rotation, vector};
-use crate::spec::VehicleSpec;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightFieldFlags};
 use rapier3d_f64::parry::utils::Array2;
 use rapier3d_f64::prelude::*;
+use vb_vehicle::VehicleSpec;
 use vb_world::{Heightfield, World};
 
 /// The chassis as rapier sees it: one body with the hull, among the ground and the obstacles.
@@ -242,7 +242,7 @@ impl ChassisContacts {
     fn gap_to(&self, ground: &Heightfield, pose: &Pose, near: Near, enough: f64) -> f64 {
         let Near { part, cell: [row, col], upper } = near;
         let node = |row: usize, col: usize| {
-            let (x, y) = (col as f64 * ground.pitch(), row as f64 * ground.pitch());
+            let (x, y) = (col as f64 * ground.resolution(), row as f64 * ground.resolution());
             let node = Vector::new(x - ground.half_x(), y - ground.half_y(), ground.node(row, col));
             pose.inverse_transform_point(node)
         };
@@ -254,7 +254,7 @@ impl ChassisContacts {
     /// within `margin`, what is near.
     fn gap(&self, ground: &Heightfield, pose: &Pose, margin: f64) -> Result<f64, Near> {
         let cells = |low: f64, high: f64, half: f64, count: usize| {
-            let index = |v: f64| (((v + half) / ground.pitch()).max(0.0) as usize).min(count - 2);
+            let index = |v: f64| (((v + half) / ground.resolution()).max(0.0) as usize).min(count - 2);
             index(low)..=index(high)
         };
         let room = (ROOM * self.bound).max(2.0 * margin);

@@ -100,7 +100,8 @@ impl HardWheel {
             .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI));
         let pose = Pose::from_parts(vector(hub), rotation(&turn));
         let wheel = Wheel { shape: self, hub: *hub, axis: *axis, pose, reach };
-        let index = |v: f64, half: f64, count: usize| (((v + half) / ground.pitch()) as usize).min(count - 2);
+        let index =
+            |v: f64, half: f64, count: usize| (((v + half) / ground.resolution()) as usize).min(count - 2);
         let (half_x, half_y) = (ground.half_x(), ground.half_y());
         let mut found = Facets::none();
         for row in index(hub.y - bound, half_y, ground.rows())..=index(hub.y + bound, half_y, ground.rows()) {
@@ -108,7 +109,7 @@ impl HardWheel {
                 index(hub.x - bound, half_x, ground.cols())..=index(hub.x + bound, half_x, ground.cols())
             {
                 let node = |row: usize, col: usize| {
-                    let (x, y) = (col as f64 * ground.pitch(), row as f64 * ground.pitch());
+                    let (x, y) = (col as f64 * ground.resolution(), row as f64 * ground.resolution());
                     V3::new(x - half_x, y - half_y, ground.node(row, col))
                 };
                 let corners =

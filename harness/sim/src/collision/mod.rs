@@ -7,12 +7,12 @@ mod separation;
 pub(crate) use chassis::ChassisContacts;
 pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
 
-use crate::spec::{HardContact, TyreSpec};
 use crate::tyre::Contact;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, SupportMap};
 use rapier3d_f64::prelude::*;
+use vb_vehicle::{TyreSpec, tyre::HardContact};
 use vb_world::World;
 
 /// Friction of obstacles, combined with the tyre's or hull's by the minimum: Chrono's default material, which the

@@ -7,11 +7,11 @@
 //! (Σ Tᵀ M T) q̈ = Q − Σ Tᵀ M (G ẍ + b) and are eliminated.
 
 use super::{Corner, Forces, solve::skew};
-use crate::spec::Linkage;
-use crate::suspension::BeamAxle;
 use crate::{M3, V3};
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
 use std::sync::Arc;
+use vb_vehicle::kinematics::BeamAxle;
+use vb_vehicle::suspension::Linkage;
 
 /// The beam between two wheels.
 #[derive(Clone)]
@@ -62,7 +62,7 @@ pub(super) struct Remembered {
 impl Beam {
     pub(super) fn new(
         kinematics: Arc<BeamAxle>,
-        beam: crate::Beam,
+        beam: vb_vehicle::suspension::Beam,
         left: usize,
         mount: V3,
         linkage: &Linkage,

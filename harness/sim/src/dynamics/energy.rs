@@ -39,6 +39,6 @@ impl Vehicle {
 
     /// The energy that lifts the vehicle by the radius of a wheel, J.
     pub(crate) fn lift_energy(&self) -> f64 {
-        self.composite().0 * crate::GRAVITY * self.tyres[0].envelope().radius()
+        self.composite().0 * vb_vehicle::GRAVITY * self.tyres[0].envelope().radius()
     }
 }

@@ -20,16 +20,21 @@ mod wheel;
 use crate::collision::{Obstacles, WheelShape};
 use crate::powertrain::{Drive, Load};
 use crate::soil::{Footprint, SoilGround, WHEEL};
-use crate::spec::{AntiRoll, Governor, Stops, VehicleSpec};
 use crate::state::{Controls, VehicleState, WheelState};
-use crate::suspension::{AxleKinematics, CornerTable, Element, Side, elements, moves};
 use crate::tyre::{Clearance, Envelope, Patch, Tyre};
-use crate::{GRAVITY, M3, Quat, V3};
+use crate::{M3, Quat, V3};
 use beam::Beam;
 use facets::FacetPatches;
 pub use stand::WheelStand;
 use std::sync::Arc;
 use track::Track;
+use vb_vehicle::GRAVITY;
+use vb_vehicle::kinematics::{AxleKinematics, CornerTable, Element, Side, elements, moves};
+use vb_vehicle::{
+    VehicleSpec,
+    powertrain::Governor,
+    suspension::{AntiRoll, Stops},
+};
 use vb_world::{Heightfield, Semantics};
 
 /// What the wheels stand on.
@@ -152,7 +157,7 @@ pub(crate) struct Vehicle {
 }
 
 impl Vehicle {
-    pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_pitch: f64) -> Self {
+    pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_resolution: f64) -> Self {
         let com = V3::from(spec.chassis.com);
         let drive = Drive::new(&track::sprockets(spec).unwrap_or_else(|| Load::wheels(spec)));
         let (mut corners, mut beams, mut bars) = (Vec::new(), Vec::new(), Vec::new());
@@ -202,7 +207,10 @@ impl Vehicle {
                     obstacle_depth: 0.0,
                     facets: FacetPatches::default(),
                     clearance: Clearance::default(),
-                    footprint: spec.tracks.is_none().then(|| Footprint::wheel(radius, width, soil_pitch)),
+                    footprint: spec
+                        .tracks
+                        .is_none()
+                        .then(|| Footprint::wheel(radius, width, soil_resolution)),
                     sinkage: 0.0,
                     load: 0.0,
                 });
@@ -230,7 +238,7 @@ impl Vehicle {
         };
         let hubs: Vec<V3> =
             vehicle.corners.iter().map(|c| c.mount + vehicle.guided(c, [0.0; 2], 0.0).0).collect();
-        vehicle.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs, soil_pitch)).collect();
+        vehicle.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs, soil_resolution)).collect();
         vehicle
     }
 
@@ -341,9 +349,6 @@ impl Vehicle {
         self.q = Quat::new_normalize((Quat::from_scaled_axis(self.w * dt) * self.q).into_inner());
     }
 }
-
-/// Greatest number of wheels.
-pub(crate) const MAX_WHEELS: usize = 16;
 
 #[cfg(test)]
 mod tests;

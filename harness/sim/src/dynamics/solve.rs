@@ -1,8 +1,9 @@
 //! Elimination of the corners and the solution for the accelerations.
 
-use super::{Guide, MAX_WHEELS, Vehicle};
-use crate::powertrain::interpolate;
+use super::{Guide, Vehicle};
 use crate::{M3, V3};
+use vb_vehicle::MAX_WHEELS;
+use vb_vehicle::table::interpolate;
 
 pub(super) fn skew(r: &V3) -> M3 {
     M3::new(0.0, -r.z, r.y, r.z, 0.0, -r.x, -r.y, r.x, 0.0)

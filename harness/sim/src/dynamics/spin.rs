@@ -1,9 +1,10 @@
 //! Wheel spins under driveline and brakes.
 
-use super::{MAX_WHEELS, Vehicle};
+use super::Vehicle;
 use crate::V3;
 use crate::powertrain::Wheels;
 use crate::state::Controls;
+use vb_vehicle::MAX_WHEELS;
 
 impl Vehicle {
     /// What a governor leaves of a throttle.

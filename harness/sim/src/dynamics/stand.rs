@@ -2,9 +2,9 @@
 
 use super::facets::FacetPatches;
 use crate::collision::WheelShape;
-use crate::spec::TyreSpec;
 use crate::tyre::{Clearance, Patch, Tyre, WheelMotion};
 use crate::{M3, V3};
+use vb_vehicle::TyreSpec;
 use vb_world::Heightfield;
 
 /// A wheel whose axle keeps its direction along y and that moves in the plane of x and z, on rigid ground.

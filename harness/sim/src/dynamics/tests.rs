@@ -1,9 +1,12 @@
 //! The equations of motion with every kind of suspension.
 
 use super::*;
-use crate::spec::{Damper, Linkage, Spring, SteeringGear, Strut};
 use crate::tyre::{Contact, WheelMotion};
-use crate::{Beam as BeamSpec, GRAVITY, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm};
+use vb_vehicle::suspension::{Damper, Linkage, Spring, SteeringGear, Strut};
+use vb_vehicle::{
+    GRAVITY,
+    suspension::{Beam as BeamSpec, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm},
+};
 use vb_world::{Heightfield, Semantics, TerrainClass};
 
 fn hmmwv() -> VehicleSpec {
@@ -310,8 +313,8 @@ fn at_rest(spec: &VehicleSpec) -> Vehicle {
 #[test]
 fn every_suspension_carries_the_vehicles_weight_at_rest() {
     let mut rigid = hmmwv();
-    rigid.axles[1].suspension = crate::Suspension {
-        linkage: Linkage::Rigid(crate::RigidMount { spindle: [0.0, 0.909_701, -0.026] }),
+    rigid.axles[1].suspension = vb_vehicle::suspension::Suspension {
+        linkage: Linkage::Rigid(vb_vehicle::suspension::RigidMount { spindle: [0.0, 0.909_701, -0.026] }),
         range: [0.0; 2],
         struts: vec![],
         stops: None,
@@ -326,7 +329,7 @@ fn every_suspension_carries_the_vehicles_weight_at_rest() {
         }
     }
     let mut pivot = hmmwv();
-    pivot.axles[1].suspension.linkage = Linkage::PivotAxle(crate::PivotAxle {
+    pivot.axles[1].suspension.linkage = Linkage::PivotAxle(vb_vehicle::suspension::PivotAxle {
         spindle: [0.0, 0.909_701, -0.026],
         beam: BeamSpec { mass: 120.0, inertia: 40.0 },
         pin_height: 0.1,

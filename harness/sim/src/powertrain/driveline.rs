@@ -13,10 +13,11 @@
 //! sweep is exact; with brakes that can hold all wheels the start is already the solution.
 
 use super::Pair;
-use crate::spec::{self, Differential};
+
+use vb_vehicle::powertrain::{self, Differential};
 
 /// Greatest number of driven axles.
-const MAX_AXLES: usize = crate::dynamics::MAX_WHEELS / 2;
+const MAX_AXLES: usize = vb_vehicle::MAX_WHEELS / 2;
 /// Sweeps end when none of them changes a slip by more than this, rad/s.
 const CONVERGED: f64 = 1e-9;
 const MAX_SWEEPS: usize = 100;
@@ -141,9 +142,9 @@ impl Friction {
 
 impl Driveline {
     /// The shafts of `d` on these pairs of wheels, of which as many are driven as it has axles.
-    pub(super) fn new(d: &spec::Driveline, pairs: &[Pair]) -> Self {
+    pub(super) fn new(d: &powertrain::Driveline, pairs: &[Pair]) -> Self {
         let driven = pairs.iter().enumerate().filter(|(_, pair)| pair.driven);
-        let axle = |((i, pair), x): ((usize, &Pair), &spec::DrivenAxle)| {
+        let axle = |((i, pair), x): ((usize, &Pair), &powertrain::DrivenAxle)| {
             let gain = 1.0 / x.final_drive;
             let inertia = 2.0 * pair.inertia + x.box_inertia + x.shaft_inertia * gain * gain;
             let pull = x.share * gain;

@@ -1,6 +1,6 @@
 //! When an automatic gearbox shifts.
 
-use crate::spec::Gearbox;
+use vb_vehicle::powertrain::Gearbox;
 
 /// A shift down must leave this part of the lower gear's shift-up speed free below it. Ours.
 const HYSTERESIS: f64 = 0.05;

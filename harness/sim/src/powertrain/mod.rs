@@ -2,16 +2,16 @@
 
 mod converter;
 mod driveline;
-mod engine;
 mod gearbox;
-mod table;
 
-use crate::spec::{Engine, Powertrain, VehicleSpec};
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
 use gearbox::Shifter;
-pub(crate) use table::interpolate;
+use vb_vehicle::{
+    VehicleSpec,
+    powertrain::{Engine, Powertrain},
+};
 
 /// What an engine does at the input shaft of the gearbox in one step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -178,7 +178,7 @@ impl Drive {
 /// It drives forward only; what is drag opposes the motion either way, and holds at rest. A shift brings it to the new
 /// gear's speed at once, at the expense of its clutch and fuel: the vehicle feels no jerk.
 fn rigid(engine: &Engine, throttle: f64, input: f64) -> (Coupling, f64, f64) {
-    let law = engine.law(input.abs(), throttle);
+    let law = engine.torque_and_slopes(input.abs(), throttle);
     let opposes = law.torque < 0.0 || input >= 0.0;
     let coupling = Coupling {
         torque: law.torque.max(0.0),

@@ -16,8 +16,8 @@ pub(crate) struct Cell {
 /// A square grid of cells over a world, of which only touched tiles take memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
-    pitch: f64,
-    inverse_pitch: f64,
+    resolution: f64,
+    inverse_resolution: f64,
     /// Position of the south-western corner.
     origin: [f64; 2],
     /// Tiles along x and y.
@@ -28,11 +28,11 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// Covers a rectangle of half extents `half` about the origin.
-    pub(crate) fn new(half: [f64; 2], pitch: f64) -> Self {
-        let count = half.map(|h| (2.0 * h / (pitch * SIDE as f64)).ceil().max(1.0) as usize);
+    pub(crate) fn new(half: [f64; 2], resolution: f64) -> Self {
+        let count = half.map(|h| (2.0 * h / (resolution * SIDE as f64)).ceil().max(1.0) as usize);
         Self {
-            pitch,
-            inverse_pitch: 1.0 / pitch,
+            resolution,
+            inverse_resolution: 1.0 / resolution,
             origin: half.map(|h| -h),
             count,
             index: vec![NONE; count[0] * count[1]],
@@ -40,15 +40,15 @@ impl Grid {
         }
     }
 
-    pub(crate) fn pitch(&self) -> f64 {
-        self.pitch
+    pub(crate) fn resolution(&self) -> f64 {
+        self.resolution
     }
 
     /// (tile, cell within it) of a position; none outside.
     #[inline]
     fn find(&self, x: f64, y: f64) -> Option<(usize, usize)> {
-        let fx = (x - self.origin[0]) * self.inverse_pitch;
-        let fy = (y - self.origin[1]) * self.inverse_pitch;
+        let fx = (x - self.origin[0]) * self.inverse_resolution;
+        let fy = (y - self.origin[1]) * self.inverse_resolution;
         if !(fx >= 0.0 && fy >= 0.0) {
             return None;
         }
@@ -93,7 +93,7 @@ impl Grid {
             let (ti, tj) = (tile % self.count[0], tile / self.count[0]);
             (0..SIDE * SIDE).map(move |cell| {
                 let centre = |k: usize, t: usize, within: usize| {
-                    self.origin[k] + ((t * SIDE + within) as f64 + 0.5) * self.pitch
+                    self.origin[k] + ((t * SIDE + within) as f64 + 0.5) * self.resolution
                 };
                 let at = [centre(0, ti, cell % SIDE), centre(1, tj, cell / SIDE)];
                 (at, &self.tiles[slot as usize * SIDE * SIDE + cell])

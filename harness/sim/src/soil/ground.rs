@@ -38,11 +38,11 @@ pub(crate) enum Under {
 }
 
 impl SoilGround {
-    /// The soil of a world, with its memory at a pitch (m).
+    /// The soil of a world, with its memory at a resolution (m).
     ///
     /// # Errors
     /// [`SimError::NoSoil`] if a class of the world has no soil in the set.
-    pub(crate) fn new(world: &World, set: &SoilSet, pitch: f64) -> Result<Self, SimError> {
+    pub(crate) fn new(world: &World, set: &SoilSet, resolution: f64) -> Result<Self, SimError> {
         let s = &world.semantics;
         let mut soils: Vec<Soil> = Vec::new();
         let mut patches = Vec::with_capacity(s.classes.len());
@@ -77,12 +77,12 @@ impl SoilGround {
             cols: s.cols,
             per_metre: 1.0 / s.patch,
             blend: BLEND * world.scale,
-            grid: Grid::new(half, pitch),
+            grid: Grid::new(half, resolution),
         })
     }
 
     /// One soil throughout, over a rectangle of half extents `half` about the origin.
-    pub(crate) fn of_one(soil: Soil, half: [f64; 2], pitch: f64) -> Self {
+    pub(crate) fn of_one(soil: Soil, half: [f64; 2], resolution: f64) -> Self {
         let side = 2.0 * half[0].max(half[1]);
         Self {
             soils: vec![soil],
@@ -91,7 +91,7 @@ impl SoilGround {
             cols: 1,
             per_metre: 1.0 / side,
             blend: BLEND,
-            grid: Grid::new(half, pitch),
+            grid: Grid::new(half, resolution),
         }
     }
 

@@ -104,7 +104,7 @@ impl SoilLaw {
             heap: self.bulldozing.map(|b| (vb_math::tan(b.erosion_angle_deg.to_radians()), b.flow)),
             // 2 ζ √(k m) of a mass m = load / g on the initial shear stiffness k = load tan φ / K, per strength.
             shear_damping: 2.0 * SHEAR_DAMPING_RATIO
-                / (self.shear_modulus * crate::GRAVITY * tan_phi.max(0.2)).sqrt(),
+                / (self.shear_modulus * vb_vehicle::GRAVITY * tan_phi.max(0.2)).sqrt(),
         }
     }
 

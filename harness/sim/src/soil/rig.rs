@@ -3,8 +3,9 @@
 use super::footprint::Footprint;
 use super::ground::{SoilGround, Under};
 use super::law::SoilLaw;
+use crate::V3;
 use crate::tyre::WheelMotion;
-use crate::{GRAVITY, V3};
+use vb_vehicle::GRAVITY;
 use vb_world::Heightfield;
 
 /// A rigid wheel that a carriage pulls over level soil under a given load, at a given speed and slip ratio.
@@ -21,7 +22,7 @@ pub struct WheelRig {
     /// Step, s.
     pub step: f64,
     /// Side of the cells of the soil's memory, m.
-    pub pitch: f64,
+    pub resolution: f64,
 }
 
 /// What a wheel in a soil bin shows once it runs steadily: means over the last part of its way.
@@ -45,7 +46,7 @@ impl WheelRig {
     #[must_use]
     pub fn run(&self, law: &SoilLaw, slip: f64, passes: u32) -> WheelBehaviour {
         let surface = Heightfield::flat(3, 41, 1.0, 0.0);
-        let mut ground = SoilGround::of_one(law.prepare(), [20.0, 1.0], self.pitch);
+        let mut ground = SoilGround::of_one(law.prepare(), [20.0, 1.0], self.resolution);
         let mut last = None;
         for _ in 0..passes.max(1) {
             last = Some(self.pass(&mut ground, &surface, slip));
@@ -54,7 +55,7 @@ impl WheelRig {
     }
 
     fn pass(&self, ground: &mut SoilGround, surface: &Heightfield, slip: f64) -> WheelBehaviour {
-        let mut wheel = Footprint::wheel(self.radius, self.width, self.pitch);
+        let mut wheel = Footprint::wheel(self.radius, self.width, self.resolution);
         let spin = self.speed / self.radius * if slip >= 0.0 { 1.0 / (1.0 - slip) } else { 1.0 + slip };
         let (axis, mass) = (V3::y(), self.load / GRAVITY);
         let (mut x, mut z, mut vz) = (-4.0, self.radius, 0.0);

@@ -1,7 +1,7 @@
 //! The brush.
 
 use super::patch::{Patch, Slide, norm};
-use crate::spec::BrushTyre;
+use vb_vehicle::tyre::BrushTyre;
 
 /// Forces of a tyre in its contact plane: a brush with relaxation.
 ///
@@ -25,7 +25,7 @@ impl Brush {
     pub(crate) fn new(t: &BrushTyre) -> Self {
         let bristle = std::array::from_fn(|k| t.slip_stiffness[k] / t.relaxation_length[k]);
         // 2 ζ √(k m) per unit load, with k = stiffness · load and m = load / g.
-        let damping = bristle.map(|k: f64| 2.0 * t.damping_ratio * (k / crate::GRAVITY).sqrt());
+        let damping = bristle.map(|k: f64| 2.0 * t.damping_ratio * (k / vb_vehicle::GRAVITY).sqrt());
         Self {
             stiffness: t.vertical_stiffness,
             friction: t.friction,

@@ -420,7 +420,7 @@ mod tests {
     #[test]
     fn a_step_narrower_than_the_wheel_is_felt_before_the_hub_is_over_it() {
         let e = envelope();
-        // A ridge 0.3 m high at x = 0 between flat ground, pitch 0.1 m.
+        // A ridge 0.3 m high at x = 0 between flat ground, resolution 0.1 m.
         let (rows, cols) = (41, 81);
         let h = (0..rows * cols).map(|i| if i % cols == 40 { 0.3 } else { 0.0 }).collect();
         let ground = Heightfield::new(rows, cols, 0.1, h);

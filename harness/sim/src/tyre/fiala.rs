@@ -1,7 +1,7 @@
 //! Fiala's tyre.
 
 use super::patch::{Carcass, Creep, Patch, Slide, stick};
-use crate::spec::FialaTyre;
+use vb_vehicle::tyre::FialaTyre;
 
 /// Hub speed below which friction no longer falls with slip, m/s: a slip over no speed says nothing, and at rest the
 /// tyre sticks with its greatest friction.

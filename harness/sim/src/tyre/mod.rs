@@ -14,7 +14,6 @@ mod sample;
 mod tmeasy;
 
 use crate::V3;
-use crate::spec::TyreSpec;
 use brush::Brush;
 pub(crate) use envelope::Clearance;
 pub use envelope::Envelope;
@@ -24,6 +23,7 @@ use patch::Slide;
 use rigid::Rigid;
 pub use sample::SteadyForce;
 use tmeasy::Tmeasy;
+use vb_vehicle::TyreSpec;
 
 /// A wheel's contact with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,9 @@
 //! Tests of the tyres on a wheel of its own: hub mass, spin inertia, an axle that keeps its direction.
 
 use super::{Patch, Tyre, WheelMotion};
-use crate::spec::{TyreSpec, VehicleSpec};
-use crate::{GRAVITY, V3};
+use crate::V3;
+use vb_vehicle::GRAVITY;
+use vb_vehicle::{TyreSpec, VehicleSpec};
 use vb_world::Heightfield;
 
 /// The HMMWV's tyres, by name.
@@ -151,7 +152,7 @@ fn a_free_wheel_rolls_on_its_effective_radius() {
 fn a_hard_wheel_with_dilation_stands_on_a_gap_of_step_friction_and_sliding_speed() {
     // Anitescu 2006: gap = step · μ · sliding speed. Here 2 cm up and spinning at 20 rad/s.
     let TyreSpec::Rigid(mut spec) = tyre("rigid") else { panic!("rigid") };
-    spec.dilation = Some(crate::spec::Dilation { step: 0.005, reach: 0.06 });
+    spec.dilation = Some(vb_vehicle::tyre::Dilation { step: 0.005, reach: 0.06 });
     let hard = Tyre::new(&TyreSpec::Rigid(spec.clone()));
     let load = |tyre: &Tyre, spin: f64, gap: f64| {
         let axis = V3::y();

@@ -1,7 +1,7 @@
 //! The hard cylinder.
 
 use super::patch::{Carcass, Creep, Patch, Slide, norm, stick};
-use crate::spec::{Dilation, RigidTyre};
+use vb_vehicle::tyre::{Dilation, RigidTyre};
 
 /// Coulomb friction of a hard cylinder: the bristle's force, up to the friction circle.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Rill's TMeasy.
 
 use super::patch::{Carcass, Creep, Patch, Slide, norm, stick};
-use crate::spec::TmeasyTyre;
+use vb_vehicle::tyre::TmeasyTyre;
 
 /// Rolling speed below which friction no longer falls with slip, m/s: a tyre at rest sticks with its greatest force, and
 /// falls to that of sliding as it is dragged.

@@ -4,7 +4,11 @@
 
 use crate::common::{controls, flat, grade, hmmwv, hold_speed, start};
 use vb_math::angle::degrees;
-use vb_sim::{Converter, Differential, Engine, SimOptions, Simulation, SoilSet, TyreSpec, VehicleSpec};
+use vb_sim::{SimOptions, Simulation, SoilSet};
+use vb_vehicle::{
+    TyreSpec, VehicleSpec,
+    powertrain::{Converter, Differential, Engine},
+};
 use vb_world::Pose2;
 
 #[test]
@@ -35,7 +39,7 @@ fn at_rest_nothing_moves() {
     sim.advance(controls(0.0, 0.0, 1.0), 10_000).unwrap();
     let b = sim.state();
     assert!((a.position - b.position).norm() < 1e-6, "{}", (a.position - b.position).norm());
-    assert!(b.velocity.norm() < 1e-7 && b.rates.norm() < 1e-7);
+    assert!(b.velocity.norm() < 1e-7 && b.angular_velocity.norm() < 1e-7);
 }
 
 #[test]
@@ -287,8 +291,8 @@ fn it_turns_on_the_radius_of_the_reference_run() {
         }
         let s = sim.state();
         let speed = vb_math::hypot(s.velocity.x, s.velocity.y);
-        let radius = (speed / s.rates.z).abs();
-        assert!(s.rates.z * steer > 0.0, "positive steering turns left");
+        let radius = (speed / s.angular_velocity.z).abs();
+        assert!(s.angular_velocity.z * steer > 0.0, "positive steering turns left");
         assert!(
             radius > 0.90 * chrono && radius < 1.10 * chrono,
             "steering {steer}: {radius} m, Chrono {chrono}"

@@ -1,8 +1,12 @@
 //! Whole vehicles on other suspensions than the shipped one's.
 
-use vb_sim::{
-    AxleKinematics, Beam, Damper, KnuckleDrive, Knuckles, Linkage, Motion, Part, Rod, Side, SimOptions,
-    Simulation, SoilSet, SolidAxle, Spring, SteeringGear, Strut, VehicleSpec,
+use vb_sim::{SimOptions, Simulation, SoilSet};
+use vb_vehicle::{
+    VehicleSpec,
+    kinematics::{AxleKinematics, Motion, Side},
+    suspension::{
+        Beam, Damper, KnuckleDrive, Knuckles, Linkage, Part, Rod, SolidAxle, Spring, SteeringGear, Strut,
+    },
 };
 use vb_world::{Heightfield, Pose2};
 

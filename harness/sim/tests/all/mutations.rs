@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use crate::common::{controls, flat, soil_world, soils};
 use vb_math::rng::Stream;
-use vb_sim::{SimOptions, Simulation, VehicleModel, VehicleSpec};
+use vb_sim::{SimOptions, Simulation};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// Vehicles whose files are changed: one of each kind of linkage, tyre and driveline, and the tracked one.

@@ -85,7 +85,12 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
     if !inside(&s) {
         return ((s.position - from).norm(), sim.time());
     }
-    assert!(s.velocity.norm() < 60.0 && s.rates.norm() < 60.0, "{:?} {:?}", s.velocity, s.rates);
+    assert!(
+        s.velocity.norm() < 60.0 && s.angular_velocity.norm() < 60.0,
+        "{:?} {:?}",
+        s.velocity,
+        s.angular_velocity
+    );
     let ground = world.heightfield.height(s.position.x, s.position.y);
     assert!(s.position.z > ground - 1.5, "its middle is {} m below the ground", ground - s.position.z);
     ((s.position - from).norm(), sim.time())

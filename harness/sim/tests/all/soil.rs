@@ -4,13 +4,16 @@ use crate::common::{
     controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
-use vb_sim::{Controls, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, Start, WheelRig};
+use vb_sim::{
+    Controls, SimOptions, Simulation, SoilSet, Start,
+    soil::{PressureDirection, SoilLaw, WheelRig},
+};
 use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};
 
 /// The HMMWV's wheel in a soil bin, as the closed form has it (peers.md §5.3): W = 6369 N, b = 0.3175 m, r = 0.467 m.
 fn rig() -> WheelRig {
     let load = 2597.0 * 9.81 / 4.0;
-    WheelRig { radius: 0.467, width: 0.3175, load, speed: 1.0, step: 1e-3, pitch: 0.1 }
+    WheelRig { radius: 0.467, width: 0.3175, load, speed: 1.0, step: 1e-3, resolution: 0.1 }
 }
 
 /// The law of the book: pressure on the rim, without damping and heaps, and nothing springs back.
@@ -82,7 +85,7 @@ fn half_the_step_or_half_the_grid_gives_the_same_wheel() {
     for (name, law, _) in closed_form() {
         let base = rig();
         let half_step = WheelRig { step: 5e-4, ..base.clone() };
-        let half_grid = WheelRig { pitch: 0.05, ..base.clone() };
+        let half_grid = WheelRig { resolution: 0.05, ..base.clone() };
         for passes in [1, 2] {
             let a = base.run(&law, 0.2, passes);
             let (b, c) = (half_step.run(&law, 0.2, passes), half_grid.run(&law, 0.2, passes));

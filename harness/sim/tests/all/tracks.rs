@@ -3,8 +3,10 @@
 use crate::common::{controls, hold_speed};
 use std::sync::Arc;
 use vb_sim::{
-    GRAVITY, PressureDirection, SimOptions, Simulation, SoilLaw, SoilSet, VehicleModel, VehicleSpec,
+    SimOptions, Simulation, SoilSet,
+    soil::{PressureDirection, SoilLaw},
 };
+use vb_vehicle::{GRAVITY, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 /// Radius of a road wheel, and gauge, m.
@@ -74,7 +76,7 @@ fn the_resistance_to_turning_falls_with_the_radius_as_in_trials() {
             sim.advance(controls, 100).expect("it goes on");
         }
         let s = sim.state();
-        let radius = s.velocity.x / s.rates.z;
+        let radius = s.velocity.x / s.angular_velocity.z;
         let moment = 0.5 * GAUGE * steering * torque / (0.2792 - 0.03);
         let share = moment / (0.25 * weight * LENGTH) / 0.8;
         let trials = 1.0 / (0.925 + 0.15 * radius / GAUGE);
@@ -99,8 +101,8 @@ fn at_full_steering_it_turns_about_its_inner_track_and_stays_level() {
         let s = sim.state();
         let inner = usize::from(sign < 0.0);
         assert!(belt(&sim, inner).abs() < 0.01 && belt(&sim, 1 - inner) > 1.0);
-        let radius = s.velocity.x / s.rates.z.abs();
-        assert!(s.rates.z * sign > 0.3, "{}", s.rates.z);
+        let radius = s.velocity.x / s.angular_velocity.z.abs();
+        assert!(s.angular_velocity.z * sign > 0.3, "{}", s.angular_velocity.z);
         assert!((0.5 * GAUGE..GAUGE).contains(&radius), "{radius} m from its middle");
         assert!(s.roll_pitch_yaw().0.abs() < 0.02);
     }

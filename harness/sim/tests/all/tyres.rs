@@ -3,7 +3,8 @@
 use crate::common::{controls, flat, grade, hmmwv, hold_speed, world};
 use std::sync::Arc;
 use vb_math::{atan, hypot, tan};
-use vb_sim::{SimOptions, Simulation, SoilSet, Tyre, TyreSpec, VehicleSpec};
+use vb_sim::{SimOptions, Simulation, SoilSet, tyre::Tyre};
+use vb_vehicle::{TyreSpec, VehicleSpec};
 use vb_world::{Heightfield, Pose2, World};
 
 const NAMES: [&str; 4] = ["brush", "fiala", "rigid", "tmeasy"];

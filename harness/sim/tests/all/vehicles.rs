@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 use vb_math::rng::Stream;
-use vb_sim::{Controls, GRAVITY, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_vehicle::{GRAVITY, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 
 const START: Pose2 = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
@@ -111,7 +112,7 @@ fn every_vehicle_turns_to_the_side_that_it_is_told_to_and_both_ways_alike() {
                 let controls = crate::common::controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                 advance(&mut sim, &name, controls, 0.1 * spec.scale.sqrt(), 1e-3 * spec.scale.sqrt());
             }
-            sim.state().rates.z
+            sim.state().angular_velocity.z
         };
         let (left, right) = (turned(0.4), turned(-0.4));
         assert!(left > 0.0 && right < 0.0, "{name}: {left} {right}");

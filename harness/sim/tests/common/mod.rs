@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use std::sync::Arc;
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleModel, VehicleSpec};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Obstacle, Pose2, TerrainClass, World};
 
 pub fn hmmwv() -> VehicleSpec {

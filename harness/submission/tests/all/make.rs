@@ -93,7 +93,7 @@ fn every_condition_of_the_ranked_division_is_one() {
     with("o1", "/params", serde_json::json!({"speed": "3"}));
     with("o2", "/seed", 1.into());
     with("o3", "/time_step", 0.0005.into());
-    with("o4", "/soil_pitch", 0.05.into());
+    with("o4", "/soil_resolution", 0.05.into());
     with("o5", "/scale", 0.5.into());
     with("o6", "/limits/memory_bytes", (1u64 << 30).into());
     with("o7", "/limits/wasm_watchdog", 1.into());

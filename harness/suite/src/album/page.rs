@@ -92,7 +92,10 @@ fn more(s: &mut String, w: &WorldStatistics) {
     let mut row = |name: &str, value: String| {
         let _ = write!(s, "<tr><th>{name}</th><td>{value}</td></tr>");
     };
-    row("size", format!("{} × {} m, pitch {} m", number(w.extent[0], 0), number(w.extent[1], 0), w.pitch));
+    row(
+        "size",
+        format!("{} × {} m, resolution {} m", number(w.extent[0], 0), number(w.extent[1], 0), w.resolution),
+    );
     row(
         "heights",
         format!(

@@ -79,7 +79,7 @@ pub(super) fn pictures(world: &World, figures: &WorldStatistics, side: usize) ->
     let shade = |x, y| brightness(interpolate(h, &gradients, x, y));
     let span = (2.0 * SPREADS * figures.height_std).max(1e-9);
     let height = |x, y| (h.height(x, y) - figures.height_mean) / span + 0.5;
-    let wide = self::gradients(h, nodes_of_a_metre(h.pitch()));
+    let wide = self::gradients(h, nodes_of_a_metre(h.resolution()));
     let slope = |x, y| {
         let g = interpolate(h, &wide, x, y);
         degrees(atan(hypot(g[0], g[1]))) / STEEP
@@ -181,8 +181,8 @@ fn gradients(h: &Heightfield, k: usize) -> Vec<[f64; 2]> {
         for col in 0..h.cols() {
             let (west, east) = (col.saturating_sub(k), (col + k).min(h.cols() - 1));
             out.push([
-                (h.node(row, east) - h.node(row, west)) / ((east - west) as f64 * h.pitch()),
-                (h.node(north, col) - h.node(south, col)) / ((north - south) as f64 * h.pitch()),
+                (h.node(row, east) - h.node(row, west)) / ((east - west) as f64 * h.resolution()),
+                (h.node(north, col) - h.node(south, col)) / ((north - south) as f64 * h.resolution()),
             ]);
         }
     }
@@ -192,7 +192,7 @@ fn gradients(h: &Heightfield, k: usize) -> Vec<[f64; 2]> {
 /// The nodes' gradients at a point of the world, linear between them: the shading shows no facets.
 fn interpolate(h: &Heightfield, gradients: &[[f64; 2]], x: f64, y: f64) -> [f64; 2] {
     let at = |v: f64, half: f64, n: usize| {
-        let f = ((v + half) / h.pitch()).clamp(0.0, (n - 1) as f64);
+        let f = ((v + half) / h.resolution()).clamp(0.0, (n - 1) as f64);
         let k = (f as usize).min(n - 2);
         (k, f - k as f64)
     };

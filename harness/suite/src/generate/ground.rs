@@ -36,7 +36,7 @@ pub(crate) fn semantics(
             frictions.push(mu);
         }
     }
-    let patch = (grid.nodes - 1) as f64 * grid.pitch / n as f64;
+    let patch = (grid.nodes - 1) as f64 * grid.resolution / n as f64;
     // A class that isn't there has no level to keep.
     let kept = |class, level| if patches.contains(&class) { level } else { SoilLevel::default() };
     let soil = SoilLevels {

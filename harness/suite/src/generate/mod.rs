@@ -231,7 +231,7 @@ impl Generator<'_> {
         let surfaces = Surfaces {
             model: self.model,
             nodes: grid.nodes,
-            pitch: grid.pitch,
+            resolution: grid.resolution,
             std,
             semantics,
             tasks: &self.rules.tasks,

@@ -90,7 +90,8 @@ pub struct GridParams {
     /// Nodes along each side.
     pub nodes: usize,
     /// Distance between nodes, m.
-    pub pitch: f64,
+    #[serde(alias = "pitch")]
+    pub resolution: f64,
 }
 
 /// Heights.
@@ -281,13 +282,13 @@ impl GeneratorParams {
 
     /// Half the side of the world, m.
     pub(crate) fn half(&self) -> f64 {
-        0.5 * (self.grid.nodes - 1) as f64 * self.grid.pitch
+        0.5 * (self.grid.nodes - 1) as f64 * self.grid.resolution
     }
 
     fn check_surface(&self) -> Result<(), ParamsError> {
         let (grid, e) = (&self.grid, &self.elevation);
         within("grid.nodes", grid.nodes, 3, MOST_NODES)?;
-        within("grid.pitch", grid.pitch, 1e-3, 1e3)?;
+        within("grid.resolution", grid.resolution, 1e-3, 1e3)?;
         for level in Elevation::ALL {
             within(&format!("elevation.std.{}", level.name()), e.std.get(level), 1e-3, 100.0)?;
         }
@@ -442,7 +443,7 @@ mod tests {
         let cases = [
             ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
             ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
-            ("pitch: 1.0", "pitch: .nan", "grid.pitch: NaN must lie in"),
+            ("resolution: 1.0", "resolution: .nan", "grid.resolution: NaN must lie in"),
             ("medium: 0.33", "medium: steep", "elevation.std.medium: \"steep\""),
             ("medium: 0.33", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
             ("model: rocks", "model: ''", "elevation.model: is empty"),

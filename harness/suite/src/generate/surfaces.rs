@@ -26,7 +26,7 @@ pub(crate) struct Surfaces<'a> {
     /// Nodes along a side.
     pub(crate) nodes: usize,
     /// Distance between nodes, m.
-    pub(crate) pitch: f64,
+    pub(crate) resolution: f64,
     /// Standard deviation of height over many surfaces, m.
     pub(crate) std: f64,
     /// What they are covered with.
@@ -62,10 +62,11 @@ impl Surfaces<'_> {
 
     fn draw(&self, seed: u64) -> Result<Heightfield, GenerateError> {
         let share = self.std / self.model.header().relief;
-        let request = Request { seed, rows: self.nodes, cols: self.nodes, pitch: self.pitch, share };
+        let request =
+            Request { seed, rows: self.nodes, cols: self.nodes, resolution: self.resolution, share };
         let grid = self.fields.grid;
         let surface =
             self.model.surface(&request).map_err(|source| GenerateError::Surface { grid, source })?;
-        Ok(counted_from_lowest(self.nodes, self.pitch, surface.heights()))
+        Ok(counted_from_lowest(self.nodes, self.resolution, surface.heights()))
     }
 }

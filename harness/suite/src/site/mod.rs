@@ -21,7 +21,7 @@ pub struct Survey<'a> {
     /// Heights, m.
     pub heights: &'a Raster,
     /// Distance between their samples, m.
-    pub pitch: f64,
+    pub resolution: f64,
     /// Labels of the ground over the same rectangle, at any number of samples.
     pub labels: Option<&'a Raster>,
     /// Obstacles, from the middle of the raster; none: they are drawn.
@@ -106,7 +106,7 @@ pub fn worlds(
     rules: &GeneratorParams,
     seed: u64,
 ) -> Result<Vec<World>, SiteError> {
-    let size = extents(survey.heights, survey.pitch);
+    let size = extents(survey.heights, survey.resolution);
     let centres = match cut {
         Cut::At(at) => vec![at],
         Cut::Tiles => tiles(size, site.side),
@@ -115,14 +115,14 @@ pub fn worlds(
     if centres.is_empty() {
         return Err(outside([0.0, 0.0]));
     }
-    let heights = Layout::new(survey.heights, survey.pitch, site.pitch);
+    let heights = Layout::new(survey.heights, survey.resolution, site.resolution);
     let labels = survey.labels.map(|l| {
-        let pitch = size[0] / l.cols() as f64;
+        let resolution = size[0] / l.cols() as f64;
         // The number of rows may be rounded.
-        if (l.rows() as f64 * pitch - size[1]).abs() > pitch {
+        if (l.rows() as f64 * resolution - size[1]).abs() > resolution {
             return Err(SiteError::Labels { samples: [l.cols(), l.rows()], extents: size });
         }
-        Ok(Layout::new(l, pitch, pitch))
+        Ok(Layout::new(l, resolution, resolution))
     });
     let labels = labels.transpose()?;
     let mut worlds = Vec::with_capacity(centres.len());
@@ -218,8 +218,10 @@ fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteErro
     let mut heights = Vec::with_capacity(nodes * nodes);
     for row in 0..nodes {
         for col in 0..nodes {
-            let at =
-                [place.at[0] - half + col as f64 * site.pitch, place.at[1] - half + row as f64 * site.pitch];
+            let at = [
+                place.at[0] - half + col as f64 * site.resolution,
+                place.at[1] - half + row as f64 * site.resolution,
+            ];
             let z = place.heights.height(at);
             if !z.is_finite() {
                 return Err(SiteError::Hole { at });
@@ -227,7 +229,7 @@ fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteErro
             heights.push(z);
         }
     }
-    Ok(counted_from_lowest(nodes, site.pitch, &heights))
+    Ok(counted_from_lowest(nodes, site.resolution, &heights))
 }
 
 /// Classes by labels or by rules, friction by class as the generator draws it.
@@ -262,9 +264,9 @@ fn ground(
 
 /// Middles of the cells of the grid in a patch.
 fn cells(corner: [f64; 2], site: &SiteParams) -> impl Iterator<Item = [f64; 2]> + use<> {
-    let (n, pitch) = ((site.patch / site.pitch).round() as usize, site.pitch);
+    let (n, resolution) = ((site.patch / site.resolution).round() as usize, site.resolution);
     (0..n * n).map(move |i| {
-        [corner[0] + ((i % n) as f64 + 0.5) * pitch, corner[1] + ((i / n) as f64 + 0.5) * pitch]
+        [corner[0] + ((i % n) as f64 + 0.5) * resolution, corner[1] + ((i / n) as f64 + 0.5) * resolution]
     })
 }
 

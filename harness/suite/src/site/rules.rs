@@ -16,7 +16,8 @@ pub struct SiteParams {
     /// Name of the rules.
     pub name: String,
     /// Distance between the nodes of a world, m.
-    pub pitch: f64,
+    #[serde(alias = "pitch")]
+    pub resolution: f64,
     /// Side of a patch of ground, m.
     pub patch: f64,
     /// Side of a world, m.
@@ -82,7 +83,7 @@ impl SiteParams {
     }
 
     fn square(&self) -> Square {
-        Square { pitch: self.pitch, patch: self.patch, side: self.side }
+        Square { resolution: self.resolution, patch: self.patch, side: self.side }
     }
 
     /// Nodes along a side of a world.
@@ -106,8 +107,8 @@ impl Rules for SiteParams {
     fn check(&self) -> Result<(), ParamsError> {
         self.square().check("")?;
         if self.nodes() > MOST_NODES {
-            let most = (MOST_NODES - 1) as f64 * self.pitch;
-            return Err(flaw("side", format!("{} must not exceed {most} at this pitch", self.side)));
+            let most = (MOST_NODES - 1) as f64 * self.resolution;
+            return Err(flaw("side", format!("{} must not exceed {most} at this resolution", self.side)));
         }
         let rules = &self.ground.rules;
         for (k, rule) in rules.iter().enumerate() {
@@ -134,8 +135,8 @@ mod tests {
     fn flaws_of_a_site_file_are_named() {
         let cases = [
             ("schema: 1", "schema: 3", "schema: version 3 is not supported"),
-            ("pitch: 1.0", "pitch: 0", "pitch: 0 must lie in"),
-            ("patch: 8.0", "patch: 7.5", "patch: 7.5 must be a multiple of pitch, 1"),
+            ("resolution: 1.0", "resolution: 0", "resolution: 0 must lie in"),
+            ("patch: 8.0", "patch: 7.5", "patch: 7.5 must be a multiple of resolution, 1"),
             ("side: 128.0", "side: 100.0", "side: 100 must be a multiple of patch, 8"),
             ("side: 128.0", "side: 8000.0", "side: 8000 must not exceed 4096"),
             ("class: rock", "class: lava", "ground.rules[0].class"),

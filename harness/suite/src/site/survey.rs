@@ -6,32 +6,32 @@ use vb_terrain::Raster;
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     raster: Raster,
-    pitch: f64,
+    resolution: f64,
     /// The north-western sample.
     first: [f64; 2],
 }
 
 impl Layout {
-    /// A raster of `pitch` metres, averaged over squares of several samples where they lie closer than every other
+    /// A raster of `resolution` metres, averaged over squares of several samples where they lie closer than every other
     /// node of a grid of `wanted` metres: else what is between the nodes would become noise of the nodes.
-    pub(crate) fn new(raster: &Raster, pitch: f64, wanted: f64) -> Self {
-        let half = |n: usize| 0.5 * (n - 1) as f64 * pitch;
+    pub(crate) fn new(raster: &Raster, resolution: f64, wanted: f64) -> Self {
+        let half = |n: usize| 0.5 * (n - 1) as f64 * resolution;
         let first = [-half(raster.cols()), half(raster.rows())];
-        let n = (wanted / pitch * (1.0 + 1e-9)) as usize;
+        let n = (wanted / resolution * (1.0 + 1e-9)) as usize;
         if n < 2 {
-            return Self { raster: raster.clone(), pitch, first };
+            return Self { raster: raster.clone(), resolution, first };
         }
-        let shift = 0.5 * (n - 1) as f64 * pitch;
+        let shift = 0.5 * (n - 1) as f64 * resolution;
         Self {
             raster: raster.reduced(n),
-            pitch: pitch * n as f64,
+            resolution: resolution * n as f64,
             first: [first[0] + shift, first[1] - shift],
         }
     }
 
     /// Row from the north and column from the west of a position, in samples.
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [(self.first[1] - y) / self.pitch, (x - self.first[0]) / self.pitch]
+        [(self.first[1] - y) / self.resolution, (x - self.first[0]) / self.resolution]
     }
 
     /// Height at a position by the four samples about it; beyond the outermost ones they go on level. NaN beside a
@@ -62,8 +62,8 @@ impl Layout {
 }
 
 /// Extents of a raster along x and y, m.
-pub(crate) fn extents(raster: &Raster, pitch: f64) -> [f64; 2] {
-    [raster.cols() as f64 * pitch, raster.rows() as f64 * pitch]
+pub(crate) fn extents(raster: &Raster, resolution: f64) -> [f64; 2] {
+    [raster.cols() as f64 * resolution, raster.rows() as f64 * resolution]
 }
 
 #[cfg(test)]
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_is_sampled_as_it_is_at_any_pitch() {
+    fn a_plane_is_sampled_as_it_is_at_any_resolution() {
         for wanted in [0.2, 0.5, 1.0, 1.7] {
             let layout = Layout::new(&plane(40, 60), 0.5, wanted);
             for at in [[0.0, 0.0], [3.3, -2.1], [-11.0, 7.9]] {

@@ -48,7 +48,7 @@ fn a_plane_has_one_slope_and_the_spread_of_its_steps() {
 }
 
 #[test]
-fn slopes_are_taken_over_a_metre_whatever_the_pitch() {
+fn slopes_are_taken_over_a_metre_whatever_the_resolution() {
     // Ridges 2 m apart on a grid of 0.25 m: from 1 m west to 1 m east the ground is level, from node to node it is not.
     let heights = (0..81 * 81).map(|i| if i % 81 % 8 < 4 { 0.1 } else { -0.1 }).collect();
     let ripples = World::uniform("w001", Heightfield::new(81, 81, 0.25, heights), TerrainClass::Clay, 0.6);

@@ -140,7 +140,7 @@ pub struct WorldStatistics {
     /// Extent from west to east and from south to north, m.
     pub extent: [f64; 2],
     /// Distance between nodes, m.
-    pub pitch: f64,
+    pub resolution: f64,
     /// Mean height of the nodes, m.
     pub height_mean: f64,
     /// Standard deviation of the nodes' height, m.
@@ -200,7 +200,7 @@ impl WorldStatistics {
             terrain: world.terrain,
             density: world.density,
             extent,
-            pitch: h.pitch(),
+            resolution: h.resolution(),
             height_mean: mean,
             height_std: variance.sqrt(),
             relief: high - low,
@@ -217,16 +217,16 @@ impl WorldStatistics {
 }
 
 /// How many nodes make 1 m, at least one.
-pub(crate) fn nodes_of_a_metre(pitch: f64) -> usize {
-    ((1.0 / pitch).round() as usize).max(1)
+pub(crate) fn nodes_of_a_metre(resolution: f64) -> usize {
+    ((1.0 / resolution).round() as usize).max(1)
 }
 
 /// Slopes in degrees by central differences over 1 m to each side, or over one node where nodes are farther apart, at
 /// every node that has such neighbours.
 fn slopes(h: &Heightfield) -> Tally {
     let mut tally = Tally::new(SLOPE_BIN);
-    let k = nodes_of_a_metre(h.pitch()).min((h.rows().min(h.cols()) - 1) / 2).max(1);
-    let run = 2.0 * k as f64 * h.pitch();
+    let k = nodes_of_a_metre(h.resolution()).min((h.rows().min(h.cols()) - 1) / 2).max(1);
+    let run = 2.0 * k as f64 * h.resolution();
     for row in k..h.rows().saturating_sub(k) {
         for col in k..h.cols().saturating_sub(k) {
             let gx = (h.node(row, col + k) - h.node(row, col - k)) / run;

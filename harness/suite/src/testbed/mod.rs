@@ -70,7 +70,7 @@ impl Testbed<'_> {
         let surfaces = Surfaces {
             model: self.model,
             nodes: rules.nodes(),
-            pitch: rules.bed.pitch,
+            resolution: rules.bed.resolution,
             std: bed.std,
             semantics: &semantics,
             // The trials are repetitions of one task.

@@ -37,7 +37,8 @@ pub struct BedParams {
     /// Its side, m.
     pub side: f64,
     /// Distance between its nodes, m.
-    pub pitch: f64,
+    #[serde(alias = "pitch")]
+    pub resolution: f64,
     /// Side of a patch of one material, m.
     pub patch: f64,
 }
@@ -152,8 +153,8 @@ impl TestbedParams {
     }
 
     fn square(&self) -> Square {
-        let BedParams { side, pitch, patch } = self.bed;
-        Square { pitch, patch, side }
+        let BedParams { side, resolution, patch } = self.bed;
+        Square { resolution, patch, side }
     }
 
     /// Nodes along a side.
@@ -178,7 +179,7 @@ impl Rules for TestbedParams {
         self.square().check("bed.")?;
         let side = self.bed.side;
         if !(3..=MOST_NODES).contains(&self.nodes()) {
-            let problem = format!("{side} must be 2 to {} times bed.pitch", MOST_NODES - 1);
+            let problem = format!("{side} must be 2 to {} times bed.resolution", MOST_NODES - 1);
             return Err(flaw("bed.side", problem));
         }
         check_model("elevation.model", &self.elevation.model)?;
@@ -209,10 +210,10 @@ mod tests {
     fn flaws_of_a_file_are_named() {
         let cases = [
             ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
-            ("pitch: 0.5", "pitch: 0.0", "bed.pitch: 0 must lie in"),
-            ("patch: 10.0", "patch: 10.2", "bed.patch: 10.2 must be a multiple of bed.pitch, 0.5"),
+            ("resolution: 0.5", "resolution: 0.0", "bed.resolution: 0 must lie in"),
+            ("patch: 10.0", "patch: 10.2", "bed.patch: 10.2 must be a multiple of bed.resolution, 0.5"),
             ("side: 80.0", "side: 85.0", "bed.side: 85 must be a multiple of bed.patch, 10"),
-            ("pitch: 0.5", "pitch: 0.001", "bed.side: 80 must be 2 to 4096 times bed.pitch"),
+            ("resolution: 0.5", "resolution: 0.001", "bed.side: 80 must be 2 to 4096 times bed.resolution"),
             ("level: high", "level: steep", "elevation.beds[1].level"),
             ("std: 0.55", "std: -0.55", "elevation.beds[1].std: -0.55 must lie in"),
             ("model: rocks", "model: ''", "elevation.model: is empty"),

@@ -60,7 +60,7 @@ fn turned(h: &Heightfield, turn: u8) -> u64 {
     let swap = turn & 1 != 0;
     let (outer, inner) = if swap { (h.cols(), h.rows()) } else { (h.rows(), h.cols()) };
     let mut hasher = DefaultHasher::new();
-    (outer, inner, h.pitch().to_bits()).hash(&mut hasher);
+    (outer, inner, h.resolution().to_bits()).hash(&mut hasher);
     for i in 0..outer {
         let i = if turn & 2 != 0 { outer - 1 - i } else { i };
         for j in 0..inner {

@@ -61,7 +61,7 @@ fn cube(x: f64, y: f64, side: f64) -> Obstacle {
 fn flat(world: &mut World) {
     let h = &world.heightfield;
     let heights = h.heights().iter().map(|z| 1.3 + 0.02 * (z - 1.3)).collect();
-    world.heightfield = vb_world::Heightfield::new(h.rows(), h.cols(), h.pitch(), heights);
+    world.heightfield = vb_world::Heightfield::new(h.rows(), h.cols(), h.resolution(), heights);
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn a_start_on_ground_too_steep_to_stand_on_is_an_error_and_one_too_slippery_a_wa
             let h = &w.heightfield;
             let z = |i: usize| (grade * (i % h.cols()) as f64).min(grade * 10.0) + h.heights()[i] - 1.3;
             let heights = (0..h.heights().len()).map(z).collect();
-            w.heightfield = vb_world::Heightfield::new(h.rows(), h.cols(), h.pitch(), heights);
+            w.heightfield = vb_world::Heightfield::new(h.rows(), h.cols(), h.resolution(), heights);
             w.semantics.friction.fill(mu);
             w.elevation = Elevation::High;
             // West to east only: it starts at x = -60, on the slope that ends at x = -54.

@@ -43,8 +43,8 @@ fn central_slopes(world: &World) -> Vec<f64> {
     let mut slopes = Vec::new();
     for row in 1..h.rows() - 1 {
         for col in 1..h.cols() - 1 {
-            let gx = (h.node(row, col + 1) - h.node(row, col - 1)) / (2.0 * h.pitch());
-            let gy = (h.node(row + 1, col) - h.node(row - 1, col)) / (2.0 * h.pitch());
+            let gx = (h.node(row, col + 1) - h.node(row, col - 1)) / (2.0 * h.resolution());
+            let gy = (h.node(row + 1, col) - h.node(row - 1, col)) / (2.0 * h.resolution());
             slopes.push(degrees(atan(hypot(gx, gy))));
         }
     }
@@ -373,7 +373,7 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
     assert!(text.contains("w003/t") && text.contains("obstacles were drawn 20 times"), "{text}");
 
     // A coarse surface is drawn faster, and all of them are drawn in vain.
-    let coarse = ("grid: {nodes: 129, pitch: 1.0}", "grid: {nodes: 33, pitch: 4.0}");
+    let coarse = ("grid: {nodes: 129, resolution: 1.0}", "grid: {nodes: 33, resolution: 4.0}");
     let level = error(&[("tilt: 15.0", "tilt: 0.5"), coarse], 2).to_string();
     assert!(
         level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),

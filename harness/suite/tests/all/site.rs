@@ -6,9 +6,9 @@ use vb_terrain::Raster;
 use vb_world::{Density, Obstacle, ObstacleKind, Terrain, TerrainClass, World};
 
 /// A raster of `z(x, y)` over an area about the origin, x east and y north, first row in the north.
-fn raster(rows: usize, cols: usize, pitch: f64, z: impl Fn(f64, f64) -> f64) -> Raster {
-    let x = |c: usize| (c as f64 - 0.5 * (cols - 1) as f64) * pitch;
-    let y = |r: usize| (0.5 * (rows - 1) as f64 - r as f64) * pitch;
+fn raster(rows: usize, cols: usize, resolution: f64, z: impl Fn(f64, f64) -> f64) -> Raster {
+    let x = |c: usize| (c as f64 - 0.5 * (cols - 1) as f64) * resolution;
+    let y = |r: usize| (0.5 * (rows - 1) as f64 - r as f64) * resolution;
     Raster::new(rows, cols, (0..rows * cols).map(|i| z(x(i % cols), y(i / cols))).collect())
 }
 
@@ -21,22 +21,22 @@ fn make(survey: &Survey<'_>, cut: Cut, seed: u64) -> Result<Vec<World>, SiteErro
     worlds(survey, cut, Density::Sparse, &SiteParams::default(), &GeneratorParams::default(), seed)
 }
 
-fn survey(heights: &Raster, pitch: f64) -> Survey<'_> {
-    Survey { heights, pitch, labels: None, obstacles: None }
+fn survey(heights: &Raster, resolution: f64) -> Survey<'_> {
+    Survey { heights, resolution, labels: None, obstacles: None }
 }
 
 #[test]
 fn a_world_has_the_heights_of_the_place_it_was_cut_from() {
-    for pitch in [0.5, 1.0] {
-        let n = (200.0 / pitch) as usize;
-        let heights = raster(n, n, pitch, hills);
+    for resolution in [0.5, 1.0] {
+        let n = (200.0 / resolution) as usize;
+        let heights = raster(n, n, resolution, hills);
         let at = [20.0, -13.0];
-        let world = make(&survey(&heights, pitch), Cut::At(at), 1).unwrap().remove(0);
+        let world = make(&survey(&heights, resolution), Cut::At(at), 1).unwrap().remove(0);
         let low = world.heightfield.node(0, 0) - hills(at[0] - 64.0, at[1] - 64.0);
         for (x, y) in [(0.0, 0.0), (-50.0, 31.0), (63.0, -64.0), (12.5, 12.5)] {
             let expected = hills(x + at[0], y + at[1]) + low;
             let z = world.heightfield.height(x, y);
-            assert!((z - expected).abs() < 5e-3, "pitch {pitch}, ({x}, {y}): {z} {expected}");
+            assert!((z - expected).abs() < 5e-3, "resolution {resolution}, ({x}, {y}): {z} {expected}");
         }
         assert!(world.heightfield.range().0.abs() < 1e-9, "counted from the lowest place");
         assert_eq!((world.tasks.len(), world.terrain), (10, Terrain::Rigid));

@@ -74,14 +74,14 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     };
     let no_data: Vec<bool> = values.iter().map(|v| is_mark(*v)).collect();
     let values = values.into_iter().map(|v| v * places.vertical_unit).collect();
-    let raster = Raster::new(rows as usize, cols as usize, values).with_pitch(places.pitch);
+    let raster = Raster::new(rows as usize, cols as usize, values).with_resolution(places.resolution);
     Ok(Found { raster, no_data })
 }
 
 /// What the file says of places.
 struct Places {
     /// Side of a pixel, m.
-    pitch: Option<f64>,
+    resolution: Option<f64>,
     /// Metres in a unit of height.
     vertical_unit: f64,
 }
@@ -124,7 +124,7 @@ impl Places {
             (None, Some([a, b, _, _, d, e, ..])) => Some([vb_math::hypot(*a, *d), vb_math::hypot(*b, *e)]),
             _ => None,
         };
-        let pitch = match sides {
+        let resolution = match sides {
             None => None,
             Some([x, y]) => {
                 if !(x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0) {
@@ -140,7 +140,7 @@ impl Places {
                 Some(x * unit)
             }
         };
-        Ok(Self { pitch, vertical_unit })
+        Ok(Self { resolution, vertical_unit })
     }
 }
 

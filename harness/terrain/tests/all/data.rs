@@ -8,7 +8,7 @@ use std::path::Path;
 use vb_terrain::data::{Data, Meaning};
 use vb_terrain::tiles::{Cut, Tiles};
 
-const MEANING: Meaning = Meaning { pitch: 0.25, every: 2 };
+const MEANING: Meaning = Meaning { resolution: 0.25, every: 2 };
 
 /// An 8-bit picture of waves with a black corner and a speck.
 fn picture(dir: &Path, name: &str, phase: f64) {
@@ -41,7 +41,7 @@ fn a_selection_says_which_parts_of_which_files_are_measured_and_which_are_held_o
     let data = Data::read(dir.path(), None, MEANING).unwrap();
     let names: Vec<_> = data.scans.iter().map(|s| (s.name.as_str(), s.held_out)).collect();
     assert_eq!(names, [("a.png", false), ("c.png", true)]);
-    assert_eq!(data.pitch, 0.5);
+    assert_eq!(data.resolution, 0.5);
     // Every second sample can begin at four places.
     let [first, second] = [&data.scans[0].layers, &data.scans[1].layers];
     assert_eq!((first.len(), second.len()), (4, 4));

@@ -20,8 +20,8 @@ fn model() -> &'static Model {
     MODEL.get_or_init(|| Model::read(&shipped()).unwrap())
 }
 
-fn draw(seed: u64, nodes: usize, pitch: f64) -> Heightfield {
-    model().surface(&Request { seed, rows: nodes, cols: nodes, pitch, share: 1.0 }).unwrap()
+fn draw(seed: u64, nodes: usize, resolution: f64) -> Heightfield {
+    model().surface(&Request { seed, rows: nodes, cols: nodes, resolution, share: 1.0 }).unwrap()
 }
 
 fn hash(surface: &Heightfield) -> String {
@@ -34,9 +34,9 @@ fn hash(surface: &Heightfield) -> String {
 
 #[test]
 fn the_same_model_and_seed_give_the_same_bits_on_any_machine() {
-    // A snapshot for determinism, not for quality: it changes with the model, and with nothing else. The pitch of 0.7 m
+    // A snapshot for determinism, not for quality: it changes with the model, and with nothing else. The resolution of 0.7 m
     // goes through the resampling kernel's arithmetic too.
-    let request = Request { seed: 7, rows: 65, cols: 97, pitch: 0.7, share: 0.6 };
+    let request = Request { seed: 7, rows: 65, cols: 97, resolution: 0.7, share: 0.6 };
     let surface = model().surface(&request).unwrap();
     assert_eq!(hash(&surface), "58425d5429477407ae0c6098b49f00a152b787e78b7d7fdca25eb2af5cd3661e");
     assert_eq!(surface, model().surface(&request).unwrap());
@@ -45,8 +45,8 @@ fn the_same_model_and_seed_give_the_same_bits_on_any_machine() {
 
 #[test]
 fn a_wider_surface_holds_the_narrower_one() {
-    for pitch in [0.5, 1.0] {
-        let (narrow, wide) = (draw(3, 41, pitch), draw(3, 81, pitch));
+    for resolution in [0.5, 1.0] {
+        let (narrow, wide) = (draw(3, 41, resolution), draw(3, 81, resolution));
         for row in 0..41 {
             for col in 0..41 {
                 assert_eq!(narrow.node(row, col).to_bits(), wide.node(row + 20, col + 20).to_bits());
@@ -56,7 +56,7 @@ fn a_wider_surface_holds_the_narrower_one() {
 }
 
 #[test]
-fn a_finer_pitch_runs_through_the_same_nodes() {
+fn a_finer_resolution_runs_through_the_same_nodes() {
     // The kernel of cubic convolution interpolates (Keys 1981, §II).
     let (own, fine) = (draw(5, 33, 0.5), draw(5, 4 * 32 + 1, 0.125));
     for row in 0..33 {
@@ -67,8 +67,8 @@ fn a_finer_pitch_runs_through_the_same_nodes() {
 }
 
 #[test]
-fn a_coarser_pitch_holds_every_second_node() {
-    // A node is the ground's height at its place, whatever the pitch.
+fn a_coarser_resolution_holds_every_second_node() {
+    // A node is the ground's height at its place, whatever the resolution.
     let (own, coarse) = (draw(5, 65, 0.5), draw(5, 33, 1.0));
     for row in 0..33 {
         for col in 0..33 {
@@ -80,7 +80,7 @@ fn a_coarser_pitch_holds_every_second_node() {
 #[test]
 fn levels_are_30_60_and_100_percent_of_the_relief() {
     let std = |level| {
-        let request = Request { seed: 1, rows: 129, cols: 129, pitch: 1.0, share: share(level) };
+        let request = Request { seed: 1, rows: 129, cols: 129, resolution: 1.0, share: share(level) };
         deviation(model().surface(&request).unwrap().heights())
     };
     let high = std(Elevation::High);
@@ -172,7 +172,7 @@ fn lattice(surfaces: &[Heightfield], period: usize) -> f64 {
 
 #[test]
 fn no_lattice_of_cells_or_tiles_shows_in_the_spectrum() {
-    // At the model's own pitch a cell is 8 nodes, a code 32. Power of one wave over 40 independent surfaces varies by
+    // At the model's own resolution a cell is 8 nodes, a code 32. Power of one wave over 40 independent surfaces varies by
     // 1/√40 = 16 %, the ratio to four others by 18 %; some 40 ratios are taken: 1.8 is 4.5 standard deviations.
     let surfaces: Vec<Heightfield> = (100..140).map(|seed| draw(seed, 129, 0.5)).collect();
     let found = lattice(&surfaces, 32).max(lattice(&surfaces, 8));
@@ -197,15 +197,18 @@ fn no_lattice_of_cells_or_tiles_shows_in_the_spectrum() {
 
 #[test]
 fn requests_that_make_no_sense_are_refused() {
-    let good = Request { seed: 0, rows: 9, cols: 9, pitch: 1.0, share: 1.0 };
+    let good = Request { seed: 0, rows: 9, cols: 9, resolution: 1.0, share: 1.0 };
     let why = |r: Request| model().surface(&r).unwrap_err();
     assert_eq!(why(Request { rows: 1, ..good }), GenerateError::Nodes(1));
     assert_eq!(why(Request { cols: 100_000, ..good }), GenerateError::Nodes(100_000));
-    for pitch in [0.0, -1.0, f64::NAN, 1e-4] {
-        assert!(matches!(why(Request { pitch, ..good }), GenerateError::Pitch { .. }), "{pitch}");
+    for resolution in [0.0, -1.0, f64::NAN, 1e-4] {
+        assert!(
+            matches!(why(Request { resolution, ..good }), GenerateError::Resolution { .. }),
+            "{resolution}"
+        );
     }
     assert!(matches!(
-        why(Request { rows: 8000, cols: 8000, pitch: 50.0, ..good }),
+        why(Request { rows: 8000, cols: 8000, resolution: 50.0, ..good }),
         GenerateError::Extent { .. }
     ));
     for share in [0.0, f64::NAN, 1e9] {

@@ -143,7 +143,7 @@ fn arrays_of_every_kind_of_number_and_order_are_read() {
     for file in files {
         let r = values(&file);
         assert_eq!(
-            (r.rows(), r.cols(), r.values(), r.pitch()),
+            (r.rows(), r.cols(), r.values(), r.resolution()),
             (2, 3, &want[..], None),
             "{}",
             file.display()
@@ -152,16 +152,16 @@ fn arrays_of_every_kind_of_number_and_order_are_read() {
 }
 
 #[test]
-fn a_geotiff_says_its_pitch_and_feet_become_metres() {
+fn a_geotiff_says_its_resolution_and_feet_become_metres() {
     let f = Folder::new();
     let scale = Some([0.5, 0.5, 0.0]);
     let r = values(&f.file("a.tif", geotiff(&SIX, scale, &metric(), Some("-9999"))));
-    assert_eq!((r.rows(), r.cols(), r.pitch()), (2, 3, Some(0.5)));
+    assert_eq!((r.rows(), r.cols(), r.resolution()), (2, 3, Some(0.5)));
     assert_eq!(r.values(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     // Places in US survey feet (1200/3937 m), heights in international feet (0.3048 m).
     let feet = keys(&[[1024, 1], [3076, 9003], [4099, 9002]]);
     let r = values(&f.file("feet.tiff", geotiff(&SIX, scale, &feet, None)));
-    assert!((r.pitch().unwrap() - 0.5 * 1200.0 / 3937.0).abs() < 1e-12);
+    assert!((r.resolution().unwrap() - 0.5 * 1200.0 / 3937.0).abs() < 1e-12);
     assert!((r.values()[5] - 6.0 * 0.3048).abs() < 1e-12);
     // Other kinds of samples, without a word on places.
     for name in ["i16", "u16", "f64"] {
@@ -173,7 +173,7 @@ fn a_geotiff_says_its_pitch_and_feet_become_metres() {
             _ => tiff.write_image::<colortype::Gray64Float>(2, 2, &[1.0, 2.0, 3.0, 4.0]).unwrap(),
         }
         let r = values(&f.file(&format!("{name}.tif"), out.into_inner()));
-        assert_eq!((r.values()[1..].to_vec(), r.pitch()), (vec![2.0, 3.0, 4.0], None));
+        assert_eq!((r.values()[1..].to_vec(), r.resolution()), (vec![2.0, 3.0, 4.0], None));
     }
 }
 

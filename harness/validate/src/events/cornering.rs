@@ -5,7 +5,8 @@ use crate::event::{Bench, Event, LineKind, Outcome, Plot};
 use crate::rig::{Drive, PARKED, flat, speed};
 use vb_math::angle::degrees;
 use vb_math::{atan, hypot};
-use vb_sim::{GRAVITY, SimError, VehicleState};
+use vb_sim::{SimError, VehicleState};
+use vb_vehicle::GRAVITY;
 
 pub(super) const CORNERING: Event = Event {
     name: "cornering",
@@ -32,10 +33,10 @@ struct Means {
 impl Means {
     fn add(&mut self, s: &VehicleState) {
         self.count += 1.0;
-        self.yaw_rate += s.rates.z;
+        self.yaw_rate += s.angular_velocity.z;
         self.speed += speed(s);
         self.roll += degrees(s.roll_pitch_yaw().0);
-        self.lateral += s.rates.z * s.velocity.x;
+        self.lateral += s.angular_velocity.z * s.velocity.x;
         self.velocity[0] += s.velocity.x;
         self.velocity[1] += s.velocity.y;
         self.travels.resize(s.wheels.len(), 0.0);
@@ -171,7 +172,7 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             5.0,
             |s| bench.pace.hold_speed(s, target, steering),
             |s| {
-                rates.push([s.time - begin, s.rates.z]);
+                rates.push([s.time - begin, s.angular_velocity.z]);
                 if s.time - begin > 3.0 {
                     m.add(s);
                 }

@@ -4,7 +4,8 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
 use crate::rig::{COASTING, Drive, PARKED, flat, profile};
 use vb_math::cos;
-use vb_sim::{GRAVITY, SimError};
+use vb_sim::SimError;
+use vb_vehicle::GRAVITY;
 
 pub(super) const FREE_FALL: Event = Event {
     name: "free-fall",

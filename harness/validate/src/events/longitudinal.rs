@@ -4,7 +4,8 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
 use crate::rig::{COASTING, Drive, SAMPLE, controls, flat, speed};
 use crate::theory::PointMass;
-use vb_sim::{GRAVITY, SimError, VehicleState};
+use vb_sim::{SimError, VehicleState};
+use vb_vehicle::GRAVITY;
 
 pub(super) const ACCELERATION: Event = Event {
     name: "acceleration",
@@ -368,7 +369,7 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     // They roll on a radius a third of the deflection below the free one (Rill 2011, ch. 3), each by its own load.
     let sunk = s.wheels.iter().enumerate().map(|(i, w)| {
         let tyre = bench.spec.tyre_of(&bench.spec.axles[i / 2]);
-        vb_sim::Tyre::new(tyre).deflection(w.load) / tyre.radius()
+        vb_sim::tyre::Tyre::new(tyre).deflection(w.load) / tyre.radius()
     });
     let (least, most) = sunk.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
     let by_load = 100.0 * (most - least) / 3.0;

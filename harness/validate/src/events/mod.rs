@@ -20,7 +20,7 @@ mod vertical;
 
 use crate::error::ValidateError;
 use crate::event::Event;
-use vb_sim::VehicleSpec;
+use vb_vehicle::VehicleSpec;
 
 const EVENTS: &[Event] = &[
     kinematics::SUSPENSION,

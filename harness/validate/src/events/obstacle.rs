@@ -17,7 +17,8 @@ use crate::event::{Bench, Event, Outcome, Series};
 use crate::rig::largest;
 use vb_math::angle::{degrees, radians};
 use vb_math::{acos, atan, cos, sin, tan};
-use vb_sim::{GRAVITY, HardContact, SimError, TyreSpec, WheelStand};
+use vb_sim::{SimError, WheelStand};
+use vb_vehicle::{GRAVITY, TyreSpec, tyre::HardContact};
 use vb_world::Heightfield;
 
 pub(super) const OBSTACLES: Event = Event {
@@ -131,7 +132,7 @@ impl Wheel<'_> {
         end: impl Fn(f64, f64) -> bool,
         series: &mut Series,
     ) -> f64 {
-        let tyre = vb_sim::Tyre::new(self.tyre);
+        let tyre = vb_sim::tyre::Tyre::new(self.tyre);
         let weight = self.weight(mass);
         let mut stand = self.stand(mass, from, 1.0 - tyre.deflection(weight) / self.radius);
         stand.velocity.x = speed * self.pace();
@@ -201,12 +202,12 @@ fn obstacles(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     } else {
         o.note("It has no hard tyre: theory is of cylinders.");
     }
-    match fitted {
-        TyreSpec::Rigid(_) if hard.is_some() => {}
-        TyreSpec::Rigid(_) | TyreSpec::Brush(_) => driven(&mut o, "as fitted", &wheel(fitted), 3.0)?,
-        TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => {
-            o.note("Friction of the fitted tyre depends on slip: statics with one coefficient says nothing of it.");
-        }
+    if fitted.coulomb_friction().is_none() {
+        o.note(
+            "Friction of the fitted tyre depends on slip: statics with one coefficient says nothing of it.",
+        );
+    } else if hard.is_none() || !matches!(fitted, TyreSpec::Rigid(_)) {
+        driven(&mut o, "as fitted", &wheel(fitted), 3.0)?;
     }
     Ok(o)
 }
@@ -216,7 +217,7 @@ fn driven(o: &mut Outcome, kind: &str, w: &Wheel<'_>, loose: f64) -> Result<(), 
     for mu in [0.8, 0.5] {
         // The floor is left when the centre is a whole radius above it, on a tyre that the edge presses in by its share of the load.
         let level = 1.0 / (1.0_f64 + mu * mu).sqrt();
-        let yields = vb_sim::Tyre::new(w.tyre).deflection(w.load * level) / w.radius;
+        let yields = vb_sim::tyre::Tyre::new(w.tyre).deflection(w.load * level) / w.radius;
         let step = |yields: f64| 1.0 - (1.0 - yields) * level;
         let theory = step(yields);
         let found = largest(0.5 * theory, 2.0 * theory, 0.015 * theory, |h| {
@@ -360,7 +361,7 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
     let angle = radians(20.0);
     let ground = w.ground(|x| -x * tan(angle));
     let mut stand = w.stand(alone, -5.0, 0.0);
-    let deflection = vb_sim::Tyre::new(w.tyre).deflection(w.weight(alone) * cos(angle));
+    let deflection = vb_sim::tyre::Tyre::new(w.tyre).deflection(w.weight(alone) * cos(angle));
     stand.hub.z = (w.radius - deflection) / cos(angle) - stand.hub.x * tan(angle);
     let seconds = 4.0 * w.beat();
     for _ in 0..(seconds / w.step) as usize {
@@ -380,7 +381,7 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sim::VehicleSpec;
+    use vb_vehicle::VehicleSpec;
 
     #[test]
     fn an_impact_of_a_wheel_alone_keeps_its_angular_momentum_about_the_edge() {

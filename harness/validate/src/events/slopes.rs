@@ -6,7 +6,11 @@ use crate::rig::{Drive, PARKED, flat, plane};
 use std::f64::consts::FRAC_PI_2;
 use vb_math::angle::{degrees, radians};
 use vb_math::atan;
-use vb_sim::{Linkage, RigidMount, SimError, Suspension, TyreSpec, VehicleSpec, VehicleState};
+use vb_sim::{SimError, VehicleState};
+use vb_vehicle::{
+    VehicleSpec,
+    suspension::{Linkage, RigidMount, Suspension},
+};
 
 pub(super) const SIDE_SLOPE: Event = Event {
     name: "side-slope",
@@ -74,7 +78,7 @@ const SLIDING: f64 = 0.02;
 
 /// Sideways speed of the vehicle at the height of the ground, m/s: a body that leans out about its wheels has none there.
 fn sliding(s: &VehicleState) -> f64 {
-    ((s.attitude * s.velocity).y + (s.attitude * s.rates).x * s.position.z).abs()
+    ((s.attitude * s.velocity).y + (s.attitude * s.angular_velocity).x * s.position.z).abs()
 }
 
 fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
@@ -173,11 +177,7 @@ pub(super) fn sticky(spec: &VehicleSpec) -> VehicleSpec {
     let mut spec = spec.clone();
     let own = spec.axles.iter_mut().filter_map(|a| a.tyre.as_mut());
     for tyre in own.chain(std::iter::once(&mut spec.tyre)) {
-        match tyre {
-            TyreSpec::Rigid(t) => t.friction = TIP_FRICTION,
-            TyreSpec::Brush(t) => t.friction = TIP_FRICTION,
-            TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => {}
-        }
+        tyre.set_coulomb_friction(TIP_FRICTION);
     }
     spec
 }

@@ -173,37 +173,39 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const GRID: Event = Event {
     name: "soil-grid",
     title: "Convergence over the soil's grid",
-    about: "Sinkage at rest and speed after 10 s at throttle 0.6, with soil remembered at twice the pitch, at the pitch, at half \
-            and at a quarter of it; soils of the original. At the pitch and at half of it they must agree within 5 %.",
+    about: "Sinkage at rest and speed after 10 s at throttle 0.6, with soil remembered in cells twice as wide, \
+            as wide as it is by default, half and a quarter as wide; soils of the original. The middle two must agree within 5 %.",
     run: grid,
 };
 
 fn grid(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let Some(set) = reference_set(bench, &mut o) else { return Ok(o) };
-    let mut plot = Plot::new("Deviation from the finest grid", "pitch, m", "deviation, %");
-    let pitch = bench.options.soil_pitch;
+    let mut plot = Plot::new("Deviation from the finest grid", "resolution, m", "deviation, %");
+    let resolution = bench.options.soil_resolution;
     let factors = [2.0, 1.0, 0.5, 0.25];
     for (case, class) in CLASSES.into_iter().enumerate() {
         let mut values = Vec::new();
         for factor in factors {
-            let at = bench.at_pitch(factor * pitch);
+            let at = bench.at_resolution(factor * resolution);
             let mut d = Drive::on_soil(&at, set, "rest", &soil(class, 40.0, 20.0, 0.0), 0.0)?;
             d.hold(2.0, |_| PARKED)?;
             values.push([1e3 * sinkage(bench, &d.state())[0], speed_after(&at, set, class, 0.6)?.0]);
         }
         for (k, what) in ["sinkage at rest", "speed after 10 s"].into_iter().enumerate() {
-            let name = format!("{}: change of {what} from half the pitch", class.name());
+            let name = format!("{}: change of {what} from cells half as wide", class.name());
             o.figure(name.clone(), 100.0 * (values[1][k] / values[2][k] - 1.0).abs(), "%");
             o.theory.push(Expectation {
                 figure: name,
                 expected: Expected::AtMost(5.0),
                 kind: Kind::Convergence,
-                source: format!("the same at a pitch of {} m", 0.5 * pitch),
+                source: format!("the same with cells of {} m", 0.5 * resolution),
                 unsound: None,
             });
-            let points =
-                factors.iter().zip(&values).map(|(f, v)| [f * pitch, 100.0 * (v[k] / values[3][k] - 1.0)]);
+            let points = factors
+                .iter()
+                .zip(&values)
+                .map(|(f, v)| [f * resolution, 100.0 * (v[k] / values[3][k] - 1.0)]);
             plot.line(LineKind::Ours, 2 * case + k, format!("{}, {what}", class.name()), points.collect());
         }
     }

@@ -4,7 +4,10 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot, Series};
 use crate::rigid_wheel::{Carried, RigidWheel};
 use vb_math::{exp, pow, tan};
-use vb_sim::{PressureDirection, SimError, SoilLaw, WheelRig};
+use vb_sim::{
+    SimError,
+    soil::{PressureDirection, SoilLaw, WheelRig},
+};
 
 /// A soil as the closed forms know it: pressure normal to the rim, no damping, no heaps.
 fn bare(law: &SoilLaw) -> SoilLaw {
@@ -58,7 +61,7 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 
 /// The wheel of theory: the HMMWV's, W = 6369 N, b = 0.3175 m, D = 0.934 m.
 const THE_WHEEL: RigidWheel =
-    RigidWheel { radius: 0.467, breadth: 0.3175, load: 2597.0 * vb_sim::GRAVITY / 4.0 };
+    RigidWheel { radius: 0.467, breadth: 0.3175, load: 2597.0 * vb_vehicle::GRAVITY / 4.0 };
 const LOAD: f64 = THE_WHEEL.load;
 
 /// Where theory of a wheel's pressure is from.
@@ -132,7 +135,7 @@ fn rig(bench: &Bench<'_>) -> WheelRig {
         load: LOAD,
         speed: 1.0,
         step: bench.options.step,
-        pitch: bench.options.soil_pitch,
+        resolution: bench.options.soil_resolution,
     }
 }
 

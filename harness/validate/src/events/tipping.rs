@@ -8,7 +8,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_math::angle::{degrees, radians};
 use vb_math::{atan, cos, sin, tan};
-use vb_sim::{GRAVITY, Motion, SimError, TyreSpec, VehicleSpec, VehicleState};
+use vb_sim::{SimError, VehicleState};
+use vb_vehicle::{GRAVITY, TyreSpec, VehicleSpec, kinematics::Motion};
 
 pub(super) const TIP_OVER: Event = Event {
     name: "tip-over",
@@ -209,7 +210,7 @@ fn circle(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimEr
             bench.pace.hold_speed(s, 1.0 + 0.4 * seconds, 0.6)
         },
         |s| {
-            lateral.push(s.rates.z * s.velocity.x);
+            lateral.push(s.angular_velocity.z * s.velocity.x);
             // It turns to the left: the inner wheels are those of even numbers.
             let inner: f64 = s.wheels.iter().step_by(2).map(|w| w.load).sum();
             airborne = if inner > 0.0 { 0.0 } else { airborne + bench.options.step };
@@ -264,14 +265,14 @@ fn manoeuvres(
             pace.time(5.0),
             |s| {
                 let since = s.time - begin;
-                if reverses && since > pace.time(0.5) && s.rates.x <= 0.0 {
+                if reverses && since > pace.time(0.5) && s.angular_velocity.x <= 0.0 {
                     reversed = since.min(reversed);
                 }
                 controls(if since > reversed { -1.0 } else { 1.0 }, 0.0, 0.0)
             },
             |s| {
                 let arm = s.attitude.inverse() * (g.com_of(s) - s.position);
-                let velocity = s.attitude * (s.velocity + s.rates.cross(&arm));
+                let velocity = s.attitude * (s.velocity + s.angular_velocity.cross(&arm));
                 speeds.push(velocity);
                 if let Some(k) = speeds.len().checked_sub(window + 1) {
                     let change = velocity - speeds[k];
@@ -423,7 +424,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             |_| PARKED,
             |s| {
                 excess = excess.max(g.mechanical_energy(s) - first);
-                rate = rate.max(s.rates.x.abs());
+                rate = rate.max(s.angular_velocity.x.abs());
                 lowest = lowest.min(g.com_of(s).z);
                 trace.push([s.time - begin, degrees(s.roll_pitch_yaw().0).rem_euclid(360.0)]);
                 false

@@ -4,7 +4,11 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
 use crate::rig::{Drive, controls, flat, largest, profile, soil};
 use vb_math::{exp, pow, tan};
-use vb_sim::{PressureDirection, SimError, SoilLaw, SoilSet, Tracks, VehicleState};
+use vb_sim::{
+    SimError, SoilSet, VehicleState,
+    soil::{PressureDirection, SoilLaw},
+};
+use vb_vehicle::tracks::Tracks;
 use vb_world::TerrainClass;
 
 /// Friction of the ground on which it turns.
@@ -70,7 +74,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(GROUND), 0.0, 0.0)?;
         d.hold(15.0, |s| bench.pace.hold_speed(s, 3.0, steering))?;
         let s = d.state();
-        let radius = s.velocity.x / s.rates.z;
+        let radius = s.velocity.x / s.angular_velocity.z;
         let label = format!("steering {steering}: radius");
         o.figure(&label, radius, "m");
         if steering < 1.0 {
@@ -132,7 +136,7 @@ fn pulled(
     for k in 0..150 {
         // A load behind it that pulls as its own weight does on a slope.
         let pull = share * (f64::from(k) / 50.0).min(1.0);
-        d.sim().set_gravity([-pull * vb_sim::GRAVITY, 0.0, -vb_sim::GRAVITY]);
+        d.sim().set_gravity([-pull * vb_vehicle::GRAVITY, 0.0, -vb_vehicle::GRAVITY]);
         d.hold(0.1, |s| bench.pace.hold_speed(s, 2.0, 0.0))?;
         let s = d.state();
         if k >= 100 {

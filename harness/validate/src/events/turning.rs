@@ -31,8 +31,8 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             |s| {
                 // The centre of turning: where the velocity field of the rigid body is zero.
                 let v = s.attitude * s.velocity;
-                centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.rates.z;
-                path += speed(s) / s.rates.z.abs();
+                centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.angular_velocity.z;
+                path += speed(s) / s.angular_velocity.z.abs();
                 count += 1.0;
                 false
             },

@@ -6,7 +6,8 @@ use crate::rig::{Drive, PARKED, controls, largest, relief, split};
 use crate::statics::Statics;
 use std::sync::Arc;
 use vb_math::angle::degrees;
-use vb_sim::{Differential, SimError, Tyre, TyreSpec, VehicleState};
+use vb_sim::{SimError, VehicleState, tyre::Tyre};
+use vb_vehicle::powertrain::Differential;
 use vb_world::World;
 
 pub(super) const TWIST: Event = Event {
@@ -195,14 +196,11 @@ pub(super) const SPLIT_GRIP: Event = Event {
 fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let (g, spec) = (&bench.geometry, bench.spec);
-    let resistance = match &spec.tyre {
-        TyreSpec::Rigid(_) => 0.0,
-        TyreSpec::Brush(t) => t.rolling_resistance,
-        TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => {
-            o.note("Friction of the tyre depends on slip: not driven.");
-            return Ok(o);
-        }
-    };
+    if spec.tyre.coulomb_friction().is_none() {
+        o.note("Friction of the tyre depends on slip: not driven.");
+        return Ok(o);
+    }
+    let resistance = spec.tyre.rolling_resistance();
     let (ice, grip) = (0.01, 0.9);
     let mut d = Drive::new(bench, "split", &split(ice, grip), 0.0, 0.0)?;
     let push = |_: &VehicleState| controls(0.0, 0.5, 0.0);

@@ -3,7 +3,8 @@
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot, Series};
 use vb_math::{atan, hypot, tan};
-use vb_sim::{FialaTyre, SimError, Tyre, TyreSpec};
+use vb_sim::{SimError, tyre::Tyre};
+use vb_vehicle::{TyreSpec, tyre::FialaTyre};
 
 pub(super) const TYRES: Event = Event {
     name: "tyres",
@@ -125,13 +126,7 @@ fn fitted(o: &mut Outcome, spec: &TyreSpec, load: f64) {
         both.ours(format!("{name}, {angle:.0}°"), line);
     }
     o.figure("greatest force over load in combined slip", widest, "");
-    let own = match spec {
-        TyreSpec::Rigid(t) => Some(t.friction),
-        TyreSpec::Brush(t) => Some(t.friction),
-        // Their friction falls with slip, and scales with the ground's.
-        TyreSpec::Fiala(_) | TyreSpec::Tmeasy(_) => None,
-    };
-    if let Some(friction) = own {
+    if let Some(friction) = spec.coulomb_friction() {
         let bound = FRICTION.min(friction);
         o.theory(
             "greatest force over load in combined slip",

@@ -4,7 +4,8 @@ use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot, Series};
 use crate::rig::{COASTING, Drive, bump, controls, flat, largest, step};
 use vb_math::angle::degrees;
-use vb_sim::{GRAVITY, SimError, TyreSpec, VehicleSpec};
+use vb_sim::SimError;
+use vb_vehicle::{GRAVITY, TyreSpec, VehicleSpec};
 
 pub(super) const BUMP: Event = Event {
     name: "bump",

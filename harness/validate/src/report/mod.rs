@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 pub use text::{expected, number};
-use vb_sim::VehicleSpec;
+use vb_vehicle::VehicleSpec;
 
 /// What a run of events gave.
 #[derive(Clone, Debug)]

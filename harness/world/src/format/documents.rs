@@ -65,7 +65,9 @@ enum Radian {
 pub(crate) struct Grid {
     pub(crate) rows: usize,
     pub(crate) cols: usize,
-    pub(crate) pitch: f64,
+    /// Distance between nodes, m. The file's key is `pitch` until its schema changes, since hashes of suites cover the text.
+    #[serde(rename = "pitch")]
+    pub(crate) resolution: f64,
     pub(crate) height_range: [f64; 2],
 }
 
@@ -82,7 +84,7 @@ impl WorldDocument {
             world.density.name(),
             h.rows(),
             h.cols(),
-            text::number(h.pitch()),
+            text::number(h.resolution()),
             text::numbers(&range),
         )
     }
@@ -95,8 +97,8 @@ impl WorldDocument {
                 return flaw(name, format!("{n} must lie in 2 to {MAX_SIDE}"));
             }
         }
-        if !(grid.pitch.is_finite() && grid.pitch > 0.0) {
-            return flaw("grid.pitch", format!("{} must be a positive length in metres", grid.pitch));
+        if !(grid.resolution.is_finite() && grid.resolution > 0.0) {
+            return flaw("grid.pitch", format!("{} must be a positive length in metres", grid.resolution));
         }
         let [low, high] = grid.height_range;
         if !(low >= LOWEST && high <= HIGHEST && low <= high) {

@@ -25,7 +25,7 @@ pub(crate) fn decode(
     bytes: &[u8],
     rows: usize,
     cols: usize,
-    pitch: f64,
+    resolution: f64,
     range: [f64; 2],
 ) -> Result<Heightfield, Flaw> {
     let flaw = |field: &str, problem: String| Flaw::new(Part::Elevation, field, problem);
@@ -62,5 +62,5 @@ pub(crate) fn decode(
         .rev()
         .flat_map(|row| row.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])))
         .collect();
-    Ok(Heightfield::from_levels(rows, cols, pitch, range, &levels))
+    Ok(Heightfield::from_levels(rows, cols, resolution, range, &levels))
 }

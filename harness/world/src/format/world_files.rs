@@ -94,8 +94,8 @@ impl WorldFiles {
         let world: WorldDocument = text::parse(&file, yaml)?;
         world.check().map_err(flaw)?;
         let grid = &world.grid;
-        let heightfield =
-            elevation::decode(image, grid.rows, grid.cols, grid.pitch, grid.height_range).map_err(flaw)?;
+        let heightfield = elevation::decode(image, grid.rows, grid.cols, grid.resolution, grid.height_range)
+            .map_err(flaw)?;
         let (file, yaml) = document(folder, Part::Semantics, semantics)?;
         let semantics = text::parse::<SemanticsDocument>(&file, yaml)?.into_semantics().map_err(flaw)?;
         let (file, yaml) = document(folder, Part::Obstacles, obstacles)?;

@@ -66,7 +66,7 @@ fn scaling_multiplies_every_length_and_nothing_else() {
     v.check().unwrap();
     let ratio = |a: f64, b: f64| assert!((b - a * s).abs() <= 1e-15 + 1e-12 * a.abs(), "{a} -> {b}");
     assert_eq!(v.scale, s);
-    ratio(w.heightfield.pitch(), v.heightfield.pitch());
+    ratio(w.heightfield.resolution(), v.heightfield.resolution());
     ratio(w.semantics.patch, v.semantics.patch);
     for (a, b) in w.heightfield.heights().iter().zip(v.heightfield.heights()) {
         ratio(*a, *b);

@@ -16,11 +16,11 @@ mod span;
 use super::{Corner, Forces, Ground, Vehicle};
 use crate::powertrain::{Load, Pair, Wheels};
 use crate::soil::{Footprint, TRACK};
-use crate::spec::{Tracks, TyreSpec, VehicleSpec};
 use crate::state::Controls;
 use crate::track::{Course, Disc};
 use crate::tyre::{Patch, Tyre};
 use crate::{M3, V3};
+use vb_vehicle::{TyreSpec, VehicleSpec, tracks::Tracks};
 
 /// Width of the belt's contact with the ground that stands for it, over the belt's: strips at its radius of gyration.
 const STRIP: f64 = 0.288_675_134_594_812_9;
@@ -86,7 +86,7 @@ struct Span {
 
 /// Speed of a wheel of an axle over that of its outer face, in which it turns with a belt: a sprocket's teeth reach to the
 /// middle of it, the others roll on its inner face. 1 where there is no belt.
-pub(super) fn gearing(v: &VehicleSpec, axle: &crate::spec::Axle) -> f64 {
+pub(super) fn gearing(v: &VehicleSpec, axle: &vb_vehicle::Axle) -> f64 {
     let Some(t) = &v.tracks else { return 1.0 };
     let outer = v.tyre_of(axle).radius();
     outer / (outer - t.thickness * if axle.driven { 0.5 } else { 1.0 })
@@ -109,7 +109,7 @@ pub(super) fn sprockets(v: &VehicleSpec) -> Option<Load<'_>> {
 impl Track {
     /// The track of a side (0 left, 1 right), if the vehicle has any; `hubs` are the centres of all wheels at design height
     /// relative to the centre of mass.
-    pub(super) fn new(v: &VehicleSpec, side: usize, hubs: &[V3], soil_pitch: f64) -> Option<Self> {
+    pub(super) fn new(v: &VehicleSpec, side: usize, hubs: &[V3], soil_resolution: f64) -> Option<Self> {
         let t = v.tracks.as_ref()?;
         let count = v.axles.len();
         let discs: Vec<Disc> = (0..count)
@@ -156,7 +156,7 @@ impl Track {
                 tyre.radius + 0.5 * (reach[1] - reach[0]),
                 half,
                 tyre.width,
-                soil_pitch,
+                soil_resolution,
             ),
             shares: [(0, 0.0); TRACK],
             thrust: vec![0.0; count],
@@ -314,7 +314,7 @@ impl Vehicle {
     }
 
     /// Advances the belts; returns the torque of driveline and brake on each sprocket, at its wheel's number.
-    pub(super) fn spin_tracks(&mut self, controls: Controls, dt: f64) -> [f64; super::MAX_WHEELS] {
+    pub(super) fn spin_tracks(&mut self, controls: Controls, dt: f64) -> [f64; vb_vehicle::MAX_WHEELS] {
         let (mut spins, mut moments, mut brakes, mut torques) = ([0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]);
         // A positive command turns to the left: the left belt is the inner one.
         let inner = usize::from(self.steering < 0.0);
@@ -333,7 +333,7 @@ impl Vehicle {
             Wheels { spins: &mut spins, moments: &moments, brakes: &brakes, torques: &mut torques };
         let throttle = self.governed(controls.throttle);
         self.drive.advance(throttle, &mut wheels, dt);
-        let mut all = [0.0; super::MAX_WHEELS];
+        let mut all = [0.0; vb_vehicle::MAX_WHEELS];
         for (i, t) in self.tracks.iter_mut().enumerate() {
             t.speed = spins[i] * t.pitch_radius();
             all[t.wheel(t.sprocket)] = torques[i];

@@ -114,7 +114,7 @@ impl Vehicle {
         let axes = [turn.column(0).into_owned(), turn.column(2).into_owned()];
         let touched =
             t.footprint.step_belt(ground.soil, ground.heightfield, under, &motion, axes, t.speed, dt);
-        let mut loads = [(0.0, 0.0); super::super::MAX_WHEELS];
+        let mut loads = [(0.0, 0.0); vb_vehicle::MAX_WHEELS];
         if touched.is_some()
             && let Some(stations) = t.footprint.stations()
         {

@@ -1,7 +1,7 @@
 use crate::dynamics::Vehicle;
-use crate::model::VehicleModel;
-use crate::spec::VehicleSpec;
 use crate::{M3, V3};
+use vb_vehicle::VehicleModel;
+use vb_vehicle::VehicleSpec;
 
 fn m113() -> Vehicle {
     let text = include_str!("../../../../../tasks/vehicles/m113.yaml");

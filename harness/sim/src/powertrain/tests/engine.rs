@@ -159,11 +159,11 @@ fn a_converter_in_steady_drive_balances_at_its_speed_ratio() {
     }
     let s = b.drive.state();
     let r = 150.0 / s.engine_speed;
-    let k = interpolate(&converter().capacity, r).0;
+    let k = vb_vehicle::table::interpolate(&converter().capacity, r).0;
     let impeller = (s.engine_speed / k) * (s.engine_speed / k);
     assert!(r > 0.5 && r < 0.98, "{r}");
     assert!((s.engine_torque - impeller).abs() < 1e-6 * impeller, "{s:?} {impeller}");
-    let ratio = interpolate(&converter().torque_ratio, r).0;
+    let ratio = vb_vehicle::table::interpolate(&converter().torque_ratio, r).0;
     assert!((s.shaft_torque * 0.1708 - ratio * impeller).abs() < 1e-5 * impeller);
 }
 

@@ -4,7 +4,7 @@ mod driveline;
 mod engine;
 
 use super::*;
-use crate::spec::{Converter, Differential, DrivenAxle, Engine, LockUp};
+use vb_vehicle::powertrain::{Converter, Differential, DrivenAxle, Engine, LockUp};
 
 const DT: f64 = 1e-3;
 

@@ -74,14 +74,14 @@ impl<const N: usize> Footprint<N> {
         side: f64,
         slope: f64,
     ) {
-        let pitch = grid.pitch();
-        let count = (length / pitch) as usize + 1;
-        let each = side / (count as f64 * pitch * pitch);
+        let resolution = grid.resolution();
+        let count = (length / resolution) as usize + 1;
+        let each = side / (count as f64 * resolution * resolution);
         for direction in [-1.0, 1.0] {
             for i in 0..count {
                 let x = start + length * (i as f64 + 0.5) / count as f64;
                 let beside = |ring: usize| {
-                    let y = direction * (0.5 * self.shape.width + pitch * (ring as f64 + 0.5));
+                    let y = direction * (0.5 * self.shape.width + resolution * (ring as f64 + 0.5));
                     m.hub + f.along * x + m.axis * y
                 };
                 let at = beside(0);
@@ -91,7 +91,7 @@ impl<const N: usize> Footprint<N> {
                 for ring in 1..RINGS {
                     let at = beside(ring);
                     let Some(outer) = grid.at_mut(at.x, at.y) else { break };
-                    let moved = 0.5 * (inner.1 - outer.raised - slope * pitch);
+                    let moved = 0.5 * (inner.1 - outer.raised - slope * resolution);
                     if moved <= 0.0 {
                         break;
                     }

@@ -125,9 +125,9 @@ impl Frame {
 }
 
 impl Footprint<WHEEL> {
-    /// For a tyre, on soil that is remembered at a pitch (m): as many strips as cells go into the width.
-    pub(crate) fn wheel(radius: f64, width: f64, pitch: f64) -> Self {
-        Self::of(Shape::wheel(radius, width, pitch))
+    /// For a tyre, on soil that is remembered at a resolution (m): as many strips as cells go into the width.
+    pub(crate) fn wheel(radius: f64, width: f64, resolution: f64) -> Self {
+        Self::of(Shape::wheel(radius, width, resolution))
     }
 
     /// The force of the soil on a wheel that moves as `motion` says, if it touches any, and what that does to the
@@ -161,11 +161,11 @@ impl Footprint<TRACK> {
     /// For a belt whose lowest part reaches from `rear` to `front` (m, along the heading, from the point that stands for
     /// the hub) and that stays near the ground up to a height of `near` (m) of that point.
     /// Soil stays between its pads while it is less than `grip` (m) above the ground.
-    pub(crate) fn track([rear, front]: [f64; 2], near: f64, grip: f64, width: f64, pitch: f64) -> Self {
+    pub(crate) fn track([rear, front]: [f64; 2], near: f64, grip: f64, width: f64, resolution: f64) -> Self {
         Self {
             grip,
             stations: Some(Box::new(Stations::NONE)),
-            ..Self::of(Shape::track(rear, front, near, width, pitch))
+            ..Self::of(Shape::track(rear, front, near, width, resolution))
         }
     }
 
@@ -462,9 +462,9 @@ mod tests {
         let normal = normal_of([0.0, 0.2]);
         let below = V3::new(0.3, 0.1, surface.height(0.3, 0.1));
         for tilt in [0.0, 0.1, -0.3_f64] {
-            for pitch in [0.1, 0.05, 0.02] {
-                let mut ground = SoilGround::of_one(law.prepare(), [4.0, 4.0], pitch);
-                let mut wheel = Footprint::wheel(0.47, 0.25, pitch);
+            for resolution in [0.1, 0.05, 0.02] {
+                let mut ground = SoilGround::of_one(law.prepare(), [4.0, 4.0], resolution);
+                let mut wheel = Footprint::wheel(0.47, 0.25, resolution);
                 let left = normal.cross(&V3::x());
                 let axis = left * vb_math::cos(tilt) + normal * vb_math::sin(tilt);
                 // The lowest point of the circle is 3 cm deep.
@@ -473,7 +473,7 @@ mod tests {
                 let motion = WheelMotion { hub, velocity: still, rotation: still, axis, spin: 0.0 };
                 let under = ground.under(hub.x, hub.y, 0.47);
                 let force = wheel.step(&mut ground, &surface, under, &motion, 1e-3).unwrap();
-                assert!((force.sinkage - 0.03).abs() < 1e-9, "{tilt}, {pitch} m: {}", force.sinkage);
+                assert!((force.sinkage - 0.03).abs() < 1e-9, "{tilt}, {resolution} m: {}", force.sinkage);
             }
         }
     }

@@ -51,8 +51,8 @@ impl<const N: usize> Shape<N> {
     const LAST: usize = N - 3;
 
     /// Stations at `at(place)`, ascending, of a level outline just below the hub, `width` (m) wide, over soil that is
-    /// remembered at a pitch (m).
-    fn stations(at: impl Fn(usize) -> f64, width: f64, pitch: f64) -> Self {
+    /// remembered at a resolution (m).
+    fn stations(at: impl Fn(usize) -> f64, width: f64, resolution: f64) -> Self {
         let xs: Row<N> = std::array::from_fn(&at);
         let lengths: Row<N> = std::array::from_fn(|k| {
             let inside = (FIRST..=Self::LAST).contains(&k);
@@ -69,7 +69,7 @@ impl<const N: usize> Shape<N> {
             reach: 0.0,
             near: 0.0,
             width,
-            strips: ((width / pitch) as usize).clamp(2, 16),
+            strips: ((width / resolution) as usize).clamp(2, 16),
             xs,
             lengths,
             inverse_lengths,
@@ -92,7 +92,7 @@ impl<const N: usize> Shape<N> {
 }
 
 impl Shape<WHEEL> {
-    pub(super) fn wheel(radius: f64, width: f64, pitch: f64) -> Self {
+    pub(super) fn wheel(radius: f64, width: f64, resolution: f64) -> Self {
         let extent = EXTENT * radius;
         let side = ((Self::LAST - FIRST) / 2) as f64;
         let middle = FIRST as f64 + side;
@@ -100,7 +100,7 @@ impl Shape<WHEEL> {
             let u = (place.clamp(FIRST, Self::LAST) as f64 - middle) / side;
             extent * u * (CROWDING + (1.0 - CROWDING) * u * u)
         };
-        let shape = Self::stations(at, width, pitch);
+        let shape = Self::stations(at, width, resolution);
         let half = shape.xs.map(|x| (radius * radius - x * x).sqrt());
         let (sin, cos) = (shape.xs.map(|x| x / radius), half.map(|h| h / radius));
         let rim = std::array::from_fn(|k| shape.lengths[k] * radius / half[k]);
@@ -118,10 +118,10 @@ impl Shape<WHEEL> {
 
 impl Shape<TRACK> {
     /// Evenly spaced stations from `rear` to `front` (m, relative to the hub); where the outline is, [`Self::set`] says.
-    pub(super) fn track(rear: f64, front: f64, near: f64, width: f64, pitch: f64) -> Self {
+    pub(super) fn track(rear: f64, front: f64, near: f64, width: f64, resolution: f64) -> Self {
         let spacing = (front - rear) / (Self::LAST - FIRST) as f64;
         let at = |place: usize| rear + spacing * (place as f64 - FIRST as f64);
-        let shape = Self::stations(at, width, pitch);
+        let shape = Self::stations(at, width, resolution);
         Self { reach: vb_math::hypot(front.max(-rear), width), near, ..shape }
     }
 

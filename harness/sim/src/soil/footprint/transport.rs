@@ -7,7 +7,7 @@ use crate::V3;
 use crate::tyre::WheelMotion;
 use fearless_simd::{Simd, f64x4, prelude::*};
 
-/// Part of the grid's pitch by which a wheel slides before it looks at the ground beside it again.
+/// Part of the grid's resolution by which a wheel slides before it looks at the ground beside it again.
 const SLIDE: f64 = 0.02;
 /// Speed below which nothing moves, m/s.
 const STILL: f64 = 1e-6;
@@ -49,7 +49,7 @@ impl<const N: usize> Footprint<N> {
             }
             // Fast wheels leave more than a cell a step.
             let last = if forward { FIRST } else { Self::LAST };
-            let cells = (travel / grid.pitch()) as usize + 1;
+            let cells = (travel / grid.resolution()) as usize + 1;
             for i in 0..cells {
                 let back = edge * direction + direction * travel * i as f64 / cells as f64;
                 self.leave(strip, last, grid, origin - f.along * back);
@@ -70,9 +70,9 @@ impl<const N: usize> Footprint<N> {
         let turned = self.aside * distance < 0.0;
         self.aside += distance;
         // At the start it is infinite.
-        if turned || self.aside.abs() >= SLIDE * grid.pitch() {
+        if turned || self.aside.abs() >= SLIDE * grid.resolution() {
             self.aside = 0.0;
-            let side: V3 = m.axis * (distance.signum() * 0.5 * (width + grid.pitch()));
+            let side: V3 = m.axis * (distance.signum() * 0.5 * (width + grid.resolution()));
             for k in FIRST..=Self::LAST {
                 let middle = m.hub + f.along * self.shape.xs[k];
                 self.leave(strip(0), k, grid, middle - side);

@@ -17,11 +17,12 @@ use vb_host::{Limits, LoadError, Plugin};
 use vb_record::{LogMode, RunHeader, TraceMode};
 use vb_runner::{RunConfig, Soils, Vehicle};
 use vb_score::{Rules, Summary, TaskRecord};
-use vb_sim::{SoilSet, VehicleSpec};
+use vb_sim::SoilSet;
 use vb_submission::{
     Entrant, Expected, Manifest, Request, Sampling, Shipped, ShippedSuite, ShippedVehicle, Submission,
     SubmissionError, Verification,
 };
+use vb_vehicle::VehicleSpec;
 use vb_world::{Heightfield, Pose2, Provenance, Suite, SuiteMeta, Task, TaskRef, TerrainClass, World};
 
 pub const VERSION: &str = "0.1.0";
@@ -80,7 +81,7 @@ impl Bench {
         let (hash, text) = read("tasks/vehicles/hmmwv.yaml");
         let vehicle = Vehicle { spec: VehicleSpec::parse(&text, "hmmwv").unwrap(), hash };
         let (hash, text) = read("tasks/soils/default.yaml");
-        let soils = Soils { set: SoilSet::parse(&text, "default").unwrap(), hash, pitch: 0.1 };
+        let soils = Soils { set: SoilSet::parse(&text, "default").unwrap(), hash, resolution: 0.1 };
         let shipped = Shipped {
             suites: vec![ShippedSuite { name: "tiny".into(), hash: suite.hash(), tasks: 4 }],
             vehicles: BTreeMap::from([(

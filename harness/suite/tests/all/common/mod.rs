@@ -16,8 +16,8 @@ pub(crate) fn facet_slopes(world: &World) -> Vec<f64> {
     for row in 0..h.rows() - 1 {
         for col in 0..h.cols() - 1 {
             for [u, v] in [[0.25, 0.75], [0.75, 0.25]] {
-                let x = (col as f64 + u) * h.pitch() - h.half_x();
-                let y = (row as f64 + v) * h.pitch() - h.half_y();
+                let x = (col as f64 + u) * h.resolution() - h.half_x();
+                let y = (row as f64 + v) * h.resolution() - h.half_y();
                 let p = h.at(x, y);
                 slopes.push(vb_math::angle::degrees(vb_math::atan(vb_math::hypot(p.dzdx, p.dzdy))));
             }

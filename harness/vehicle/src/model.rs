@@ -1,9 +1,11 @@
 //! A vehicle made ready for simulations.
 
-use crate::AxleKinematics;
-use crate::dynamics::MAX_WHEELS;
-use crate::error::SimError;
-use crate::spec::VehicleSpec;
+use crate::VehicleError;
+use crate::VehicleSpec;
+use crate::kinematics::AxleKinematics;
+
+/// Greatest number of wheels.
+pub const MAX_WHEELS: usize = 16;
 
 /// A vehicle with its linkages solved, which takes a millisecond. Made once, it serves any number of simulations; their
 /// vehicles and its clones share its tables.
@@ -17,13 +19,10 @@ impl VehicleModel {
     /// Solves the linkages of a vehicle.
     ///
     /// # Errors
-    /// [`SimError::VehicleInvalid`] for too many axles, or a linkage that doesn't close.
-    pub fn new(spec: VehicleSpec) -> Result<Self, SimError> {
-        let invalid = |field: String, reason: String| SimError::VehicleInvalid {
-            file: spec.name.clone(),
-            field,
-            reason,
-        };
+    /// [`VehicleError::Invalid`] for too many axles, or a linkage that doesn't close.
+    pub fn new(spec: VehicleSpec) -> Result<Self, VehicleError> {
+        let invalid =
+            |field: String, reason: String| VehicleError::Invalid { file: spec.name.clone(), field, reason };
         if 2 * spec.axles.len() > MAX_WHEELS {
             return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
         }

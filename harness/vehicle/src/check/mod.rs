@@ -6,27 +6,29 @@ mod suspension;
 mod tracks;
 mod tyre;
 
-use crate::error::SimError;
-use crate::spec::VehicleSpec;
+use crate::VehicleError;
+use crate::VehicleSpec;
+use parry3d_f64::math::Vector;
+use parry3d_f64::shape::SharedShape;
 use std::path::Path;
 
 impl VehicleSpec {
     /// Reads and validates a vehicle file.
     ///
     /// # Errors
-    /// [`SimError::VehicleUnreadable`] or [`SimError::VehicleInvalid`], which name the file, the field and the value.
-    pub fn load(path: &Path) -> Result<Self, SimError> {
+    /// [`VehicleError::Unreadable`] or [`VehicleError::Invalid`], which name the file, the field and the value.
+    pub fn load(path: &Path) -> Result<Self, VehicleError> {
         let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|e| SimError::VehicleUnreadable { path: path.to_owned(), reason: e.to_string() })?;
+            .map_err(|e| VehicleError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
         Self::parse(&text, &path.display().to_string())
     }
 
     /// Parses and validates the text of a vehicle file; `file` names it in messages.
     ///
     /// # Errors
-    /// [`SimError::VehicleInvalid`].
-    pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
-        let spec: Self = vb_world::yaml::parse(text).map_err(|e| SimError::VehicleInvalid {
+    /// [`VehicleError::Invalid`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
+        let spec: Self = vb_world::yaml::parse(text).map_err(|e| VehicleError::Invalid {
             file: file.to_owned(),
             field: e.field,
             reason: e.problem,
@@ -47,11 +49,11 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn fail<T>(&self, field: &str, reason: String) -> Result<T, SimError> {
-        Err(SimError::VehicleInvalid { file: self.file.to_owned(), field: field.to_owned(), reason })
+    fn fail<T>(&self, field: &str, reason: String) -> Result<T, VehicleError> {
+        Err(VehicleError::Invalid { file: self.file.to_owned(), field: field.to_owned(), reason })
     }
 
-    fn positive(&self, field: &str, value: f64) -> Result<(), SimError> {
+    fn positive(&self, field: &str, value: f64) -> Result<(), VehicleError> {
         if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(());
         }
@@ -61,7 +63,7 @@ impl Check<'_> {
         self.fail(field, format!("{value} must be a positive number"))
     }
 
-    fn not_negative(&self, field: &str, value: f64) -> Result<(), SimError> {
+    fn not_negative(&self, field: &str, value: f64) -> Result<(), VehicleError> {
         if (0.0..=LARGEST).contains(&value) {
             return Ok(());
         }
@@ -71,7 +73,7 @@ impl Check<'_> {
         self.fail(field, format!("{value} must be zero or a positive number"))
     }
 
-    fn finite(&self, field: &str, values: &[f64]) -> Result<(), SimError> {
+    fn finite(&self, field: &str, values: &[f64]) -> Result<(), VehicleError> {
         match values.iter().find(|v| !(-LARGEST..=LARGEST).contains(*v)) {
             None => Ok(()),
             Some(v) if v.is_finite() => self.beyond(field, *v),
@@ -79,14 +81,14 @@ impl Check<'_> {
         }
     }
 
-    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, SimError> {
+    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, VehicleError> {
         let reason = format!(
             "{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)"
         );
         self.fail(field, reason)
     }
 
-    fn vehicle(&self, v: &VehicleSpec) -> Result<(), SimError> {
+    fn vehicle(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
         if v.schema != 1 {
             return self.fail("schema", format!("{} is unknown; this version reads 1", v.schema));
         }
@@ -109,7 +111,7 @@ impl Check<'_> {
         if !v.axles.iter().any(|a| a.driven) {
             return self.fail("axles", "none is driven".to_owned());
         }
-        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, SimError>>()?;
+        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, VehicleError>>()?;
         self.carries(v, &axles)?;
         self.positive("steering.rate", v.steering.rate)?;
         self.tyres(v)?;
@@ -117,7 +119,7 @@ impl Check<'_> {
         self.powertrain(v)
     }
 
-    fn chassis(&self, v: &VehicleSpec) -> Result<(), SimError> {
+    fn chassis(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
         let c = &v.chassis;
         self.positive("chassis.mass", c.mass)?;
         self.finite("chassis.com", &c.com)?;
@@ -143,8 +145,8 @@ impl Check<'_> {
             for point in part {
                 self.finite(&field, point)?;
             }
-            if rapier3d_f64::parry::shape::SharedShape::convex_hull(&crate::collision::points(part)).is_none()
-            {
+            let points: Vec<_> = part.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+            if SharedShape::convex_hull(&points).is_none() {
                 return self.fail(&field, format!("{} points do not span a volume", part.len()));
             }
         }
@@ -156,7 +158,7 @@ impl Check<'_> {
 mod tests {
     use super::*;
 
-    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
 
     fn broken(from: &str, to: &str) -> String {
         assert!(HMMWV.contains(from), "{from}");

@@ -1,5 +1,10 @@
-//! Engine, converter, gearbox and driveline as data.
+//! Engine, converter, gearbox and driveline as data, and the curves of engine and converter.
 
+mod converter;
+mod engine;
+
+pub use converter::ConverterTorque;
+pub use engine::EngineTorque;
 use serde::{Deserialize, Serialize};
 
 /// From the engine to the wheels.

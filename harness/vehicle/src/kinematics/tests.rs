@@ -62,8 +62,8 @@ fn five_rods_at_the_joints_of_a_double_wishbone_move_the_wheel_as_the_wishbones_
         VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap();
     let mut rods = wishbones.axles[0].clone();
     let Linkage::DoubleWishbone(l) = &rods.suspension.linkage else { panic!("wishbones") };
-    let rod = |chassis, carrier| crate::Rod { chassis, carrier };
-    rods.suspension.linkage = Linkage::Multilink(crate::Multilink {
+    let rod = |chassis, carrier| crate::suspension::Rod { chassis, carrier };
+    rods.suspension.linkage = Linkage::Multilink(crate::suspension::Multilink {
         spindle: l.spindle,
         links: [
             rod(l.upper_arm_front, l.upper_ball_joint),
@@ -312,7 +312,7 @@ fn rates_are_the_derivatives_of_the_positions() {
 #[test]
 fn an_oblique_gear_that_locks_is_refused_with_the_command() {
     let mut a = solid_axle(0.65);
-    a.steering = Some(crate::SteeringGear::PitmanArm {
+    a.steering = Some(crate::suspension::SteeringGear::PitmanArm {
         pivot: [0.0, 0.5, 0.0],
         arm_end: [0.3, 0.5, 0.0],
         idler_pivot: [0.0, -0.5, 0.0],

@@ -1,8 +1,9 @@
 //! The tables as numbers for plots and checks.
 
+use super::WheelPose;
 use super::{AxleKinematics, Side, elements};
-use crate::spec::{AntiRoll, Linkage, Suspension};
-use crate::{V3, WheelPose};
+use crate::V3;
+use crate::suspension::{AntiRoll, Linkage, Suspension};
 use vb_math::{asin, atan2};
 
 /// How the two wheels of an axle move while it is sampled.

@@ -9,7 +9,7 @@ use super::steering::{KnuckleAngle, KnuckleTable};
 use super::table::{BEAM_COLUMNS, BEAM_TRAVELS, BeamRow, BeamTable};
 use super::{Side, mirror};
 use crate::V3;
-use crate::spec::{Linkage, Rod, Suspension};
+use crate::suspension::{Linkage, Rod, Suspension};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Effective length of a leaf spring as a link over that of its fixed half (SAE HS-788, Manual on Design and
@@ -18,7 +18,7 @@ const LEAF_LINK: f64 = 0.75;
 
 /// A solved beam.
 #[derive(Clone, Debug)]
-pub(crate) struct BeamAxle {
+pub struct BeamAxle {
     table: BeamTable,
     /// The beam's middle and the left wheel centre in the design position.
     middle: V3,
@@ -28,29 +28,39 @@ pub(crate) struct BeamAxle {
     knuckles: Option<KnuckleTable>,
 }
 
-/// A wheel of a beam, in the chassis frame relative to the axle's reference point; rates over both travels.
+/// A wheel of a beam, in the chassis frame relative to the axle's reference point; rates are over the travels of the left
+/// and the right wheel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BeamWheel {
-    pub(crate) hub: V3,
-    pub(crate) hub_rates: [V3; 2],
-    pub(crate) hub_steer_rate: V3,
+pub struct BeamWheel {
+    /// Wheel centre, m.
+    pub hub: V3,
+    /// ∂hub/∂travel.
+    pub hub_rates: [V3; 2],
+    /// ∂hub/∂command of the steering, m.
+    pub hub_steer_rate: V3,
     /// Σᵢⱼ ∂²hub/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ, m/s².
-    pub(crate) bend: V3,
-    pub(crate) axis: V3,
-    /// Rotation of the wheel's axle per travel, its component across the axle.
-    pub(crate) tilt_rates: [V3; 2],
-    pub(crate) struts: [f64; 2],
-    /// `[strut][travel]`.
-    pub(crate) strut_rates: [[f64; 2]; 2],
+    pub bend: V3,
+    /// Direction of the wheel's axle, to the left.
+    pub axis: V3,
+    /// Rotation of the wheel's axle per travel, its component across the axle, rad/m.
+    pub tilt_rates: [V3; 2],
+    /// Lengths of the struts, m.
+    pub struts: [f64; 2],
+    /// ∂strut/∂travel as `[strut][travel]`.
+    pub strut_rates: [[f64; 2]; 2],
 }
 
 /// A beam with its wheels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BeamPose {
-    pub(crate) wheels: [BeamWheel; 2],
-    pub(crate) middle: V3,
-    pub(crate) middle_rates: [V3; 2],
-    pub(crate) middle_bend: V3,
+pub struct BeamPose {
+    /// Left and right.
+    pub wheels: [BeamWheel; 2],
+    /// Middle of the beam in the chassis frame relative to the axle's reference point, m.
+    pub middle: V3,
+    /// ∂middle/∂travel.
+    pub middle_rates: [V3; 2],
+    /// Σᵢⱼ ∂²middle/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ, m/s².
+    pub middle_bend: V3,
 }
 
 fn mechanism(suspension: &Suspension, spindle: V3, middle: V3) -> Mechanism {
@@ -154,8 +164,9 @@ impl BeamAxle {
         Ok(Self { table: BeamTable::new(low, step, &nodes), middle, spindle, struts, knuckles })
     }
 
-    /// The beam at travels of its ends that change with `rates`, and a steering command in [-1, 1].
-    pub(crate) fn at(&self, travels: [f64; 2], rates: [f64; 2], command: f64) -> BeamPose {
+    /// The beam at travels of its ends (m) that change with `rates` (m/s), and a steering command in [-1, 1].
+    #[must_use]
+    pub fn at(&self, travels: [f64; 2], rates: [f64; 2], command: f64) -> BeamPose {
         let p = self.table.at(travels, rates);
         let place = |r: &BeamRow| V3::new(r[0], r[1], r[2]);
         let vector = |r: &BeamRow| V3::new(r[3], r[4], r[5]);

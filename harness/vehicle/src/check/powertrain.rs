@@ -1,14 +1,17 @@
 //! Engine, converter, gearbox and driveline.
 
 use super::Check;
-use crate::error::SimError;
-use crate::spec::{Converter, Differential, Driveline, Engine, Gearbox, VehicleSpec};
+use crate::VehicleError;
+use crate::{
+    VehicleSpec,
+    powertrain::{Converter, Differential, Driveline, Engine, Gearbox},
+};
 
 /// What no engine idles at, rad/s; the squares of much higher speeds make torques that nothing can compute with.
 const FASTEST_IDLE: f64 = 1000.0;
 
 impl Check<'_> {
-    pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), SimError> {
+    pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
         let p = &v.powertrain;
         self.engine(&p.engine)?;
         if let Some(c) = &p.converter {
@@ -29,7 +32,7 @@ impl Check<'_> {
     }
 
     /// A table of finite numbers over increasing speeds or ratios.
-    pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), SimError> {
+    pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), VehicleError> {
         if points.is_empty() || points.iter().flatten().any(|x| !x.is_finite()) {
             return self.fail(field, "needs at least one point of two finite numbers".to_owned());
         }
@@ -41,7 +44,7 @@ impl Check<'_> {
         }
     }
 
-    fn engine(&self, engine: &Engine) -> Result<(), SimError> {
+    fn engine(&self, engine: &Engine) -> Result<(), VehicleError> {
         self.not_negative("powertrain.engine.inertia", engine.inertia())?;
         match engine {
             Engine::Map { full_throttle, closed_throttle, .. } => {
@@ -73,14 +76,14 @@ impl Check<'_> {
         }
     }
 
-    fn fraction(&self, field: &str, value: f64) -> Result<(), SimError> {
+    fn fraction(&self, field: &str, value: f64) -> Result<(), VehicleError> {
         if (0.0..=1.0).contains(&value) {
             return Ok(());
         }
         self.fail(field, format!("{value} must lie between 0 and 1"))
     }
 
-    fn converter(&self, c: &Converter) -> Result<(), SimError> {
+    fn converter(&self, c: &Converter) -> Result<(), VehicleError> {
         let at = |f: &str| format!("powertrain.converter.{f}");
         self.positive(&at("idle_speed"), c.idle_speed)?;
         if c.idle_speed > FASTEST_IDLE {
@@ -96,7 +99,7 @@ impl Check<'_> {
         }
         for k in 0..=100 {
             let r = 0.01 * f64::from(k);
-            let multiplied = crate::powertrain::interpolate(&c.torque_ratio, r).0;
+            let multiplied = crate::table::interpolate(&c.torque_ratio, r).0;
             if multiplied * r > 1.0 + 1e-9 {
                 let reason = format!("{multiplied} at speed ratio {r} would give more power than it takes");
                 return self.fail(&at("torque_ratio"), reason);
@@ -108,7 +111,7 @@ impl Check<'_> {
         self.positive(&at("lock_up.torque"), l.torque)
     }
 
-    fn gearbox(&self, g: &Gearbox) -> Result<(), SimError> {
+    fn gearbox(&self, g: &Gearbox) -> Result<(), VehicleError> {
         if g.ratios.is_empty() || g.ratios.len() != g.shift_up.len() || g.ratios.len() != g.shift_down.len() {
             let reason = format!(
                 "{} ratios, {} shift_down, {} shift_up: there must be as many of each, and one at least",
@@ -138,7 +141,7 @@ impl Check<'_> {
         self.not_negative("powertrain.gearbox.latency", g.latency)
     }
 
-    fn driveline(&self, d: &Driveline, driven: usize) -> Result<(), SimError> {
+    fn driveline(&self, d: &Driveline, driven: usize) -> Result<(), VehicleError> {
         self.not_negative("powertrain.driveline.shaft_inertia", d.shaft_inertia)?;
         self.differential("powertrain.driveline.centre", d.centre)?;
         if d.axles.len() != driven {
@@ -161,7 +164,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn differential(&self, field: &str, d: Differential) -> Result<(), SimError> {
+    fn differential(&self, field: &str, d: Differential) -> Result<(), VehicleError> {
         match d {
             Differential::Open {} | Differential::Locked {} => Ok(()),
             Differential::Clutch { torque } => self.not_negative(&format!("{field}.torque"), torque),
@@ -177,9 +180,12 @@ impl Check<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::spec::{Differential, Engine, VehicleSpec};
+    use crate::{
+        VehicleSpec,
+        powertrain::{Differential, Engine},
+    };
 
-    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
 
     /// The HMMWV's file with another engine, and lines added below it.
     fn with_engine(engine: &str) -> Result<VehicleSpec, String> {

@@ -2,15 +2,15 @@
 
 use super::Check;
 use crate::GRAVITY;
-use crate::error::SimError;
-use crate::spec::{Linkage, VehicleSpec};
-use crate::suspension::{AxleKinematics, Motion};
+use crate::VehicleError;
+use crate::kinematics::{AxleKinematics, Motion};
+use crate::{VehicleSpec, suspension::Linkage};
 
 /// Travels at which the force of an axle's springs and stops is looked at.
 const TRAVELS: usize = 33;
 
 /// The greatest force with which springs and stops push a wheel down within its range, N, and the travel of that, m.
-fn strongest(axle: &crate::spec::Axle, kinematics: &AxleKinematics) -> (f64, f64) {
+fn strongest(axle: &crate::Axle, kinematics: &AxleKinematics) -> (f64, f64) {
     kinematics
         .sample(&axle.suspension, Motion::Parallel, TRAVELS, 1)
         .iter()
@@ -21,7 +21,7 @@ fn strongest(axle: &crate::spec::Axle, kinematics: &AxleKinematics) -> (f64, f64
 impl Check<'_> {
     /// Statics of the chassis on level ground: on two axles each has its share by the law of the lever; on more the
     /// shares follow from the springs, and what can be said without solving for them is that all together must do.
-    pub(super) fn carries(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), SimError> {
+    pub(super) fn carries(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), VehicleError> {
         let weight = v.chassis.mass * GRAVITY;
         let places: Vec<f64> =
             v.axles.iter().map(|a| a.position[0] + a.suspension.linkage.spindle()[0]).collect();
@@ -70,8 +70,8 @@ impl Check<'_> {
 mod tests {
     use crate::VehicleSpec;
 
-    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
-    const MAN: &str = include_str!("../../../../../tasks/vehicles/man10t.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+    const MAN: &str = include_str!("../../../../tasks/vehicles/man10t.yaml");
 
     fn refused(text: &str, changes: &[(&str, &str)]) -> String {
         let mut text = text.to_owned();

@@ -222,6 +222,42 @@ impl TyreSpec {
         any_tyre!(self, t => t.width)
     }
 
+    /// Sets its width, m.
+    pub fn set_width(&mut self, width: f64) {
+        any_tyre!(self, t => t.width = width);
+    }
+
+    /// Rolling resistance over load; zero for a rigid tyre, which has none.
+    #[must_use]
+    pub fn rolling_resistance(&self) -> f64 {
+        match self {
+            Self::Rigid(_) => 0.0,
+            Self::Brush(t) => t.rolling_resistance,
+            Self::Fiala(t) => t.rolling_resistance,
+            Self::Tmeasy(t) => t.rolling_resistance,
+        }
+    }
+
+    /// Its own friction coefficient, of which and the ground's the lesser counts: one number whatever the slip. None for
+    /// models whose friction falls with slip and scales with the ground's.
+    #[must_use]
+    pub fn coulomb_friction(&self) -> Option<f64> {
+        match self {
+            Self::Rigid(t) => Some(t.friction),
+            Self::Brush(t) => Some(t.friction),
+            Self::Fiala(_) | Self::Tmeasy(_) => None,
+        }
+    }
+
+    /// Sets what [`coulomb_friction`](Self::coulomb_friction) says; does nothing to tyres that have none.
+    pub fn set_coulomb_friction(&mut self, friction: f64) {
+        match self {
+            Self::Rigid(t) => t.friction = friction,
+            Self::Brush(t) => t.friction = friction,
+            Self::Fiala(_) | Self::Tmeasy(_) => {}
+        }
+    }
+
     /// Damping of the vertical force, N s/m.
     #[must_use]
     pub fn vertical_damping(&self) -> f64 {

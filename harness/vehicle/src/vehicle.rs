@@ -1,24 +1,13 @@
 //! A vehicle as data. The file format is `tasks/vehicles/*.yaml`; see there for a commented example.
 
-mod check;
-mod powertrain;
-mod suspension;
-mod tracks;
-mod tyre;
-
-use crate::error::SimError;
-pub use powertrain::{
-    Converter, Differential, Driveline, DrivenAxle, Engine, Gearbox, Governor, LockUp, Powertrain,
-};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-pub use suspension::{
-    AntiRoll, Beam, Damper, DoubleWishbone, KnuckleDrive, Knuckles, LeafAxle, Linkage, Multilink, Part,
-    PivotAxle, RigidMount, Rod, SingleWishbone, SolidAxle, Spring, SteeredBy, Steering, SteeringGear, Stops,
-    Strut, StrutStops, Suspension, Torsion, TorsionArm,
-};
-pub use tracks::Tracks;
-pub use tyre::{BrushTyre, Dilation, FialaTyre, HardContact, RigidTyre, TmeasyTyre, TyreSpec};
+
+use crate::VehicleError;
+use crate::powertrain::Powertrain;
+use crate::suspension::{SteeredBy, Steering, SteeringGear, Suspension};
+use crate::tracks::Tracks;
+use crate::tyre::TyreSpec;
 
 /// A point of the chassis frame, or relative to an axle's reference point, m.
 pub type Point = [f64; 3];
@@ -70,15 +59,15 @@ impl VehicleSpec {
     /// The same vehicle on another of its tyres, or on the one that it has by the name of that one's model.
     ///
     /// # Errors
-    /// [`SimError::VehicleInvalid`], with the names that there are.
-    pub fn with_tyre(mut self, name: &str) -> Result<Self, SimError> {
+    /// [`VehicleError::Invalid`], with the names that there are.
+    pub fn with_tyre(mut self, name: &str) -> Result<Self, VehicleError> {
         fn fit(
             file: &str,
             field: String,
             tyre: &mut TyreSpec,
             others: &BTreeMap<String, TyreSpec>,
             name: &str,
-        ) -> Result<(), SimError> {
+        ) -> Result<(), VehicleError> {
             if let Some(other) = others.get(name) {
                 *tyre = other.clone();
                 return Ok(());
@@ -90,7 +79,7 @@ impl VehicleSpec {
             known.push(tyre.model());
             known.sort_unstable();
             let reason = format!("{name:?} is not among them; choose one of {}", known.join(", "));
-            Err(SimError::VehicleInvalid { file: file.to_owned(), field, reason })
+            Err(VehicleError::Invalid { file: file.to_owned(), field, reason })
         }
         fit(&self.name, "tyres".to_owned(), &mut self.tyre, &self.tyres, name)?;
         for (i, axle) in self.axles.iter_mut().enumerate() {

@@ -4,7 +4,7 @@ use super::mechanism::{Anchor, Joint, Mechanism, Pose, transform, turned};
 use super::table::{COLUMNS, CornerTable, NODES, Row, TRAVELS};
 use super::{LinkageError, mirror, unit};
 use crate::V3;
-use crate::spec::{AntiRoll, Linkage, Part, Suspension};
+use crate::suspension::{AntiRoll, Linkage, Part, Suspension};
 
 /// A coordinate of the linkage along which a spring or damper acts; it decreases when the wheel rises.
 enum Measure {

@@ -1,7 +1,7 @@
 //! Suspension and steering as data. All points are of the left side, at design height, relative to the axle's
 //! reference point, chassis axes, m; the right side is their mirror image.
 
-use super::Point;
+use crate::Point;
 use serde::{Deserialize, Serialize};
 
 /// How the wheels of an axle are guided and sprung.

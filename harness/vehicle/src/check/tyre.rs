@@ -1,11 +1,14 @@
 //! Tyres.
 
 use super::Check;
-use crate::error::SimError;
-use crate::spec::{BrushTyre, FialaTyre, HardContact, RigidTyre, TmeasyTyre, TyreSpec, VehicleSpec};
+use crate::VehicleError;
+use crate::{
+    TyreSpec, VehicleSpec,
+    tyre::{BrushTyre, FialaTyre, HardContact, RigidTyre, TmeasyTyre},
+};
 
 impl Check<'_> {
-    pub(super) fn tyres(&self, v: &VehicleSpec) -> Result<(), SimError> {
+    pub(super) fn tyres(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
         self.tyre("tyre", &v.tyre)?;
         for (name, tyre) in &v.tyres {
             self.tyre(&format!("tyres.{name}"), tyre)?;
@@ -24,7 +27,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn tyre(&self, at: &str, tyre: &TyreSpec) -> Result<(), SimError> {
+    fn tyre(&self, at: &str, tyre: &TyreSpec) -> Result<(), VehicleError> {
         self.all_positive(at, &[("radius", tyre.radius()), ("width", tyre.width())])?;
         self.not_negative(&format!("{at}.vertical_damping"), tyre.vertical_damping())?;
         match tyre {
@@ -35,12 +38,12 @@ impl Check<'_> {
         }
     }
 
-    fn all_positive(&self, at: &str, fields: &[(&str, f64)]) -> Result<(), SimError> {
+    fn all_positive(&self, at: &str, fields: &[(&str, f64)]) -> Result<(), VehicleError> {
         fields.iter().try_for_each(|(field, value)| self.positive(&format!("{at}.{field}"), *value))
     }
 
     /// Both values of fields that are pairs.
-    fn pairs_positive(&self, at: &str, fields: &[(&str, [f64; 2])]) -> Result<(), SimError> {
+    fn pairs_positive(&self, at: &str, fields: &[(&str, [f64; 2])]) -> Result<(), VehicleError> {
         for (field, pair) in fields {
             for (i, value) in pair.iter().enumerate() {
                 self.positive(&format!("{at}.{field}[{i}]"), *value)?;
@@ -49,11 +52,11 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn damping_pair(&self, at: &str, field: &str, pair: [f64; 2]) -> Result<(), SimError> {
+    fn damping_pair(&self, at: &str, field: &str, pair: [f64; 2]) -> Result<(), VehicleError> {
         (0..2).try_for_each(|i| self.not_negative(&format!("{at}.{field}[{i}]"), pair[i]))
     }
 
-    fn rigid(&self, at: &str, t: &RigidTyre) -> Result<(), SimError> {
+    fn rigid(&self, at: &str, t: &RigidTyre) -> Result<(), VehicleError> {
         self.all_positive(
             at,
             &[
@@ -77,7 +80,7 @@ impl Check<'_> {
         self.not_negative(&format!("{at}.tangential_damping"), t.tangential_damping)
     }
 
-    fn brush(&self, at: &str, t: &BrushTyre) -> Result<(), SimError> {
+    fn brush(&self, at: &str, t: &BrushTyre) -> Result<(), VehicleError> {
         self.all_positive(at, &[("friction", t.friction), ("vertical_stiffness", t.vertical_stiffness)])?;
         self.pairs_positive(
             at,
@@ -87,7 +90,7 @@ impl Check<'_> {
         self.not_negative(&format!("{at}.rolling_resistance"), t.rolling_resistance)
     }
 
-    fn fiala(&self, at: &str, t: &FialaTyre) -> Result<(), SimError> {
+    fn fiala(&self, at: &str, t: &FialaTyre) -> Result<(), VehicleError> {
         self.all_positive(
             at,
             &[
@@ -119,7 +122,7 @@ impl Check<'_> {
         self.damping_pair(at, "carcass_damping", t.carcass_damping)
     }
 
-    fn tmeasy(&self, at: &str, t: &TmeasyTyre) -> Result<(), SimError> {
+    fn tmeasy(&self, at: &str, t: &TmeasyTyre) -> Result<(), VehicleError> {
         self.all_positive(
             at,
             &[

@@ -1,6 +1,6 @@
 //! Forces of springs, dampers and stops along a strut.
 
-use crate::spec::{Damper, Spring, Stops, Strut, StrutStops, Suspension};
+use crate::suspension::{Damper, Spring, Stops, Strut, StrutStops, Suspension};
 
 /// Straight lines between points of increasing abscissa, going on beyond the ends.
 fn line(points: &[[f64; 2]], x: f64) -> f64 {
@@ -94,23 +94,25 @@ impl Stops {
 
 /// What acts along one strut or about an arm.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Element {
+pub struct Element {
     spring: Option<Spring>,
     damper: Option<Damper>,
     stops: Option<StrutStops>,
 }
 
 impl Element {
-    /// Spring and stops at a length; apart is positive, N.
+    /// Force of spring and stops at a length (m), N; positive pushes the ends apart.
     #[inline]
-    pub(crate) fn force(&self, length: f64) -> f64 {
+    #[must_use]
+    pub fn force(&self, length: f64) -> f64 {
         let spring = self.spring.as_ref().map_or(0.0, |s| s.force(length));
         spring + self.stops.as_ref().map_or(0.0, |s| s.force(length))
     }
 
-    /// Of the damper, N s/m.
+    /// Resistance of the damper at a rate of length (m/s), N s/m.
     #[inline]
-    pub(crate) fn resistance(&self, rate: f64) -> f64 {
+    #[must_use]
+    pub fn resistance(&self, rate: f64) -> f64 {
         self.damper.as_ref().map_or(0.0, |d| d.resistance(rate))
     }
 }
@@ -123,7 +125,8 @@ impl From<&Strut> for Element {
 
 /// The elements in the order in which the tables hold their lengths: a torsion bar comes first, with the arm's angle,
 /// taken negative, for its length.
-pub(crate) fn elements(suspension: &Suspension) -> Vec<Element> {
+#[must_use]
+pub fn elements(suspension: &Suspension) -> Vec<Element> {
     let torsion = suspension.linkage.torsion().map(|t| Element {
         spring: Some(Spring::Linear { stiffness: t.stiffness, free_length: 0.0, preload: t.preload }),
         damper: Some(Damper::Linear { coefficient: t.damping }),

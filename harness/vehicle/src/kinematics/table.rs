@@ -39,7 +39,7 @@ pub struct WheelPose {
 
 /// One wheel over travel and steering command.
 #[derive(Clone, Debug)]
-pub(crate) struct CornerTable {
+pub struct CornerTable {
     side: f64,
     /// Travel of the first node.
     low: f64,
@@ -95,7 +95,8 @@ impl CornerTable {
 
     /// The wheel's pose at a travel and a steering command in [-1, 1].
     #[inline]
-    pub(crate) fn at(&self, travel: f64, command: f64) -> WheelPose {
+    #[must_use]
+    pub fn at(&self, travel: f64, command: f64) -> WheelPose {
         let (first, f) = locate((travel - self.low) * self.per_step, NODES);
         let w = weights(f);
         let last = self.rows.len() - 1;

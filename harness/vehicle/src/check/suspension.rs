@@ -1,10 +1,13 @@
 //! Axles, suspensions and steering.
 
 use super::Check;
-use crate::error::SimError;
-use crate::spec::{
-    AntiRoll, Beam, Damper, KnuckleDrive, Knuckles, Linkage, Part, Point, Rod, SolidAxle, Spring, SteeredBy,
-    SteeringGear, Suspension, VehicleSpec,
+use crate::VehicleError;
+use crate::{
+    Point, VehicleSpec,
+    suspension::{
+        AntiRoll, Beam, Damper, KnuckleDrive, Knuckles, Linkage, Part, Rod, SolidAxle, Spring, SteeredBy,
+        SteeringGear, Suspension,
+    },
 };
 
 /// Struts, a torsion bar included, that the tables have room for.
@@ -12,7 +15,11 @@ const MOST_STRUTS: usize = 2;
 
 impl Check<'_> {
     /// An axle, with its solved linkage.
-    pub(super) fn axle(&self, v: &VehicleSpec, i: usize) -> Result<crate::AxleKinematics, SimError> {
+    pub(super) fn axle(
+        &self,
+        v: &VehicleSpec,
+        i: usize,
+    ) -> Result<crate::kinematics::AxleKinematics, VehicleError> {
         let a = &v.axles[i];
         let at = |f: &str| format!("axles[{i}].{f}");
         self.finite(&at("position"), &a.position)?;
@@ -33,8 +40,8 @@ impl Check<'_> {
         self.struts(&field, s)?;
         self.stops(&field, s)?;
         self.anti_roll(&format!("{field}.anti_roll"), s)?;
-        crate::AxleKinematics::solve(a).or_else(|e| {
-            let part = if matches!(e, crate::LinkageError::SteeringLocked { .. }) {
+        crate::kinematics::AxleKinematics::solve(a).or_else(|e| {
+            let part = if matches!(e, crate::kinematics::LinkageError::SteeringLocked { .. }) {
                 "steering"
             } else {
                 "suspension.linkage"
@@ -44,7 +51,7 @@ impl Check<'_> {
     }
 
     /// Two points that must lie apart.
-    fn apart(&self, field: &str, a: Point, b: Point) -> Result<(), SimError> {
+    fn apart(&self, field: &str, a: Point, b: Point) -> Result<(), VehicleError> {
         self.finite(field, &a)?;
         self.finite(field, &b)?;
         if a == b {
@@ -53,11 +60,11 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn direction(&self, field: &str, d: Point) -> Result<(), SimError> {
+    fn direction(&self, field: &str, d: Point) -> Result<(), VehicleError> {
         self.apart(field, d, [0.0; 3])
     }
 
-    fn gear(&self, field: &str, gear: &SteeringGear) -> Result<(), SimError> {
+    fn gear(&self, field: &str, gear: &SteeringGear) -> Result<(), VehicleError> {
         let amount = match gear {
             SteeringGear::RackAndPinion { travel } => ("travel", *travel),
             SteeringGear::PitmanArm { pivot, arm_end, idler_pivot, idler_end, axis, angle } => {
@@ -81,7 +88,7 @@ impl Check<'_> {
     }
 
     /// Whether a linkage has what an axle's steering moves.
-    fn steerable(&self, field: &str, steered: bool, linkage: &Linkage) -> Result<(), SimError> {
+    fn steerable(&self, field: &str, steered: bool, linkage: &Linkage) -> Result<(), VehicleError> {
         let can = linkage.tie_rod_inner().is_some() || linkage.knuckles().is_some();
         if steered && !can {
             return self.fail(field, "the linkage has neither a tie rod nor knuckles to steer".to_owned());
@@ -89,7 +96,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn linkage(&self, field: &str, s: &Suspension) -> Result<(), SimError> {
+    fn linkage(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
         self.finite(&format!("{field}.spindle"), &s.linkage.spindle())?;
         let rod = |name: &str, a: Point, b: Point| self.apart(&format!("{field}.{name}"), a, b);
         match &s.linkage {
@@ -142,7 +149,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn rods(&self, field: &str, l: &SolidAxle) -> Result<(), SimError> {
+    fn rods(&self, field: &str, l: &SolidAxle) -> Result<(), VehicleError> {
         let check = |name: String, r: &Rod| self.apart(&name, r.chassis, r.carrier);
         for (k, r) in l.links.iter().enumerate() {
             check(format!("{field}.links[{k}]"), r)?;
@@ -168,7 +175,7 @@ impl Check<'_> {
         spindle: Point,
         beam: Beam,
         knuckles: Option<&Knuckles>,
-    ) -> Result<(), SimError> {
+    ) -> Result<(), VehicleError> {
         self.positive(&format!("{field}.spindle[1]"), spindle[1])?;
         self.positive(&format!("{field}.beam.mass"), beam.mass)?;
         self.not_negative(&format!("{field}.beam.inertia"), beam.inertia)?;
@@ -197,7 +204,7 @@ impl Check<'_> {
         }
     }
 
-    fn struts(&self, field: &str, s: &Suspension) -> Result<(), SimError> {
+    fn struts(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
         let torsion = usize::from(s.linkage.torsion().is_some());
         let list = format!("{field}.struts");
         if matches!(s.linkage, Linkage::Rigid(_)) && !s.struts.is_empty() {
@@ -234,7 +241,7 @@ impl Check<'_> {
     }
 
     /// Whether the linkage has such a part.
-    fn part(&self, field: &str, on: Part, linkage: &Linkage) -> Result<(), SimError> {
+    fn part(&self, field: &str, on: Part, linkage: &Linkage) -> Result<(), VehicleError> {
         let (parts, names): (&[Part], &str) = match linkage {
             Linkage::DoubleWishbone(_) | Linkage::SingleWishbone(_) => {
                 (&[Part::Upright, Part::Arm], "upright or arm")
@@ -255,7 +262,7 @@ impl Check<'_> {
         self.fail(field, format!("{name} is no part of this linkage; it has {names}"))
     }
 
-    fn spring(&self, field: &str, spring: &Spring) -> Result<(), SimError> {
+    fn spring(&self, field: &str, spring: &Spring) -> Result<(), VehicleError> {
         let at = |f: &str| format!("{field}.{f}");
         match spring {
             Spring::Linear { stiffness, free_length, preload } => {
@@ -275,7 +282,7 @@ impl Check<'_> {
         }
     }
 
-    fn damper(&self, field: &str, damper: &Damper) -> Result<(), SimError> {
+    fn damper(&self, field: &str, damper: &Damper) -> Result<(), VehicleError> {
         let values: &[(&str, f64)] = match damper {
             Damper::Linear { coefficient } => &[("coefficient", *coefficient)],
             Damper::Bilinear { compression, rebound } => {
@@ -303,7 +310,7 @@ impl Check<'_> {
     }
 
     /// Points of a table: enough of them, numbers, increasing abscissas.
-    fn rising(&self, field: &str, points: &[[f64; 2]], least: usize) -> Result<(), SimError> {
+    fn rising(&self, field: &str, points: &[[f64; 2]], least: usize) -> Result<(), VehicleError> {
         if points.len() < least {
             return self.fail(field, format!("{} given, at least {least} needed", points.len()));
         }
@@ -317,7 +324,7 @@ impl Check<'_> {
         }
     }
 
-    fn stop_law(&self, field: &str, stiffness: f64, table: &[[f64; 2]]) -> Result<(), SimError> {
+    fn stop_law(&self, field: &str, stiffness: f64, table: &[[f64; 2]]) -> Result<(), VehicleError> {
         self.not_negative(&format!("{field}.stiffness"), stiffness)?;
         if table.is_empty() {
             return self.positive(&format!("{field}.stiffness"), stiffness);
@@ -330,7 +337,7 @@ impl Check<'_> {
         }
     }
 
-    fn stops(&self, field: &str, s: &Suspension) -> Result<(), SimError> {
+    fn stops(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
         let Some(stops) = &s.stops else { return Ok(()) };
         let at = |f: &str| format!("{field}.stops.{f}");
         self.positive(&at("jounce"), stops.jounce)?;
@@ -346,7 +353,7 @@ impl Check<'_> {
         self.stop_law(&format!("{field}.stops"), stops.stiffness, &stops.table)
     }
 
-    fn anti_roll(&self, field: &str, s: &Suspension) -> Result<(), SimError> {
+    fn anti_roll(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
         match &s.anti_roll {
             None => Ok(()),
             Some(_) if matches!(s.linkage, Linkage::Rigid(_)) => {
@@ -373,7 +380,7 @@ impl Check<'_> {
 mod tests {
     use crate::VehicleSpec;
 
-    const HMMWV: &str = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
 
     fn refused(changes: &[(&str, &str)], says: &str) {
         let mut text = HMMWV.to_owned();

@@ -1,7 +1,7 @@
 //! Torque of engines over speed and throttle.
 
-use super::table::interpolate;
-use crate::spec::Engine;
+use super::Engine;
+use crate::table::interpolate;
 
 /// Part of its greatest speed over which the torque of a simple engine ends. Ours: the source drops it at once, which
 /// chatters.
@@ -9,20 +9,20 @@ const CUT_OFF: f64 = 0.01;
 
 /// Torque of an engine and how it changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Law {
+pub struct EngineTorque {
     /// N m; negative is drag.
-    pub(super) torque: f64,
+    pub torque: f64,
     /// ∂torque/∂speed, N m s.
-    pub(super) by_speed: f64,
+    pub by_speed: f64,
     /// ∂torque/∂throttle, N m.
-    pub(super) by_throttle: f64,
+    pub by_throttle: f64,
 }
 
 impl Engine {
     /// Torque at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1], N m.
     #[must_use]
     pub fn torque(&self, speed: f64, throttle: f64) -> f64 {
-        self.law(speed, throttle).torque
+        self.torque_and_slopes(speed, throttle).torque
     }
 
     /// Inertia at engine speed, kg m².
@@ -35,7 +35,10 @@ impl Engine {
         }
     }
 
-    pub(super) fn law(&self, speed: f64, throttle: f64) -> Law {
+    /// Torque and its slopes at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1].
+    #[inline]
+    #[must_use]
+    pub fn torque_and_slopes(&self, speed: f64, throttle: f64) -> EngineTorque {
         let ((full, full_slope), (closed, closed_slope)) = match self {
             Self::Map { full_throttle, closed_throttle, .. } => {
                 (interpolate(full_throttle, speed), interpolate(closed_throttle, speed))
@@ -50,7 +53,7 @@ impl Engine {
                 (interpolate(torque, speed), (slope * speed - friction, slope))
             }
         };
-        Law {
+        EngineTorque {
             torque: closed + (full - closed) * throttle,
             by_speed: closed_slope + (full_slope - closed_slope) * throttle,
             by_throttle: full - closed,
@@ -123,7 +126,7 @@ mod tests {
         let simple = Engine::Simple { torque: 200.0, power: 14_000.0, max_speed: 300.0, inertia: 0.0 };
         for e in [map, simple] {
             for (speed, throttle) in [(30.0, 0.2), (120.0, 0.8), (180.0, 1.0), (301.5, 0.6)] {
-                let l = e.law(speed, throttle);
+                let l = e.torque_and_slopes(speed, throttle);
                 let h = 1e-5;
                 let by_speed = (e.torque(speed + h, throttle) - e.torque(speed - h, throttle)) / (2.0 * h);
                 let by_throttle = e.torque(speed, 1.0) - e.torque(speed, 0.0);

@@ -6,7 +6,7 @@ use super::mechanism::{Anchor, Joint, Mechanism, Pose, transform};
 use super::table::BEAM_TRAVELS;
 use super::{mirror, unit};
 use crate::V3;
-use crate::spec::{KnuckleDrive, Knuckles, SteeringGear};
+use crate::suspension::{KnuckleDrive, Knuckles, SteeringGear};
 use vb_math::sin_cos;
 
 /// Nodes of the steering command.

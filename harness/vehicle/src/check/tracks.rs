@@ -1,11 +1,15 @@
 //! Belts.
 
 use super::Check;
-use crate::error::SimError;
-use crate::spec::{Linkage, SteeredBy, Tracks, TyreSpec, VehicleSpec};
+use crate::VehicleError;
+use crate::{
+    TyreSpec, VehicleSpec,
+    suspension::{Linkage, SteeredBy},
+    tracks::Tracks,
+};
 
 impl Check<'_> {
-    pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), SimError> {
+    pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
         let Some(t) = &v.tracks else {
             if v.steering.by == SteeredBy::Differential {
                 let reason =
@@ -43,7 +47,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn track_wheel(&self, v: &VehicleSpec, t: &Tracks, i: usize) -> Result<(), SimError> {
+    fn track_wheel(&self, v: &VehicleSpec, t: &Tracks, i: usize) -> Result<(), VehicleError> {
         let a = &v.axles[i];
         let at = |f: &str| format!("axles[{i}].{f}");
         let last = v.axles.len() - 1;
@@ -80,7 +84,7 @@ impl Check<'_> {
             return self.fail(&format!("{field}.radius"), reason);
         }
         let next = &v.axles[(i + 1) % v.axles.len()];
-        let place = |a: &crate::spec::Axle| {
+        let place = |a: &crate::Axle| {
             let s = a.suspension.linkage.spindle();
             [a.position[0] + s[0], a.position[2] + s[2]]
         };
@@ -99,7 +103,7 @@ impl Check<'_> {
 mod tests {
     use super::*;
 
-    const M113: &str = include_str!("../../../../../tasks/vehicles/m113.yaml");
+    const M113: &str = include_str!("../../../../tasks/vehicles/m113.yaml");
 
     fn refused(from: &str, to: &str, says: &str) {
         assert!(M113.contains(from), "{from}");

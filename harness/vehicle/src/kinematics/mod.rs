@@ -18,13 +18,13 @@ mod table;
 mod tests;
 
 use crate::V3;
-use crate::spec::{Axle, Linkage};
-pub(crate) use beam::BeamAxle;
-pub(crate) use force::{Element, elements};
+use crate::{Axle, suspension::Linkage};
+pub use beam::{BeamAxle, BeamPose, BeamWheel};
+pub use force::{Element, elements};
 use nalgebra::UnitVector3;
 pub use sample::{Motion, SteeringAxis, WheelSample};
 use std::sync::Arc;
-pub(crate) use table::CornerTable;
+pub use table::CornerTable;
 pub use table::WheelPose;
 
 /// A side of the vehicle.
@@ -200,7 +200,8 @@ impl AxleKinematics {
     }
 
     /// The table of a wheel that is guided independently.
-    pub(crate) fn corner(&self, side: Side) -> Option<Arc<CornerTable>> {
+    #[must_use]
+    pub fn corner(&self, side: Side) -> Option<Arc<CornerTable>> {
         match &self.guide {
             Guide::Independent(tables) => Some(tables[side.index()].clone()),
             Guide::Beam(_) => None,
@@ -208,7 +209,8 @@ impl AxleKinematics {
     }
 
     /// The beam of a solid axle.
-    pub(crate) fn beam(&self) -> Option<Arc<BeamAxle>> {
+    #[must_use]
+    pub fn beam(&self) -> Option<Arc<BeamAxle>> {
         match &self.guide {
             Guide::Beam(beam) => Some(beam.clone()),
             Guide::Independent(_) => None,
@@ -217,6 +219,7 @@ impl AxleKinematics {
 }
 
 /// Whether the wheels of a linkage can move.
-pub(crate) fn moves(linkage: &Linkage) -> bool {
+#[must_use]
+pub fn moves(linkage: &Linkage) -> bool {
     !matches!(linkage, Linkage::Rigid(_))
 }

@@ -1,7 +1,9 @@
 //! Tables of points, linear between them.
 
 /// Value and derivative at `x`; constant beyond the ends, where the derivative is 0.
-pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
+#[inline]
+#[must_use]
+pub fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     let k = points.partition_point(|p| p[0] <= x);
     if k == 0 {
         return (points[0][1], 0.0);

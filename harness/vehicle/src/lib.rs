@@ -1,0 +1,30 @@
+//! Vehicles as data: the file format of `tasks/vehicles`, what it refuses, and the linkages of suspension and steering,
+//! solved once. Nothing here moves; `vb-sim` does that.
+//!
+//! - [`VehicleSpec`] is a file; its parts are in [`suspension`], [`tyre`], [`powertrain`] and [`tracks`].
+//! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`VehicleError`]).
+//! - [`VehicleModel`] is a vehicle with its linkages solved ([`kinematics`]): what simulations share.
+//!
+//! Axes: body x forward, y left, z up (ISO 8855). SI units, radians.
+
+mod check;
+mod describe;
+mod error;
+pub mod kinematics;
+mod model;
+pub mod powertrain;
+pub mod suspension;
+pub mod table;
+pub mod tracks;
+pub mod tyre;
+mod vehicle;
+
+pub use error::VehicleError;
+pub use model::{MAX_WHEELS, VehicleModel};
+pub use tyre::TyreSpec;
+pub use vehicle::{Axle, Chassis, Point, VehicleSpec};
+
+type V3 = nalgebra::Vector3<f64>;
+
+/// Standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
+pub const GRAVITY: f64 = 9.81;
