@@ -17,7 +17,6 @@ mod table;
 pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
 pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
-pub use page::html;
 pub use report::Report;
 pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
 pub use table::{write_csv, write_parquet};

@@ -6,7 +6,7 @@ use vb_score::Outcome;
 
 use crate::Report;
 use crate::figures::{Estimate, Measure};
-use crate::page::html::{number, p_value};
+use vb_page::{number, p_value};
 
 /// Text in a cell: nothing of it is markup.
 fn text(t: &str) -> String {

@@ -1,12 +1,13 @@
 //! Planners held against each other.
 
-use super::html::{escape, grouped, number, p_value};
-use super::plot::{Frame, colour};
+use super::plot::colour;
 use super::sections::legend;
 use crate::Report;
 use crate::compare::Comparison;
 use crate::figures::Measure;
 use std::fmt::Write as _;
+use vb_page::plot::Frame;
+use vb_page::{escape, grouped, number, p_value};
 
 /// Differences that hold at this family-wise error rate are marked.
 const LEVEL: f64 = 0.05;

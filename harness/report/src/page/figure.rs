@@ -1,10 +1,11 @@
 //! The paper's figure: success, time, roll and pitch by elevation level, kind of ground and obstacle density.
 
-use super::html::{escape, number};
-use super::plot::{Frame, colour};
+use super::plot::colour;
 use crate::Report;
 use crate::figures::{Estimate, Measure, Split};
 use std::fmt::Write as _;
+use vb_page::plot::Frame;
+use vb_page::{escape, number};
 
 /// The grid of panels: a row a measure, a column a split.
 pub(super) fn figure(s: &mut String, report: &Report) {

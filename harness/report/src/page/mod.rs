@@ -2,7 +2,6 @@
 
 mod comparison;
 mod figure;
-pub mod html;
 mod plot;
 mod sections;
 mod tasks;
@@ -11,9 +10,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use crate::Report;
-use html::{escape, grouped};
+use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
-const SCRIPT: &str = concat!(include_str!("tables.js"), include_str!("page.js"));
+const SCRIPT: &str = include_str!("page.js");
 
 /// The whole page.
 pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) -> String {
@@ -76,5 +75,12 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         }
         s.push_str("</section>");
     }
-    html::document(&format!("{title} on {suite}"), "", &head, &s, SCRIPT)
+    Page {
+        title: &format!("{title} on {suite}"),
+        styles: &[TABLE_STYLE],
+        body: &format!("<header>{head}</header><main>{s}</main>"),
+        script: &format!("{SORTED_TABLES}{SCRIPT}"),
+        ..Page::default()
+    }
+    .html()
 }

@@ -1,7 +1,9 @@
-//! Plots as SVG, for a page in light and dark.
+//! Histograms of runs as SVG, for a page in light and dark.
 
-use super::html::{escape, number};
 use std::fmt::Write as _;
+
+use vb_page::escape;
+use vb_page::plot::Frame;
 
 /// Number of colours that the page's style has for runs.
 pub(super) const COLOURS: usize = 8;
@@ -9,121 +11,6 @@ pub(super) const COLOURS: usize = 8;
 /// The class of a run's colour.
 pub(super) fn colour(run: usize) -> usize {
     run % COLOURS
-}
-
-/// Round values that cover a range.
-pub(super) fn ticks(low: f64, high: f64, wanted: f64) -> Vec<f64> {
-    let raw = ((high - low) / wanted).max(1e-9);
-    let mut unit = 1.0;
-    while unit > raw {
-        unit /= 10.0;
-    }
-    while unit * 10.0 <= raw {
-        unit *= 10.0;
-    }
-    let step = [1.0, 2.0, 5.0, 10.0].map(|f| f * unit).into_iter().find(|s| *s >= raw).unwrap_or(unit);
-    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| k as f64 * step + 0.0).collect()
-}
-
-/// Digits behind the point that tell ticks apart.
-pub(super) fn digits(ticks: &[f64]) -> usize {
-    let step = if ticks.len() > 1 { ticks[1] - ticks[0] } else { 1.0 };
-    usize::from(step < 0.999) + usize::from(step < 0.0999) + usize::from(step < 0.00999)
-}
-
-/// Where the plot's area lies in its picture.
-#[derive(Clone, Copy)]
-pub(super) struct Frame {
-    pub(super) width: f64,
-    pub(super) height: f64,
-    pub(super) left: f64,
-    pub(super) right: f64,
-    pub(super) top: f64,
-    pub(super) bottom: f64,
-    pub(super) x: [f64; 2],
-    pub(super) y: [f64; 2],
-}
-
-impl Frame {
-    pub(super) fn sx(&self, x: f64) -> f64 {
-        let w = self.width - self.left - self.right;
-        self.left + (x.clamp(self.x[0], self.x[1]) - self.x[0]) / (self.x[1] - self.x[0]) * w
-    }
-
-    pub(super) fn sy(&self, y: f64) -> f64 {
-        let h = self.height - self.top - self.bottom;
-        self.top + (1.0 - (y.clamp(self.y[0], self.y[1]) - self.y[0]) / (self.y[1] - self.y[0])) * h
-    }
-
-    pub(super) fn open(&self, s: &mut String, label: &str) {
-        let _ = write!(
-            s,
-            "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
-            self.width,
-            self.height,
-            escape(label)
-        );
-    }
-
-    /// Lines across with their values at the left.
-    pub(super) fn y_axis(&self, s: &mut String, wanted: f64) {
-        let all = ticks(self.y[0], self.y[1], wanted);
-        let n = digits(&all);
-        for t in all {
-            let y = self.sy(t);
-            let _ = write!(
-                s,
-                "<line class=\"grid\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text class=\"tick\" x=\"{:.1}\" \
-                 y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                self.left,
-                self.width - self.right,
-                self.left - 6.0,
-                y + 4.0,
-                number(t, n)
-            );
-        }
-    }
-
-    /// Lines upwards at `ticks` with texts below.
-    pub(super) fn x_ticks(&self, s: &mut String, ticks: &[(f64, String)]) {
-        for (t, text) in ticks {
-            let x = self.sx(*t);
-            let _ = write!(
-                s,
-                "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/><text class=\"tick\" x=\"{x:.1}\" \
-                 y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                self.top,
-                self.height - self.bottom,
-                self.height - self.bottom + 16.0,
-                escape(text)
-            );
-        }
-    }
-
-    pub(super) fn x_axis(&self, s: &mut String, wanted: f64) {
-        let all = ticks(self.x[0], self.x[1], wanted);
-        let n = digits(&all);
-        let ticks: Vec<_> = all.into_iter().map(|t| (t, number(t, n))).collect();
-        self.x_ticks(s, &ticks);
-    }
-
-    /// The base line and the texts of the axes.
-    pub(super) fn texts(&self, s: &mut String, x: &str, y: &str) {
-        let base = self.height - self.bottom;
-        let (cx, cy) = (0.5 * (self.left + self.width - self.right), 0.5 * (self.top + base));
-        let _ = write!(
-            s,
-            "<line class=\"base\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{base:.1}\" y2=\"{base:.1}\"/>\
-             <text class=\"axis\" x=\"{cx:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
-             <text class=\"axis\" transform=\"translate(12 {cy:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            self.left,
-            self.width - self.right,
-            self.height - 6.0,
-            escape(x),
-            escape(y)
-        );
-    }
 }
 
 /// Values of each run in bins.
@@ -218,12 +105,5 @@ mod tests {
         assert!(s.contains("&lt;script&gt;") && !s.contains("<script") && !s.contains("NaN"), "{s}");
         assert!(Histogram::new(&[vec![], vec![]]).is_none());
         assert!(Histogram::new(&[vec![3.0]]).is_some());
-    }
-
-    #[test]
-    fn ticks_are_round() {
-        assert_eq!(ticks(0.0, 100.0, 4.0), [0.0, 50.0, 100.0]);
-        assert_eq!(ticks(0.0, 1.0, 5.0).len(), 6);
-        assert_eq!(digits(&[0.0, 0.05]), 2);
     }
 }

@@ -1,11 +1,11 @@
 //! The sections of the page but figure, comparison and tasks.
 
-use super::html::{escape, grouped, number};
 use super::plot::{Histogram, colour};
 use crate::Report;
 use crate::figures::{Estimate, Measure};
 use crate::runs::{Row, Run};
 use std::fmt::Write as _;
+use vb_page::{escape, grouped, number};
 use vb_score::Outcome;
 use vb_world::{Density, Elevation, Terrain};
 

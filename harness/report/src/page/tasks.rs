@@ -1,12 +1,12 @@
 //! The tasks, as data for the page's script.
 
-use super::html::{escape, grouped, json};
 use super::sections::label;
 use crate::Report;
 use crate::runs::Row;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use vb_page::{escape, grouped, json};
 use vb_score::Outcome;
 
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.

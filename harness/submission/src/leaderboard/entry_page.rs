@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use vb_report::html::{document, escape, grouped, number};
+use vb_page::{Page, TABLE_STYLE, escape, grouped, number};
 use vb_report::{Measure, one_line};
 use vb_score::Outcome;
 
@@ -46,7 +46,13 @@ pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<St
     conditions(&mut s, r);
     verification(&mut s, r);
     let page_title = format!("{} – {}", one_line(&e.manifest.run.plugin.name, 60), one_line(title, 60));
-    document(&page_title, STYLE, &head, &s, "")
+    Page {
+        title: &page_title,
+        styles: &[TABLE_STYLE, STYLE],
+        body: &format!("<header>{head}</header><main>{s}</main>"),
+        ..Page::default()
+    }
+    .html()
 }
 
 fn results(s: &mut String, board: &Board, r: &Ranked) {

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_record::planner_with_params;
-use vb_report::html::{SORTED_TABLES, document, escape, grouped, number};
 use vb_report::{Estimate, Measure, one_line};
 
 use super::rank::{Board, Ranked, RankedBy};
@@ -48,7 +48,14 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
          Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
          or versions of the harness are on boards of their own.</p></section>",
     );
-    document(&title, STYLE, &head, &s, &format!("{SORTED_TABLES}{SCRIPT}"))
+    Page {
+        title: &title,
+        styles: &[TABLE_STYLE, STYLE],
+        body: &format!("<header>{head}</header><main>{s}</main>"),
+        script: &format!("{SORTED_TABLES}{SCRIPT}"),
+        ..Page::default()
+    }
+    .html()
 }
 
 fn board(s: &mut String, b: &Board) {

@@ -1,9 +1,9 @@
 //! A world as SVG in metres: pictures of the ground, footprints, paths, starts and goals.
 
-use super::html::escape;
 use super::picture::Pictures;
 use std::fmt::Write as _;
 use vb_math::{hypot, sin_cos};
+use vb_page::escape;
 use vb_world::{ObstacleKind, Task, World};
 
 /// How far waypoints may lie from the drawn line, m: less than one sees.

@@ -1,6 +1,5 @@
 //! A suite as a page to look through: one file that needs nothing else, no network either.
 
-mod html;
 mod map;
 mod page;
 mod picture;

@@ -1,6 +1,5 @@
 //! The page: filters, a card a world, the larger view, tables and plots.
 
-use super::html::{escape, number};
 use super::map::map;
 use super::picture::{
     Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, class_colour, pictures,
@@ -9,6 +8,7 @@ use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
 use std::fmt::Write as _;
+use vb_page::{Page, escape, number};
 use vb_world::{Density, Elevation, Terrain, TerrainClass, World};
 
 const STYLE: &str = include_str!("page.css");
@@ -159,10 +159,7 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
     let mut s = String::with_capacity(cards.iter().map(String::len).sum::<usize>() + 100_000);
     let _ = write!(
         s,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
-         img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><title>Suite {name}</title><style>{STYLE}</style>\
-         </head><body data-ground=\"classes\"><header><h1>{name} <small>{}</small></h1><p>{}</p><p class=\"meta\">{} worlds, {} tasks, \
+        "<header><h1>{name} <small>{}</small></h1><p>{}</p><p class=\"meta\">{} worlds, {} tasks, \
          {}; hash <code title=\"{hash}\">{}</code>; Verti-Bench in Rust {}</p></header><main>",
         escape(&statistics.version),
         escape(&statistics.description),
@@ -186,8 +183,15 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
          <button type=\"button\" data-go=\"0\" aria-label=\"Close\">×</button></nav></header>\
          <div class=\"view\"><div class=\"stage\"></div><div class=\"side\"></div></div></dialog>",
     );
-    let _ = writeln!(s, "<script>{SCRIPT}</script></body></html>");
-    s
+    Page {
+        title: &format!("Suite {}", statistics.name),
+        styles: &[STYLE],
+        attributes: "data-ground=\"classes\"",
+        body: &s,
+        script: SCRIPT,
+        ..Page::default()
+    }
+    .html()
 }
 
 /// What to show, and how.

@@ -1,12 +1,13 @@
 //! The page.
 
 use super::Report;
-use super::svg::{escape, plot};
+use super::svg::plot;
 use super::text::{expected, number};
 use crate::check::{Check, Expected, Kind, Verdict};
 use crate::event::Figure;
 use crate::run::EventResult;
 use std::fmt::Write as _;
+use vb_page::{Page, escape};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -33,12 +34,7 @@ pub(super) fn page(report: &Report) -> String {
     let v = &report.vehicle;
     let name = escape(&v.name);
     let mut s = String::new();
-    let _ = write!(
-        s,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>Vehicle test: {name}</title><style>{STYLE}</style></head><body><header><h1>Vehicle test: {name}</h1><p>{}</p>",
-        escape(&v.description)
-    );
+    let _ = write!(s, "<header><h1>Vehicle test: {name}</h1><p>{}</p>", escape(&v.description));
     let _ = write!(
         s,
         "<p class=\"meta\">Verti-Bench in Rust {}, step {} ms, {} events</p></header><main>",
@@ -50,8 +46,8 @@ pub(super) fn page(report: &Report) -> String {
     for r in &report.results {
         section(&mut s, r);
     }
-    s.push_str("</main></body></html>\n");
-    s
+    s.push_str("</main>");
+    Page { title: &format!("Vehicle test: {}", v.name), styles: &[STYLE], body: &s, ..Page::default() }.html()
 }
 
 fn summary(s: &mut String, report: &Report) {

@@ -2,45 +2,13 @@
 
 use crate::event::{LineKind, Plot};
 use std::fmt::Write as _;
+use vb_page::escape;
+use vb_page::plot::Frame;
 
-const WIDTH: f64 = 560.0;
-const HEIGHT: f64 = 320.0;
-const LEFT: f64 = 58.0;
-const RIGHT: f64 = 14.0;
-const TOP: f64 = 12.0;
-const BOTTOM: f64 = 44.0;
 /// Colours that the page's style defines as `--c0` and so on.
 pub(super) const COLOURS: usize = 8;
 /// Points of a line beyond which the eye sees no difference.
 const POINTS: usize = 500;
-
-/// Text for HTML and SVG.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// Round values that cover a range: first, distance, count.
-fn ticks(low: f64, high: f64, wanted: f64) -> Vec<f64> {
-    let raw = (high - low) / wanted;
-    let mut unit = 1.0;
-    while unit > raw {
-        unit /= 10.0;
-    }
-    while unit * 10.0 <= raw {
-        unit *= 10.0;
-    }
-    let step = [1.0, 2.0, 5.0, 10.0].map(|f| f * unit).into_iter().find(|s| *s >= raw).unwrap_or(unit);
-    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| k as f64 * step).collect()
-}
-
-/// A number of an axis, without a tail of zeros.
-fn number(v: f64) -> String {
-    let text = format!("{v:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    let text = if text == "-0" { "0" } else { text };
-    text.replace('-', "−")
-}
 
 /// The range of some values, widened so that no line lies on the frame.
 fn range(values: impl Iterator<Item = f64>, widen: f64) -> (f64, f64) {
@@ -87,66 +55,26 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// The plot as an SVG element with a legend below it.
 pub(super) fn plot(p: &Plot) -> String {
     let points = || p.lines.iter().flat_map(|l| &l.points);
-    let (mut x0, mut x1) = range(points().map(|q| q[0]), if p.map { 0.03 } else { 0.0 });
-    let (mut y0, mut y1) = range(points().map(|q| q[1]), 0.05);
-    let (w, h) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
+    let (x0, x1) = range(points().map(|q| q[0]), if p.map { 0.03 } else { 0.0 });
+    let (y0, y1) = range(points().map(|q| q[1]), 0.05);
+    let mut f = Frame {
+        width: 560.0,
+        height: 320.0,
+        left: 58.0,
+        right: 14.0,
+        top: 12.0,
+        bottom: 44.0,
+        x: [x0, x1],
+        y: [y0, y1],
+    };
     if p.map {
-        let scale = ((x1 - x0) / w).max((y1 - y0) / h);
-        let (cx, cy) = (0.5 * (x0 + x1), 0.5 * (y0 + y1));
-        (x0, x1) = (cx - 0.5 * scale * w, cx + 0.5 * scale * w);
-        (y0, y1) = (cy - 0.5 * scale * h, cy + 0.5 * scale * h);
+        f.make_square();
     }
-    let sx = |x: f64| LEFT + (x - x0) / (x1 - x0) * w;
-    let sy = |y: f64| TOP + (y1 - y) / (y1 - y0) * h;
-    let mut s = String::new();
-    let title = escape(&p.title);
-    let _ = write!(
-        s,
-        "<figure><figcaption>{title}</figcaption><svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{title}\">"
-    );
-    for t in ticks(x0, x1, 7.0) {
-        let x = sx(t);
-        let _ = write!(
-            s,
-            "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/>",
-            TOP + h
-        );
-        let _ = write!(
-            s,
-            "<text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            TOP + h + 16.0,
-            number(t)
-        );
-    }
-    for t in ticks(y0, y1, 6.0) {
-        let y = sy(t);
-        let class = if t == 0.0 { "grid zero" } else { "grid" };
-        let _ = write!(
-            s,
-            "<line class=\"{class}\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>",
-            LEFT + w
-        );
-        let _ = write!(
-            s,
-            "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-            LEFT - 6.0,
-            y + 4.0,
-            number(t)
-        );
-    }
-    let _ = write!(
-        s,
-        "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-        LEFT + 0.5 * w,
-        HEIGHT - 8.0,
-        escape(&p.x)
-    );
-    let _ = write!(
-        s,
-        "<text class=\"axis\" transform=\"translate(13 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-        TOP + 0.5 * h,
-        escape(&p.y)
-    );
+    let mut s = format!("<figure><figcaption>{}</figcaption>", escape(&p.title));
+    f.open(&mut s, &p.title);
+    f.y_axis(&mut s, 6.0);
+    f.x_axis(&mut s, 7.0);
+    f.texts(&mut s, &p.x, &p.y);
     for l in &p.lines {
         let kind = class(l.kind);
         let colour = l.case % COLOURS;
@@ -154,7 +82,7 @@ pub(super) fn plot(p: &Plot) -> String {
             thinned(&l.points).into_iter().filter(|q| q[0].is_finite() && q[1].is_finite()).collect();
         let mut path = String::new();
         for q in &shown {
-            let _ = write!(path, "{:.1},{:.1} ", sx(q[0]), sy(q[1]));
+            let _ = write!(path, "{:.1},{:.1} ", f.sx(q[0]), f.sy(q[1]));
         }
         let _ = write!(s, "<polyline class=\"{kind} c{colour}\" points=\"{}\"/>", path.trim_end());
         // Few points are values of their own, not samples of a curve.
@@ -163,8 +91,8 @@ pub(super) fn plot(p: &Plot) -> String {
                 let _ = write!(
                     s,
                     "<circle class=\"c{colour}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\"/>",
-                    sx(q[0]),
-                    sy(q[1])
+                    f.sx(q[0]),
+                    f.sy(q[1])
                 );
             }
         }
@@ -195,19 +123,6 @@ fn class(kind: LineKind) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round_and_within_the_range() {
-        assert_eq!(ticks(0.0, 10.0, 5.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert_eq!(
-            ticks(-0.13, 0.27, 4.0).iter().map(|t| number(*t)).collect::<Vec<_>>(),
-            ["−0.1", "0", "0.1", "0.2"]
-        );
-        assert_eq!(
-            ticks(9990.0, 10_050.0, 6.0),
-            [9990.0, 10_000.0, 10_010.0, 10_020.0, 10_030.0, 10_040.0, 10_050.0]
-        );
-    }
 
     #[test]
     fn thinning_keeps_the_ends_and_the_peak() {

@@ -1,28 +1,4 @@
-//! Text for a page, and the frame of one: what pages of other crates share with the report's.
-
-use base64::Engine as _;
-use sha2::{Digest as _, Sha256};
-
-const STYLE: &str = include_str!("page.css");
-
-/// A script that sorts each `table.sortable` by a click on a column's head, but those of class `fixed`: by the `data-v` of its
-/// cells, else by their text.
-pub const SORTED_TABLES: &str = include_str!("tables.js");
-
-/// A page that needs no other file: `head` (what comes before the content: title, navigation) and `main` are HTML, `title` is
-/// text, `style` is added to the report's own, `script` is run at the end. A policy in the page lets the browser run no
-/// other script, load nothing from elsewhere, and send nothing away, whatever foreign texts the page holds.
-#[must_use]
-pub fn document(title: &str, style: &str, head: &str, main: &str, script: &str) -> String {
-    let own = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(script.as_bytes()));
-    let title = escape(title);
-    format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
-         img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{own}'\"><title>{title}</title><style>{STYLE}{style}</style>\
-         </head><body><header>{head}</header><main>{main}</main><script>{script}</script></body></html>\n"
-    )
-}
+//! Text in pages.
 
 /// Text that is safe in HTML and SVG, between tags and in quoted attributes.
 #[must_use]
@@ -80,14 +56,6 @@ mod tests {
         assert!(!text.contains('<') && !text.contains('\u{2028}'), "{text}");
         let back: Vec<String> = serde_json::from_str(&text).unwrap();
         assert_eq!(back[0], "</script><script>alert(1)</script>");
-    }
-
-    #[test]
-    fn a_page_runs_its_own_script_only() {
-        let page = document("<b>", "", "", "", "a()");
-        // SHA-256 of `a()` by sha256sum, in base64.
-        assert!(page.contains("script-src 'sha256-qVpDBgj7bpq5hMAcGp3AOc79J3Y1Z4HvySTwKrWDoy4='"), "{page}");
-        assert!(page.contains("<title>&lt;b&gt;</title>"), "{page}");
     }
 
     #[test]

@@ -1,0 +1,81 @@
+//! The frame of a page.
+
+use base64::Engine as _;
+use sha2::{Digest as _, Sha256};
+
+use crate::escape;
+
+/// A page of one file. A policy in it lets the browser run no script but its own, load nothing from elsewhere, and send
+/// nothing away, whatever foreign texts the page holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Page<'a> {
+    /// The title, as text.
+    pub title: &'a str,
+    /// Its styles, one after the other.
+    pub styles: &'a [&'a str],
+    /// Attributes of the body element, as HTML; most pages have none.
+    pub attributes: &'a str,
+    /// What is in the body, as HTML.
+    pub body: &'a str,
+    /// JSON for its script, in the element `data`, where it has some.
+    pub data: Option<&'a serde_json::Value>,
+    /// The script that runs at its end; none if empty.
+    pub script: &'a str,
+    /// Whether the script makes images of its own (`blob:`).
+    pub makes_images: bool,
+}
+
+impl Page<'_> {
+    /// The whole file.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let title = escape(self.title);
+        let styles = self.styles.concat();
+        let images = if self.makes_images { "data: blob:" } else { "data:" };
+        let (mut policy, mut scripts) = (String::new(), String::new());
+        if let Some(data) = self.data {
+            let data = crate::json(data);
+            scripts = format!("<script type=\"application/json\" id=\"data\">{data}</script>");
+        }
+        if !self.script.is_empty() {
+            let own =
+                base64::engine::general_purpose::STANDARD.encode(Sha256::digest(self.script.as_bytes()));
+            policy = format!("; script-src 'sha256-{own}'");
+            scripts = format!("{scripts}<script>{}</script>", self.script);
+        }
+        let space = if self.attributes.is_empty() { "" } else { " " };
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+             content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" \
+             content=\"default-src 'none'; img-src {images}; style-src 'unsafe-inline'{policy}\"><title>{title}</title>\
+             <style>{styles}</style></head><body{space}{}>{}{scripts}</body></html>\n",
+            self.attributes, self.body
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_runs_its_own_script_only() {
+        let page = Page { title: "<b>", script: "a()", ..Page::default() }.html();
+        // SHA-256 of `a()` by sha256sum, in base64.
+        assert!(page.contains("script-src 'sha256-qVpDBgj7bpq5hMAcGp3AOc79J3Y1Z4HvySTwKrWDoy4='"), "{page}");
+        assert!(page.contains("<title>&lt;b&gt;</title>"), "{page}");
+    }
+
+    #[test]
+    fn a_page_without_a_script_runs_none() {
+        let page = Page { body: "<p>x</p>", ..Page::default() }.html();
+        assert!(page.contains("default-src 'none'") && !page.contains("script"), "{page}");
+    }
+
+    #[test]
+    fn data_cannot_leave_their_element() {
+        let data = serde_json::json!(["</script><script>alert(1)</script>"]);
+        let page = Page { data: Some(&data), script: "a()", ..Page::default() }.html();
+        assert_eq!(page.matches("<script").count(), 2, "{page}");
+    }
+}
