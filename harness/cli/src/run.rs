@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 use vb_host::Limits;
 use vb_runner::{Event, FailedStart, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
@@ -198,7 +197,7 @@ fn read_data(kind: Data, path: &Path) -> Result<(String, String, String), CliErr
     let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| {
         CliError::input(format!("cannot read {} {file}: {e} (give a file, or a name)", kind.noun()))
     })?;
-    let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
+    let hash = vb_files::sha256(text.as_bytes());
     Ok((file, text, hash))
 }
 

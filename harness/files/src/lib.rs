@@ -1,8 +1,11 @@
-//! Files that a user or a stranger names: read within bounds, written whole.
+//! Files that a user or a stranger names: read within bounds, written whole, told apart by their hash.
 //!
 //! A named pipe would hang whoever opens it, `/dev/zero` never ends, and a document of gigabytes fills the memory before anybody
 //! can say that it makes no sense. So only regular files are read (links to such are fine), up to a limit that the caller states.
 
+mod hash;
+
+pub use hash::{Hash, sha256};
 use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::path::Path;

@@ -1,11 +1,10 @@
 //! A loaded plugin and its sessions.
 
 use std::ffi::OsString;
-use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use sha2::{Digest as _, Sha256};
+use vb_files::Hash;
 use vb_sdk::metadata::Metadata;
 use vb_sdk::{Command, Observation, Param, Task};
 use vb_worker::sandbox::SandboxReport;
@@ -78,7 +77,7 @@ impl Plugin {
         processes: &ProcessOptions,
     ) -> Result<Self, LoadError> {
         let file = inspect::read(path, limits.module_bytes)?;
-        let sha256 = hex(&Sha256::digest(&file.bytes));
+        let sha256 = vb_files::sha256(&file.bytes);
         let code = match file.format {
             Format::Native => {
                 let (plugin, sandbox) = ProcessPlugin::load(path, &sha256, file.abi, limits, processes)?;
@@ -300,7 +299,7 @@ pub fn clamp(command: Command) -> (Command, bool) {
 
 /// SHA-256 of a command: of each word its length and text, and its content if it is a file.
 fn command_hash(words: &[OsString]) -> String {
-    let mut hash = Sha256::new();
+    let mut hash = Hash::new();
     let mut part = |bytes: &[u8]| {
         hash.update((bytes.len() as u64).to_le_bytes());
         hash.update(bytes);
@@ -310,14 +309,7 @@ fn command_hash(words: &[OsString]) -> String {
         let content = Some(Path::new(word)).filter(|p| p.is_file()).and_then(|p| std::fs::read(p).ok());
         part(&content.unwrap_or_default());
     }
-    hex(&hash.finalize())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
-        let _ = write!(out, "{b:02x}");
-        out
-    })
+    hash.hex()
 }
 
 #[cfg(test)]
@@ -365,10 +357,5 @@ mod tests {
         let message = resolve_params(&metadata, &given(&[("sped", "2")])).unwrap_err().to_string();
         assert_eq!(message, "--param sped: the planner `pid` has no such parameter; it has speed, kp");
         assert!(resolve_params(&metadata, &given(&[("kp", "2"), ("kp", "3")])).is_err());
-    }
-
-    #[test]
-    fn hex_is_two_digits_a_byte() {
-        assert_eq!(hex(&[0x00, 0x0f, 0xa0]), "000fa0");
     }
 }

@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-
-use sha2::{Digest as _, Sha256};
+use vb_files::sha256;
 
 use crate::StoreError;
 
@@ -24,10 +23,6 @@ const HINT: &str = "the disk or a copy is damaged: restore the run from where it
 /// The name by which a task's record has its checksum.
 pub(crate) fn record_name(task: &str) -> String {
     format!("tasks.jsonl {task}")
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// The checksums of a run, for reading.

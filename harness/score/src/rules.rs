@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 
 /// Version of the layout of a rule file.
 const SCHEMA: u32 = 1;
@@ -231,7 +230,7 @@ impl Rules {
     pub fn hash(&self) -> String {
         // Fields come in the order of the struct; all keys are strings and all numbers finite.
         let canonical = serde_json::to_vec(self).unwrap_or_default();
-        Sha256::digest(canonical).iter().map(|b| format!("{b:02x}")).collect()
+        vb_files::sha256(&canonical)
     }
 
     /// The time limit at a scale, s.

@@ -1,14 +1,14 @@
 //! Files that strangers wrote: bounded, without links, with plain names.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use sha2::{Digest as _, Sha256};
+use vb_files::Hash;
+pub(crate) use vb_files::sha256;
 
 use crate::SubmissionError;
 
@@ -155,34 +155,22 @@ pub(crate) fn empty_dir(dir: &Path) -> Result<(), SubmissionError> {
     if entries.next().is_some() { Err(SubmissionError::NotEmpty(dir.to_owned())) } else { Ok(()) }
 }
 
-/// SHA-256 of bytes, hexadecimal.
-pub(crate) fn sha256(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
-}
-
 /// SHA-256 of a regular file, hexadecimal.
 ///
 /// # Errors
 /// If it can't be read or is something else.
 pub fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
     let mut file = BufReader::new(vb_files::open(path).map_err(SubmissionError::read(path))?);
-    let mut hasher = Sha256::new();
+    let mut hasher = Hash::new();
     loop {
         let chunk = file.fill_buf().map_err(SubmissionError::read(path))?;
         if chunk.is_empty() {
-            return Ok(hex(&hasher.finalize()));
+            return Ok(hasher.hex());
         }
         hasher.update(chunk);
         let read = chunk.len();
         file.consume(read);
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
-        let _ = write!(out, "{b:02x}");
-        out
-    })
 }
 
 /// Hands over the lines of a file, none of more than [`LINE`] bytes, without what ends them; each with whether it was ended.

@@ -17,7 +17,6 @@ mod trainer;
 
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest as _, Sha256};
 use vb_terrain::data::{Data, Meaning};
 use vb_terrain::model::Model;
 use vb_terrain::tiles::Tiles;
@@ -95,7 +94,7 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     let test: Vec<_> = data.scans.iter().filter(|s| s.held_out == any).collect();
     let held_out = card::measure(&trainer.network, &header, &weights, &passes, &test)?;
     let trained_on = card::look_of_scans(&trained().collect::<Vec<_>>(), &header);
-    let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+    let sha256 = vb_files::sha256(&bytes);
     let card = Card {
         schema: 2,
         sha256,

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use sha2::{Digest as _, Sha256};
 use thiserror::Error;
+use vb_files::Hash;
 
 use crate::Raster;
 use crate::read::{self, Holes, ReadError};
@@ -108,7 +108,7 @@ impl Data {
     /// # Errors
     /// [`DataError`] if nothing in it can be used, or a file that should be can't.
     pub fn read(dir: &Path, selection: Option<&Path>, meaning: Meaning) -> Result<Self, DataError> {
-        let mut hash = Sha256::new();
+        let mut hash = Hash::new();
         let selection = read_selection(dir, selection, &mut hash)?;
         let mut names: Vec<String> = std::fs::read_dir(dir)
             .map_err(|e| folder(dir, e))?
@@ -194,7 +194,7 @@ impl Data {
                 layers: layers(&raster, meaning.every, std),
             })
             .collect();
-        let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        let sha256 = hash.hex();
         Ok(Self { scans, std, resolution: resolution.unwrap_or(meaning.resolution), sha256 })
     }
 }
@@ -204,11 +204,7 @@ fn folder(path: &Path, problem: impl std::fmt::Display) -> DataError {
     DataError::Folder { path: path.to_owned(), problem }
 }
 
-fn read_selection(
-    dir: &Path,
-    given: Option<&Path>,
-    hash: &mut Sha256,
-) -> Result<Option<Selection>, DataError> {
+fn read_selection(dir: &Path, given: Option<&Path>, hash: &mut Hash) -> Result<Option<Selection>, DataError> {
     let own = dir.join(SELECTION);
     let path = match given {
         Some(path) => path,

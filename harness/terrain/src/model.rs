@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
 use crate::bands::{Curve, MAX_PASSES, Pass};
@@ -151,7 +150,7 @@ impl Model {
         })?;
         let stated: Checksum = serde_json::from_str(&text)
             .map_err(|e| problem(format!("its card {} has no SHA-256: {e}", card.display())))?;
-        let own: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let own = vb_files::sha256(&bytes);
         if own != stated.sha256 {
             return Err(problem(format!(
                 "its SHA-256 is {own}, its card {} says {}",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sha2::{Digest as _, Sha256};
+use vb_files::Hash;
 use vb_math::rng::Stream;
 
 use crate::data::{Layer, Scan};
@@ -165,13 +165,13 @@ fn source(i: usize, side: usize, symmetry: usize) -> usize {
 }
 
 /// The same for a tile and all its turned and mirrored copies.
-fn fingerprint(tile: &Tile, side: usize) -> [u8; 32] {
-    let hash = |symmetry: usize| -> [u8; 32] {
-        let mut h = Sha256::new();
+fn fingerprint(tile: &Tile, side: usize) -> String {
+    let hash = |symmetry: usize| -> String {
+        let mut h = Hash::new();
         for i in 0..side * side {
             h.update(tile.heights[source(i, side, symmetry)].to_bits().to_le_bytes());
         }
-        h.finalize().into()
+        h.hex()
     };
     (0..8).map(hash).min().unwrap_or_default()
 }

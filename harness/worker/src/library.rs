@@ -9,7 +9,7 @@ use std::path::Path;
 
 use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
 use abi_stable::std_types::{RErr, ROk, RResult, RStr};
-use sha2::{Digest as _, Sha256};
+use vb_files::Hash;
 use vb_sdk::native::{Fault, LogCallback, NativeObservation, NativeTask, PlannerModuleRef};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 
@@ -37,7 +37,7 @@ pub(crate) struct Identity {
 impl Identity {
     pub(crate) fn of(path: &Path) -> io::Result<Self> {
         let mut file = File::open(path)?;
-        let mut hash = Sha256::new();
+        let mut hash = Hash::new();
         let mut chunk = vec![0; 256 << 10];
         loop {
             let read = match file.read(&mut chunk) {
@@ -49,7 +49,7 @@ impl Identity {
             }
             hash.update(&chunk[..read]);
         }
-        let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        let sha256 = hash.hex();
         Ok(Self { sha256, file: which(&file.metadata()?) })
     }
 

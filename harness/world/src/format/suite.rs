@@ -2,15 +2,15 @@
 
 use super::documents::check_schema;
 use super::error::{SuiteError, list};
-use super::world_files::{WorldFiles, hex};
+use super::world_files::WorldFiles;
 use super::{SCHEMA, text};
 use crate::check::check_id;
 use crate::{Density, Elevation, Terrain, World};
 use serde::Deserialize;
-use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use vb_files::Hash;
 
 /// Where the worlds of a suite come from.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -235,12 +235,12 @@ impl Suite {
     /// worlds in order. It depends on neither path nor system, name nor description.
     #[must_use]
     pub fn hash(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Hash::new();
         hasher.update(format!("verti-bench suite, schema {SCHEMA}\n"));
         for w in &self.worlds {
             hasher.update(format!("{} {}\n", w.id, w.sha256));
         }
-        hex(&hasher.finalize())
+        hasher.hex()
     }
 }
 

@@ -5,9 +5,8 @@ use super::error::SuiteError;
 use super::{elevation, text};
 use crate::World;
 use crate::check::{Flaw, Part};
-use sha2::{Digest as _, Sha256};
-use std::fmt::Write as _;
 use std::path::Path;
+use vb_files::Hash;
 
 /// Largest file of a world that is read, bytes: the picture of the largest world there may be has 128 MiB at most.
 const MAX_BYTES: u64 = 256 << 20;
@@ -61,7 +60,7 @@ impl WorldFiles {
     /// SHA-256, in hexadecimal, over name, length and bytes of every file. Line ends count as LF: a checkout that
     /// turned them into CR LF is the same world.
     pub(crate) fn hash(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Hash::new();
         for (part, bytes) in Part::ALL.iter().zip(&self.0) {
             let unified;
             let content = if *part == Part::Elevation || !bytes.contains(&b'\r') {
@@ -75,7 +74,7 @@ impl WorldFiles {
             hasher.update((content.len() as u64).to_le_bytes());
             hasher.update(content);
         }
-        hex(&hasher.finalize())
+        hasher.hex()
     }
 
     /// The world that the files hold, checked. `folder` is for messages.
@@ -122,12 +121,4 @@ fn document<'a>(
             "is not UTF-8 text: restore the file",
         )),
     }
-}
-
-/// Lower-case hexadecimal.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, b| {
-        let _ = write!(out, "{b:02x}");
-        out
-    })
 }
