@@ -211,7 +211,7 @@ enum SessionKind {
 
 /// Fuel that a session has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct FuelUse {
+pub struct FuelMeter {
     /// For start-up and `init`.
     pub init: u64,
     /// For all steps together.
@@ -262,7 +262,7 @@ impl Session {
 
     /// Fuel used until now in detail; `None` for native plugins and commands.
     #[must_use]
-    pub fn fuel(&self) -> Option<FuelUse> {
+    pub fn fuel(&self) -> Option<FuelMeter> {
         match &self.inner {
             SessionKind::Wasm(session) => Some(session.fuel()),
             SessionKind::Process(_) => None,

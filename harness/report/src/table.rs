@@ -13,13 +13,16 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use vb_record::RunReader;
-use vb_score::{FuelUse, Metrics, TaskRecord};
+use vb_score::{FuelUse, Measured, Metrics, Reader, TaskRecord};
 
 use crate::ReportError;
 use crate::runs::Runs;
 
 /// Rows that are gathered before they are written: what is in memory at a time.
 const GROUP: usize = 20_000;
+
+/// The names and values of a row.
+type Row<'a> = Vec<(Cow<'static, str>, Cell<'a>)>;
 
 /// A value of a row.
 enum Cell<'a> {
@@ -29,17 +32,14 @@ enum Cell<'a> {
 }
 
 /// The columns of one task, with their names. Names and units are those of tasks.jsonl, with `fuel_` before those of fuel.
-fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Vec<(&'static str, Cell<'a>)> {
+fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Row<'a> {
     let text = |t: &'a str| Cell::Text(Cow::Borrowed(t));
-    let m = |f: fn(&Metrics) -> f64| Cell::Number(r.metrics.as_ref().map(f));
-    let fuel = |f: fn(&FuelUse) -> u64| Cell::Count(r.fuel.as_ref().map(f));
-    let share = |f: fn(&FuelUse) -> f64| Cell::Number(r.fuel.as_ref().map(f));
     let class = match r.three_way {
         vb_score::ThreeWay::Success => "success",
         vb_score::ThreeWay::Rollover => "rollover",
         vb_score::ThreeWay::Stuck => "stuck",
     };
-    vec![
+    let cells = vec![
         ("run", text(run)),
         ("task", text(&r.task)),
         ("world", text(&r.world)),
@@ -55,40 +55,33 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Vec<(&'static str, Cell<'a>)> {
         ("sim_steps", Cell::Count(Some(r.sim_steps))),
         ("planner_steps", Cell::Count(Some(r.planner_steps))),
         ("clamped", Cell::Count(Some(r.clamped))),
-        ("samples", Cell::Count(r.metrics.map(|m| m.samples))),
-        ("roll_mean_deg", m(|m| m.roll_mean_deg)),
-        ("roll_variance_deg2", m(|m| m.roll_variance_deg2)),
-        ("roll_max_deg", m(|m| m.roll_max_deg)),
-        ("roll_end_deg", m(|m| m.roll_end_deg)),
-        ("pitch_mean_deg", m(|m| m.pitch_mean_deg)),
-        ("pitch_variance_deg2", m(|m| m.pitch_variance_deg2)),
-        ("pitch_max_deg", m(|m| m.pitch_max_deg)),
-        ("distance_m", m(|m| m.distance_m)),
-        ("speed_mean_m_per_s", m(|m| m.speed_mean_m_per_s)),
-        ("speed_max_m_per_s", m(|m| m.speed_max_m_per_s)),
-        ("throttle_effort_s", m(|m| m.throttle_effort_s)),
-        ("brake_effort_s", m(|m| m.brake_effort_s)),
-        ("steering_effort_s", m(|m| m.steering_effort_s)),
-        ("steering_rate_per_s", m(|m| m.steering_rate_per_s)),
-        ("goal_distance_min_m", m(|m| m.goal_distance_min_m)),
-        ("goal_distance_end_m", m(|m| m.goal_distance_end_m)),
-        ("fuel_total", fuel(|f| f.total)),
-        ("fuel_init", fuel(|f| f.init)),
-        ("fuel_p50_step", fuel(|f| f.p50_step)),
-        ("fuel_p99_step", fuel(|f| f.p99_step)),
-        ("fuel_max_step", fuel(|f| f.max_step)),
-        ("fuel_init_share", share(|f| f.init_share)),
-        ("fuel_p99_share", share(|f| f.p99_share)),
-        ("fuel_max_share", share(|f| f.max_share)),
-        ("memory_bytes", fuel(|f| f.memory_bytes)),
-    ]
+    ];
+    let own = |(name, cell)| (Cow::Borrowed(name), cell);
+    let of_fuel = |(name, cell): (&'static str, _)| {
+        let name = if name == "memory_bytes" { name.into() } else { format!("fuel_{name}").into() };
+        (name, cell)
+    };
+    let metrics = columns(Metrics::MEASURES, r.metrics.as_ref()).map(own);
+    let fuel = columns(FuelUse::MEASURES, r.fuel.as_ref()).map(of_fuel);
+    cells.into_iter().map(own).chain(metrics).chain(fuel).collect()
+}
+
+/// A column a measure, empty where the task has none of them.
+fn columns<'a, T>(
+    measures: &'static [Measured<T>],
+    of: Option<&'a T>,
+) -> impl Iterator<Item = (&'static str, Cell<'a>)> {
+    measures.iter().map(move |m| {
+        let cell = match m.value {
+            Reader::Count(read) => Cell::Count(of.map(read)),
+            Reader::Number(read) => Cell::Number(of.map(read)),
+        };
+        (m.name, cell)
+    })
 }
 
 /// Hands over each task of each run, in the order in which they ended.
-fn each(
-    runs: &Runs,
-    mut take: impl FnMut(Vec<(&'static str, Cell<'_>)>) -> Result<(), ReportError>,
-) -> Result<(), ReportError> {
+fn each(runs: &Runs, mut take: impl FnMut(Row<'_>) -> Result<(), ReportError>) -> Result<(), ReportError> {
     for run in &runs.runs {
         let mut result = Ok(());
         RunReader::open(&run.dir)?.each_record(|record: TaskRecord| {
@@ -122,7 +115,7 @@ pub fn write_csv(runs: &Runs, path: &Path) -> Result<(), ReportError> {
     each(runs, |cells| {
         if !begun {
             begun = true;
-            writer.write_record(cells.iter().map(|(name, _)| *name)).map_err(&fail)?;
+            writer.write_record(cells.iter().map(|(name, _)| name.as_ref())).map_err(&fail)?;
         }
         let texts = cells.iter().map(|(_, cell)| match cell {
             Cell::Text(t) => no_formula(t).into_owned(),
@@ -183,7 +176,7 @@ pub fn write_parquet(runs: &Runs, path: &Path) -> Result<(), ReportError> {
 
 fn open(
     out: BufWriter<File>,
-    cells: &[(&'static str, Cell<'_>)],
+    cells: &[(Cow<'static, str>, Cell<'_>)],
 ) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
     let mut fields = Vec::with_capacity(cells.len());
     for (name, cell) in cells {

@@ -5,46 +5,49 @@ use vb_math::angle::degrees;
 use vb_math::hypot;
 use vb_record::Sample;
 
+use crate::measures::measures;
 use crate::stats::Running;
 
-/// Measures of one trial, over its samples from the first to the one that decided it. Angles are in degrees, as the
-/// paper reports them, and absolute: left and right, up and down count alike. Variances are of the population.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Metrics {
-    /// Number of samples.
-    pub samples: u64,
-    /// Mean of |roll|, degrees.
-    pub roll_mean_deg: f64,
-    /// Variance of |roll|, degrees².
-    pub roll_variance_deg2: f64,
-    /// Greatest |roll|, degrees.
-    pub roll_max_deg: f64,
-    /// Roll at the last sample, degrees, with its sign.
-    pub roll_end_deg: f64,
-    /// Mean of |pitch|, degrees.
-    pub pitch_mean_deg: f64,
-    /// Variance of |pitch|, degrees².
-    pub pitch_variance_deg2: f64,
-    /// Greatest |pitch|, degrees.
-    pub pitch_max_deg: f64,
-    /// Length of the reference point's way through space, m: the sum of the distances between samples.
-    pub distance_m: f64,
-    /// That length over its time, m/s.
-    pub speed_mean_m_per_s: f64,
-    /// Greatest speed at a sample, m/s.
-    pub speed_max_m_per_s: f64,
-    /// Time integral of the throttle command, s.
-    pub throttle_effort_s: f64,
-    /// Time integral of the brake command, s.
-    pub brake_effort_s: f64,
-    /// Time integral of |steering command|, s.
-    pub steering_effort_s: f64,
-    /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
-    pub steering_rate_per_s: f64,
-    /// Least distance from the goal in the plane, m.
-    pub goal_distance_min_m: f64,
-    /// Distance from the goal in the plane at the last sample, m.
-    pub goal_distance_end_m: f64,
+measures! {
+    /// Measures of one trial, over its samples from the first to the one that decided it. Angles are in degrees, as the
+    /// paper reports them, and absolute: left and right, up and down count alike. Variances are of the population.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Metrics {
+        /// Number of samples.
+        pub samples: u64,
+        /// Mean of |roll|, degrees.
+        pub roll_mean_deg: f64,
+        /// Variance of |roll|, degrees².
+        pub roll_variance_deg2: f64,
+        /// Greatest |roll|, degrees.
+        pub roll_max_deg: f64,
+        /// Roll at the last sample, degrees, with its sign.
+        pub roll_end_deg: f64,
+        /// Mean of |pitch|, degrees.
+        pub pitch_mean_deg: f64,
+        /// Variance of |pitch|, degrees².
+        pub pitch_variance_deg2: f64,
+        /// Greatest |pitch|, degrees.
+        pub pitch_max_deg: f64,
+        /// Length of the reference point's way through space, m: the sum of the distances between samples.
+        pub distance_m: f64,
+        /// That length over its time, m/s.
+        pub speed_mean_m_per_s: f64,
+        /// Greatest speed at a sample, m/s.
+        pub speed_max_m_per_s: f64,
+        /// Time integral of the throttle command, s.
+        pub throttle_effort_s: f64,
+        /// Time integral of the brake command, s.
+        pub brake_effort_s: f64,
+        /// Time integral of |steering command|, s.
+        pub steering_effort_s: f64,
+        /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
+        pub steering_rate_per_s: f64,
+        /// Least distance from the goal in the plane, m.
+        pub goal_distance_min_m: f64,
+        /// Distance from the goal in the plane at the last sample, m.
+        pub goal_distance_end_m: f64,
+    }
 }
 
 /// Sums over the samples of one trial, in their order.

@@ -1,39 +1,43 @@
 //! One line of `tasks.jsonl`.
 
 use serde::{Deserialize, Serialize};
+
+use crate::measures::measures;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::{Metrics, Outcome, TaskScore, ThreeWay};
 
-/// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
-/// run layout 1 have `total` and `max_step` only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FuelUse {
-    /// Fuel in the whole task.
-    pub total: u64,
-    /// Fuel for start-up and `init`.
-    #[serde(default)]
-    pub init: u64,
-    /// Fuel for the median step.
-    #[serde(default)]
-    pub p50_step: u64,
-    /// Fuel that 99 % of the steps stay within.
-    #[serde(default)]
-    pub p99_step: u64,
-    /// Fuel for the most costly step.
-    pub max_step: u64,
-    /// `init` as a share of its limit.
-    #[serde(default)]
-    pub init_share: f64,
-    /// `p99_step` as a share of the limit of a step.
-    #[serde(default)]
-    pub p99_share: f64,
-    /// `max_step` as a share of the limit of a step.
-    #[serde(default)]
-    pub max_share: f64,
-    /// The most linear memory, bytes.
-    #[serde(default)]
-    pub memory_bytes: u64,
+measures! {
+    /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
+    /// run layout 1 have `total` and `max_step` only.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    pub struct FuelUse {
+        /// Fuel in the whole task.
+        pub total: u64,
+        /// Fuel for start-up and `init`.
+        #[serde(default)]
+        pub init: u64,
+        /// Fuel for the median step.
+        #[serde(default)]
+        pub p50_step: u64,
+        /// Fuel that 99 % of the steps stay within.
+        #[serde(default)]
+        pub p99_step: u64,
+        /// Fuel for the most costly step.
+        pub max_step: u64,
+        /// `init` as a share of its limit.
+        #[serde(default)]
+        pub init_share: f64,
+        /// `p99_step` as a share of the limit of a step.
+        #[serde(default)]
+        pub p99_share: f64,
+        /// `max_step` as a share of the limit of a step.
+        #[serde(default)]
+        pub max_share: f64,
+        /// The most linear memory, bytes.
+        #[serde(default)]
+        pub memory_bytes: u64,
+    }
 }
 
 impl FuelUse {

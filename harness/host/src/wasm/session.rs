@@ -12,7 +12,7 @@ use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
 use crate::text::one_line;
-use crate::{FuelUse, Limits, LogSink};
+use crate::{FuelMeter, Limits, LogSink};
 
 /// Fuel for a call of the host beside one unit a byte: about what a log line costs the harness.
 const CALL_FUEL: u64 = 1000;
@@ -182,7 +182,7 @@ pub(crate) struct WasmSession {
     fuel_per_task: u64,
     /// Ticks that a call has; `None` without a watchdog.
     deadline: Option<u64>,
-    fuel: FuelUse,
+    fuel: FuelMeter,
 }
 
 impl std::fmt::Debug for WasmSession {
@@ -220,7 +220,7 @@ impl WasmSession {
         store.data_mut().flush_output();
         let (plugin, planner, used) = result.map_err(|e| cause(&e, store.data(), budget))?;
         let planner = planner.map_err(|message| FaultCause::Error { message: one_line(&message) })?;
-        let fuel = FuelUse { init: used, ..FuelUse::default() };
+        let fuel = FuelMeter { init: used, ..FuelMeter::default() };
         let (fuel_per_step, fuel_per_task) = (limits.fuel_per_step, limits.fuel_per_task);
         Ok(Self { store, plugin, planner, fuel_per_step, fuel_per_task, deadline, fuel })
     }
@@ -253,7 +253,7 @@ impl WasmSession {
         }
     }
 
-    pub(crate) fn fuel(&self) -> FuelUse {
+    pub(crate) fn fuel(&self) -> FuelMeter {
         self.fuel
     }
 

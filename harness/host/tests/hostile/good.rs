@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use vb_host::{FuelUse, Limits, Plugin, Session};
+use vb_host::{FuelMeter, Limits, Plugin, Session};
 use vb_sdk::{LogLevel, Observation};
 
 use crate::common::{self, keeper};
@@ -17,7 +17,7 @@ pub const STEPS: u32 = 10;
 pub struct Record {
     commands: Vec<[u64; 3]>,
     lines: Vec<(LogLevel, String)>,
-    fuel: Option<FuelUse>,
+    fuel: Option<FuelMeter>,
 }
 
 /// A planner that does its work.

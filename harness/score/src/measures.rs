@@ -1,0 +1,64 @@
+//! Structs of measures that are declared once: their fields are what records hold, their list is what tables and docs have.
+
+/// A measure of a struct `T`.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<T> {
+    /// Its name in records, with its unit.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Reads it.
+    pub value: Reader<T>,
+}
+
+/// How a measure is read.
+#[derive(Clone, Copy, Debug)]
+pub enum Reader<T> {
+    /// A whole number.
+    Count(fn(&T) -> u64),
+    /// A number.
+    Number(fn(&T) -> f64),
+}
+
+/// Declares a struct of measures together with the list of them, `MEASURES`, in which the documentation of each field says what
+/// the measure is.
+macro_rules! measures {
+    (
+        $(#[$attribute:meta])*
+        pub struct $name:ident {
+            $($(#[doc = $about:literal])+ $(#[serde($serde:ident)])? pub $field:ident: $kind:tt,)+
+        }
+    ) => {
+        $(#[$attribute])*
+        pub struct $name {
+            $($(#[doc = $about])+ $(#[serde($serde)])? pub $field: $kind,)+
+        }
+
+        impl $name {
+            /// Every measure, in the order of records and tables.
+            pub const MEASURES: &'static [$crate::Measured<Self>] = &[$($crate::Measured {
+                name: stringify!($field),
+                about: concat!($($about),+).trim_ascii(),
+                value: measures!(@reader $kind, $field),
+            }),+];
+        }
+    };
+    (@reader u64, $field:ident) => { $crate::Reader::Count(|m| m.$field) };
+    (@reader f64, $field:ident) => { $crate::Reader::Number(|m| m.$field) };
+}
+pub(crate) use measures;
+
+#[cfg(test)]
+mod tests {
+    use crate::{FuelUse, Metrics};
+
+    #[test]
+    fn every_measure_is_documented_in_the_words_of_the_code() {
+        let text = include_str!("../../../docs/scoring.md");
+        let rows = Metrics::MEASURES.iter().map(|m| (m.name, m.about));
+        for (name, about) in rows.chain(FuelUse::MEASURES.iter().map(|m| (m.name, m.about))) {
+            let row = format!("| `{name}` | {} |", about.trim_end_matches('.').replace('|', "\\|"));
+            assert!(text.contains(&row), "docs/scoring.md lacks: {row}");
+        }
+    }
+}
