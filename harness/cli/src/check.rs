@@ -39,14 +39,14 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
     let rules = Rules::resolve(RULES).map_err(CliError::input)?;
     let vehicle = run::vehicle(VEHICLE)?;
     let soils = run::soils(SOILS, SOIL_RESOLUTION)?;
-    let limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
-    planner::can_be_confined(&args.plugin, args.require_sandbox)?;
+    let limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
+    planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
     let command = planner::command(&args.plugin);
     let file = command.is_none().then_some(args.plugin.as_path());
     let kit = Kit {
-        load: &|| planner::load_quietly(&args.plugin, &limits, args.require_sandbox),
+        load: &|| planner::load_quietly(&args.plugin, &limits, args.planner.require_sandbox),
         file,
-        params: &args.params,
+        params: &args.planner.params,
         limits: &limits,
         suite: &suite,
         tasks: &tasks,

@@ -8,11 +8,20 @@ use vb_report::Runs;
 use vb_submission::SubmissionError;
 use vb_submission::leaderboard::{self, Entry};
 
-use crate::args::{BuildArgs, MessageFormat, ReplayData};
+use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
 use crate::output;
 use crate::replay::Player;
 use crate::submission::failed;
+
+impl LeaderboardCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Build(args) => build(args),
+        }
+    }
+}
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]

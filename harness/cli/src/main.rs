@@ -38,43 +38,8 @@ fn main() -> ExitCode {
             return output::failure().map_or(ExitCode::from(error::DONE), |e| failed(&e));
         }
     };
-    let result = match cli.command {
-        None => match cli.run {
-            Some(args) => run::run(&args),
-            // Not reached: clap demands a plugin where there is no subcommand.
-            None => Err(error::CliError::usage("no command given (see vb-harness --help)")),
-        },
-        Some(args::Command::Run(args)) => run::run(&args),
-        Some(args::Command::Score(args)) => score::score(&args),
-        Some(args::Command::Report(args)) => report::report(&args),
-        Some(args::Command::Replay(args)) => replay::replay(&args),
-        Some(args::Command::Submit(args)) => submission::submit(&args),
-        Some(args::Command::Verify(args)) => submission::verify(&args),
-        Some(args::Command::Evaluate(args)) => submission::evaluate(&args),
-        Some(args::Command::Leaderboard(args::LeaderboardCommand::Build(args))) => leaderboard::build(&args),
-        Some(args::Command::Inspect(args)) => inspect::inspect(&args),
-        Some(args::Command::Check(args)) => check::check(&args),
-        Some(args::Command::Plugin(args::PluginCommand::New(args))) => plugin::new(&args),
-        Some(args::Command::Plugin(args::PluginCommand::Stamp(args))) => plugin::stamp(&args),
-        Some(args::Command::Suite(args::SuiteCommand::List(args))) => suite::list(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Show(args))) => suite::show(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Validate(args))) => suite::validate(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Prove(args))) => suite::prove(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Import(args))) => suite::import(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Generate(args))) => suite::generate(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Site(args))) => site::make(&args),
-        Some(args::Command::Suite(args::SuiteCommand::Testbed(args))) => suite::testbed(&args),
-        Some(args::Command::Tasks(args::TasksCommand::List(args))) => suite::tasks(&args),
-        Some(args::Command::Vehicle(args::VehicleCommand::List(args))) => vehicle::list(&args),
-        Some(args::Command::Vehicle(args::VehicleCommand::Show(args))) => vehicle::show(&args),
-        Some(args::Command::Vehicle(args::VehicleCommand::Validate(args))) => vehicle::validate(&args),
-        Some(args::Command::Vehicle(args::VehicleCommand::Test(args))) => vehicle::test(&args),
-        Some(args::Command::Terrain(args::TerrainCommand::Train(args))) => terrain::train(&args),
-        Some(args::Command::Terrain(args::TerrainCommand::Generate(args))) => terrain::generate(&args),
-        Some(args::Command::Terrain(args::TerrainCommand::Measure(args))) => terrain::measure(&args),
-    };
     // What went wrong with the work itself says more than that it could not be told.
-    match result.and_then(|()| output::failure().map_or(Ok(()), Err)) {
+    match cli.run().and_then(|()| output::failure().map_or(Ok(()), Err)) {
         Ok(()) => ExitCode::from(error::DONE),
         Err(e) => failed(&e),
     }

@@ -104,7 +104,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let vehicle = vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
     let soils = soils(&args.soils, args.soil_resolution)?;
-    let mut limits = args.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
+    let mut limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
     }
@@ -114,10 +114,9 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         })?;
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
-    planner::can_be_confined(&args.plugin, args.require_sandbox)?;
-    let plugin = planner::load(&args.plugin, &limits, args.require_sandbox)
+    planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
+    let plugin = planner::load(&args.plugin, &limits, args.planner.require_sandbox)
         .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
-    let jobs = jobs(args.jobs);
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
     Ok(RunConfig {
         suite,
@@ -125,14 +124,14 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         selector: args.tasks.clone(),
         plugin,
         plugin_path: args.plugin.clone(),
-        params: args.params.clone(),
+        params: args.planner.params.clone(),
         vehicle,
         soils,
         rules,
         time_step: args.time_step,
         scale,
         seed: args.seed,
-        jobs,
+        jobs: args.jobs.get(),
         trace: args.trace,
         logs: args.logs,
         out,
@@ -142,14 +141,6 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
         harness_commit: env!("VB_COMMIT").to_owned(),
     })
-}
-
-/// Number of workers: what the user says, else the number of cores.
-pub(crate) fn jobs(wanted: Option<u16>) -> usize {
-    wanted.map_or_else(
-        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-        |jobs| usize::from(jobs).max(1),
-    )
 }
 
 /// The limits in a file: every field may be left out.

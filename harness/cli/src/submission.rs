@@ -62,8 +62,12 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
             let mut wanted = RunArgs::new(&args.plugin);
             (wanted.suite, wanted.jobs) = (args.suite.clone(), args.jobs);
             wanted.format = args.format;
+            wanted.keep_going = args.keep_going;
             if let Some(vehicle) = &args.vehicle {
                 wanted.vehicle.clone_from(vehicle);
+            }
+            if let Some(logs) = args.logs {
+                wanted.logs = logs;
             }
             run::drive(&wanted)?
         }
@@ -167,7 +171,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     let load = |limits: &Limits| planner::load_quietly(&args.plugin, limits, true);
     let cancel = run::stop_on_ctrl_c()?;
     let json = args.format.get() == MessageFormat::Json;
-    let sampling = Sampling { draw, jobs: run::jobs(args.jobs) };
+    let sampling = Sampling { draw, jobs: args.jobs.get() };
     let mut ended = |done: usize, total: usize, _: &vb_score::TaskRecord| {
         if json {
             output::json(&Message::Progress { done, total });

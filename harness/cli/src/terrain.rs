@@ -11,9 +11,20 @@ use vb_terrain::write::{Kind, shaded};
 use vb_terrain::{Model, Request, share};
 use vb_world::Elevation;
 
-use crate::args::{MeasureArgs, SurfaceArgs, TrainArgs};
+use crate::args::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 use crate::error::{self, CliError};
 use crate::{output, places};
+
+impl TerrainCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Train(args) => train(args),
+            Self::Generate(args) => generate(args),
+            Self::Measure(args) => measure(args),
+        }
+    }
+}
 
 /// The model that surfaces are drawn from where none is named.
 const DEFAULT_MODEL: &str = "rocks";

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use vb_record::LogMode;
 
-use super::FormatArgs;
+use super::values::log_mode;
+use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct SubmitArgs {
@@ -15,17 +17,22 @@ pub(crate) struct SubmitArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// A finished run of the planner; default: the suite is run now
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["vehicle", "jobs", "keep_going", "logs"])]
     pub(crate) run: Option<PathBuf>,
     /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-100, or with --run its own
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
     /// Vehicle: a name, or a file; default: hmmwv
-    #[arg(long, value_name = "NAME|FILE", conflicts_with = "run")]
+    #[arg(long, value_name = "NAME|FILE")]
     pub(crate) vehicle: Option<String>,
-    /// Tasks run at a time; default: number of cores
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "run")]
-    pub(crate) jobs: Option<u16>,
+    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
+    #[arg(long)]
+    pub(crate) keep_going: bool,
+    /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none; default: failed
+    #[arg(long, value_name = "all|failed|none", value_parser = log_mode)]
+    pub(crate) logs: Option<LogMode>,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
     /// Tasks whose traces are carried along for replays, 20 at most, e.g. w001/t03,w007/t00; default: the first of each outcome
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) replays: Option<String>,
@@ -65,9 +72,8 @@ pub(crate) struct VerifyArgs {
     /// Seed that draws them; default: a random one, which nobody can foresee
     #[arg(long, value_name = "N", requires = "sample")]
     pub(crate) seed: Option<u64>,
-    /// Tasks driven at a time; default: number of cores
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) jobs: Option<u16>,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
     /// Refuse submissions to the open division before anything of them is run
     #[arg(long)]
     pub(crate) ranked: bool,
@@ -92,9 +98,8 @@ pub(crate) struct EvaluateArgs {
     /// Vehicle: a name, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     pub(crate) vehicle: String,
-    /// Tasks run at a time; default: number of cores
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) jobs: Option<u16>,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
     /// File for the scores, e.g. holdout.json of an accepted submission
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{FormatArgs, positive};
+use super::FormatArgs;
+use super::values::positive;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SuiteCommand {
@@ -24,6 +25,12 @@ pub(crate) enum SuiteCommand {
     Site(SiteArgs),
     /// Make a suite like the paper's physical testbed: beds of a few materials, several trials of one task on each
     Testbed(TestbedArgs),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum TasksCommand {
+    /// List the tasks of a suite, or those that a selector chooses
+    List(TasksArgs),
 }
 
 #[derive(Debug, Args)]
@@ -214,4 +221,16 @@ fn length(text: &str) -> Result<f64, String> {
 fn tilt(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     value.filter(|v| (0.0..=90.0).contains(v)).ok_or_else(|| "want degrees from 0 to 90, e.g. 31".into())
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TasksArgs {
+    /// The suite: a directory, or the name of one that comes with the harness; default: vb-100
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::positive;
+use super::values::positive;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TerrainCommand {

@@ -5,5 +5,15 @@ mod new;
 mod stamp;
 mod template;
 
-pub(crate) use new::new;
-pub(crate) use stamp::stamp;
+use crate::args::PluginCommand;
+use crate::error::CliError;
+
+impl PluginCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::New(args) => new::new(args),
+            Self::Stamp(args) => stamp::stamp(args),
+        }
+    }
+}

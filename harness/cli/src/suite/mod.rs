@@ -5,11 +5,6 @@ mod show;
 mod testbed;
 mod validate;
 
-pub(crate) use prove::prove;
-pub(crate) use show::show;
-pub(crate) use testbed::testbed;
-pub(crate) use validate::validate;
-
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -22,9 +17,36 @@ use vb_world::{
     Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
 };
 
-use crate::args::{DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteListArgs, TasksArgs};
+use crate::args::{
+    DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, SuiteListArgs, TasksArgs, TasksCommand,
+};
 use crate::error::CliError;
 use crate::{output, places};
+
+impl SuiteCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::List(args) => list(args),
+            Self::Show(args) => show::show(args),
+            Self::Validate(args) => validate::validate(args),
+            Self::Prove(args) => prove::prove(args),
+            Self::Import(args) => import(args),
+            Self::Generate(args) => generate(args),
+            Self::Site(args) => crate::site::make(args),
+            Self::Testbed(args) => testbed::testbed(args),
+        }
+    }
+}
+
+impl TasksCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::List(args) => tasks(args),
+        }
+    }
+}
 
 /// A suite to be read.
 pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {

@@ -11,11 +11,25 @@ use vb_sim::SoilSet;
 use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
 use vb_vehicle::VehicleSpec;
 
-use crate::args::{MessageFormat, VehicleArgs, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
+use crate::args::{
+    MessageFormat, VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs,
+};
 use crate::error::CliError;
 use crate::{output, places};
 use standing::Standing;
 use table::Specification;
+
+impl VehicleCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::List(args) => list(args),
+            Self::Show(args) => show(args),
+            Self::Validate(args) => validate(args),
+            Self::Test(args) => test(args),
+        }
+    }
+}
 
 /// The vehicle that the user means, and its file.
 pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
@@ -145,12 +159,8 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         let path = places::data(places::Data::Soils, &name)?;
         soils.push(SoilSet::load(&path).map_err(CliError::input)?);
     }
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let options = RunOptions {
-        events: args.events.clone(),
-        step: args.time_step * 1e-3,
-        jobs: args.jobs.map_or(cores, usize::from),
-    };
+    let options =
+        RunOptions { events: args.events.clone(), step: args.time_step * 1e-3, jobs: args.jobs.get() };
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&format!("test-{}", spec.name)));
     // What can't be written is said before a minute of driving, not after.
     std::fs::create_dir_all(&out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;

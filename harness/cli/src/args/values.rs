@@ -1,0 +1,101 @@
+//! Values of options, as people write them.
+
+use vb_record::{LogMode, TraceMode};
+use vb_runner::SAMPLE_PERIOD;
+
+/// A number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
+    value.ok_or_else(|| "want a number above 0".into())
+}
+
+pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("want KEY=VALUE, e.g. speed=5".into()),
+    }
+}
+
+pub(super) fn trace_mode(text: &str) -> Result<TraceMode, String> {
+    [TraceMode::None, TraceMode::TenHz, TraceMode::Full]
+        .into_iter()
+        .find(|mode| mode.name() == text)
+        .ok_or_else(|| "want none, 10hz or full".into())
+}
+
+pub(super) fn log_mode(text: &str) -> Result<LogMode, String> {
+    LogMode::ALL.into_iter().find(|mode| mode.name() == text).ok_or_else(|| "want all, failed or none".into())
+}
+
+/// A number or a fraction.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((a, b)) => number(a).zip(number(b)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    value
+        .filter(|v| v.is_finite() && *v >= 0.01 && *v <= 10.0)
+        .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
+}
+
+/// A step in milliseconds, of which a whole number makes the time between two samples; returns seconds.
+pub(super) fn time_step(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|v| (0.1..=5.0).contains(v));
+    value
+        .map(|ms| 1e-3 * ms)
+        .filter(|s| ((SAMPLE_PERIOD / s).round() * s - SAMPLE_PERIOD).abs() < 1e-9)
+        .ok_or_else(|| "want milliseconds from 0.1 to 5 that divide 10, e.g. 0.5".into())
+}
+
+/// A length in metres that a soil's memory can have.
+pub(super) fn soil_resolution(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
+}
+
+/// A number of bytes with an optional binary suffix.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.chars().last() {
+        Some('K' | 'k') => (&text[..text.len() - 1], 10),
+        Some('M' | 'm') => (&text[..text.len() - 1], 20),
+        Some('G' | 'g') => (&text[..text.len() - 1], 30),
+        _ => (text, 0),
+    };
+    digits
+        .parse::<u64>()
+        .ok()
+        .and_then(|n| n.checked_mul(1 << shift))
+        .filter(|n| *n > 0)
+        .ok_or_else(|| "want a number of bytes, e.g. 268435456 or 256M".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::terrain::nodes;
+    use super::*;
+
+    #[test]
+    fn values_are_read_as_people_write_them() {
+        assert_eq!((scale("1"), scale("1/10"), scale("0.25")), (Ok(1.0), Ok(0.1), Ok(0.25)));
+        assert!(
+            scale("1/0").is_err() && scale("-1").is_err() && scale("nan").is_err() && scale("big").is_err()
+        );
+        assert_eq!((bytes("4096"), bytes("256M"), bytes("1g")), (Ok(4096), Ok(256 << 20), Ok(1 << 30)));
+        assert!(bytes("").is_err() && bytes("M").is_err() && bytes("-1").is_err());
+        assert!(
+            bytes("99999999999999999999G").is_err()
+                && bytes("18446744073709551615K").is_err()
+                && bytes("é").is_err()
+        );
+        assert_eq!(key_value("a=b=c"), Ok(("a".into(), "b=c".into())));
+        assert!(key_value("a").is_err() && key_value("=b").is_err());
+        assert_eq!((nodes("129"), nodes("200x100")), (Ok((129, 129)), Ok((200, 100))));
+        assert!(nodes("").is_err() && nodes("3x").is_err() && nodes("-1").is_err());
+        assert!(positive("0").is_err() && positive("inf").is_err() && positive("0.5") == Ok(0.5));
+        assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
+        assert!(trace_mode("20hz").is_err());
+        assert_eq!(log_mode("all"), Ok(LogMode::All));
+        assert!(log_mode("some").is_err());
+    }
+}
