@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use vb_runner::static_shape;
 use vb_sim::SimOptions;
-use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
+use vb_suite_report::validate::{Finding, Limits, Severity, Vehicle};
 use vb_vehicle::VehicleModel;
 
 use crate::args::ValidateArgs;
@@ -36,7 +36,7 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     limits.clearance = args.clearance.unwrap_or(limits.clearance);
     limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
     let json = args.format.is_json();
-    let findings = vb_suite::validate::validate(&suite, &limits, |_, found| {
+    let findings = vb_suite_report::validate::validate(&suite, &limits, |_, found| {
         for finding in found {
             if json {
                 output::json(&Message::Finding { finding });

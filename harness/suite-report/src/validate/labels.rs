@@ -1,8 +1,8 @@
 //! Labels against what the world is.
 
 use super::{Findings, Rule};
-use crate::generate::GeneratorParams;
 use crate::statistics::WorldStatistics;
+use vb_suite::generate::GeneratorParams;
 use vb_world::{Density, Elevation, Part, World};
 
 /// How far the spread of heights may be from that of its level, as a factor. Worlds of the original stay within 1.35 of

@@ -14,11 +14,11 @@ mod tests;
 pub use footprint::Vehicle;
 
 use crate::clearance::Footprints;
-use crate::generate::GeneratorParams;
 use duplicates::Fingerprints;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use vb_suite::generate::GeneratorParams;
 use vb_world::{Part, Suite, SuiteError, SuiteMeta, World};
 
 /// How much a finding matters.
