@@ -8,7 +8,7 @@ use vb_terrain::read::{Holes, read};
 use vb_terrain::repair::repair;
 use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
 use vb_terrain::write::{Kind, shaded};
-use vb_terrain::{Model, Request, share};
+use vb_terrain::{Model, Request, fraction};
 use vb_world::Elevation;
 
 use crate::args::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
@@ -72,7 +72,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
         rows: args.size.1,
         cols: args.size.0,
         resolution: args.resolution,
-        share: share(level),
+        fraction: fraction(level),
     };
     let surface = model.surface(&request).map_err(CliError::usage)?;
     let put = |path: &Path, bytes: std::io::Result<Vec<u8>>| {

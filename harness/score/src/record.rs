@@ -50,7 +50,7 @@ impl FuelUse {
         let percentile = |percent: usize| {
             steps.get((steps.len() * percent).div_ceil(100).saturating_sub(1)).copied().unwrap_or(0)
         };
-        let share = |used: u64, limit: u64| if limit == 0 { 0.0 } else { used as f64 / limit as f64 };
+        let fraction = |used: u64, limit: u64| if limit == 0 { 0.0 } else { used as f64 / limit as f64 };
         let (p99_step, max_step) = (percentile(99), percentile(100));
         Self {
             total: steps.iter().fold(init, |sum, &n| sum.saturating_add(n)),
@@ -58,9 +58,9 @@ impl FuelUse {
             p50_step: percentile(50),
             p99_step,
             max_step,
-            init_share: share(init, init_limit),
-            p99_share: share(p99_step, step_limit),
-            max_share: share(max_step, step_limit),
+            init_share: fraction(init, init_limit),
+            p99_share: fraction(p99_step, step_limit),
+            max_share: fraction(max_step, step_limit),
             memory_bytes,
         }
     }

@@ -68,7 +68,7 @@ impl Summary {
             );
         }
         if let Some(used) = self.all.as_ref().and_then(|all| all.fuel) {
-            let percent = |share: f64| 100.0 * share;
+            let percent = |fraction: f64| 100.0 * fraction;
             let _ = writeln!(
                 out,
                 "at most {} units of fuel for init ({:.3} % of the limit) and {} for a step ({:.3} %; 99 % of steps: {:.3} %); {:.1} \

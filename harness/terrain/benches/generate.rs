@@ -10,7 +10,7 @@ fn surfaces(c: &mut Criterion) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/terrain/rocks.safetensors");
     let model = Model::read(&path).expect("the shipped model");
     for nodes in [129, 513] {
-        let request = Request { seed: 1, rows: nodes, cols: nodes, resolution: 1.0, share: 1.0 };
+        let request = Request { seed: 1, rows: nodes, cols: nodes, resolution: 1.0, fraction: 1.0 };
         c.bench_function(&format!("surface of {nodes} x {nodes} nodes, 1 m apart"), |b| {
             b.iter(|| model.surface(black_box(&request)).expect("a surface"));
         });

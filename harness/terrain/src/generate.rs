@@ -32,7 +32,7 @@ const FINEST: f64 = 1.0 / 64.0;
 
 /// Share of the full relief for each level: 30, 60 and 100 %.
 #[must_use]
-pub fn share(level: Elevation) -> f64 {
+pub fn fraction(level: Elevation) -> f64 {
     match level {
         Elevation::Low => 0.3,
         Elevation::Medium => 0.6,
@@ -52,7 +52,7 @@ pub struct Request {
     /// Distance between nodes, m.
     pub resolution: f64,
     /// Share of the model's full relief.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 /// Why no surface was drawn.
@@ -110,8 +110,8 @@ impl Model {
                 own,
             });
         }
-        if !(request.share > 0.0 && request.share <= 100.0) {
-            return Err(GenerateError::Share(request.share));
+        if !(request.fraction > 0.0 && request.fraction <= 100.0) {
+            return Err(GenerateError::Share(request.fraction));
         }
         let extent = |n: usize| (n - 1) as f64 * request.resolution / own + 4.0;
         if extent(request.rows) * extent(request.cols) > MAX_SAMPLES {
@@ -122,7 +122,7 @@ impl Model {
         let cols = taps(request.cols, request.resolution / own);
         let field = self.field(request.seed, span(&rows), span(&cols));
         let values = field.resampled(&rows, &cols);
-        let scale = self.header.relief * request.share / self.header.std;
+        let scale = self.header.relief * request.fraction / self.header.std;
         let heights = values.into_iter().map(|v| (v - self.header.mean) * scale).collect();
         Ok(Heightfield::new(request.rows, request.cols, request.resolution, heights))
     }
@@ -205,8 +205,8 @@ impl Model {
             let place = [corner[0] + row, corner[1] + col].map(|n| n.to_string());
             let mut stream = Stream::new(seed, &["terrain", "cell", &place[0], &place[1]]);
             for n in 0..NUMBERS {
-                let share = if n < CHANNELS { 1.0 } else { self.header.detail };
-                values.push((share * stream.normal(0.0, 1.0)) as f32);
+                let fraction = if n < CHANNELS { 1.0 } else { self.header.detail };
+                values.push((fraction * stream.normal(0.0, 1.0)) as f32);
             }
         }
         values

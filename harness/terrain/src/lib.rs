@@ -13,6 +13,6 @@ pub mod stats;
 pub mod tiles;
 pub mod write;
 
-pub use generate::{GenerateError, Request, share};
+pub use generate::{GenerateError, Request, fraction};
 pub use model::{Header, Model, ModelError};
 pub use raster::Raster;

@@ -22,19 +22,19 @@ pub fn slopes(heights: &[f64], cols: usize, resolution: f64) -> Vec<f64> {
 
 /// The value that a share of all values does not exceed (nearest rank); the values are reordered. 0 of none.
 #[must_use]
-pub fn percentile(values: &mut [f64], share: f64) -> f64 {
+pub fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let rank = (share * values.len() as f64).ceil().max(1.0) as usize - 1;
+    let rank = (fraction * values.len() as f64).ceil().max(1.0) as usize - 1;
     let rank = rank.min(values.len() - 1);
     *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 /// The same of values that are in ascending order.
 #[must_use]
-pub fn percentile_of_sorted(values: &[f64], share: f64) -> f64 {
-    let rank = (share * values.len() as f64).ceil().max(1.0) as usize - 1;
+pub fn percentile_of_sorted(values: &[f64], fraction: f64) -> f64 {
+    let rank = (fraction * values.len() as f64).ceil().max(1.0) as usize - 1;
     values.get(rank).or(values.last()).copied().unwrap_or(0.0)
 }
 

@@ -56,8 +56,8 @@ pub enum Expected {
 impl Expected {
     /// Within a share of a value, e.g. 0.05 for 5 %.
     #[must_use]
-    pub fn share(value: f64, share: f64) -> Self {
-        Self::Within { value, tolerance: share * value.abs() }
+    pub fn fraction(value: f64, fraction: f64) -> Self {
+        Self::Within { value, tolerance: fraction * value.abs() }
     }
 
     /// Whether a figure is as expected. A figure that is no number never is.
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_figure_passes_up_to_the_tolerance_and_fails_beyond() {
-        let near = Expected::share(-2.0, 0.05);
+        let near = Expected::fraction(-2.0, 0.05);
         assert_eq!([verdict(near, -2.0999), verdict(near, -2.1001)], [Verdict::Pass, Verdict::Fail]);
         assert_eq!([verdict(near, -1.9001), verdict(near, -1.8999)], [Verdict::Pass, Verdict::Fail]);
         let between = Expected::Between(1.0, 2.0);

@@ -59,7 +59,8 @@ struct Entry {
     kind: Kind,
     source: String,
     value: Option<f64>,
-    share: Option<f64>,
+    #[serde(alias = "share")]
+    fraction: Option<f64>,
     tolerance: Option<f64>,
     at_least: Option<f64>,
     at_most: Option<f64>,
@@ -71,7 +72,7 @@ impl Entry {
     fn expected(&self) -> Result<Expected, (&'static str, String)> {
         let fields = [
             ("value", self.value),
-            ("share", self.share),
+            ("fraction", self.fraction),
             ("tolerance", self.tolerance),
             ("at_least", self.at_least),
             ("at_most", self.at_most),
@@ -81,13 +82,13 @@ impl Entry {
                 return Err((name, format!("{v} is not a number to compare with")));
             }
         }
-        for (name, value) in [("share", self.share), ("tolerance", self.tolerance)] {
+        for (name, value) in [("fraction", self.fraction), ("tolerance", self.tolerance)] {
             if let Some(v) = value.filter(|v| *v <= 0.0) {
                 return Err((name, format!("{v} must be positive")));
             }
         }
-        match (self.value, self.share, self.tolerance, self.at_least, self.at_most) {
-            (Some(value), Some(share), None, None, None) => Ok(Expected::share(value, share)),
+        match (self.value, self.fraction, self.tolerance, self.at_least, self.at_most) {
+            (Some(value), Some(fraction), None, None, None) => Ok(Expected::fraction(value, fraction)),
             (Some(value), None, Some(tolerance), None, None) => Ok(Expected::Within { value, tolerance }),
             (None, None, None, Some(low), None) => Ok(Expected::AtLeast(low)),
             (None, None, None, None, Some(high)) => Ok(Expected::AtMost(high)),
@@ -97,7 +98,7 @@ impl Entry {
             }
             _ => Err((
                 "value",
-                "give value with share or tolerance, or at_least, or at_most, or at_least and at_most"
+                "give value with fraction or tolerance, or at_least, or at_most, or at_least and at_most"
                     .to_owned(),
             )),
         }
@@ -199,7 +200,7 @@ mod tests {
 
     #[test]
     fn every_form_of_an_expectation_is_read() {
-        assert_eq!(parsed("value: 2, share: 0.05"), Ok(Expected::Within { value: 2.0, tolerance: 0.1 }));
+        assert_eq!(parsed("value: 2, fraction: 0.05"), Ok(Expected::Within { value: 2.0, tolerance: 0.1 }));
         assert_eq!(parsed("value: 2, tolerance: 0.3"), Ok(Expected::Within { value: 2.0, tolerance: 0.3 }));
         assert_eq!(parsed("at_least: 2"), Ok(Expected::AtLeast(2.0)));
         assert_eq!(parsed("at_most: 2"), Ok(Expected::AtMost(2.0)));
@@ -210,7 +211,7 @@ mod tests {
     fn messages_name_file_field_and_what_to_give() {
         let e = parsed("value: 2").unwrap_err();
         assert!(
-            e.starts_with("car.yaml: events.braking[0].value: give value with share or tolerance"),
+            e.starts_with("car.yaml: events.braking[0].value: give value with fraction or tolerance"),
             "{e}"
         );
         let e = parsed("value: 2, tolerance: 0").unwrap_err();

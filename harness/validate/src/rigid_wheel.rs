@@ -148,21 +148,25 @@ mod tests {
         (z, breadth * k * pow(z, n + 1.0) / (n + 1.0))
     }
 
-    fn near(a: f64, b: f64, share: f64) -> bool {
-        (a / b - 1.0).abs() <= share
+    fn near(a: f64, b: f64, fraction: f64) -> bool {
+        (a / b - 1.0).abs() <= fraction
     }
 
     #[test]
     fn without_elasticity_it_is_bekkers_wheel() {
         // Of n = 1 Bekker's series has no more terms, so that only the parabola in place of the circle is left. Of other n it
         // has: ∫ (1 − s²)ⁿ ds from 0 to 1 is 2 % more than the (3 − n)/3 that it keeps for n = 1.1, 4 % less for 0.8.
-        for (k, n, share) in [(2e7, 1.0, 0.01), (2e7, 1.1, 0.03), (8e6, 0.8, 0.07)] {
+        for (k, n, fraction) in [(2e7, 1.0, 0.01), (2e7, 1.1, 0.03), (8e6, 0.8, 0.07)] {
             let wheel = WHEEL.on(&soil(k, n, 1e13)).unwrap();
             let (z, rc) = bekker(k, n);
             assert!(z < 0.03, "{z} m is small beside the radius");
-            assert!(near(wheel.sinkage, z, share), "n {n}: {} m, Bekker {z}", wheel.sinkage);
-            assert!(near(wheel.resistance, rc, share), "n {n}: {} N, Bekker {rc}", wheel.resistance);
-            assert!(near(wheel.length, (2.0 * WHEEL.radius * z - z * z).sqrt(), share), "{}", wheel.length);
+            assert!(near(wheel.sinkage, z, fraction), "n {n}: {} m, Bekker {z}", wheel.sinkage);
+            assert!(near(wheel.resistance, rc, fraction), "n {n}: {} N, Bekker {rc}", wheel.resistance);
+            assert!(
+                near(wheel.length, (2.0 * WHEEL.radius * z - z * z).sqrt(), fraction),
+                "{}",
+                wheel.length
+            );
             assert!(wheel.rebound < 1e-5 * z);
         }
     }

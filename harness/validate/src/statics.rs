@@ -75,8 +75,8 @@ impl<'a> Statics<'a> {
             - self.tyres[0].deflection(g.weight() / count as f64);
         u.rows_mut(3, count).copy_from_slice(&g.rest);
         for part in 0..=PARTS {
-            let share = f64::from(part) / f64::from(PARTS);
-            let heights: Vec<f64> = ground.iter().map(|h| h * share).collect();
+            let fraction = f64::from(part) / f64::from(PARTS);
+            let heights: Vec<f64> = ground.iter().map(|h| h * fraction).collect();
             u = self.balance(&heights, u)?;
         }
         let (_, loads) = self.residual(ground, &u);
@@ -101,9 +101,10 @@ impl<'a> Statics<'a> {
             }
             let step = slope.lu().solve(&r)?;
             // The loads have corners where wheels lift and stops begin: no step that makes the balance worse, while there is one.
-            let better = |share: f64| self.residual(ground, &(&u - &step * share)).0.norm() < r.norm();
-            let share = [1.0, 0.5, 0.25, 0.1, 0.03, 0.01].into_iter().find(|s| better(*s)).unwrap_or(0.003);
-            u -= step * share;
+            let better = |fraction: f64| self.residual(ground, &(&u - &step * fraction)).0.norm() < r.norm();
+            let fraction =
+                [1.0, 0.5, 0.25, 0.1, 0.03, 0.01].into_iter().find(|s| better(*s)).unwrap_or(0.003);
+            u -= step * fraction;
         }
         None
     }
@@ -120,10 +121,10 @@ impl<'a> Statics<'a> {
         r[0] = -g.weight();
         for (i, level) in ground.iter().enumerate() {
             let mut load = 0.0;
-            for (aside, share) in self.strips(i, &travels, &turn) {
+            for (aside, fraction) in self.strips(i, &travels, &turn) {
                 let foot = self.foot(i, aside, &travels, &turn);
                 let depth = (level - u[0] - foot.z).max(0.0);
-                let part = share * self.tyres[i].vertical_force(depth);
+                let part = fraction * self.tyres[i].vertical_force(depth);
                 r[0] += part;
                 r[1] += part * (foot.y - com.y) / g.track();
                 r[2] += part * (foot.x - com.x) / g.wheelbase();
@@ -145,9 +146,9 @@ impl<'a> Statics<'a> {
             let axle = 2 * (i / 2);
             let mut work = 0.0;
             for (j, level) in ground.iter().enumerate().skip(axle).take(2) {
-                for (aside, share) in self.strips(j, &travels, &turn) {
+                for (aside, fraction) in self.strips(j, &travels, &turn) {
                     let depth = level - u[0] - self.foot(j, aside, &travels, &turn).z;
-                    let part = share * self.tyres[j].vertical_force(depth.max(0.0));
+                    let part = fraction * self.tyres[j].vertical_force(depth.max(0.0));
                     work += part * rises(&|q: &[f64]| self.foot(j, aside, q, &turn).z);
                 }
             }

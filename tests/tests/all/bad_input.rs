@@ -169,9 +169,10 @@ fn a_damaged_suite_is_refused_with_file_field_and_value() {
         let path = bench.path(&suite).join(file);
         match damage {
             Gone => fs::remove_file(path).expect("it is there"),
-            Cut(share) => {
+            Cut(fraction) => {
                 let bytes = fs::read(&path).expect("it is there");
-                fs::write(path, &bytes[..(bytes.len() as f64 * share) as usize]).expect("it can be written");
+                fs::write(path, &bytes[..(bytes.len() as f64 * fraction) as usize])
+                    .expect("it can be written");
             }
             Text(old, new) => {
                 let content = fs::read_to_string(&path).expect("it is there");

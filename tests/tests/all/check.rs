@@ -40,8 +40,8 @@ fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
         // Only WASM is metered.
         let budget = &checks["budget"];
         if carrier == Carrier::Wasm {
-            let share = budget["figures"]["p99_share"].as_f64().expect("a share");
-            assert!(budget["verdict"] == "pass" && 0.0 < share && share < 0.01, "{budget}");
+            let fraction = budget["figures"]["p99_share"].as_f64().expect("a share");
+            assert!(budget["verdict"] == "pass" && 0.0 < fraction && fraction < 0.01, "{budget}");
             let asked = checks["imports"]["detail"].as_str().expect("names");
             assert!(asked.contains("vertibench:planner/host@0.1.0"), "{asked}");
         } else {
@@ -108,8 +108,8 @@ fn little_head_room_is_a_warning_with_the_share() {
     bench.write("limits.yaml", format!("fuel_per_step: {limit}\n"));
     let (checks, finished) = messages(&bench.ok(&[&args[..], &["--limits", "limits.yaml"]].concat()));
     assert_eq!((&checks["budget"]["verdict"], &finished["passed"]), (&"warn".into(), &true.into()));
-    let share = checks["budget"]["figures"]["max_share"].as_f64().expect("a share");
-    assert!((share - 0.8).abs() < 1e-3, "{share}");
+    let fraction = checks["budget"]["figures"]["max_share"].as_f64().expect("a share");
+    assert!((fraction - 0.8).abs() < 1e-3, "{fraction}");
 }
 
 #[test]

@@ -247,7 +247,7 @@ fn look(rasters: &[Raster], resolution: f64, spectrum: &Spectrum) -> Look {
     // Beside a hole there is no slope.
     let percentiles = |slopes: &mut Vec<f64>| {
         slopes.retain(|s| !s.is_nan());
-        [0.5, 0.9, 0.95, 0.99, 0.995].map(|share| rounded(percentile(slopes, share)))
+        [0.5, 0.9, 0.95, 0.99, 0.995].map(|fraction| rounded(percentile(slopes, fraction)))
     };
     Look {
         std_m: rounded(deviation(&all)),

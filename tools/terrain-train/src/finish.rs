@@ -99,7 +99,7 @@ pub(crate) fn drawn(
     seeds
         .map(|seed| {
             let request =
-                Request { seed, rows: DRAWN, cols: DRAWN, resolution: header.resolution, share: 1.0 };
+                Request { seed, rows: DRAWN, cols: DRAWN, resolution: header.resolution, fraction: 1.0 };
             Ok(model.surface(&request).map_err(|e| internal(&e))?.heights().to_vec())
         })
         .collect()
@@ -150,11 +150,11 @@ fn quantiles(mut all: Vec<f64>) -> Vec<f32> {
         return Vec::new();
     }
     all.sort_by(f64::total_cmp);
-    let shares = TAIL
+    let fractions = TAIL
         .into_iter()
         .chain((1..50).map(|i| f64::from(i) / 50.0))
         .chain(TAIL.map(|t| 1.0 - t).into_iter().rev());
-    shares.map(|share| percentile_of_sorted(&all, share) as f32).collect()
+    fractions.map(|fraction| percentile_of_sorted(&all, fraction) as f32).collect()
 }
 
 /// The curve from drawn quantiles to those of the scans; where either has none, or all are one, it changes nothing.

@@ -123,10 +123,10 @@ fn tell(event: Event) {
         )),
         Event::Resumed(step) => note(&format!("goes on after step {step}")),
         Event::Progress(p) => {
-            let left = if p.share > 0.0 { p.pace * p.step as f64 * (1.0 / p.share - 1.0) } else { 0.0 };
+            let left = if p.fraction > 0.0 { p.pace * p.step as f64 * (1.0 / p.fraction - 1.0) } else { 0.0 };
             note(&format!(
                 "{:>3.0} %  step {:>5}  reconstruction {:.3}  latent {:.3}  patches {:.3}  responses {:.3}  features {:.3}  {:.2} s a step, {:.0} min left",
-                100.0 * p.share,
+                100.0 * p.fraction,
                 p.step,
                 p.losses.reconstruction,
                 p.losses.latent,

@@ -80,7 +80,7 @@ pub struct Progress {
     /// Steps made.
     pub step: u64,
     /// Share of the whole, from 0 to 1.
-    pub share: f64,
+    pub fraction: f64,
     /// Seconds a step.
     pub pace: f64,
     /// Losses since the last message.
@@ -225,14 +225,14 @@ impl<'a> Trainer<'a> {
     ) -> Result<(Losses, f64), TrainError> {
         let since = now();
         let spent = |before: f64| before + since.elapsed().as_secs_f64();
-        let share = |step: u64, epoch: u64, seconds: f64| match end {
+        let fraction = |step: u64, epoch: u64, seconds: f64| match end {
             End::Epochs(n) => step as f64 / (n * epoch).max(1) as f64,
             End::Time(limit) => seconds / limit.as_secs_f64().max(1e-9),
         };
         let (mut sum, mut steps) = ([0.0; 5], 0.0);
         let (mut kept, mut told) = (now(), now());
         loop {
-            let done = share(self.step, self.epoch(), spent(self.before));
+            let done = fraction(self.step, self.epoch(), spent(self.before));
             if done >= 1.0 {
                 break;
             }
@@ -249,8 +249,8 @@ impl<'a> Trainer<'a> {
                     ));
                 }
                 let pace = told.elapsed().as_secs_f64() / steps;
-                let share = share(self.step, self.epoch(), spent(self.before)).min(1.0);
-                tell(&Progress { step: self.step, share, pace, losses: self.losses });
+                let fraction = fraction(self.step, self.epoch(), spent(self.before)).min(1.0);
+                tell(&Progress { step: self.step, fraction, pace, losses: self.losses });
                 (sum, steps, told) = ([0.0; 5], 0.0, now());
             }
             if kept.elapsed() >= KEEP {
@@ -264,7 +264,7 @@ impl<'a> Trainer<'a> {
     }
 
     /// One step at a share of the whole: its losses.
-    fn once(&mut self, share: f64) -> Result<[f64; 5], TrainError> {
+    fn once(&mut self, fraction: f64) -> Result<[f64; 5], TrainError> {
         let s = self.settings;
         self.step += 1;
         // A stream of its own: a training that was broken off and resumed draws the same.
@@ -292,7 +292,7 @@ impl<'a> Trainer<'a> {
         let gradients = total.backward()?;
         // A warm start, then half a cosine down to a fiftieth.
         let warm = (self.step as f64 / 50.0).min(1.0);
-        let cosine = 0.5 + 0.5 * vb_math::cos(std::f64::consts::PI * share);
+        let cosine = 0.5 + 0.5 * vb_math::cos(std::f64::consts::PI * fraction);
         self.optimiser.step(&gradients, self.step, s.rate * warm * cosine.max(0.02))?;
         let mut values = [0.0; 5];
         for (value, loss) in

@@ -39,7 +39,7 @@ fn a_folder_of_elevation_becomes_a_model_with_its_card() {
     let model = Model::read(&dir.path().join("hills.safetensors")).unwrap();
     assert_eq!((model.header().relief, model.header().resolution), (1.5, 1.0));
     // Heights have the relief that was asked for, over a surface that is large beside its waves.
-    let request = Request { seed: 9, rows: 400, cols: 400, resolution: 1.0, share: 1.0 };
+    let request = Request { seed: 9, rows: 400, cols: 400, resolution: 1.0, fraction: 1.0 };
     let std = vb_terrain::stats::deviation(model.surface(&request).unwrap().heights());
     assert!((std / 1.5 - 1.0).abs() < 0.1, "{std}");
     let card: serde_json::Value =

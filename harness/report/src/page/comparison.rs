@@ -142,8 +142,8 @@ fn profile(s: &mut String, report: &Report, c: &Comparison) {
     for (k, p) in c.profiles.iter().enumerate() {
         let mut y = f.sy(100.0 * p.at(1.0));
         let mut d = format!("M{:.1} {y:.1}", f.sx(0.0));
-        for [factor, share] in p.steps.iter().filter(|st| st[0] > 1.0 && st[0] <= end) {
-            let next = f.sy(100.0 * share);
+        for [factor, fraction] in p.steps.iter().filter(|st| st[0] > 1.0 && st[0] <= end) {
+            let next = f.sy(100.0 * fraction);
             // Thousands of tiny steps are one line to the eye.
             if (y - next).abs() >= 0.3 {
                 let _ = write!(d, "H{:.1}V{next:.1}", f.sx(vb_math::ln(*factor)));

@@ -18,7 +18,7 @@ pub(super) struct Histogram {
     low: f64,
     width: f64,
     /// Shares of the values, by run.
-    shares: Vec<Vec<f64>>,
+    fractions: Vec<Vec<f64>>,
     counts: Vec<usize>,
 }
 
@@ -38,7 +38,7 @@ impl Histogram {
         let (low, high) = if high - low < 1e-9 { (low - 0.5, high + 0.5) } else { (low, high) };
         let low = if low > 0.0 && low < 0.25 * high { 0.0 } else { low };
         let width = (high - low) / BINS as f64;
-        let share = |v: &Vec<f64>| {
+        let fraction = |v: &Vec<f64>| {
             let mut bins = vec![0.0; BINS];
             for x in v.iter().filter(|x| x.is_finite()) {
                 bins[(((x - low) / width).max(0.0) as usize).min(BINS - 1)] += 1.0 / v.len() as f64;
@@ -48,14 +48,14 @@ impl Histogram {
         Some(Self {
             low,
             width,
-            shares: values.iter().map(share).collect(),
+            fractions: values.iter().map(fraction).collect(),
             counts: values.iter().map(Vec::len).collect(),
         })
     }
 
     /// The histograms over each other.
     pub(super) fn draw(&self, title: &str, axis: &str, labels: &[String]) -> String {
-        let top = self.shares.iter().flatten().fold(1e-9_f64, |m, v| m.max(*v));
+        let top = self.fractions.iter().flatten().fold(1e-9_f64, |m, v| m.max(*v));
         let f = Frame {
             width: 460.0,
             height: 250.0,
@@ -70,7 +70,7 @@ impl Histogram {
         f.open(&mut s, title);
         f.y_axis(&mut s, 4.0);
         f.x_axis(&mut s, 7.0);
-        for (k, bins) in self.shares.iter().enumerate() {
+        for (k, bins) in self.fractions.iter().enumerate() {
             let mut d = format!("M{:.1} {:.1}", f.sx(self.low), f.sy(0.0));
             for (b, v) in bins.iter().enumerate() {
                 let edge = self.low + b as f64 * self.width;
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_histogram_counts_every_value_once_and_draws_foreign_names_as_text() {
         let h = Histogram::new(&[vec![1.0, 2.0, 2.0, 1e9], vec![f64::NAN]]).unwrap();
-        assert!((h.shares[0].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((h.fractions[0].iter().sum::<f64>() - 1.0).abs() < 1e-12);
         let s = h.draw("a < b", "m", &["<script>".into(), "b".into()]);
         assert!(s.contains("&lt;script&gt;") && !s.contains("<script") && !s.contains("NaN"), "{s}");
         assert!(Histogram::new(&[vec![], vec![]]).is_none());

@@ -160,12 +160,12 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
         let _ = write!(s, "<tr><th>{}</th><td class=\"n\">{}</td>", escape(&run.label), grouped(f.all.tasks));
         for &k in &used {
             let n = f.all.outcomes[k];
-            let share = 100.0 * n as f64 / f.all.tasks.max(1) as f64;
+            let fraction = 100.0 * n as f64 / f.all.tasks.max(1) as f64;
             let _ = write!(
                 s,
                 "<td class=\"n\" data-v=\"{n}\">{} <small>{} %</small></td>",
                 grouped(n),
-                number(share, 1)
+                number(fraction, 1)
             );
         }
         let rate = f.all.mean(Measure::Success);
@@ -208,13 +208,13 @@ pub(super) fn worlds(s: &mut String, report: &Report) {
                         if !here || *all == 0 {
                             continue;
                         }
-                        let share = *done as f64 / *all as f64;
+                        let fraction = *done as f64 / *all as f64;
                         let name = escape(&w.name);
                         let _ = write!(
                             s,
                             "<button type=\"button\" class=\"w h{} {}\" data-world=\"{name}\" data-run=\"{k}\" title=\"{name}, {}: {done} of \
                              {all} tasks\">{done}</button>",
-                            (share * 5.999) as u32,
+                            (fraction * 5.999) as u32,
                             density.name(),
                             density.name()
                         );
@@ -283,12 +283,12 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
             for v in [most(|f| f.init), medians[medians.len() / 2], most(|f| f.p99), most(|f| f.max)] {
                 let _ = write!(s, "<td class=\"n\" data-v=\"{v}\">{}</td>", grouped(v));
             }
-            let share = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
+            let fraction = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
             let memory = most(|f| f.memory) as f64 / f64::from(1 << 20);
             let _ = write!(
                 s,
                 "<td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                number(100.0 * share, 4),
+                number(100.0 * fraction, 4),
                 number(memory, 1)
             );
         }

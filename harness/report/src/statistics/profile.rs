@@ -28,10 +28,10 @@ pub fn profiles(costs: &[Vec<Option<f64>>]) -> Vec<Profile> {
         ratios.sort_by(f64::total_cmp);
         let mut steps: Vec<[f64; 2]> = Vec::new();
         for (k, &ratio) in ratios.iter().enumerate() {
-            let share = (k + 1) as f64 / tasks as f64;
+            let fraction = (k + 1) as f64 / tasks as f64;
             match steps.last_mut() {
-                Some(last) if last[0] == ratio => last[1] = share,
-                _ => steps.push([ratio, share]),
+                Some(last) if last[0] == ratio => last[1] = fraction,
+                _ => steps.push([ratio, fraction]),
             }
         }
         Profile { steps }

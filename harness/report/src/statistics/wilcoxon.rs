@@ -60,15 +60,15 @@ pub fn wilcoxon(differences: &[f64]) -> Option<SignedRank> {
 
 /// Share of all choices of signs whose sum of positive (doubled) ranks is at most `limit`.
 fn share_at_most(ranks: &[usize], limit: usize) -> f64 {
-    let mut share = vec![0.0; limit + 1];
-    share[0] = 1.0;
+    let mut fraction = vec![0.0; limit + 1];
+    fraction[0] = 1.0;
     for &r in ranks {
         for sum in (0..=limit).rev() {
-            let with = if sum >= r { share[sum - r] } else { 0.0 };
-            share[sum] = 0.5 * (share[sum] + with);
+            let with = if sum >= r { fraction[sum - r] } else { 0.0 };
+            fraction[sum] = 0.5 * (fraction[sum] + with);
         }
     }
-    share.iter().sum()
+    fraction.iter().sum()
 }
 
 #[cfg(test)]

@@ -14,26 +14,30 @@ pub(super) fn check(driven: &[TaskRecord], limits: &Limits) -> Check {
     if used.is_empty() {
         return Check::skip(NAME, "no fuel was counted: only WASM planners that start are metered");
     }
-    let most = |share: fn(&vb_score::FuelUse) -> f64| used.iter().map(share).fold(0.0, f64::max);
+    let most = |fraction: fn(&vb_score::FuelUse) -> f64| used.iter().map(fraction).fold(0.0, f64::max);
     let memory = most(|f| f.memory_bytes as f64) / limits.memory_bytes as f64;
-    let shares = [
+    let fractions = [
         ("init_share", "of fuel_init", most(|f| f.init_share)),
         ("p99_share", "of fuel_per_step (p99)", most(|f| f.p99_share)),
         ("max_share", "of fuel_per_step (max)", most(|f| f.max_share)),
         ("memory_share", "of memory_bytes", memory),
     ];
-    let text = |(_, what, share): &(_, &str, f64)| format!("{} {what}", percent(*share));
-    let detail = shares.iter().map(text).collect::<Vec<_>>().join(", ");
-    let check = if shares.iter().any(|(.., share)| *share > MUCH) {
+    let text = |(_, what, fraction): &(_, &str, f64)| format!("{} {what}", percent(*fraction));
+    let detail = fractions.iter().map(text).collect::<Vec<_>>().join(", ");
+    let check = if fractions.iter().any(|(.., fraction)| *fraction > MUCH) {
         Check::warn(NAME, detail, "above 70 % of a limit, a harder task may go beyond it: use less")
     } else {
         Check::pass(NAME, detail)
     };
-    shares.into_iter().fold(check, |check, (name, _, share)| check.figure(name, share))
+    fractions.into_iter().fold(check, |check, (name, _, fraction)| check.figure(name, fraction))
 }
 
-fn percent(share: f64) -> String {
-    if share > 0.0 && share < 1e-4 { "under 0.01 %".into() } else { format!("{:.2} %", 100.0 * share) }
+fn percent(fraction: f64) -> String {
+    if fraction > 0.0 && fraction < 1e-4 {
+        "under 0.01 %".into()
+    } else {
+        format!("{:.2} %", 100.0 * fraction)
+    }
 }
 
 #[cfg(test)]

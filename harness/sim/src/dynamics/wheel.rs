@@ -31,23 +31,23 @@ impl Vehicle {
                 }
                 _ => None,
             };
-            let rigid = |x, y| 1.0 - ground.soil.share(x, y, ground.soil.blend);
+            let rigid = |x, y| 1.0 - ground.soil.fraction(x, y, ground.soil.blend);
             let before = std::mem::take(&mut c.facets);
             let contact = match under {
                 Under::Rigid | Under::Mixed if let Some(facets) = &facets => {
                     for (facet, contact) in facets.iter() {
                         let (x, y) = (contact.point.x, contact.point.y);
-                        let (friction, share) = match under {
+                        let (friction, fraction) = match under {
                             Under::Mixed => {
                                 (ground.semantics.rigid_friction_around(x, y, reach), rigid(x, y))
                             }
                             _ => (ground.semantics.friction_at(x, y), 1.0),
                         };
-                        if share <= 0.0 {
+                        if fraction <= 0.0 {
                             continue;
                         }
                         let mut patch = before.before(*facet, &contact.normal);
-                        c.load += motion.tyre_force(tyre, contact, friction, share, &mut patch, f, dt);
+                        c.load += motion.tyre_force(tyre, contact, friction, fraction, &mut patch, f, dt);
                         c.facets.push(*facet, contact.normal, patch);
                     }
                     None
@@ -99,7 +99,7 @@ impl Vehicle {
 impl WheelMotion {
     /// Adds the force of one contact to `f`; returns the normal force, N.
     ///
-    /// `share`, 0 to 1, is how much of the ground there is rigid. It takes its part of the whole reaction and not of the
+    /// `fraction`, 0 to 1, is how much of the ground there is rigid. It takes its part of the whole reaction and not of the
     /// depth, since a hard wheel that slides feels the ground across a small gap too, which a smaller depth would close.
     #[expect(clippy::too_many_arguments, reason = "one contact: its tyre, its ground and what it leaves")]
     fn tyre_force(
@@ -107,7 +107,7 @@ impl WheelMotion {
         tyre: &Tyre,
         contact: &Contact,
         friction: f64,
-        share: f64,
+        fraction: f64,
         patch: &mut Patch,
         f: &mut Forces,
         dt: f64,
@@ -115,11 +115,11 @@ impl WheelMotion {
         let Some(r) = tyre.react(self, contact, friction, patch, dt) else {
             return 0.0;
         };
-        f.force += r.force * share;
-        f.moment += r.moment * share;
-        f.spin_moment += r.spin_moment * share;
-        f.inertia += contact.normal * contact.normal.transpose() * (dt * tyre.damping() * share);
-        r.load * share
+        f.force += r.force * fraction;
+        f.moment += r.moment * fraction;
+        f.spin_moment += r.spin_moment * fraction;
+        f.inertia += contact.normal * contact.normal.transpose() * (dt * tyre.damping() * fraction);
+        r.load * fraction
     }
 
     /// The contact, no deeper than the wheel's motion can have made it since it was `before` (m) deep `dt` (s) ago.

@@ -147,7 +147,7 @@ impl Driveline {
         let axle = |((i, pair), x): ((usize, &Pair), &powertrain::DrivenAxle)| {
             let gain = 1.0 / x.final_drive;
             let inertia = 2.0 * pair.inertia + x.box_inertia + x.shaft_inertia * gain * gain;
-            let pull = x.share * gain;
+            let pull = x.fraction * gain;
             Axle {
                 left: 2 * i,
                 inertia,

@@ -164,7 +164,7 @@ impl SoilGround {
 
     /// Share of a load that soil carries, where rigid ground carries the rest: 0 on rigid ground, rising linearly to 1
     /// within `reach` of its edge, so that loads are handed over without a jump.
-    pub(crate) fn share(&self, x: f64, y: f64, reach: f64) -> f64 {
+    pub(crate) fn fraction(&self, x: f64, y: f64, reach: f64) -> f64 {
         let span = 2.0 * reach * self.per_metre;
         let split = |low: (usize, f64), high: (usize, f64)| {
             if low.0 == high.0 { 1.0 } else { ((1.0 - low.1) / span).clamp(0.0, 1.0) }

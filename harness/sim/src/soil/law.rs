@@ -145,8 +145,8 @@ impl Soil {
         let inverse = all(self.inverse_shear_modulus);
         let size = (state[0] * state[0] + state[1] * state[1]).sqrt();
         let way = size * inverse;
-        let share = each(simd, way, |x| self.saturation.at(x));
-        let scale = size.simd_gt(none).select(share / size, inverse);
+        let fraction = each(simd, way, |x| self.saturation.at(x));
+        let scale = size.simd_gt(none).select(fraction / size, inverse);
         let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
         let per_speed = all(dt * self.inverse_shear_modulus);
         let u = speed * per_speed;
@@ -158,8 +158,8 @@ impl Soil {
         let mobilised = [mobilise(0), mobilise(1)];
         let level = (mobilised[0] * mobilised[0] + mobilised[1] * mobilised[1]).sqrt();
         // By differences, so that where nothing slips nothing drifts.
-        let ways = |share: f64x4<S>| each(simd, share, |s| self.saturation.inverse(s));
-        let further = way + ways(level) - ways(share);
+        let ways = |fraction: f64x4<S>| each(simd, fraction, |s| self.saturation.inverse(s));
+        let further = way + ways(level) - ways(fraction);
         let further = greater(further, zero);
         let further = further.simd_lt(all(SATURATED)).select(further, all(SATURATED));
         let per_share = level.simd_gt(none).select(further / level, one) / inverse;

@@ -49,7 +49,7 @@ pub struct Envelope {
     /// Half the chord at each station.
     half: [f64; STATIONS],
     /// Length of the radius that a station stands for.
-    share: [f64; STATIONS],
+    fraction: [f64; STATIONS],
     /// (area, deflection) on flat ground, between which the relation is linear for this very sampling.
     knots: [(f64, f64); 2 * SIDE + 2],
 }
@@ -150,16 +150,16 @@ impl Envelope {
             STATIONS => r,
             _ => 0.5 * (xs[k - 1] + xs[k]),
         };
-        let share: [f64; STATIONS] = std::array::from_fn(|k| edge(k + 1) - edge(k));
+        let fraction: [f64; STATIONS] = std::array::from_fn(|k| edge(k + 1) - edge(k));
         let area = |depth: f64| -> f64 {
-            half.iter().zip(&share).map(|(h, w)| (h - (r - depth)).clamp(0.0, 2.0 * h) * w).sum()
+            half.iter().zip(&fraction).map(|(h, w)| (h - (r - depth)).clamp(0.0, 2.0 * h) * w).sum()
         };
         let knots = std::array::from_fn(|k| {
             // Stations come in pairs around the middle one, which is touched first and wholly overlapped last.
             let depth = if k <= SIDE { r - half[SIDE - k] } else { r + half[k - SIDE - 1] };
             (area(depth), depth)
         });
-        Self { radius, strip: width / 12.0_f64.sqrt(), xs, half, share, knots }
+        Self { radius, strip: width / 12.0_f64.sqrt(), xs, half, fraction, knots }
     }
 
     pub(crate) fn radius(&self) -> f64 {
@@ -202,7 +202,7 @@ impl Envelope {
         clearance.move_to(ground, self, [*hub, along, up, *axis]);
         // How far the ground is above the rim; left at nothing where both strips are surely clear of it.
         let mut above = [[0.0; STATIONS]; 2];
-        let mut shares = [[0.0; STATIONS]; 2];
+        let mut fractions = [[0.0; STATIONS]; 2];
         let origins = [-self.strip, self.strip].map(|offset| hub + axis * offset);
         for (k, (&x, &half)) in self.xs.iter().zip(&self.half).enumerate() {
             if clearance.is_clear(k) {
@@ -214,12 +214,12 @@ impl Envelope {
                 let py = origin.y + along.y * x - up.y * half;
                 let dz = nearby[s].height(px, py) - (origin.z + along.z * x - up.z * half);
                 above[s][k] = dz;
-                shares[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
+                fractions[s][k] = if dz > 0.0 { carries(px, py) } else { 0.0 };
                 highest = highest.max(dz);
             }
             clearance.note(k, -highest);
         }
-        let overlap = |gain: f64, short: f64| self.overlap(&above, &shares, gain, short);
+        let overlap = |gain: f64, short: f64| self.overlap(&above, &fractions, gain, short);
         let strips = (stands > 0.0).then(|| overlap(up.z, 0.0)).filter(|o| o.area > 0.0).map(|o| {
             // The ground's slope from strip to strip in the wheel's frame.
             let across = o.across / o.area;
@@ -269,16 +269,16 @@ impl Envelope {
     fn overlap(
         &self,
         above: &[[f64; STATIONS]; 2],
-        shares: &[[f64; STATIONS]; 2],
+        fractions: &[[f64; STATIONS]; 2],
         gain: f64,
         short: f64,
     ) -> Overlap {
         let mut sum = Overlap::default();
-        for (row, share) in above.iter().zip(shares) {
+        for (row, fraction) in above.iter().zip(fractions) {
             for k in 0..STATIONS {
                 let overlap = (row[k] * gain - short * (self.radius - self.half[k])).min(2.0 * self.half[k]);
                 if overlap > 0.0 {
-                    let part = overlap * self.share[k] * share[k];
+                    let part = overlap * self.fraction[k] * fraction[k];
                     sum.area += part;
                     sum.ahead += part * self.xs[k];
                     sum.below += part * (self.half[k] - 0.5 * overlap);

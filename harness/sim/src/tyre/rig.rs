@@ -132,7 +132,7 @@ fn road() -> Heightfield {
 #[test]
 fn a_free_wheel_rolls_on_its_effective_radius() {
     // Hard: the free radius. Rill: R_0 − d/3. Adams/Tire's Fiala: R_0 − d.
-    for (name, share) in [("rigid", 0.0), ("brush", 1.0 / 3.0), ("tmeasy", 1.0 / 3.0), ("fiala", 1.0)] {
+    for (name, fraction) in [("rigid", 0.0), ("brush", 1.0 / 3.0), ("tmeasy", 1.0 / 3.0), ("fiala", 1.0)] {
         let spec = tyre(name);
         let mut rig = Rig::rolling(&spec, 5.0);
         let ground = road();
@@ -141,7 +141,7 @@ fn a_free_wheel_rolls_on_its_effective_radius() {
         }
         let depth = rig.tyre.deflection(rig.load);
         let radius = rig.velocity.x / rig.spin;
-        let expected = spec.radius() - share * depth;
+        let expected = spec.radius() - fraction * depth;
         // Rolling resistance takes a slip of 0.015 load over a stiffness of tens of loads.
         assert!((radius / expected - 1.0).abs() < 1e-3, "{name}: {radius} {expected}");
         assert!((rig.load - rig.mass * GRAVITY).abs() < 1.0, "{name}: {}", rig.load);

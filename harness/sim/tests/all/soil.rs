@@ -94,8 +94,13 @@ fn half_the_step_or_half_the_grid_gives_the_same_wheel() {
             assert!((c.sinkage / a.sinkage - 1.0).abs() < 0.05, "{name}: grid, {} {}", a.sinkage, c.sinkage);
             // A wheel in a rut touches it along a few stations only: what a finer grid remembers of its depth, 1 mm of
             // 86 mm on dry sand, changes the pull by 6 % there.
-            let share = if passes == 1 { 0.05 } else { 0.07 };
-            assert!((c.drawbar / a.drawbar - 1.0).abs() < share, "{name}: grid, {} {}", a.drawbar, c.drawbar);
+            let fraction = if passes == 1 { 0.05 } else { 0.07 };
+            assert!(
+                (c.drawbar / a.drawbar - 1.0).abs() < fraction,
+                "{name}: grid, {} {}",
+                a.drawbar,
+                c.drawbar
+            );
         }
         // A wheel that rolls steadily on level soil is carried steadily, wherever it is on the grid.
         let [low, high] = base.run(&law, 0.2, 1).load_range;

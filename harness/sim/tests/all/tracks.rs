@@ -78,11 +78,11 @@ fn the_resistance_to_turning_falls_with_the_radius_as_in_trials() {
         let s = sim.state();
         let radius = s.velocity.x / s.angular_velocity.z;
         let moment = 0.5 * GAUGE * steering * torque / (0.2792 - 0.03);
-        let share = moment / (0.25 * weight * LENGTH) / 0.8;
+        let fraction = moment / (0.25 * weight * LENGTH) / 0.8;
         let trials = 1.0 / (0.925 + 0.15 * radius / GAUGE);
         assert!(
-            (share / trials - 1.0).abs() < 0.3,
-            "at {radius} m: {share} of all friction, trials {trials}"
+            (fraction / trials - 1.0).abs() < 0.3,
+            "at {radius} m: {fraction} of all friction, trials {trials}"
         );
         assert!(radius < 0.8 * last, "{radius} m at {steering}, {last} m before");
         last = radius;
@@ -159,13 +159,13 @@ fn of_one(law: SoilLaw) -> SoilSet {
     set
 }
 
-/// Slip and sinkage at a pull of `share` of the weight, or none if it can't.
-fn pulled(model: &VehicleModel, law: SoilLaw, share: f64) -> Option<(f64, f64)> {
+/// Slip and sinkage at a pull of `fraction` of the weight, or none if it can't.
+fn pulled(model: &VehicleModel, law: SoilLaw, fraction: f64) -> Option<(f64, f64)> {
     let world = crate::common::soil_world(Heightfield::flat(301, 301, 1.0, 0.0), TerrainClass::Sand);
     let mut sim = start(&world, model, &of_one(law), -50.0);
     let (mut slip, mut sinkage, mut count) = (0.0, 0.0_f64, 0.0);
     for i in 0..150 {
-        let pull = share * (f64::from(i) / 50.0).min(1.0);
+        let pull = fraction * (f64::from(i) / 50.0).min(1.0);
         // A load behind it that pulls as its own weight does on a slope.
         sim.set_gravity([-pull * GRAVITY, 0.0, -GRAVITY]);
         let controls = hold_speed(&sim, 2.0, 0.0);
@@ -230,13 +230,13 @@ fn slip_rises_with_the_pull_as_shear_that_builds_up_along_the_whole_track_does()
         let area = 2.0 * 0.38 * LENGTH;
         let tan = vb_math::tan(law.friction_angle_deg.to_radians());
         let most = law.cohesion * area / weight + tan;
-        let share = (0.4 + compaction(&law, sinkage, weight)) / most;
+        let fraction = (0.4 + compaction(&law, sinkage, weight)) / most;
         // The slip at which Janosi and Hanamoto's law gives that share.
         let (mut low, mut high) = (1e-6, 1.0);
         for _ in 0..60 {
             let i = 0.5 * (low + high);
             let way = i * LENGTH / law.shear_modulus;
-            if 1.0 - (1.0 - vb_math::exp(-way)) / way < share { low = i } else { high = i }
+            if 1.0 - (1.0 - vb_math::exp(-way)) / way < fraction { low = i } else { high = i }
         }
         let got = slip - free;
         // Loads gather under the wheels, most under the rear ones, where shear has built up: half the slip will do.

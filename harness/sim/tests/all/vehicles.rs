@@ -94,8 +94,8 @@ fn every_vehicle_reaches_the_top_speed_that_its_file_says_and_no_more() {
             advance(&mut sim, &name, crate::common::controls((-yaw).clamp(-1.0, 1.0), 1.0, 0.0), 0.1, 1e-3);
             fastest = fastest.max(sim.state().velocity.x);
         }
-        let share = fastest / spec.max_speed;
-        assert!((0.95..=1.01).contains(&share), "{name}: {fastest} m/s, {} in its file", spec.max_speed);
+        let fraction = fastest / spec.max_speed;
+        assert!((0.95..=1.01).contains(&fraction), "{name}: {fastest} m/s, {} in its file", spec.max_speed);
     }
 }
 

@@ -78,9 +78,9 @@ fn ground_bar(s: &mut String, w: &WorldStatistics) {
         let _ = write!(
             s,
             "<i style=\"flex:{:.4};background:rgb({r},{g},{b})\" title=\"{} {} %{soil}\"></i>",
-            c.share,
+            c.fraction,
             c.class.name(),
-            number(100.0 * c.share, 0)
+            number(100.0 * c.fraction, 0)
         );
     }
     s.push_str("</div>");
@@ -122,8 +122,8 @@ fn more(s: &mut String, w: &WorldStatistics) {
     s.push_str("</tbody></table><ul class=\"classes\">");
     for c in &w.classes {
         let soil = c.soil.map_or_else(String::new, |l| format!(", {}", l.name()));
-        let share = number(100.0 * c.share, 0);
-        let _ = write!(s, "<li>{}{} {share} %{soil}</li>", swatch(class_colour(c.class)), c.class.name());
+        let fraction = number(100.0 * c.fraction, 0);
+        let _ = write!(s, "<li>{}{} {fraction} %{soil}</li>", swatch(class_colour(c.class)), c.class.name());
     }
     s.push_str("</ul>");
     if w.tasks.is_empty() {

@@ -23,12 +23,12 @@ fn range(curves: &[Curve<'_>]) -> [f64; 2] {
     for c in curves {
         let h = c.histogram;
         let (mut sum, mut first, mut last) = (0.0, None, 0);
-        for (k, share) in h.share.iter().enumerate() {
-            sum += share;
+        for (k, fraction) in h.fraction.iter().enumerate() {
+            sum += fraction;
             if sum > TAIL && first.is_none() {
                 first = Some(k);
             }
-            if sum - share < 1.0 - TAIL {
+            if sum - fraction < 1.0 - TAIL {
                 last = k + 1;
             }
         }
@@ -45,7 +45,7 @@ pub(super) fn plot(title: &str, axis: &str, curves: &[Curve<'_>]) -> String {
     let [x0, x1] = range(curves);
     let top = curves
         .iter()
-        .flat_map(|c| c.histogram.share.iter().map(|s| s / c.histogram.width))
+        .flat_map(|c| c.histogram.fraction.iter().map(|s| s / c.histogram.width))
         .fold(0.0, f64::max)
         .max(1e-12);
     let f = Frame {
@@ -64,16 +64,16 @@ pub(super) fn plot(title: &str, axis: &str, curves: &[Curve<'_>]) -> String {
     for c in curves {
         let histogram = c.histogram;
         let mut d = format!("M{:.1} {:.1}", f.sx(histogram.low), f.sy(0.0));
-        for (k, share) in histogram.share.iter().enumerate() {
+        for (k, fraction) in histogram.fraction.iter().enumerate() {
             let edge = histogram.low + k as f64 * histogram.width;
             // What lies in the tails, beyond the range, is not drawn at its edge.
             if edge + histogram.width <= x0 + 1e-9 || edge >= x1 - 1e-9 {
                 continue;
             }
-            let y = f.sy(share / histogram.width);
+            let y = f.sy(fraction / histogram.width);
             let _ = write!(d, "L{:.1} {y:.1}L{:.1} {y:.1}", f.sx(edge), f.sx(edge + histogram.width));
         }
-        let end = histogram.low + histogram.share.len() as f64 * histogram.width;
+        let end = histogram.low + histogram.fraction.len() as f64 * histogram.width;
         let _ = write!(d, "L{:.1} {:.1}", f.sx(end), f.sy(0.0));
         let _ = write!(s, "<path class=\"curve c{}\" d=\"{d}\"/>", c.colour);
     }
@@ -90,8 +90,8 @@ pub(super) fn plot(title: &str, axis: &str, curves: &[Curve<'_>]) -> String {
 mod tests {
     use super::*;
 
-    fn curve(low: f64, share: &[f64]) -> Histogram {
-        Histogram { low, width: 1.0, share: share.to_vec() }
+    fn curve(low: f64, fraction: &[f64]) -> Histogram {
+        Histogram { low, width: 1.0, fraction: fraction.to_vec() }
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub struct ClassFigures {
     /// The class.
     pub class: TerrainClass,
     /// Share of the area of all worlds, 0 to 1.
-    pub share: f64,
+    pub fraction: f64,
     /// Worlds in which it occurs.
     pub worlds: usize,
     /// Friction, weighted by area; none where the ground yields.
@@ -269,7 +269,7 @@ impl Survey {
             let soft = class.is_deformable();
             ClassFigures {
                 class,
-                share: f[0] / total,
+                fraction: f[0] / total,
                 worlds: with.len(),
                 friction: (!soft).then_some(friction),
                 soil: soft.then_some(levels),

@@ -104,11 +104,11 @@ impl Tally {
         }
         let (first, last) = match (wide.keys().next(), wide.keys().next_back()) {
             (Some(&a), Some(&b)) => (a, b),
-            _ => return Histogram { low: 0.0, width: self.width * times as f64, share: Vec::new() },
+            _ => return Histogram { low: 0.0, width: self.width * times as f64, fraction: Vec::new() },
         };
         let width = self.width * times as f64;
-        let share = |bin| wide.get(&bin).map_or(0.0, |&n| n as f64 / self.count as f64);
-        Histogram { low: first as f64 * width, width, share: (first..=last).map(share).collect() }
+        let fraction = |bin| wide.get(&bin).map_or(0.0, |&n| n as f64 / self.count as f64);
+        Histogram { low: first as f64 * width, width, fraction: (first..=last).map(fraction).collect() }
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Histogram {
     /// Width of a bin.
     pub width: f64,
     /// Share of all values in each bin, 0 to 1.
-    pub share: Vec<f64>,
+    pub fraction: Vec<f64>,
 }
 
 #[cfg(test)]
@@ -155,7 +155,7 @@ mod tests {
         // Bins of 1 from -1: [-1, 0), [0, 1), [1, 2), [2, 3).
         let h = t.histogram(2);
         assert_eq!((h.low, h.width), (-1.0, 1.0));
-        assert_eq!(h.share, [0.25, 0.5, 0.0, 0.25]);
+        assert_eq!(h.fraction, [0.25, 0.5, 0.0, 0.25]);
         let mut both = t.clone();
         both.merge(&t);
         assert_eq!(both.histogram(2), h);

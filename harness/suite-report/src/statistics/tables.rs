@@ -24,8 +24,8 @@ fn fixed(value: f64, digits: usize) -> String {
     format!("{value:.digits$}")
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.1}", 100.0 * share)
+fn percent(fraction: f64) -> String {
+    format!("{:.1}", 100.0 * fraction)
 }
 
 fn or_empty<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
@@ -153,7 +153,7 @@ impl SuiteStatistics {
 
     fn ground(&self) -> Table {
         let rows = self.classes.iter().map(|c| {
-            let mut row = vec![c.class.name().to_owned(), percent(c.share), c.worlds.to_string()];
+            let mut row = vec![c.class.name().to_owned(), percent(c.fraction), c.worlds.to_string()];
             let friction = c.friction.map(|f| [f.mean, f.std, f.min, f.max]);
             row.extend((0..4).map(|k| or_empty(friction, |f| fixed(f[k], 3))));
             row.extend((0..3).map(|k| or_empty(c.soil, |s| s[k].to_string())));

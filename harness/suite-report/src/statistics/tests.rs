@@ -70,13 +70,13 @@ fn a_task_has_the_figures_of_its_path() {
 #[test]
 fn classes_have_their_share_of_the_area_and_soil_its_level() {
     let w = WorldStatistics::of(&patches());
-    let shares: Vec<_> = w.classes.iter().map(|c| (c.class, c.share, c.soil)).collect();
+    let fractions: Vec<_> = w.classes.iter().map(|c| (c.class, c.fraction, c.soil)).collect();
     let expected = [
         (TerrainClass::Clay, 0.5, None),
         (TerrainClass::Rock, 0.25, None),
         (TerrainClass::Mud, 0.25, Some(SoilLevel::Hard)),
     ];
-    assert_eq!(shares, expected);
+    assert_eq!(fractions, expected);
     let friction = w.friction.unwrap();
     assert_eq!((friction.count, friction.min, friction.max), (3, 0.4, 0.8));
 }
@@ -102,7 +102,7 @@ fn a_suite_adds_its_worlds_up_by_label_class_and_density() {
     // Clay: 64 m² at 0.6, 16 m² at 0.4 and at 0.8 of 128 m²: share 0.75, mean 0.6, variance 32 · 0.04 / 96.
     let clay = &s.classes[0];
     let f = clay.friction.unwrap();
-    assert_eq!((clay.class, clay.worlds, clay.share), (TerrainClass::Clay, 2, 0.75));
+    assert_eq!((clay.class, clay.worlds, clay.fraction), (TerrainClass::Clay, 2, 0.75));
     assert!((f.mean - 0.6).abs() < 1e-12 && (f.std - (0.04f64 / 3.0).sqrt()).abs() < 1e-9, "{f:?}");
     assert_eq!((f.min, f.max), (0.4, 0.8));
     let mud = s.classes.iter().find(|c| c.class == TerrainClass::Mud).unwrap();

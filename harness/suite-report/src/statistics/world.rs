@@ -41,7 +41,7 @@ pub struct ClassShare {
     /// The class.
     pub class: TerrainClass,
     /// Share of the area, 0 to 1.
-    pub share: f64,
+    pub fraction: f64,
     /// How firm it is, where it yields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soil: Option<SoilLevel>,
@@ -188,7 +188,11 @@ impl WorldStatistics {
         let patches = s.classes.len() as f64;
         let classes = TerrainClass::ALL.into_iter().filter_map(|class| {
             let count = s.classes.iter().filter(|c| **c == class).count();
-            (count > 0).then(|| ClassShare { class, share: count as f64 / patches, soil: s.soil.of(class) })
+            (count > 0).then(|| ClassShare {
+                class,
+                fraction: count as f64 / patches,
+                soil: s.soil.of(class),
+            })
         });
         let rigid = s.classes.iter().zip(&s.friction).filter(|(c, _)| !c.is_deformable());
         let extent = [2.0 * h.half_x(), 2.0 * h.half_y()];

@@ -432,8 +432,8 @@ mod tests {
         assert_eq!([p.obstacles.trees.sparse, p.obstacles.trees.medium, p.obstacles.trees.dense], [1, 2, 3]);
         assert_eq!(p.ground.friction.get(TerrainClass::Grass), Some(Normal { mean: 0.36, std: 0.07 }));
         assert_eq!(p.ground.friction.get(TerrainClass::Snow), None);
-        for (level, share) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
-            assert!((p.elevation.std.get(level) - p.elevation.std.high * share).abs() < 1e-12);
+        for (level, fraction) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
+            assert!((p.elevation.std.get(level) - p.elevation.std.high * fraction).abs() < 1e-12);
         }
         assert_eq!(p.path, PathParams::default());
     }

@@ -61,9 +61,9 @@ impl Surfaces<'_> {
     }
 
     fn draw(&self, seed: u64) -> Result<Heightfield, GenerateError> {
-        let share = self.std / self.model.header().relief;
+        let fraction = self.std / self.model.header().relief;
         let request =
-            Request { seed, rows: self.nodes, cols: self.nodes, resolution: self.resolution, share };
+            Request { seed, rows: self.nodes, cols: self.nodes, resolution: self.resolution, fraction };
         let grid = self.fields.grid;
         let surface =
             self.model.surface(&request).map_err(|source| GenerateError::Surface { grid, source })?;

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use sha2::{Digest as _, Sha256};
 use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
-use vb_terrain::{GenerateError, Model, ModelError, Request, share};
+use vb_terrain::{GenerateError, Model, ModelError, Request, fraction};
 use vb_world::{Elevation, Heightfield};
 
 fn shipped() -> PathBuf {
@@ -21,7 +21,7 @@ fn model() -> &'static Model {
 }
 
 fn draw(seed: u64, nodes: usize, resolution: f64) -> Heightfield {
-    model().surface(&Request { seed, rows: nodes, cols: nodes, resolution, share: 1.0 }).unwrap()
+    model().surface(&Request { seed, rows: nodes, cols: nodes, resolution, fraction: 1.0 }).unwrap()
 }
 
 fn hash(surface: &Heightfield) -> String {
@@ -36,7 +36,7 @@ fn hash(surface: &Heightfield) -> String {
 fn the_same_model_and_seed_give_the_same_bits_on_any_machine() {
     // A snapshot for determinism, not for quality: it changes with the model, and with nothing else. The resolution of 0.7 m
     // goes through the resampling kernel's arithmetic too.
-    let request = Request { seed: 7, rows: 65, cols: 97, resolution: 0.7, share: 0.6 };
+    let request = Request { seed: 7, rows: 65, cols: 97, resolution: 0.7, fraction: 0.6 };
     let surface = model().surface(&request).unwrap();
     assert_eq!(hash(&surface), "58425d5429477407ae0c6098b49f00a152b787e78b7d7fdca25eb2af5cd3661e");
     assert_eq!(surface, model().surface(&request).unwrap());
@@ -80,7 +80,7 @@ fn a_coarser_resolution_holds_every_second_node() {
 #[test]
 fn levels_are_30_60_and_100_percent_of_the_relief() {
     let std = |level| {
-        let request = Request { seed: 1, rows: 129, cols: 129, resolution: 1.0, share: share(level) };
+        let request = Request { seed: 1, rows: 129, cols: 129, resolution: 1.0, fraction: fraction(level) };
         deviation(model().surface(&request).unwrap().heights())
     };
     let high = std(Elevation::High);
@@ -110,10 +110,10 @@ fn slopes_up_to_the_steepest_and_the_spectrum_are_those_of_scans_that_the_model_
             spectrum.add(&window);
         }
     }
-    for (share, real) in [0.5, 0.9, 0.95, 0.99, 0.995].into_iter().zip(real) {
-        let drawn = percentile(&mut steep, share);
-        eprintln!("p{}: {drawn:.2}, scans {real:.2}", 100.0 * share);
-        assert!((drawn / real - 1.0).abs() < 0.05, "p{}: {drawn}, scans {real}", 100.0 * share);
+    for (fraction, real) in [0.5, 0.9, 0.95, 0.99, 0.995].into_iter().zip(real) {
+        let drawn = percentile(&mut steep, fraction);
+        eprintln!("p{}: {drawn:.2}, scans {real:.2}", 100.0 * fraction);
+        assert!((drawn / real - 1.0).abs() < 0.05, "p{}: {drawn}, scans {real}", 100.0 * fraction);
     }
     let drawn = exponent(&spectrum.radial(), 1..=10);
     eprintln!("power ~ k^{drawn:.2}, scans k^{real_exponent:.2}");
@@ -131,7 +131,7 @@ fn heights_and_slopes_are_near_those_of_the_originals_worlds() {
         std += deviation(s.heights()) / 12.0;
         steep.extend(slopes(s.heights(), 129, 1.0));
     }
-    let [p50, p95, p99] = [0.5, 0.95, 0.99].map(|share| percentile(&mut steep, share));
+    let [p50, p95, p99] = [0.5, 0.95, 0.99].map(|fraction| percentile(&mut steep, fraction));
     assert!((std / 0.547 - 1.0).abs() < 0.1, "{std}");
     for (drawn, original) in [(p50, 14.9), (p95, 34.5), (p99, 48.5)] {
         assert!((drawn / original - 1.0).abs() < 0.1, "{drawn} {original}");
@@ -197,7 +197,7 @@ fn no_lattice_of_cells_or_tiles_shows_in_the_spectrum() {
 
 #[test]
 fn requests_that_make_no_sense_are_refused() {
-    let good = Request { seed: 0, rows: 9, cols: 9, resolution: 1.0, share: 1.0 };
+    let good = Request { seed: 0, rows: 9, cols: 9, resolution: 1.0, fraction: 1.0 };
     let why = |r: Request| model().surface(&r).unwrap_err();
     assert_eq!(why(Request { rows: 1, ..good }), GenerateError::Nodes(1));
     assert_eq!(why(Request { cols: 100_000, ..good }), GenerateError::Nodes(100_000));
@@ -211,8 +211,8 @@ fn requests_that_make_no_sense_are_refused() {
         why(Request { rows: 8000, cols: 8000, resolution: 50.0, ..good }),
         GenerateError::Extent { .. }
     ));
-    for share in [0.0, f64::NAN, 1e9] {
-        assert!(matches!(why(Request { share, ..good }), GenerateError::Share(_)), "{share}");
+    for fraction in [0.0, f64::NAN, 1e9] {
+        assert!(matches!(why(Request { fraction, ..good }), GenerateError::Share(_)), "{fraction}");
     }
 }
 

@@ -244,10 +244,10 @@ fn files_that_were_cut_short_or_are_something_else_are_told_apart() {
         ("a.tif", geotiff(&SIX, None, &metric(), None)),
     ];
     for (name, bytes) in whole {
-        for share in [0.3, 0.6, 0.9] {
-            let cut = f.file(name, &bytes[..(share * bytes.len() as f64) as usize]);
+        for fraction in [0.3, 0.6, 0.9] {
+            let cut = f.file(name, &bytes[..(fraction * bytes.len() as f64) as usize]);
             let flaw = flaw(&cut);
-            assert!(matches!(flaw, Flaw::Truncated(_) | Flaw::Damaged(_)), "{name} at {share}: {flaw:?}");
+            assert!(matches!(flaw, Flaw::Truncated(_) | Flaw::Damaged(_)), "{name} at {fraction}: {flaw:?}");
         }
         assert!(matches!(
             flaw(&f.file(name, b"elevation of a mountain")),

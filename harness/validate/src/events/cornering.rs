@@ -256,7 +256,7 @@ fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // Locked differentials push the sides of the vehicle against each other, and so its links up and down.
         if !bench.winds_up() {
             let source = "equivalence: the roll on a table tilted by atan(a/g), over cos";
-            o.theory(name, Expected::share(lean, 0.15), source);
+            o.theory(name, Expected::fraction(lean, 0.15), source);
         }
     }
     plot.line(LineKind::Ours, 0, "in the corner", corner);

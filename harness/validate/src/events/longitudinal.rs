@@ -76,13 +76,17 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 maps.insert(target as i32, t);
                 if throttle < 0.5 && known && !spins {
                     let name = format!("{case}: time to {} m/s", pace.speed_label(target));
-                    o.theory(name, Expected::share(t, 0.05), POINT_MASS);
+                    o.theory(name, Expected::fraction(t, 0.05), POINT_MASS);
                 }
             }
         }
         p.drive_for(seconds, throttle, 0.0);
         if known {
-            o.theory(format!("{case}: speed after {seconds} s"), Expected::share(p.speed, 0.05), POINT_MASS);
+            o.theory(
+                format!("{case}: speed after {seconds} s"),
+                Expected::fraction(p.speed, 0.05),
+                POINT_MASS,
+            );
         }
         let label = |v: f64| pace.speed_label(v);
         let measured = |v: f64| o.value(&format!("{case}: time to {} m/s", label(v))).unwrap_or(f64::NAN);
@@ -92,7 +96,7 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         );
         o.figure(name.clone(), span, "s");
         if let (Some(a), Some(b), true) = (maps.get(&10), maps.get(&20), known) {
-            o.theory(name, Expected::share(b - a, 0.05), POINT_MASS);
+            o.theory(name, Expected::fraction(b - a, 0.05), POINT_MASS);
         }
         let series = d.finish();
         let points = series.pairs("t", "vx");
@@ -225,10 +229,10 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let shortest = v * v / (2.0 * friction * GRAVITY);
         if pedal < 1.0 && PointMass::knows(bench) {
             let distance = PointMass::new(bench, friction, v).stop(pedal);
-            o.theory(format!("{label}: distance"), Expected::share(distance, 0.05), POINT_MASS);
+            o.theory(format!("{label}: distance"), Expected::fraction(distance, 0.05), POINT_MASS);
         } else if from >= 10.0 && locks(bench, friction) {
             let source = "friction: v² / 2 μ g with all wheels at the limit";
-            o.theory(format!("{label}: distance"), Expected::share(shortest, 0.05), source);
+            o.theory(format!("{label}: distance"), Expected::fraction(shortest, 0.05), source);
         } else {
             // The tenth of a second in which brake, wheel and carcass build up their force is no small part of it.
             let source = "friction: no less than v² / 2 μ g";
@@ -287,7 +291,7 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             o.figure(name.clone(), d.state().velocity.x, "m/s");
             p.drive_for(after, 0.0, 0.0);
             if p.speed > bench.pace.speed(0.5) && PointMass::knows(bench) {
-                o.theory(name, Expected::share(p.speed, 0.05), POINT_MASS);
+                o.theory(name, Expected::fraction(p.speed, 0.05), POINT_MASS);
             }
         }
         if bench.creeps() {

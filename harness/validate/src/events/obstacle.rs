@@ -55,7 +55,7 @@ struct Wheel<'a> {
     /// Weight on it, N.
     load: f64,
     /// Mass of a wheel's share of the vehicle, and its own, kg.
-    share: f64,
+    fraction: f64,
     own: f64,
     spin_inertia: f64,
     friction: f64,
@@ -90,11 +90,11 @@ impl Wheel<'_> {
         stand
     }
 
-    /// Driven at a rim speed of `share` of √(g r) from rest at a place, pushed along x by `push` (N): until it has come to
+    /// Driven at a rim speed of `fraction` of √(g r) from rest at a place, pushed along x by `push` (N): until it has come to
     /// `goal` (over the radius) along x, or not in 12 √(r/g). Also the mean torque over its weight and radius in the second
     /// half of the time.
     fn drive(&self, ground: &Heightfield, friction: f64, at: [f64; 2], push: f64, goal: f64) -> (bool, f64) {
-        let mut stand = self.stand([self.share; 2], at[0], at[1]);
+        let mut stand = self.stand([self.fraction; 2], at[0], at[1]);
         stand.spin = 0.2 * self.pace() / self.radius;
         let steps = (12.0 * self.beat() / self.step) as usize;
         let (mut torque, mut count) = (0.0, 0.0);
@@ -189,12 +189,12 @@ fn obstacles(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         tyre
     });
     let hard = hard.as_ref();
-    let share = g.mass / g.corners.len() as f64;
+    let fraction = g.mass / g.corners.len() as f64;
     let wheel = |tyre| {
         let friction = bench.grip(0.9);
         let (radius, own) = (TyreSpec::radius(tyre), axle.unsprung_mass);
-        let (load, spin_inertia, step) = (share * GRAVITY, axle.spin_inertia, bench.options.step);
-        Wheel { tyre, radius, load, share, own, spin_inertia, friction, step }
+        let (load, spin_inertia, step) = (fraction * GRAVITY, axle.spin_inertia, bench.options.step);
+        Wheel { tyre, radius, load, fraction, own, spin_inertia, friction, step }
     };
     if let Some(tyre) = hard {
         driven(&mut o, "hard", &wheel(tyre), 1.0)?;
@@ -231,7 +231,7 @@ fn driven(o: &mut Outcome, kind: &str, w: &Wheel<'_>, loose: f64) -> Result<(), 
         let expected = if loose > 1.0 {
             Expected::Between(0.95 * theory, 1.05 * step(chord * mu * level * level))
         } else {
-            Expected::share(theory, 0.05)
+            Expected::fraction(theory, 0.05)
         };
         o.expect(
             &format!("{kind}: highest step climbed over the radius, μ {mu:.1}"),
@@ -266,7 +266,7 @@ fn driven(o: &mut Outcome, kind: &str, w: &Wheel<'_>, loose: f64) -> Result<(), 
             ),
             torque,
             "",
-            Expected::share(theory, 0.03 * loose),
+            Expected::fraction(theory, 0.03 * loose),
             "statics: friction in full at floor and facet",
         );
     }
@@ -279,7 +279,7 @@ fn driven(o: &mut Outcome, kind: &str, w: &Wheel<'_>, loose: f64) -> Result<(), 
         &format!("{kind}: push that lifts it up a facet of 80°, over weight, μ {mu:.1}"),
         found,
         "",
-        Expected::share(theory, 0.05 * loose),
+        Expected::fraction(theory, 0.05 * loose),
         "statics: tan(angle − atan μ)",
     );
     Ok(())
@@ -317,7 +317,7 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
         );
     };
     let inelastic = "impact without bounce or slip: 1 − (M cos θ + k)² / ((M cos² θ + m sin² θ + k)(M + k))";
-    for (label, mass) in [("wheel alone", alone), ("with its share of the vehicle", [w.share, w.own])] {
+    for (label, mass) in [("wheel alone", alone), ("with its share of the vehicle", [w.fraction, w.own])] {
         for h in [0.15, 0.4] {
             let angle = acos(1.0 - h);
             let ground = w.ground(|x| if x > -1e-9 { h } else { 0.0 });
@@ -373,7 +373,7 @@ fn free(o: &mut Outcome, w: &Wheel<'_>) {
         "hard: acceleration rolling down a facet of 20°",
         rate,
         "m/s²",
-        Expected::share(theory, 0.02),
+        Expected::fraction(theory, 0.02),
         "g sin / (1 + J/(m r²))",
     );
 }
@@ -392,7 +392,7 @@ mod tests {
             tyre: &spec.tyre,
             radius,
             load: 6000.0,
-            share: 600.0,
+            fraction: 600.0,
             own,
             spin_inertia,
             friction: 0.9,

@@ -20,7 +20,7 @@ fn standing(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     d.hold(5.0, |_| BRAKES)?;
     let s = d.state();
     let sum: f64 = s.wheels.iter().map(|w| w.load).sum();
-    o.expect("sum of wheel loads", sum, "N", Expected::share(g.weight(), 1e-3), "weight m g");
+    o.expect("sum of wheel loads", sum, "N", Expected::fraction(g.weight(), 1e-3), "weight m g");
     for (c, w) in g.corners.iter().zip(&s.wheels) {
         o.figure(format!("load {}", c.name), w.load, "N");
     }

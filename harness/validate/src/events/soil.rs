@@ -52,7 +52,7 @@ fn rest(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let (expected, source) = if d.sim().contact_steps() > 0 {
             (Expected::Between(0.0, weight), "weight m g, less what the hull bears, which lies on the soil")
         } else {
-            (Expected::share(weight, 0.01), "weight m g")
+            (Expected::fraction(weight, 0.01), "weight m g")
         };
         o.expect(&format!("{name}: sum of wheel loads"), sum, "N", expected, source);
         o.series.push(d.finish());

@@ -178,13 +178,13 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             o.note(format!("{name}: the wheel sinks in beyond its radius; there is no theory of that."));
             continue;
         };
-        o.theory(sinkage, Expected::share(1e3 * wheel.sinkage, SHARE), SMOOTH);
+        o.theory(sinkage, Expected::fraction(1e3 * wheel.sinkage, SHARE), SMOOTH);
         let expected = wheel.resistance / LOAD;
         let tolerance = (SHARE * expected).max(LEAST);
         o.theory(resistance, Expected::Within { value: expected, tolerance }, SMOOTH);
         let first = o.theory.len();
         let most = (thrust(&law, &wheel) - wheel.resistance) / LOAD;
-        o.theory(&greatest, Expected::share(most, SHARE), "(A c + W tan φ − Rc) / W (Wong 2008, ch. 2)");
+        o.theory(&greatest, Expected::fraction(most, SHARE), "(A c + W tan φ − Rc) / W (Wong 2008, ch. 2)");
         let contact = THE_WHEEL.contact(&law, strongest.sinkage);
         let adhesion = THE_WHEEL.breadth * law.cohesion * (contact.iter().sum::<f64>() + overhang(contact));
         o.theory(

@@ -114,8 +114,8 @@ fn trip(bench: &Bench<'_>, case: &str, block: &Block, o: &mut Outcome) -> Result
 }
 
 fn trips(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimError> {
-    let share = bench.geometry.mass / bench.geometry.corners.len() as f64;
-    let hard = stiff(&hard(bench.spec, share));
+    let fraction = bench.geometry.mass / bench.geometry.corners.len() as f64;
+    let hard = stiff(&hard(bench.spec, fraction));
     let rigid = Bench::new(&hard, bench.soils, bench.options.step)?;
     let theory = Block::new(&rigid)?;
     if theory.holding(theory.reach[0]) < TIP_FRICTION {
@@ -149,11 +149,11 @@ fn trips(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimErr
 /// On its hard tyre, as the cylinder that theory knows, where it has one. Theory's impact has no bounce, neither up nor aside, so
 /// both dampings are at least critical for a wheel's share of the mass (kg): a tyre that springs back sideways trips the vehicle
 /// by up to twice the impulse.
-fn hard(spec: &VehicleSpec, share: f64) -> VehicleSpec {
+fn hard(spec: &VehicleSpec, fraction: f64) -> VehicleSpec {
     let mut spec = spec.clone().with_tyre("rigid").unwrap_or_else(|_| spec.clone());
     if let TyreSpec::Rigid(t) = &mut spec.tyre {
         t.dilation = None;
-        let critical = |stiffness: f64| 2.0 * (stiffness * share).sqrt();
+        let critical = |stiffness: f64| 2.0 * (stiffness * fraction).sqrt();
         t.vertical_damping = t.vertical_damping.max(critical(t.vertical_stiffness));
         t.tangential_damping = t.tangential_damping.max(critical(t.tangential_stiffness));
     }
@@ -543,7 +543,7 @@ fn slide(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         "roof: way of a slide from 5 m/s",
         way,
         "m",
-        Expected::share(speed * speed / (2.0 * friction * GRAVITY), 0.05),
+        Expected::fraction(speed * speed / (2.0 * friction * GRAVITY), 0.05),
         "v² / 2 μ g",
     );
     o.series.push(d.finish());

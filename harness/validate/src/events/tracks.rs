@@ -79,16 +79,16 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.figure(&label, radius, "m");
         if steering < 1.0 {
             let moment = 0.5 * t.gauge * steering * t.data.steering_torque / t.pitch_radius;
-            let share = moment / (0.25 * t.friction * bench.geometry.weight() * t.length);
+            let fraction = moment / (0.25 * t.friction * bench.geometry.weight() * t.length);
             let expected = 1.0 / (0.925 + 0.15 * radius / t.gauge);
             o.expect(
                 &format!("steering {steering}: moment over μ W L/4"),
-                share,
+                fraction,
                 "",
-                Expected::share(expected, 0.3),
+                Expected::fraction(expected, 0.3),
                 "Nikitin's formula from trials, 1/(0.925 + 0.15 R/B) (Wong 2008, ch. 6)",
             );
-            ours.push([radius, share]);
+            ours.push([radius, fraction]);
             trials.push([radius, expected]);
         } else {
             o.theory(
@@ -128,14 +128,14 @@ fn pulled(
     bench: &Bench<'_>,
     t: &Track<'_>,
     set: &SoilSet,
-    share: f64,
+    fraction: f64,
 ) -> Result<Option<(f64, f64)>, SimError> {
     let world = soil(TerrainClass::Sand, 300.0, 60.0, 0.0);
     let mut d = Drive::on_soil(bench, set, "pull", &world, -100.0)?;
     let (mut slip, mut sinkage, mut count) = (0.0, 0.0_f64, 0.0);
     for k in 0..150 {
         // A load behind it that pulls as its own weight does on a slope.
-        let pull = share * (f64::from(k) / 50.0).min(1.0);
+        let pull = fraction * (f64::from(k) / 50.0).min(1.0);
         d.sim().set_gravity([-pull * vb_vehicle::GRAVITY, 0.0, -vb_vehicle::GRAVITY]);
         d.hold(0.1, |s| bench.pace.hold_speed(s, 2.0, 0.0))?;
         let s = d.state();
@@ -178,10 +178,10 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // A bent belt is longer than the ground under it: that is none of the soil's slip.
         let free = pulled(bench, &t, &set, 0.0)?.map_or(f64::NAN, |p| p.0);
         let (mut points, mut deepest) = (Vec::new(), 0.0);
-        let greatest = largest(0.0, 0.8, 0.02, |share| {
-            let at = pulled(bench, &t, &set, share)?;
+        let greatest = largest(0.0, 0.8, 0.02, |fraction| {
+            let at = pulled(bench, &t, &set, fraction)?;
             if let Some((slip, sinkage)) = at {
-                points.push([slip - free, share]);
+                points.push([slip - free, fraction]);
                 deepest = sinkage;
             }
             Ok(at.is_some())
@@ -192,7 +192,7 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             &format!("{name}: greatest pull over weight"),
             greatest,
             "",
-            Expected::share(most - resistance(deepest), 0.15),
+            Expected::fraction(most - resistance(deepest), 0.15),
             "A c/W + tan φ, less the resistance of its rut, 2 b ∫ p dz (Bekker 1969; Wong 2008, ch. 2)",
         );
         let curve = (1..=40).map(|k| 0.01 * f64::from(k)).map(|i| {

@@ -179,7 +179,7 @@ fn lifts(bench: &Bench<'_>, statics: &Statics<'_>, o: &mut Outcome) -> Result<()
         "diagonal: height at which a wheel lifts",
         bench.pace.length(found),
         "m",
-        Expected::share(bench.pace.length(expected), 0.05),
+        Expected::fraction(bench.pace.length(expected), 0.05),
         "statics of springs, stops, bars and tyres",
     );
     Ok(())

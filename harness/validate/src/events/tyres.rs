@@ -104,10 +104,10 @@ fn fitted(o: &mut Outcome, spec: &TyreSpec, load: f64) {
     let name = spec.model();
     let mut along = Plot::new("Longitudinal force over slip and load", "slip κ", "force, kN");
     let mut across = Plot::new("Lateral force over slip angle and load", "slip angle, °", "force, kN");
-    for share in LOADS {
-        let (rolled, cornered) = curves(spec, share * load);
+    for fraction in LOADS {
+        let (rolled, cornered) = curves(spec, fraction * load);
         let kilo = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, y]| [x, 1e-3 * y]).collect();
-        let label = format!("{name}, {:.1} kN", 1e-3 * share * load);
+        let label = format!("{name}, {:.1} kN", 1e-3 * fraction * load);
         along.ours(label.clone(), kilo(rolled.pairs("slip", "Fx")));
         across.ours(label, kilo(cornered.pairs("slip angle", "Fy")));
     }

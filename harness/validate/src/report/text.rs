@@ -36,7 +36,7 @@ mod tests {
     fn numbers_have_the_digits_that_tell_them_apart() {
         let shown = [24_461.8, 126.57, 12.461, 0.645, -0.0123, 0.0, 1e-9].map(number);
         assert_eq!(shown, ["24462", "126.6", "12.46", "0.645", "−0.01230", "0", "0"]);
-        assert_eq!(expected(Expected::share(12.461, 0.05)), "12.46 ± 0.623");
+        assert_eq!(expected(Expected::fraction(12.461, 0.05)), "12.46 ± 0.623");
         assert_eq!(expected(Expected::Between(1.0, 2.0)), "1.000 … 2.000");
     }
 }

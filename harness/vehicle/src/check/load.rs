@@ -28,15 +28,15 @@ impl Check<'_> {
         let sprung =
             |i: usize| !matches!(v.axles[i].suspension.linkage, Linkage::Rigid(_) | Linkage::PivotAxle(_));
         if let [front, rear] = places[..] {
-            let share = (v.chassis.com[0] - rear) / (front - rear);
-            if !(0.0..=1.0).contains(&share) {
+            let fraction = (v.chassis.com[0] - rear) / (front - rear);
+            if !(0.0..=1.0).contains(&fraction) {
                 let reason = format!(
                     "its x of {} lies outside the axles, which are at {front} and {rear}: the vehicle falls over",
                     v.chassis.com[0]
                 );
                 return self.fail("chassis.com", reason);
             }
-            for (i, part) in [(0, share), (1, 1.0 - share)] {
+            for (i, part) in [(0, fraction), (1, 1.0 - fraction)] {
                 if !sprung(i) {
                     continue;
                 }

@@ -150,13 +150,13 @@ impl Check<'_> {
         }
         for (i, a) in d.axles.iter().enumerate() {
             let at = |f: &str| format!("powertrain.driveline.axles[{i}].{f}");
-            self.positive(&at("share"), a.share)?;
+            self.positive(&at("share"), a.fraction)?;
             self.positive(&at("final_drive"), a.final_drive)?;
             self.not_negative(&at("shaft_inertia"), a.shaft_inertia)?;
             self.not_negative(&at("box_inertia"), a.box_inertia)?;
             self.differential(&at("differential"), a.differential)?;
         }
-        let sum: f64 = d.axles.iter().map(|a| a.share).sum();
+        let sum: f64 = d.axles.iter().map(|a| a.fraction).sum();
         if (sum - 1.0).abs() > 1e-6 {
             return self
                 .fail("powertrain.driveline.axles", format!("the shares make {sum}; they must make 1"));

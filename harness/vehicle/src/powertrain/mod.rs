@@ -155,7 +155,8 @@ pub struct Driveline {
 #[serde(deny_unknown_fields)]
 pub struct DrivenAxle {
     /// Share of the gearbox's torque, as an open centre differential gives it; all shares make 1.
-    pub share: f64,
+    #[serde(rename = "share")]
+    pub fraction: f64,
     /// Speed of the differential's box over that of the axle's drive shaft.
     pub final_drive: f64,
     /// Inertia of the axle's drive shaft, at its speed, kg m².

@@ -47,7 +47,7 @@ pub(super) struct Track {
     length: f64,
     footprint: Footprint<TRACK>,
     /// To which wheels a station's force goes: the wheel in front, and the share of the one behind.
-    shares: [(usize, f64); TRACK],
+    fractions: [(usize, f64); TRACK],
     // Of this step.
     /// Forward force of ground and obstacles along the belt at each wheel, N.
     thrust: Vec<f64>,
@@ -158,7 +158,7 @@ impl Track {
                 tyre.width,
                 soil_resolution,
             ),
-            shares: [(0, 0.0); TRACK],
+            fractions: [(0, 0.0); TRACK],
             thrust: vec![0.0; count],
             aside: hubs[side].y,
             spans,

@@ -47,7 +47,7 @@ impl Track {
                 let rate =
                     rising(j) * (1.0 - part) + rising(j + 1) * part + shape * self.spans[j].sag_rate / -dx;
                 self.footprint.set(k, level - z, slope, rate);
-                self.shares[k] = (j, part);
+                self.fractions[k] = (j, part);
             } else {
                 // On the wheel before the span that begins further back.
                 let d = &discs[j];
@@ -55,7 +55,7 @@ impl Track {
                 let ahead = (x - d.centre[0]).clamp(-0.95 * radius, 0.95 * radius);
                 let down = (radius * radius - ahead * ahead).sqrt();
                 self.footprint.set(k, level - d.centre[1] + down, ahead / down, rising(j));
-                self.shares[k] = (j, 0.0);
+                self.fractions[k] = (j, 0.0);
             }
         }
     }
@@ -123,12 +123,12 @@ impl Vehicle {
                 if force == V3::zeros() {
                     continue;
                 }
-                let (j, part) = t.shares[k];
+                let (j, part) = t.fractions[k];
                 let (below, normal) = t.footprint.outline(k);
                 let normal = Track::in_world(turn, normal);
                 let at = arm + turn * V3::new(place, 0.0, -below);
                 let (a, b) = (t.wheel(j), t.wheel((j + 1).min(t.count() - 1)));
-                let share = if part > 0.0 && a != b {
+                let fraction = if part > 0.0 && a != b {
                     lever(&at, &self.forces[a].arm, &self.forces[b].arm, &normal, &axis)
                 } else {
                     0.0
@@ -137,12 +137,12 @@ impl Vehicle {
                 let inertia = normal * normal.transpose() * stations.inertia[k];
                 let pressed = force.dot(&normal);
                 let load = force.dot(&axes[1]);
-                self.share_out(a, b, share, &at, &force, &inertia, load, &axis);
+                self.share_out(a, b, fraction, &at, &force, &inertia, load, &axis);
                 let turning = turn * V3::new(stations.moment[0][k], 0.0, stations.moment[1][k]);
-                self.forces[a].moment += turning * (1.0 - share);
-                self.forces[b].moment += turning * share;
-                t.thrust[j] += stations.thrust[k] * (1.0 - share);
-                t.thrust[(j + 1).min(t.spans.len())] += stations.thrust[k] * share;
+                self.forces[a].moment += turning * (1.0 - fraction);
+                self.forces[b].moment += turning * fraction;
+                t.thrust[j] += stations.thrust[k] * (1.0 - fraction);
+                t.thrust[(j + 1).min(t.spans.len())] += stations.thrust[k] * fraction;
                 for i in [a, b] {
                     let c = &mut self.corners[i];
                     c.sinkage = c.sinkage.max(stations.sinkage[k]);

@@ -70,7 +70,7 @@ impl Track {
                 }
                 let mut w = weight * over;
                 if under == Under::Mixed {
-                    w *= 1.0 - ground.soil.share(at.x, at.y, ground.soil.blend);
+                    w *= 1.0 - ground.soil.fraction(at.x, at.y, ground.soil.blend);
                 }
                 sum += w;
                 depth += w * over;
@@ -166,26 +166,26 @@ impl Vehicle {
         t.thrust[j + 1] -= touch.part * r.spin_moment / (t.data.radius + depth);
         let inertia = touch.normal * touch.normal.transpose() * (dt * t.belt.damping());
         let at = touch.point - self.x;
-        let share = lever(&at, &self.forces[a].arm, &self.forces[b].arm, &touch.normal, &axis);
-        self.share_out(a, b, share, &at, &r.force, &inertia, r.load, &axis);
+        let fraction = lever(&at, &self.forces[a].arm, &self.forces[b].arm, &touch.normal, &axis);
+        self.share_out(a, b, fraction, &at, &r.force, &inertia, r.load, &axis);
     }
 
     /// Adds a force at `at` (relative to the centre of mass, world axes) to two wheels of a track, of which the second gets
-    /// `share`.
+    /// `fraction`.
     #[allow(clippy::too_many_arguments, reason = "two wheels and what they get")]
     pub(super) fn share_out(
         &mut self,
         a: usize,
         b: usize,
-        share: f64,
+        fraction: f64,
         at: &V3,
         force: &V3,
         inertia: &M3,
         load: f64,
         axis: &V3,
     ) {
-        let parts = [(a, 1.0 - share), (b, share)];
-        let middle = self.forces[a].arm * (1.0 - share) + self.forces[b].arm * share;
+        let parts = [(a, 1.0 - fraction), (b, fraction)];
+        let middle = self.forces[a].arm * (1.0 - fraction) + self.forces[b].arm * fraction;
         let moment = (at - middle).cross(force);
         // About the axles the wheels turn with the belt, to which the tension takes what acts along it.
         let moment = moment - axis * axis.dot(&moment);

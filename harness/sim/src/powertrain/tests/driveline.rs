@@ -33,7 +33,7 @@ fn one_driven_axle_takes_it_all_and_the_other_rolls_free() {
     v.axles[0].driven = false;
     v.powertrain.engine = constant(500.0, 0.0);
     v.powertrain.driveline.axles.truncate(1);
-    v.powertrain.driveline.axles[0].share = 1.0;
+    v.powertrain.driveline.axles[0].fraction = 1.0;
     let mut b = Bench::new(&v, 1.0);
     b.moments = vec![10.0, -10.0, 0.0, 0.0];
     b.step(1.0, DT);
@@ -60,8 +60,8 @@ fn an_open_centre_differential_splits_by_its_shares() {
     let mut v = with(Differential::Open {});
     v.powertrain.engine = constant(300.0, 0.0);
     v.powertrain.driveline.shaft_inertia = 0.0;
-    for (a, share) in v.powertrain.driveline.axles.iter_mut().zip([0.35, 0.65]) {
-        *a = DrivenAxle { share, shaft_inertia: 0.0, box_inertia: 0.0, ..*a };
+    for (a, fraction) in v.powertrain.driveline.axles.iter_mut().zip([0.35, 0.65]) {
+        *a = DrivenAxle { fraction, shaft_inertia: 0.0, box_inertia: 0.0, ..*a };
     }
     let mut b = Bench::new(&v, 2.0);
     b.moments = vec![-700.0, 0.0, -500.0, -100.0];
@@ -263,7 +263,7 @@ fn a_wheel_that_nothing_drives_is_braked_and_held_too() {
     let mut v = with(Differential::Locked {});
     v.axles[0].driven = false;
     v.powertrain.driveline.axles.truncate(1);
-    v.powertrain.driveline.axles[0].share = 1.0;
+    v.powertrain.driveline.axles[0].fraction = 1.0;
     let mut b = Bench::new(&v, 0.0);
     b.spins = vec![10.0, 0.001, 0.0, 0.0];
     b.brakes.fill(100.0);

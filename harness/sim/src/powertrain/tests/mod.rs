@@ -26,7 +26,7 @@ fn with(differential: Differential) -> VehicleSpec {
 fn multi_axle(n: usize, differential: Differential) -> VehicleSpec {
     let mut v = with(differential);
     v.axles = (0..n).map(|_| v.axles[0].clone()).collect();
-    let axle = DrivenAxle { share: 1.0 / n as f64, ..v.powertrain.driveline.axles[0] };
+    let axle = DrivenAxle { fraction: 1.0 / n as f64, ..v.powertrain.driveline.axles[0] };
     v.powertrain.driveline.axles = vec![axle; n];
     v
 }
@@ -123,7 +123,7 @@ impl Bench {
             let mean = 0.5 * (l + r);
             e += 0.5 * v.axles[k].spin_inertia * (l * l + r * r)
                 + 0.5 * (a.box_inertia + a.shaft_inertia / a.final_drive / a.final_drive) * mean * mean;
-            shaft += a.share * mean / a.final_drive;
+            shaft += a.fraction * mean / a.final_drive;
         }
         e + 0.5 * d.shaft_inertia * shaft * shaft
     }

@@ -31,7 +31,7 @@ struct Field<const N: usize> {
     /// Normals of the ground in the wheel's frame, where pressure acts along them.
     normal: [Row<N>; 3],
     /// Part of each station's load that the soil carries; negative where there is another soil or none.
-    share: Row<N>,
+    fraction: Row<N>,
 }
 
 /// The wheel's motion in its own frame.
@@ -73,7 +73,7 @@ impl<const N: usize> Footprint<N> {
         let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
         let mut facet = Facet::at(surface, f, &m.hub);
         let top = surface.ceiling(m.hub.x, m.hub.y, self.shape.reach).unwrap_or(f64::INFINITY);
-        let mut field = Field { sinkage: [0.0; N], normal: self.shape.level.normal, share: [1.0; N] };
+        let mut field = Field { sinkage: [0.0; N], normal: self.shape.level.normal, fraction: [1.0; N] };
         for strip in 0..self.shape.strips {
             body.offset = self.shape.offset(strip);
             let origin = m.hub + m.axis * body.offset;
@@ -90,8 +90,8 @@ impl<const N: usize> Footprint<N> {
                         for k in FIRST..=Self::LAST {
                             let at = origin + f.along * self.shape.xs[k] - f.up * self.shape.half[k];
                             let mine = ground.soil_at(at.x, at.y).is_some_and(|s| std::ptr::eq(s, soil));
-                            field.share[k] =
-                                if mine { ground.share(at.x, at.y, ground.blend) } else { NOT_HERE };
+                            field.fraction[k] =
+                                if mine { ground.fraction(at.x, at.y, ground.blend) } else { NOT_HERE };
                             here |= mine;
                         }
                         if here {
@@ -183,8 +183,8 @@ impl<const N: usize> Footprint<N> {
         let mut lanes = Lanes::new(simd);
         let mut bits: u64 = 0;
         for g in (0..N).step_by(LANES) {
-            let share = load(&field.share, g);
-            let mine = share.simd_ge(zero);
+            let fraction = load(&field.fraction, g);
+            let mine = fraction.simd_ge(zero);
             let sinkage = load(&field.sinkage, g);
             let plastic = load(plastic_row, g);
             let elastic = (sinkage - plastic) * elastic_stiffness;
@@ -238,7 +238,7 @@ impl<const N: usize> Footprint<N> {
                 store(shear_rows[k], g, mine.select(state, before[k]));
             }
             // Ground that a station stands for, and the rim over it, which is larger where it is steep.
-            let strip_share = width * contact.select(share, zero);
+            let strip_share = width * contact.select(fraction, zero);
             let area = load(&shape.lengths, g) * strip_share;
             let rim = load(&directions.rim, g) * strip_share * seen;
             let push = pressure * rim;

@@ -39,13 +39,13 @@ impl<const N: usize> Footprint<N> {
             // Upwind differences are stable up to one station a step.
             let parts = (travel * self.shape.finest) as usize + 1;
             let part = travel / parts as f64;
-            let shares: Row<N> = self.shape.inverse_lengths.map(|i| (part * i).min(1.0));
+            let fractions: Row<N> = self.shape.inverse_lengths.map(|i| (part * i).min(1.0));
             let [a, b] = &mut self.shear;
             for _ in 0..parts {
-                advect(simd, &mut self.plastic[strip], cell.plastic, forward, &shares);
-                advect(simd, &mut self.raised[strip], cell.raised, forward, &shares);
-                advect(simd, &mut a[strip], 0.0, forward, &shares);
-                advect(simd, &mut b[strip], 0.0, forward, &shares);
+                advect(simd, &mut self.plastic[strip], cell.plastic, forward, &fractions);
+                advect(simd, &mut self.raised[strip], cell.raised, forward, &fractions);
+                advect(simd, &mut a[strip], 0.0, forward, &fractions);
+                advect(simd, &mut b[strip], 0.0, forward, &fractions);
             }
             // Fast wheels leave more than a cell a step.
             let last = if forward { FIRST } else { Self::LAST };
@@ -116,9 +116,15 @@ impl<const N: usize> Footprint<N> {
 
 /// Moves a row of states backward (`forward`: the wheel moves forward) by the given shares of each station's length.
 #[inline(always)]
-fn advect<S: Simd, const N: usize>(simd: S, row: &mut Row<N>, inflow: f64, forward: bool, shares: &Row<N>) {
+fn advect<S: Simd, const N: usize>(
+    simd: S,
+    row: &mut Row<N>,
+    inflow: f64,
+    forward: bool,
+    fractions: &Row<N>,
+) {
     let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
-    let moved = |old: f64x4<S>, neighbour: f64x4<S>, g: usize| old + (neighbour - old) * load(shares, g);
+    let moved = |old: f64x4<S>, neighbour: f64x4<S>, g: usize| old + (neighbour - old) * load(fractions, g);
     // In place, from where states leave towards where they enter, so that each still finds its neighbour's old state.
     // What has no neighbour is no station, and moves nowhere.
     if forward {
