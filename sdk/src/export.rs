@@ -1,6 +1,6 @@
 //! The macro that turns a planner into a plugin.
 
-/// Exports a [`Planner`](crate::Planner) as a plugin, for both carriers.
+/// Exports a [`Planner`](crate::Planner) as a plugin, of either kind.
 ///
 /// ```
 /// # use vb_sdk::{Command, Observation, Planner, PlannerError, Task};

@@ -1,6 +1,6 @@
 //! What a planner author needs: the planner trait, its data, and helpers.
 //!
-//! A planner implements [`Planner`] and is exported by [`export_planner!`]. The same source builds both carriers:
+//! A planner implements [`Planner`] and is exported by [`export_planner!`]. The same source builds both kinds of plugin:
 //! a WebAssembly module (`cargo build --release --target wasm32-unknown-unknown`) and a native library
 //! (`cargo build --release`). `docs/writing-a-planner.md` goes from nothing to a scored planner.
 //!

@@ -1,4 +1,4 @@
-//! The native carrier: a library whose root module `abi_stable` checks for its layout when it is loaded.
+//! Planners as native libraries: a library whose root module `abi_stable` checks for its layout when it is loaded.
 //!
 //! Planner authors need nothing of this: [`export_planner!`](crate::export_planner) uses it on one side, the harness
 //! on the other. Text and arrays cross as borrowed slices; a panic becomes a [`Fault`] and never crosses.

@@ -1,4 +1,4 @@
-//! The WASM carrier: exports a planner as the component `vertibench:planner/guest`.
+//! Planners as WASM: exports a planner as the component `vertibench:planner/guest`.
 
 use std::cell::RefCell;
 use std::marker::PhantomData;

@@ -59,7 +59,7 @@ pub fn dev_harness() -> PathBuf {
 
 /// How a planner is carried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Carrier {
+pub enum PluginKind {
     /// A WASM component.
     Wasm,
     /// A native library.
@@ -68,12 +68,12 @@ pub enum Carrier {
 
 /// The file of a planner of this repository.
 #[must_use]
-pub fn plugin(name: &str, carrier: Carrier) -> PathBuf {
+pub fn plugin(name: &str, plugin_kind: PluginKind) -> PathBuf {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
     let dir = std::env::var_os("VB_PLUGINS").map_or_else(|| target_dir().join("plugins"), PathBuf::from);
-    let file = match carrier {
-        Carrier::Wasm => format!("{name}.wasm"),
-        Carrier::Native => format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"),
+    let file = match plugin_kind {
+        PluginKind::Wasm => format!("{name}.wasm"),
+        PluginKind::Native => format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"),
     };
     // Commands run in folders of their own.
     std::path::absolute(built(dir.join(file))).unwrap()
@@ -82,7 +82,7 @@ pub fn plugin(name: &str, carrier: Carrier) -> PathBuf {
 /// `pid.wasm`.
 #[must_use]
 pub fn pid() -> PathBuf {
-    plugin("pid", Carrier::Wasm)
+    plugin("pid", PluginKind::Wasm)
 }
 
 /// A folder in which commands run and leave their files; it is removed in the end.

@@ -14,7 +14,7 @@ use std::time::Instant;
 use vb_host::{Limits, LogSink, Plugin, ProcessOptions, Session};
 use vb_sdk::{GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle};
 
-/// Steps of each carrier.
+/// Steps of each kind.
 const STEPS: u32 = 200;
 
 /// Planners and the parameters that are set.
@@ -57,7 +57,7 @@ fn compare(name: &str, params: &[(&str, &str)], files: &[PathBuf; 2]) -> Result<
             Ok(command)
         });
         let commands = commands.collect::<Result<Vec<_>>>()?;
-        assert_eq!(commands[0], commands[1], "both carriers compute the same bits");
+        assert_eq!(commands[0], commands[1], "both kinds of plugin compute the same bits");
     }
     let [wasm_s, native_s] = times.map(median);
     let fuel = wasm.fuel().ok_or("a WASM planner uses fuel")?.steps / u64::from(STEPS);

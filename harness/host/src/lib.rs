@@ -25,7 +25,7 @@ pub use inspect::{imports, inspect};
 pub use limits::Limits;
 pub use log::LogSink;
 pub use native::{ProcessOptions, serve_as_worker};
-pub use plugin::{Carrier, FuelMeter, Plugin, Session, clamp, resolve_params};
+pub use plugin::{FuelMeter, Plugin, PluginKind, Session, clamp, resolve_params};
 pub use text::{one_line, printable};
 pub use vb_sdk::metadata::{Metadata, ParamSpec};
 pub use vb_worker::sandbox::SandboxReport;

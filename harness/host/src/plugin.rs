@@ -16,16 +16,28 @@ use crate::native::{self, ProcessOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
 
-/// How a plugin is carried.
+/// What kind of plugin a planner is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Carrier {
+pub enum PluginKind {
     /// WebAssembly, sandboxed and metered.
     Wasm,
     /// A native library, in a sandboxed process of its own.
     Native,
     /// A command that the user gave, with all that the user may do. Not eligible for ranking.
     Command,
+}
+
+impl PluginKind {
+    /// The name by which results call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wasm => "wasm",
+            Self::Native => "native",
+            Self::Command => "command",
+        }
+    }
 }
 
 /// A loaded planner plugin. Clones share the compiled code; any number of threads may start sessions at once.
@@ -132,11 +144,11 @@ impl Plugin {
 
     /// How the plugin is carried.
     #[must_use]
-    pub fn carrier(&self) -> Carrier {
+    pub fn kind(&self) -> PluginKind {
         match self.0.code {
-            Code::Wasm(_) => Carrier::Wasm,
-            Code::Native(..) => Carrier::Native,
-            Code::Command(_) => Carrier::Command,
+            Code::Wasm(_) => PluginKind::Wasm,
+            Code::Native(..) => PluginKind::Native,
+            Code::Command(_) => PluginKind::Command,
         }
     }
 

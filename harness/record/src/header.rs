@@ -37,8 +37,9 @@ pub struct PluginHeader {
     pub version: String,
     /// SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// How it was carried: `wasm`, `native` or `command`.
-    pub carrier: String,
+    /// What kind of plugin it is: `wasm`, `native` or `command`.
+    #[serde(alias = "carrier")]
+    pub kind: String,
     /// Where the file lay; the command, of a command.
     pub path: String,
     /// Whether results of a planner carried like this may be ranked: not those of a command.

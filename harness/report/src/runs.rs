@@ -293,7 +293,7 @@ impl Runs {
 fn settings(h: &RunHeader) -> BTreeMap<String, String> {
     let mut s: BTreeMap<String, String> = h.params.clone();
     s.insert("version".into(), h.plugin.version.clone());
-    s.insert("carrier".into(), h.plugin.carrier.clone());
+    s.insert("kind".into(), h.plugin.kind.clone());
     s.extend(environment(h).into_iter().map(|(k, v)| (k.to_owned(), v)));
     s
 }

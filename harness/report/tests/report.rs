@@ -33,7 +33,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
             name: name.into(),
             version: "1.0.0".into(),
             sha256: "bb".repeat(32),
-            carrier: "wasm".into(),
+            kind: "wasm".into(),
             path: "p.wasm".into(),
             eligible_for_ranking: true,
             sandbox: None,
@@ -181,7 +181,7 @@ fn no_text_of_a_planner_becomes_markup() {
     hostile.params = BTreeMap::from([(HOSTILE.into(), HOSTILE.into())]);
     hostile.suite.name = HOSTILE.into();
     hostile.started_at = HOSTILE.into();
-    hostile.plugin.carrier = HOSTILE.into();
+    hostile.plugin.kind = HOSTILE.into();
     hostile.vehicle.name = HOSTILE.into();
     hostile.rules.name = HOSTILE.into();
     hostile.soils.name = HOSTILE.into();

@@ -292,11 +292,6 @@ pub(crate) fn check_control_period(metadata: &Metadata, options: SimOptions) -> 
 fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
     let metadata = config.plugin.metadata();
     let limits = config.plugin.limits();
-    let carrier = match config.plugin.carrier() {
-        vb_host::Carrier::Wasm => "wasm",
-        vb_host::Carrier::Native => "native",
-        vb_host::Carrier::Command => "command",
-    };
     RunHeader {
         schema: RUN_SCHEMA,
         harness_version: config.harness_version.clone(),
@@ -314,9 +309,9 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             name: metadata.name.clone(),
             version: metadata.version.clone(),
             sha256: config.plugin.sha256().to_owned(),
-            carrier: carrier.to_owned(),
+            kind: config.plugin.kind().name().to_owned(),
             path: config.plugin_path.display().to_string(),
-            eligible_for_ranking: config.plugin.carrier() != vb_host::Carrier::Command,
+            eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {
                 landlock: s.landlock,
                 seccomp: s.seccomp,

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use vb_host::{Carrier, Plugin};
+use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, TraceMode};
 use vb_runner::{SAMPLE_PERIOD, Soils, Vehicle};
 use vb_score::{Outcome, Summary, TaskRecord};
@@ -250,17 +250,12 @@ fn check_suite(m: &Manifest, suite: &Suite, found: &mut Findings) {
 
 /// What the plugin says of itself.
 pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Findings) {
-    let carrier = match plugin.carrier() {
-        Carrier::Wasm => "wasm",
-        Carrier::Native => "native",
-        Carrier::Command => "command",
-    };
     let p = &m.run.plugin;
     same(found, "plugin", "run.plugin.sha256", p.sha256.as_str(), plugin.sha256());
     same(found, "plugin", "run.plugin.name", &p.name, &plugin.metadata().name);
     same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
-    same(found, "plugin", "run.plugin.carrier", p.carrier.as_str(), carrier);
-    let eligible = plugin.carrier() != Carrier::Command;
+    same(found, "plugin", "run.plugin.kind", p.kind.as_str(), plugin.kind().name());
+    let eligible = plugin.kind() != PluginKind::Command;
     same(found, "plugin", "run.plugin.eligible_for_ranking", &p.eligible_for_ranking, &eligible);
     same(found, "plugin", "run.plugin.sandbox", &p.sandbox.is_some(), &plugin.sandbox().is_some());
     same(found, "plugin", "abi", m.abi.as_str(), plugin.abi().name());

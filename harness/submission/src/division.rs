@@ -87,9 +87,9 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     };
     let short = |hash: &str| vb_report::one_line(hash.get(..12).unwrap_or(hash), 12);
     unless(
-        run.plugin.carrier == "wasm",
-        "plugin.carrier",
-        format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.carrier),
+        run.plugin.kind == "wasm",
+        "plugin.kind",
+        format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
     );
     unless(
         run.params.is_empty(),

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-use vb_host::{Carrier, Plugin};
+use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, RunReader, TraceMode};
 use vb_report::{Report, Runs};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
@@ -94,7 +94,7 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
 
 /// Whether a run is one of this harness, plugin and suite.
 fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), SubmissionError> {
-    if request.plugin.carrier() == Carrier::Command || header.plugin.carrier == "command" {
+    if request.plugin.kind() == PluginKind::Command || header.plugin.kind == "command" {
         return Err(SubmissionError::Command);
     }
     if header.schema != RUN_SCHEMA || header.harness_version != request.harness_version {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use vb_host::{Carrier, Limits, LoadError, Plugin};
+use vb_host::{Limits, LoadError, Plugin, PluginKind};
 use vb_record::TraceMode;
 use vb_runner::{Event, RunConfig};
 use vb_score::{Outcome, Rules, TaskRecord};
@@ -207,7 +207,7 @@ impl Again<'_> {
     /// What of a record must come out again. The log of a native planner may tell the time, and the lines that it prints and
     /// those that it logs come in any order: where nothing but the rules ended the task, it is information.
     fn comparable(&self, mut record: TaskRecord) -> TaskRecord {
-        if self.plugin.carrier() == Carrier::Native && record.fault.is_none() {
+        if self.plugin.kind() == PluginKind::Native && record.fault.is_none() {
             record.log.clear();
         }
         record

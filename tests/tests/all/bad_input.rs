@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use vb_tests::{Bench, Carrier, copy_dir, pid, plugin, release_harness};
+use vb_tests::{Bench, PluginKind, copy_dir, pid, plugin, release_harness};
 
 /// Exit codes of docs/results.md.
 const USAGE: i32 = 2;
@@ -31,7 +31,7 @@ fn not_started(bench: &Bench, args: &[&str], code: i32, says: &[&str]) {
 #[test]
 fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
     let bench = Bench::new();
-    let (wasm, native) = (fs::read(pid()), fs::read(plugin("pid", Carrier::Native)));
+    let (wasm, native) = (fs::read(pid()), fs::read(plugin("pid", PluginKind::Native)));
     let (wasm, native) = (wasm.expect("pid.wasm"), native.expect("libpid"));
     let half = |bytes: &[u8]| bytes[..bytes.len() / 2].to_vec();
     // The metadata is text in a section of either file (docs/abi.md); both versions have the same length.
@@ -94,7 +94,7 @@ fn a_plugin_that_is_nearly_named_is_suggested() {
 #[test]
 fn clamped_commands_are_told_at_the_end_of_a_run() {
     let bench = Bench::new();
-    let faulty = plugin("faulty", Carrier::Wasm);
+    let faulty = plugin("faulty", PluginKind::Wasm);
     let run = |fault: &str| {
         let fault = format!("fault={fault}");
         bench.ok(&["--plugin", text(&faulty), "--tasks", "w001/t00", "--param", &fault, "--out", &fault])
@@ -487,7 +487,7 @@ fn a_run_that_another_process_writes_is_left_alone() {
 #[test]
 fn a_run_is_resumed_only_with_what_decided_its_results() {
     let bench = Bench::new();
-    let (pid, other) = (pid(), plugin("pid", Carrier::Native));
+    let (pid, other) = (pid(), plugin("pid", PluginKind::Native));
     bench.ok(&["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "suite"]);
     let vehicle = fs::read_to_string(vb_tests::root().join("tasks/vehicles/hmmwv.yaml")).expect("a vehicle");
     bench.write("heavy.yaml", vehicle.replace("mass: 2095.592", "mass: 2195.592"));
@@ -510,7 +510,7 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
         (&pid, &["--soils", "original"], &["soils.hash"]),
         (&pid, &["--soil-resolution", "0.05"], &["soil_resolution", "0.1", "0.05"]),
         (&pid, &["--time-step", "0.5"], &["time_step", "0.001", "0.0005"]),
-        (&other, &[], &["plugin.carrier", "wasm", "native"]),
+        (&other, &[], &["plugin.kind", "wasm", "native"]),
     ];
     for (plugin, more, says) in cases {
         let args = run(plugin, &[more, &["--resume"]].concat());

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, plugin};
+use vb_tests::{Bench, PluginKind, plugin};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")
@@ -25,8 +25,8 @@ const JSON: [&str; 2] = ["--message-format", "json"];
 #[test]
 fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
     let bench = Bench::new();
-    for carrier in [Carrier::Wasm, Carrier::Native] {
-        let file = plugin("pursuit", carrier);
+    for plugin_kind in [PluginKind::Wasm, PluginKind::Native] {
+        let file = plugin("pursuit", plugin_kind);
         let args = ["check", "--plugin", text(&file), "--tasks", "w001/t00-t02"];
         let (checks, finished) = messages(&bench.ok(&[&args[..], &JSON].concat()));
         let names: Vec<&str> = checks.keys().map(String::as_str).collect();
@@ -34,12 +34,12 @@ fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
             ["budget", "determinism", "hygiene", "imports", "loads", "probes", "stamp", "start-up", "tasks"];
         assert_eq!(names, all);
         for name in ["loads", "stamp", "tasks", "determinism", "hygiene"] {
-            assert_eq!(checks[name]["verdict"], "pass", "{carrier:?}: {}", checks[name]);
+            assert_eq!(checks[name]["verdict"], "pass", "{plugin_kind:?}: {}", checks[name]);
         }
         assert_eq!((&finished["passed"], &finished["planner"]), (&true.into(), &"pursuit".into()));
         // Only WASM is metered.
         let budget = &checks["budget"];
-        if carrier == Carrier::Wasm {
+        if plugin_kind == PluginKind::Wasm {
             let fraction = budget["figures"]["p99_share"].as_f64().expect("a share");
             assert!(budget["verdict"] == "pass" && 0.0 < fraction && fraction < 0.01, "{budget}");
             let asked = checks["imports"]["detail"].as_str().expect("names");
@@ -53,15 +53,15 @@ fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
 #[test]
 fn a_planner_that_breaks_a_promise_fails_the_check_that_is_about_it() {
     let bench = Bench::new();
-    let (wasm, native) = (Carrier::Wasm, Carrier::Native);
-    for (carrier, fault, failing, says) in [
+    let (wasm, native) = (PluginKind::Wasm, PluginKind::Native);
+    for (plugin_kind, fault, failing, says) in [
         (wasm, "nan", "tasks", "steering is NaN"),
         (wasm, "panic", "tasks", "planner/panic"),
         (wasm, "clock", "tasks", "use the observation's `time`"),
         (native, "clock", "determinism", "w001/t00 twice: "),
         (native, "static", "hygiene", "alone and after w001/t00"),
     ] {
-        let (file, fault) = (plugin("faulty", carrier), format!("fault={fault}"));
+        let (file, fault) = (plugin("faulty", plugin_kind), format!("fault={fault}"));
         let args = ["check", "--plugin", text(&file), "--param", &fault, "--tasks", "w001/t00-t02"];
         let done = bench.run(&[&args[..], &JSON].concat());
         let (checks, finished) = messages(&done.stdout);
@@ -85,7 +85,7 @@ fn a_planner_that_breaks_a_promise_fails_the_check_that_is_about_it() {
 fn a_planner_that_runs_away_from_an_extreme_observation_fails_the_probes() {
     let bench = Bench::new();
     bench.write("limits.yaml", "fuel_per_step: 1000000\n");
-    let file = plugin("faulty", Carrier::Wasm);
+    let file = plugin("faulty", PluginKind::Wasm);
     let args = ["check", "--plugin", text(&file), "--param", "fault=endless", "--tasks", "w001/t00"];
     let done = bench.run(&[&args[..], &["--limits", "limits.yaml"], &JSON].concat());
     let (checks, _) = messages(&done.stdout);
@@ -99,7 +99,7 @@ fn a_planner_that_runs_away_from_an_extreme_observation_fails_the_probes() {
 #[test]
 fn little_head_room_is_a_warning_with_the_share() {
     let bench = Bench::new();
-    let file = plugin("pursuit", Carrier::Wasm);
+    let file = plugin("pursuit", PluginKind::Wasm);
     let args = ["check", "--plugin", text(&file), "--tasks", "w001/t00", "--message-format", "json"];
     let (checks, _) = messages(&bench.ok(&args));
     let figure = |name: &str| checks["budget"]["figures"][name].as_f64().expect("a share");
@@ -121,7 +121,7 @@ fn a_file_that_cannot_be_loaded_fails_and_one_that_isnt_there_is_bad_input() {
     assert!(done.stdout.contains("skip  determinism"), "{}", done.stdout);
     assert!(done.error(8).contains("loads"));
     assert!(bench.run(&["check", "--plugin", "nowhere.wasm"]).error(3).contains("planner/not-found"));
-    let file = plugin("pursuit", Carrier::Wasm);
+    let file = plugin("pursuit", PluginKind::Wasm);
     let unknown = ["check", "--plugin", text(&file), "--param", "sped=3"];
     assert!(bench.run(&unknown).error(2).contains("--param sped"));
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, Done, dev_harness, pid, plugin};
+use vb_tests::{Bench, Done, PluginKind, dev_harness, pid, plugin};
 
 /// A few tasks of each elevation level, with and without success.
 const TASKS: &str = "w001/t00,w002/t03,w003/t01,w005/t02,w006/t03,w009/t00";
@@ -121,7 +121,7 @@ fn a_run_is_stopped_in_the_midst_of_a_long_step_and_its_task_is_not_recorded() {
     let bench = Bench::new();
     // A step of minutes.
     bench.write("limits.yaml", "fuel_per_step: 1000000000000\n");
-    let faulty = plugin("faulty", Carrier::Wasm);
+    let faulty = plugin("faulty", PluginKind::Wasm);
     let mut args = vec!["--plugin", faulty.to_str().expect("paths of tests are text")];
     args.extend([
         "--param",
@@ -176,8 +176,8 @@ fn wasm_and_native_planners_leave_the_same_records_but_for_fuel() {
     let bench = Bench::new();
     for name in ["pid", "pursuit"] {
         let (wasm, native) = (format!("{name}-wasm"), format!("{name}-native"));
-        bench.ok(&args(&plugin(name, Carrier::Wasm), TASKS, &wasm, &[]));
-        bench.ok(&args(&plugin(name, Carrier::Native), TASKS, &native, &[]));
+        bench.ok(&args(&plugin(name, PluginKind::Wasm), TASKS, &wasm, &[]));
+        bench.ok(&args(&plugin(name, PluginKind::Native), TASKS, &native, &[]));
         let (wasm, native) = (results(&bench, &wasm), results(&bench, &native));
         for (task, record) in &wasm.records {
             assert!(record["fuel"]["total"].as_u64() > Some(0), "{task}");

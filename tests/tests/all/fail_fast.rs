@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, plugin};
+use vb_tests::{Bench, PluginKind, plugin};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")
@@ -15,7 +15,7 @@ const FAILED_START: i32 = 10;
 #[test]
 fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
     let bench = Bench::new();
-    let faulty = plugin("faulty", Carrier::Wasm);
+    let faulty = plugin("faulty", PluginKind::Wasm);
     let args = ["--plugin", text(&faulty), "--param", "fault=init-error", "--tasks", "w001-w003"];
     let alone = [&args[..], &["--jobs", "1", "--out", "r"]].concat();
     let error = bench.run(&alone).error(FAILED_START);
@@ -57,7 +57,7 @@ fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
 fn a_planner_that_does_not_answer_is_ended_after_three_tasks() {
     let bench = Bench::new();
     bench.write("limits.yaml", "watchdog_ms: 300\n");
-    let faulty = plugin("faulty", Carrier::Native);
+    let faulty = plugin("faulty", PluginKind::Native);
     for (fault, place) in
         [("fault=init-endless", "init: gave no answer"), ("fault=endless", "step 0 (t = 0.00 s)")]
     {
@@ -76,7 +76,7 @@ fn a_planner_that_does_not_answer_is_ended_after_three_tasks() {
 #[test]
 fn a_planner_that_drives_some_way_or_fails_on_few_tasks_is_not_ended() {
     let bench = Bench::new();
-    let faulty = plugin("faulty", Carrier::Wasm);
+    let faulty = plugin("faulty", PluginKind::Wasm);
     // After 0.3 s of each task; and in `init`, but of one task alone.
     for (out, fault, more) in
         [("late", "fault=error", "only="), ("once", "fault=init-error", "only=w001/t00")]

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use vb_tests::{Bench, Carrier, Done, pid, plugin};
+use vb_tests::{Bench, Done, PluginKind, pid, plugin};
 
 const OUTPUT: i32 = 4;
 
@@ -71,7 +71,7 @@ fn a_full_disk_stops_the_run_and_with_space_it_goes_on() {
 #[test]
 fn a_limit_on_the_size_of_files_is_told_as_a_full_disk() {
     let bench = Bench::new();
-    let plugin = plugin("pid", Carrier::Native);
+    let plugin = plugin("pid", PluginKind::Native);
     let harness = bench.command(&args(&plugin, "r", &[]));
     let mut limited = Command::new("sh");
     // 8 KiB: enough for run.json, not for a trace. Without the trap the signal would end the process.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vb_tests::{Bench, Carrier, plugin, root};
+use vb_tests::{Bench, PluginKind, plugin, root};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")
@@ -18,7 +18,7 @@ fn golden(name: &str) -> PathBuf {
 #[test]
 fn a_golden_planner_drives_a_task_to_the_same_verdict_as_the_one_built_today() {
     let bench = Bench::new();
-    let today = plugin("pursuit", Carrier::Wasm);
+    let today = plugin("pursuit", PluginKind::Wasm);
     for file in [golden("pursuit.wasm"), today] {
         let out = if file.starts_with(root().join("tests/golden")) { "golden" } else { "today" };
         bench.ok(&["--plugin", text(&file), "--tasks", "w001/t00", "--out", out]);

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, Done, plugin, root};
+use vb_tests::{Bench, Done, PluginKind, plugin, root};
 
 /// Three tasks on easy ground, which pure pursuit solves, and three on rough ground.
 const TASKS: &str = "w001/t00-t02,w002/t03,w006/t03,w009/t00";
@@ -30,7 +30,7 @@ fn wanted() -> bool {
 
 /// The built example, or a word on why the test goes without it.
 fn example(name: &str) -> Option<PathBuf> {
-    let path = plugin("pursuit", Carrier::Wasm).with_file_name(format!("{name}.wasm"));
+    let path = plugin("pursuit", PluginKind::Wasm).with_file_name(format!("{name}.wasm"));
     if path.is_file() {
         return Some(path);
     }
@@ -51,7 +51,7 @@ fn drive(bench: &Bench, plugin: &Path, out: &str) -> BTreeMap<String, Value> {
 fn python_and_javascript_drive_as_rust_does_bit_for_bit() {
     let _turn = turn();
     let bench = Bench::new();
-    let rust = drive(&bench, &plugin("pursuit", Carrier::Wasm), "rust");
+    let rust = drive(&bench, &plugin("pursuit", PluginKind::Wasm), "rust");
     for name in ["pursuit-js", "pursuit-python"] {
         let Some(file) = example(name) else { continue };
         let other = drive(&bench, &file, name);
@@ -70,7 +70,7 @@ fn python_and_javascript_drive_as_rust_does_bit_for_bit() {
 fn c_drives_as_rust_does_but_for_the_last_bits() {
     let Some(file) = example("pursuit-c") else { return };
     let bench = Bench::new();
-    let rust = drive(&bench, &plugin("pursuit", Carrier::Wasm), "rust");
+    let rust = drive(&bench, &plugin("pursuit", PluginKind::Wasm), "rust");
     let c = drive(&bench, &file, "c");
     assert_eq!(c.len(), rust.len());
     for task in ["w001/t00", "w001/t01", "w001/t02"] {
@@ -111,7 +111,7 @@ fn the_metadata_of_an_example_are_those_of_its_description() {
         let mut told = of(&file);
         assert_eq!(told["name"], name);
         told["name"] = "pursuit".into();
-        assert_eq!(told, of(&plugin("pursuit", Carrier::Wasm)), "{name}");
+        assert_eq!(told, of(&plugin("pursuit", PluginKind::Wasm)), "{name}");
     }
 }
 
@@ -162,7 +162,7 @@ fn a_new_rust_project_builds_and_drives() {
     let _ = Done::of(&mut command).ok();
     let file = format!("{}fox{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let library = target.join("debug").join(file);
-    assert_drives(&bench, &library, &plugin("pursuit", Carrier::Native));
+    assert_drives(&bench, &library, &plugin("pursuit", PluginKind::Native));
 }
 
 #[test]

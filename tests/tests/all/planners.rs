@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, pid, plugin};
+use vb_tests::{Bench, PluginKind, pid, plugin};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")
@@ -11,7 +11,7 @@ fn text(path: &Path) -> &str {
 
 /// How a planner fails, and what is to be told of it.
 struct Failure {
-    carrier: Carrier,
+    plugin_kind: PluginKind,
     fault: &'static str,
     kind: &'static str,
     /// Part of the reason.
@@ -24,8 +24,9 @@ struct Failure {
 /// that it is left to the tests of the host.
 #[test]
 fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other() {
-    let wasm = |fault, kind, says, steps| Failure { carrier: Carrier::Wasm, fault, kind, says, steps };
-    let native = |fault, kind, says, steps| Failure { carrier: Carrier::Native, fault, kind, says, steps };
+    let wasm = |fault, kind, says, steps| Failure { plugin_kind: PluginKind::Wasm, fault, kind, says, steps };
+    let native =
+        |fault, kind, says, steps| Failure { plugin_kind: PluginKind::Native, fault, kind, says, steps };
     let failures = [
         wasm("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
         wasm("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
@@ -45,8 +46,8 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
     ];
     let bench = Bench::new();
-    let run = |carrier, fault: &str, out: &str| {
-        let (plugin, fault) = (plugin("faulty", carrier), format!("fault={fault}"));
+    let run = |plugin_kind, fault: &str, out: &str| {
+        let (plugin, fault) = (plugin("faulty", plugin_kind), format!("fault={fault}"));
         let args = ["--plugin", text(&plugin), "--tasks", "w001/t00-t02", "--param", &fault];
         // The fuel is what growing to the limit of memory needs, and ends the endless loop soon.
         let more =
@@ -54,11 +55,11 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         bench.ok(&[&args[..], &more].concat());
         bench.records(out)
     };
-    for carrier in [Carrier::Wasm, Carrier::Native] {
-        let whole = run(carrier, "none", &format!("none-{carrier:?}"));
-        for f in failures.iter().filter(|f| f.carrier == carrier) {
-            let what = format!("{carrier:?} {}", f.fault);
-            let mut records = run(carrier, f.fault, &what.replace(' ', "-"));
+    for plugin_kind in [PluginKind::Wasm, PluginKind::Native] {
+        let whole = run(plugin_kind, "none", &format!("none-{plugin_kind:?}"));
+        for f in failures.iter().filter(|f| f.plugin_kind == plugin_kind) {
+            let what = format!("{plugin_kind:?} {}", f.fault);
+            let mut records = run(plugin_kind, f.fault, &what.replace(' ', "-"));
             let failed = records.remove("w001/t01").expect("the task is recorded");
             assert_eq!(failed["outcome"], "planner_error", "{what}");
             assert_eq!(failed["three_way"], "stuck", "{what}");
@@ -83,7 +84,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
 fn what_the_host_failed_counts_for_nobody_and_is_run_again() {
     let bench = Bench::new();
     bench.write("limits.yaml", "fuel_per_step: 9000000000000000000\nwatchdog_ms: 300\nwasm_watchdog: true\n");
-    let plugin = plugin("faulty", Carrier::Wasm);
+    let plugin = plugin("faulty", PluginKind::Wasm);
     let args = ["--plugin", text(&plugin), "--tasks", "w001/t00-t01", "--param", "fault=endless"];
     let more = ["--param", "only=w001/t01", "--limits", "limits.yaml", "--out", "r"];
     let args = [&args[..], &more].concat();
@@ -137,7 +138,7 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
 #[test]
 fn a_failing_planner_is_told_with_its_log_and_to_debug_with_its_functions() {
     let bench = Bench::new();
-    let plugin = plugin("faulty", Carrier::Wasm);
+    let plugin = plugin("faulty", PluginKind::Wasm);
     let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=stack"];
     let (plain, debug) = (
         bench.run(&[&args[..], &["--out", "a"]].concat()).stderr,
@@ -150,12 +151,12 @@ fn a_failing_planner_is_told_with_its_log_and_to_debug_with_its_functions() {
 #[test]
 fn the_log_of_a_planner_that_fails_is_kept() {
     let bench = Bench::new();
-    for carrier in [Carrier::Wasm, Carrier::Native] {
-        let (plugin, out) = (plugin("faulty", carrier), format!("{carrier:?}"));
+    for plugin_kind in [PluginKind::Wasm, PluginKind::Native] {
+        let (plugin, out) = (plugin("faulty", plugin_kind), format!("{plugin_kind:?}"));
         let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=error"];
         bench.ok(&[&args[..], &["--param", "at=5", "--out", &out]].concat());
         let log = &bench.records(&out)["w001/t00"]["log"];
-        assert_eq!(*log, Value::from(vec!["info: failing at 0.5 s: error"]), "{carrier:?}");
+        assert_eq!(*log, Value::from(vec!["info: failing at 0.5 s: error"]), "{plugin_kind:?}");
     }
 }
 
@@ -163,7 +164,7 @@ fn the_log_of_a_planner_that_fails_is_kept() {
 #[test]
 fn the_log_of_a_vehicle_that_got_stuck_is_kept_unless_none_is_wanted() {
     let bench = Bench::new();
-    let plugin = plugin("faulty", Carrier::Wasm);
+    let plugin = plugin("faulty", PluginKind::Wasm);
     let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range"];
     let run = |out: &str, more: &[&str]| {
         let done = bench.run(&[&args[..], &["--out", out], more].concat());
@@ -198,7 +199,7 @@ fn the_log_of_a_vehicle_that_got_stuck_is_kept_unless_none_is_wanted() {
 #[test]
 fn commands_out_of_range_are_clamped_and_counted() {
     let bench = Bench::new();
-    let plugin = plugin("faulty", Carrier::Wasm);
+    let plugin = plugin("faulty", PluginKind::Wasm);
     let args =
         ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=range", "--trace", "full"];
     bench.ok(&[&args[..], &["--out", "r"]].concat());
@@ -223,12 +224,12 @@ fn commands_out_of_range_are_clamped_and_counted() {
 fn series_of_a_planner_lie_beside_the_trajectory() {
     let bench = Bench::new();
     let mut files = Vec::new();
-    for carrier in [Carrier::Wasm, Carrier::Native] {
-        let (plugin, out) = (plugin("faulty", carrier), format!("{carrier:?}"));
+    for plugin_kind in [PluginKind::Wasm, PluginKind::Native] {
+        let (plugin, out) = (plugin("faulty", plugin_kind), format!("{plugin_kind:?}"));
         bench.ok(&["--plugin", text(&plugin), "--tasks", "w001/t00", "--out", &out]);
         let rows = bench.parquet(&format!("{out}/traces/w001/t00.debug.parquet"));
         // Number and time of each of the 100 steps.
-        assert_eq!(rows.len(), 200, "{carrier:?}");
+        assert_eq!(rows.len(), 200, "{plugin_kind:?}");
         for (i, row) in rows.iter().enumerate() {
             let step = (i / 2) as f64;
             assert_eq!((&row["name"], &row["index"]), (&"step".into(), &(i % 2).into()));
@@ -240,9 +241,9 @@ fn series_of_a_planner_lie_beside_the_trajectory() {
         }
         files.push(bench.files(&format!("{out}/traces")));
     }
-    assert!(files[0] == files[1], "both carriers hand over the same");
+    assert!(files[0] == files[1], "both kinds of plugin hand over the same");
     // What keeps no trajectory keeps no series.
-    let plugin = plugin("faulty", Carrier::Wasm);
+    let plugin = plugin("faulty", PluginKind::Wasm);
     bench.ok(&["--plugin", text(&plugin), "--tasks", "w001/t00", "--out", "bare", "--trace", "none"]);
     assert!(!bench.path("bare/traces").exists());
     assert_eq!(bench.records("bare"), bench.records("Wasm"));
@@ -285,11 +286,11 @@ fn a_value_that_the_planner_refuses_is_told_in_the_planners_words() {
 }
 
 #[test]
-fn inspect_tells_the_same_of_both_carriers() {
+fn inspect_tells_the_same_of_both_kinds() {
     let bench = Bench::new();
     for name in ["pid", "pursuit", "faulty"] {
-        let told = [Carrier::Wasm, Carrier::Native].map(|carrier| {
-            let plugin = plugin(name, carrier);
+        let told = [PluginKind::Wasm, PluginKind::Native].map(|plugin_kind| {
+            let plugin = plugin(name, plugin_kind);
             let json = bench.ok(&["inspect", "--plugin", text(&plugin), "--message-format", "json"]);
             assert_eq!(json.lines().count(), 1);
             let message: Value = serde_json::from_str(&json).expect("JSON");

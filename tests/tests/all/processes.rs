@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use serde_json::Value;
-use vb_tests::{Bench, Carrier, plugin, root};
+use vb_tests::{Bench, PluginKind, plugin, root};
 
 const TASKS: &str = "w001/t00-t02";
 
@@ -74,10 +74,10 @@ fn pure_pursuit_in_cpp_ends_every_task_as_in_rust() {
     };
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     bench.ok(&["--plugin", text(&library), "--tasks", TASKS, "--out", "cpp"]);
-    let rust = plugin("pursuit", Carrier::Native);
+    let rust = plugin("pursuit", PluginKind::Native);
     bench.ok(&["--plugin", text(&rust), "--tasks", TASKS, "--out", "rust"]);
     same_verdicts(&bench, "cpp", "rust");
-    assert_eq!(bench.json("cpp/run.json")["plugin"]["carrier"], "native");
+    assert_eq!(bench.json("cpp/run.json")["plugin"]["kind"], "native");
     // Its own words for a value that it can't use.
     let args = ["--plugin", text(&library), "--tasks", "w001/t00", "--param", "speed=fast", "--out", "bad"];
     bench.ok(&args);
@@ -104,10 +104,10 @@ fn same_verdicts(bench: &Bench, a: &str, b: &str) {
 #[test]
 fn a_native_planners_process_is_told_in_the_run() {
     let bench = Bench::new();
-    let pid = plugin("pid", Carrier::Native);
+    let pid = plugin("pid", PluginKind::Native);
     bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--out", "r"]);
     let plugin = &bench.json("r/run.json")["plugin"];
-    assert_eq!((&plugin["carrier"], &plugin["eligible_for_ranking"]), (&"native".into(), &true.into()));
+    assert_eq!((&plugin["kind"], &plugin["eligible_for_ranking"]), (&"native".into(), &true.into()));
     assert!(plugin["sandbox"]["no_new_privs"].is_boolean(), "{plugin}");
 }
 
@@ -120,11 +120,11 @@ fn pure_pursuit_in_python_ends_every_task_as_in_rust() {
     let told = drive(&bench, &example("pursuit.py"), "python", &[]);
     assert!(told.status.success(), "{}", told.stderr);
     assert!(told.stderr.contains("not eligible for ranking"), "{}", told.stderr);
-    let rust = plugin("pursuit", Carrier::Wasm);
+    let rust = plugin("pursuit", PluginKind::Wasm);
     bench.ok(&["--plugin", text(&rust), "--tasks", TASKS, "--out", "rust"]);
     same_verdicts(&bench, "python", "rust");
     let plugin = &bench.json("python/run.json")["plugin"];
-    assert_eq!((&plugin["carrier"], &plugin["eligible_for_ranking"]), (&"command".into(), &false.into()));
+    assert_eq!((&plugin["kind"], &plugin["eligible_for_ranking"]), (&"command".into(), &false.into()));
     assert_eq!(plugin["name"], "pursuit-python");
     assert!(plugin["sandbox"].is_null());
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vb_tests::{Bench, Carrier, plugin, root};
+use vb_tests::{Bench, PluginKind, plugin, root};
 
 const BAD_INPUT: i32 = 3;
 
@@ -13,7 +13,7 @@ fn text(path: &Path) -> &str {
 #[test]
 fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
     let bench = Bench::new();
-    let [pid, expert] = ["pid", "expert"].map(|name| plugin(name, Carrier::Wasm));
+    let [pid, expert] = ["pid", "expert"].map(|name| plugin(name, PluginKind::Wasm));
     let run = |plugin: &Path, tasks: &str, out: &str| {
         bench.ok(&["--plugin", text(plugin), "--suite", "smoke", "--tasks", tasks, "--out", out]);
     };
@@ -55,7 +55,7 @@ fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
 #[test]
 fn tasks_that_are_said_to_be_proven_are_done_again_with_the_same_states() {
     let bench = Bench::new();
-    let expert = plugin("expert", Carrier::Wasm);
+    let expert = plugin("expert", PluginKind::Wasm);
     for suite in ["smoke", "vb-100"] {
         let file = root().join("tasks").join(suite).join("proof.json");
         let proof: serde_json::Value =

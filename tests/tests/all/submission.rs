@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use vb_tests::{Bench, Browser, Carrier, Mini, pid, plugin};
+use vb_tests::{Bench, Browser, Mini, PluginKind, pid, plugin};
 
 const HOSTILE: &str = "<img src=x onerror=\"document.title='owned'\"><script>alert(1)</script>";
 
@@ -81,7 +81,7 @@ fn a_submission_is_small_says_what_was_run_and_verifies() {
 #[test]
 fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     let mini = Mini::new();
-    let (pid, eh) = (pid(), plugin("eh", Carrier::Wasm));
+    let (pid, eh) = (pid(), plugin("eh", PluginKind::Wasm));
     mini.ok(&["--plugin", text(&pid), "--suite", "mini", "--tasks", "w001/t00-t02", "--out", "run"]);
     mini.ok(&["submit", "--plugin", text(&pid), "--run", "run", "--out", "s"]);
     let manifest = fs::read_to_string(mini.path("s/submission.json")).expect("a manifest");
@@ -91,7 +91,7 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     assert!(told.contains("in the open division, for its selector"), "{told}");
     let told = mini.run(&["verify", "s", "--plugin", text(&eh)]).error(9);
     assert!(told.contains("plugin: submission.json: run.plugin.sha256"), "{told}");
-    let native = plugin("pid", Carrier::Native);
+    let native = plugin("pid", PluginKind::Native);
     let told = mini.run(&["verify", "s", "--plugin", text(&native)]).error(3);
     assert!(told.contains("is no WASM file") && told.contains("--allow-native"), "{told}");
 
@@ -144,7 +144,7 @@ fn what_cannot_be_submitted_is_refused_before_anything_is_driven() {
     mini.bench.write("run/tasks.jsonl", &records[..records.len() - 30]);
     let told = mini.run(&["submit", "--plugin", text(&pid), "--run", "run", "--out", "s"]).error(3);
     assert!(told.contains("not finished: 1 of 2 tasks"), "{told}");
-    let eh = plugin("eh", Carrier::Wasm);
+    let eh = plugin("eh", PluginKind::Wasm);
     let told = mini.run(&["submit", "--plugin", text(&eh), "--run", "run", "--out", "s"]).error(3);
     assert!(told.contains("its plugin is"), "{told}");
 }
@@ -167,7 +167,7 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     ]);
     // A planner that writes to its log, to series and to standard error in each task, and fails in each.
     // An evaluation gives no parameters, so the default in the plugin's metadata becomes another one of the same length.
-    let mut file = fs::read(plugin("faulty", Carrier::Wasm)).expect("a plugin");
+    let mut file = fs::read(plugin("faulty", PluginKind::Wasm)).expect("a plugin");
     let (from, to) = (b"default: none\nhelp: none,", b"default: panic\nhelp: non,");
     let places: Vec<usize> = (0..file.len()).filter(|&k| file[k..].starts_with(from)).collect();
     assert!(!places.is_empty(), "the planner's metadata are written otherwise now");
@@ -213,14 +213,14 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     let done = mini.run(&["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault"]);
     silent("damaged", &done.stderr);
     assert!(done.error(3).contains("the suite can't be used"));
-    let native = plugin("pid", Carrier::Native);
+    let native = plugin("pid", PluginKind::Native);
     let told = mini.run(&["evaluate", "--plugin", text(&native), "--suite", "cellar/vault"]).error(3);
     assert!(told.contains("is no WASM file"), "{told}");
 }
 
 /// Three entries on two boards, of which one has scores on a hidden suite.
 fn accepted(mini: &Mini) {
-    let (pid, pursuit) = (pid(), plugin("pursuit", Carrier::Wasm));
+    let (pid, pursuit) = (pid(), plugin("pursuit", PluginKind::Wasm));
     mini.submit(
         &pid,
         "accepted/pid",

@@ -141,7 +141,7 @@ const SOAKED: &str = "w001/t00,w034/t03,w002/t02,w065/t01,w003/t05,w096/t07,w096
 #[test]
 fn no_simulation_fails_whatever_the_commands() {
     let bench = Bench::new();
-    let plugin = vb_tests::plugin("wild", vb_tests::Carrier::Wasm);
+    let plugin = vb_tests::plugin("wild", vb_tests::PluginKind::Wasm);
     let plugin = plugin.to_str().expect("paths of tests are text");
     for name in names() {
         let args = ["--plugin", plugin, "--vehicle", &name, "--suite", "vb-100", "--tasks", SOAKED];

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use crate::common::{keeper, observation, task};
-use vb_host::{Carrier, FaultCause, FaultCode, Limits, LoadError, LogSink, Plugin, ProcessOptions};
+use vb_host::{FaultCause, FaultCode, Limits, LoadError, LogSink, Plugin, PluginKind, ProcessOptions};
 use vb_sdk::{LogLevel, Series, Task};
 
 /// A library made of `hostile.c`, with macros; none where there is no compiler.
@@ -55,7 +55,7 @@ fn is_well(plugin: &Plugin) {
 #[test]
 fn a_c_planner_gets_the_observation_and_gives_its_command_and_series() {
     let Some(plugin) = hostile() else { return };
-    assert_eq!((plugin.carrier(), plugin.metadata().name.as_str()), (Carrier::Native, "hostile"));
+    assert_eq!((plugin.kind(), plugin.metadata().name.as_str()), (PluginKind::Native, "hostile"));
     let mut session = plugin.start(&harmful(&plugin, "nothing", "step"), LogSink::discard()).unwrap();
     let command = session.step(&observation()).unwrap();
     assert_eq!((command.steering, command.brake), (0.5, 0.0));

@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use vb_host::{Carrier, Limits, LoadError, LogSink, Plugin, ProcessOptions, inspect};
+use vb_host::{Limits, LoadError, LogSink, Plugin, PluginKind, ProcessOptions, inspect};
 use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle, Wheel, math};
 
 /// A built planner, or a word on why the test is skipped.
@@ -83,13 +83,13 @@ fn bits(commands: &[Command]) -> Vec<[u64; 3]> {
 }
 
 #[test]
-fn both_carriers_of_a_planner_give_the_same_commands_bit_for_bit() {
+fn both_kinds_of_a_planner_give_the_same_commands_bit_for_bit() {
     for (name, param) in [("pid", ("kd", "0.3")), ("pursuit", ("speed", "5"))] {
         let (Some(wasm), Some(native)) = (load(&format!("{name}.wasm")), load(&format!("lib{name}.so")))
         else {
             return;
         };
-        assert_eq!((wasm.carrier(), native.carrier()), (Carrier::Wasm, Carrier::Native));
+        assert_eq!((wasm.kind(), native.kind()), (PluginKind::Wasm, PluginKind::Native));
         assert_eq!(wasm.metadata(), native.metadata());
         let (w, n) = (drive(&wasm, &[param]), drive(&native, &[param]));
         assert_eq!(bits(&w), bits(&n), "{name}");
@@ -112,7 +112,7 @@ fn a_planners_metadata_are_those_of_its_crate() {
 }
 
 #[test]
-fn faults_are_the_same_with_both_carriers_where_a_native_planner_survives_them() {
+fn faults_are_the_same_with_both_kinds_where_a_native_planner_survives_them() {
     let (Some(wasm), Some(native)) = (load("faulty.wasm"), load("libfaulty.so")) else { return };
     for (fault, code, text) in [
         ("error", "planner/error", "step 3 (t = 0.00 s): returned an error: told to give up"),

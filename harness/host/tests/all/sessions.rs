@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a helper of a test may fail it")]
 
 use crate::common::{keeper, observation, plugin, task};
-use vb_host::{Carrier, FaultCause, Limits, LogSink, PlannerFault, Plugin, Resource, Session};
+use vb_host::{FaultCause, Limits, LogSink, PlannerFault, Plugin, PluginKind, Resource, Session};
 use vb_sdk::{Command, LogLevel};
 
 const OK: &str = "(call $ok_planner)";
@@ -38,7 +38,7 @@ fn every_session_starts_afresh() {
         "(call $ok_command (f64.convert_i32_u (global.get $calls)) (f64.const 0) (f64.const 0))",
         &limits(),
     );
-    assert_eq!(plugin.carrier(), Carrier::Wasm);
+    assert_eq!(plugin.kind(), PluginKind::Wasm);
     for _ in 0..3 {
         let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
         assert_eq!(session.step(&observation()).unwrap().steering, 1.0);

@@ -35,7 +35,7 @@ pub struct AtWork {
 }
 
 impl Good {
-    /// Two different ones for each carrier there is here, with a state in memory and a line in the log every step.
+    /// Two different ones for each kind there is here, with a state in memory and a line in the log every step.
     pub fn planners() -> &'static [Good] {
         static PLANNERS: OnceLock<Vec<Good>> = OnceLock::new();
         let make = || {

@@ -305,7 +305,7 @@ fn commands_that_are_wild_but_finite_are_clamped_and_no_fault() {
 
 #[test]
 fn planners_that_run_alternately_leave_no_trace_in_each_other() {
-    // Two of each carrier, each at two tasks at a time; those of a library are in two processes.
+    // Two of each kind, each at two tasks at a time; those of a library are in two processes.
     let good = || Good::planners().iter().chain(Good::planners());
     let mut at_work: Vec<_> = good().map(Good::begin).collect();
     for _ in 0..good::STEPS {

@@ -1,7 +1,7 @@
 //! `imports`: the plugin asks for nothing that planners don't get. Those that do aren't loaded at all, so this check
 //! shows what is asked for.
 
-use vb_host::{Carrier, Plugin, SandboxReport};
+use vb_host::{Plugin, PluginKind, SandboxReport};
 
 use super::Kit;
 use super::report::Check;
@@ -9,14 +9,14 @@ use super::report::Check;
 const NAME: &str = "imports";
 
 pub(super) fn check(kit: &Kit<'_>, plugin: &Plugin) -> Check {
-    match (plugin.carrier(), kit.file) {
-        (Carrier::Wasm, Some(file)) => match vb_host::imports(file) {
+    match (plugin.kind(), kit.file) {
+        (PluginKind::Wasm, Some(file)) => match vb_host::imports(file) {
             Ok(imports) if imports.is_empty() => Check::pass(NAME, "none"),
             Ok(imports) => Check::pass(NAME, imports.join(", ")),
             // It has been loaded a moment ago.
             Err(e) => Check::fail(NAME, e.to_string(), "don't change the file while it is checked"),
         },
-        (Carrier::Native, _) => {
+        (PluginKind::Native, _) => {
             let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
             if missing.is_empty() {
                 Check::pass(NAME, "a confined process: what it asks for is denied at work")

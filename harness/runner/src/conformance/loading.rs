@@ -1,6 +1,6 @@
 //! `loads`: the harness can make planners of the file.
 
-use vb_host::{Blame, Carrier, FaultCode, LoadError, Plugin};
+use vb_host::{Blame, FaultCode, LoadError, Plugin, PluginKind};
 
 use super::KitError;
 use super::report::Check;
@@ -11,10 +11,10 @@ const REST: [&str; 8] =
     ["stamp", "imports", "tasks", "determinism", "hygiene", "budget", "probes", "start-up"];
 
 pub(super) fn loaded(plugin: &Plugin) -> Check {
-    let carrier = match plugin.carrier() {
-        Carrier::Wasm => "as WebAssembly",
-        Carrier::Native => "as a native library",
-        Carrier::Command => {
+    let kind = match plugin.kind() {
+        PluginKind::Wasm => "as WebAssembly",
+        PluginKind::Native => "as a native library",
+        PluginKind::Command => {
             return Check::warn(
                 NAME,
                 "as a command, which is not confined",
@@ -22,7 +22,7 @@ pub(super) fn loaded(plugin: &Plugin) -> Check {
             );
         }
     };
-    Check::pass(NAME, carrier)
+    Check::pass(NAME, kind)
 }
 
 /// The checks of a plugin that can't be loaded: the one that it breaks fails, the others can't be told.

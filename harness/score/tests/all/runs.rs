@@ -31,7 +31,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             name: "pid".into(),
             version: "1.0.0".into(),
             sha256: "bb".into(),
-            carrier: "wasm".into(),
+            kind: "wasm".into(),
             path: "pid.wasm".into(),
             eligible_for_ranking: true,
             sandbox: None,

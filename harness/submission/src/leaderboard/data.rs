@@ -47,7 +47,7 @@ fn entry(r: &Ranked) -> Value {
         "planner": m.run.plugin.name,
         "version": m.run.plugin.version,
         "plugin_sha256": m.run.plugin.sha256,
-        "carrier": m.run.plugin.carrier,
+        "kind": m.run.plugin.kind,
         "abi": m.abi,
         "open_because": m.open_because,
         "tasks": e.figures.tasks,

@@ -132,7 +132,7 @@ fn conditions(s: &mut String, r: &Ranked) {
     }
     let params: Vec<String> = m.run.params.iter().map(|(k, v)| format!("{k}={v}")).collect();
     let rows = [
-        ("plugin", data(&format!("{}, interface {}", m.run.plugin.carrier, m.abi), &m.run.plugin.sha256)),
+        ("plugin", data(&format!("{}, interface {}", m.run.plugin.kind, m.abi), &m.run.plugin.sha256)),
         ("parameters", if params.is_empty() { "none".into() } else { text(&params.join(" ")) }),
         ("suite", data(&format!("{} {}", m.run.suite.name, m.suite_version), &m.run.suite.hash)),
         ("tasks", text(&m.run.scope())),

@@ -14,8 +14,7 @@ const SCRIPT: &str = include_str!("site.js");
 
 /// What stands behind the figures of a division.
 const RANKED: &str = "WASM planners under the benchmark's own conditions, verified by driving tasks again.";
-const OPEN: &str =
-    "Other conditions or carriers: each entry says what differs. Figures are verified, ranks say less.";
+const OPEN: &str = "Other conditions or kinds of plugin: each entry says what differs. Figures are verified, ranks say less.";
 
 pub(super) fn page(title: &str, boards: &[Board]) -> String {
     let title = one_line(title, 120);
