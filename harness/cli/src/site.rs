@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vb_suite::generate::GeneratorParams;
 use vb_suite::site::{self, Cut, SiteParams, Survey};
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 use vb_terrain::read::{Holes, read};
 use vb_world::{Provenance, SuiteMeta};
 
@@ -54,6 +54,6 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
 }
 
 /// A raster whose holes matter only where a world lies.
-fn raster(path: &Path) -> Result<Raster, CliError> {
+fn raster(path: &Path) -> Result<ElevationImage, CliError> {
     read(path, Holes::Keep).map_err(CliError::input)
 }

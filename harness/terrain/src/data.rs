@@ -8,7 +8,7 @@ use serde::Deserialize;
 use thiserror::Error;
 use vb_files::Hash;
 
-use crate::Raster;
+use crate::ElevationImage;
 use crate::read::{self, Holes, ReadError};
 use crate::repair::{Repaired, fill, repair};
 
@@ -84,7 +84,7 @@ pub struct Scan {
 #[derive(Clone, Debug)]
 pub struct Layer {
     /// Heights in units of [`Data::std`], holes filled.
-    pub heights: Raster,
+    pub heights: ElevationImage,
     /// Which samples are measurements.
     pub measured: Vec<bool>,
 }
@@ -221,7 +221,7 @@ fn read_selection(dir: &Path, given: Option<&Path>, hash: &mut Hash) -> Result<O
 }
 
 /// Standard deviation of the measured heights of levelled rasters.
-fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>) -> f64 {
+fn spread<'a>(rasters: impl Iterator<Item = &'a ElevationImage>) -> f64 {
     let (mut n, mut squares) = (0.0, 0.0);
     for raster in rasters {
         for v in raster.values().iter().filter(|v| !v.is_nan()) {
@@ -233,7 +233,7 @@ fn spread<'a>(rasters: impl Iterator<Item = &'a Raster>) -> f64 {
 }
 
 /// The raster's samples at the model's resolution, once for each place where they can begin.
-fn layers(raster: &Raster, every: usize, std: f64) -> Vec<Layer> {
+fn layers(raster: &ElevationImage, every: usize, std: f64) -> Vec<Layer> {
     let mut layers = Vec::new();
     for row in 0..every.min(raster.rows()) {
         for col in 0..every.min(raster.cols()) {

@@ -3,9 +3,9 @@
 pub mod bands;
 pub mod data;
 mod decoder;
+pub mod elevation;
 pub mod generate;
 pub mod model;
-pub mod raster;
 pub mod read;
 pub mod repair;
 pub mod shape;
@@ -13,6 +13,6 @@ pub mod stats;
 pub mod tiles;
 pub mod write;
 
+pub use elevation::ElevationImage;
 pub use generate::{GenerateError, Request, fraction};
 pub use model::{Header, Model, ModelError};
-pub use raster::Raster;

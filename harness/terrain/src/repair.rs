@@ -1,6 +1,6 @@
 //! Pits and spikes that no real terrain has, and holes.
 
-use crate::Raster;
+use crate::ElevationImage;
 
 /// A sample is suspect where it is further from the median of its neighbours than this many times the usual distance.
 const DEVIATION: f64 = 6.0;
@@ -25,7 +25,7 @@ pub struct Repaired {
 /// (without itself) by more than six usual differences – 1.4826 times the median of that difference over the raster –
 /// and no more than three of them take its side. So specks of up to four samples go; cliffs, ledges and boulders, which have
 /// neighbours at their own height, stay.
-pub fn repair(raster: &mut Raster) -> Repaired {
+pub fn repair(raster: &mut ElevationImage) -> Repaired {
     let (rows, cols) = (raster.rows(), raster.cols());
     let mut neighbours = Vec::with_capacity(24);
     let mut around = |r: usize, c: usize| {
@@ -74,7 +74,7 @@ fn median(values: &mut [f64]) -> f64 {
 
 /// Fills holes smoothly: each hole's sample becomes the mean of its four neighbours (Laplace's equation), as a soap film spans
 /// a frame. What was not measured is 0 throughout a raster without any measured sample.
-pub fn fill(raster: &mut Raster) {
+pub fn fill(raster: &mut ElevationImage) {
     let (rows, cols) = (raster.rows(), raster.cols());
     let holes: Vec<usize> = (0..rows * cols).filter(|i| raster.values()[*i].is_nan()).collect();
     if holes.is_empty() {
@@ -125,10 +125,10 @@ mod tests {
     use super::*;
 
     /// Gentle waves, with a little of everything.
-    fn hills(rows: usize, cols: usize) -> Raster {
+    fn hills(rows: usize, cols: usize) -> ElevationImage {
         let z =
             |r: usize, c: usize| vb_math::sin(0.3 * r as f64) + vb_math::cos(0.2 * c as f64 + 0.1 * r as f64);
-        Raster::new(rows, cols, (0..rows * cols).map(|i| z(i / cols, i % cols)).collect())
+        ElevationImage::new(rows, cols, (0..rows * cols).map(|i| z(i / cols, i % cols)).collect())
     }
 
     #[test]
@@ -171,7 +171,7 @@ mod tests {
     fn a_filled_hole_spans_its_frame_as_a_film_does() {
         // A plane is its own film.
         let plane = |i: usize| 2.0 * (i % 9) as f64 - 0.5 * (i / 9) as f64;
-        let mut r = Raster::new(7, 9, (0..63).map(plane).collect());
+        let mut r = ElevationImage::new(7, 9, (0..63).map(plane).collect());
         for (row, col) in [(2, 3), (2, 4), (3, 3), (3, 4), (4, 4)] {
             r.values_mut()[row * 9 + col] = f64::NAN;
         }
@@ -179,7 +179,7 @@ mod tests {
         for (i, v) in r.values().iter().enumerate() {
             assert!((v - plane(i)).abs() < 1e-6, "{i}: {v}");
         }
-        let mut empty = Raster::new(2, 2, vec![f64::NAN; 4]);
+        let mut empty = ElevationImage::new(2, 2, vec![f64::NAN; 4]);
         fill(&mut empty);
         assert_eq!(empty.values(), [0.0; 4]);
     }

@@ -179,11 +179,12 @@ fn fingerprint(tile: &Tile, side: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Raster;
+    use crate::ElevationImage;
     use crate::repair::Repaired;
 
     fn scan(rows: usize, cols: usize, z: impl Fn(usize, usize) -> f64) -> Scan {
-        let heights = Raster::new(rows, cols, (0..rows * cols).map(|i| z(i / cols, i % cols)).collect());
+        let heights =
+            ElevationImage::new(rows, cols, (0..rows * cols).map(|i| z(i / cols, i % cols)).collect());
         let layer = Layer { heights, measured: vec![true; rows * cols] };
         Scan { name: "a".into(), held_out: false, repaired: Repaired::default(), layers: vec![layer] }
     }

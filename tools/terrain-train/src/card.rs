@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use candle_core::Device;
 use serde::Serialize;
 use vb_math::rng::Stream;
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 use vb_terrain::bands::Pass;
 use vb_terrain::data::{Data, Scan};
 use vb_terrain::model::{Header, Weights};
@@ -206,14 +206,14 @@ pub(crate) fn look_of_scans(scans: &[&Scan], header: &Header) -> Look {
     let mut spectrum = Spectrum::new(SIDE / 2);
     let scaled = |heights: &[f64]| heights.iter().map(|z| z * header.relief).collect::<Vec<_>>();
     for tile in (0..tiles.len()).map(|i| tiles.get(i)) {
-        for part in halves(&Raster::new(SIDE, SIDE, scaled(&tile.heights))) {
+        for part in halves(&ElevationImage::new(SIDE, SIDE, scaled(&tile.heights))) {
             spectrum.add(part.values());
         }
     }
     let layers = scans.iter().flat_map(|s| &s.layers).map(|l| {
         let (rows, cols) = (l.heights.rows(), l.heights.cols());
         let measured = scaled(l.heights.values()).into_iter().zip(&l.measured);
-        Raster::new(rows, cols, measured.map(|(z, m)| if *m { z } else { f64::NAN }).collect())
+        ElevationImage::new(rows, cols, measured.map(|(z, m)| if *m { z } else { f64::NAN }).collect())
     });
     look(&layers.collect::<Vec<_>>(), header.resolution, &spectrum)
 }
@@ -222,20 +222,20 @@ pub(crate) fn look_of_scans(scans: &[&Scan], header: &Header) -> Look {
 fn look_of_drawn(surfaces: Vec<Vec<f64>>, resolution: f64) -> Look {
     let mut spectrum = Spectrum::new(SIDE / 2);
     for window in surfaces.iter().flat_map(|s| windows(s, DRAWN, SIDE)) {
-        for part in halves(&Raster::new(SIDE, SIDE, window)) {
+        for part in halves(&ElevationImage::new(SIDE, SIDE, window)) {
             spectrum.add(part.values());
         }
     }
-    let rasters: Vec<_> = surfaces.into_iter().map(|s| Raster::new(DRAWN, DRAWN, s)).collect();
+    let rasters: Vec<_> = surfaces.into_iter().map(|s| ElevationImage::new(DRAWN, DRAWN, s)).collect();
     look(&rasters, resolution, &spectrum)
 }
 
 /// Every second sample, from each of the four that can be the first.
-fn halves(raster: &Raster) -> impl Iterator<Item = Raster> {
+fn halves(raster: &ElevationImage) -> impl Iterator<Item = ElevationImage> {
     (0..4).map(|i| raster.thinned(i / 2, i % 2, 2))
 }
 
-fn look(rasters: &[Raster], resolution: f64, spectrum: &Spectrum) -> Look {
+fn look(rasters: &[ElevationImage], resolution: f64, spectrum: &Spectrum) -> Look {
     let (mut all, mut steep, mut fine) = (Vec::new(), Vec::new(), Vec::new());
     for raster in rasters {
         fine.extend(slopes(raster.values(), raster.cols(), resolution));

@@ -335,7 +335,7 @@ fn now() -> Instant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_terrain::Raster;
+    use vb_terrain::ElevationImage;
     use vb_terrain::data::{Layer, Scan};
     use vb_terrain::repair::Repaired;
 
@@ -345,7 +345,7 @@ mod tests {
             let (r, c) = ((i / 80) as f64, (i % 80) as f64);
             vb_math::sin(0.7 * r) * vb_math::cos(0.5 * c) + 0.5 * vb_math::sin(0.2 * (r + c))
         };
-        let heights = Raster::new(80, 80, (0..80 * 80).map(z).collect());
+        let heights = ElevationImage::new(80, 80, (0..80 * 80).map(z).collect());
         let layer = Layer { heights, measured: vec![true; 80 * 80] };
         Scan { name: "waves".into(), held_out: false, repaired: Repaired::default(), layers: vec![layer] }
     }

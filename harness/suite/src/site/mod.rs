@@ -6,7 +6,7 @@ mod survey;
 use std::collections::BTreeMap;
 
 use vb_math::rng::Stream;
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
 
 pub use rules::{GroundRule, SiteGround, SiteParams};
@@ -19,11 +19,11 @@ use survey::{Layout, extents};
 #[derive(Clone, Copy, Debug)]
 pub struct Survey<'a> {
     /// Heights, m.
-    pub heights: &'a Raster,
+    pub heights: &'a ElevationImage,
     /// Distance between their samples, m.
     pub resolution: f64,
     /// Labels of the ground over the same rectangle, at any number of samples.
-    pub labels: Option<&'a Raster>,
+    pub labels: Option<&'a ElevationImage>,
     /// Obstacles, from the middle of the raster; none: they are drawn.
     pub obstacles: Option<&'a [Obstacle]>,
 }

@@ -1,11 +1,11 @@
 //! Sampling a raster at the nodes of a world.
 
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 
 /// A raster laid out in metres: its middle is the origin, x east, y north; a sample stands for the square about it.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
-    raster: Raster,
+    raster: ElevationImage,
     resolution: f64,
     /// The north-western sample.
     first: [f64; 2],
@@ -14,7 +14,7 @@ pub(crate) struct Layout {
 impl Layout {
     /// A raster of `resolution` metres, averaged over squares of several samples where they lie closer than every other
     /// node of a grid of `wanted` metres: else what is between the nodes would become noise of the nodes.
-    pub(crate) fn new(raster: &Raster, resolution: f64, wanted: f64) -> Self {
+    pub(crate) fn new(raster: &ElevationImage, resolution: f64, wanted: f64) -> Self {
         let half = |n: usize| 0.5 * (n - 1) as f64 * resolution;
         let first = [-half(raster.cols()), half(raster.rows())];
         let n = (wanted / resolution * (1.0 + 1e-9)) as usize;
@@ -62,7 +62,7 @@ impl Layout {
 }
 
 /// Extents of a raster along x and y, m.
-pub(crate) fn extents(raster: &Raster, resolution: f64) -> [f64; 2] {
+pub(crate) fn extents(raster: &ElevationImage, resolution: f64) -> [f64; 2] {
     [raster.cols() as f64 * resolution, raster.rows() as f64 * resolution]
 }
 
@@ -71,10 +71,10 @@ mod tests {
     use super::*;
 
     /// z = 2x − 3y + 7 on samples of 0.5 m.
-    fn plane(rows: usize, cols: usize) -> Raster {
+    fn plane(rows: usize, cols: usize) -> ElevationImage {
         let x = |c: usize| 0.5 * (c as f64 - 0.5 * (cols - 1) as f64);
         let y = |r: usize| 0.5 * (0.5 * (rows - 1) as f64 - r as f64);
-        Raster::new(
+        ElevationImage::new(
             rows,
             cols,
             (0..rows * cols).map(|i| 2.0 * x(i % cols) - 3.0 * y(i / cols) + 7.0).collect(),
@@ -96,14 +96,14 @@ mod tests {
     fn a_hole_is_felt_beside_it_only() {
         let mut values = vec![1.0; 25];
         values[12] = f64::NAN;
-        let layout = Layout::new(&Raster::new(5, 5, values), 1.0, 1.0);
+        let layout = Layout::new(&ElevationImage::new(5, 5, values), 1.0, 1.0);
         assert!(layout.height([0.0, 0.0]).is_nan() && layout.height([0.4, -0.9]).is_nan());
         assert_eq!((layout.height([1.0, 0.0]), layout.height([2.0, 2.0])), (1.0, 1.0));
     }
 
     #[test]
     fn a_label_holds_for_the_square_about_its_sample() {
-        let layout = Layout::new(&Raster::new(2, 2, vec![1.0, 2.0, 3.0, 4.0]), 10.0, 1.0);
+        let layout = Layout::new(&ElevationImage::new(2, 2, vec![1.0, 2.0, 3.0, 4.0]), 10.0, 1.0);
         assert_eq!(
             [[-0.1, 0.1], [0.1, 0.1], [-0.1, -0.1], [9.0, -9.0]].map(|p| layout.nearest(p)),
             [1.0, 2.0, 3.0, 4.0]

@@ -2,14 +2,14 @@
 
 use vb_suite::generate::GeneratorParams;
 use vb_suite::site::{Cut, SiteError, SiteParams, Survey, worlds};
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 use vb_world::{Density, Obstacle, ObstacleKind, Terrain, TerrainClass, World};
 
 /// A raster of `z(x, y)` over an area about the origin, x east and y north, first row in the north.
-fn raster(rows: usize, cols: usize, resolution: f64, z: impl Fn(f64, f64) -> f64) -> Raster {
+fn raster(rows: usize, cols: usize, resolution: f64, z: impl Fn(f64, f64) -> f64) -> ElevationImage {
     let x = |c: usize| (c as f64 - 0.5 * (cols - 1) as f64) * resolution;
     let y = |r: usize| (0.5 * (rows - 1) as f64 - r as f64) * resolution;
-    Raster::new(rows, cols, (0..rows * cols).map(|i| z(x(i % cols), y(i / cols))).collect())
+    ElevationImage::new(rows, cols, (0..rows * cols).map(|i| z(x(i % cols), y(i / cols))).collect())
 }
 
 /// Gentle enough that a bilinear surface of 1 m is within millimetres of it.
@@ -21,7 +21,7 @@ fn make(survey: &Survey<'_>, cut: Cut, seed: u64) -> Result<Vec<World>, SiteErro
     worlds(survey, cut, Density::Sparse, &SiteParams::default(), &GeneratorParams::default(), seed)
 }
 
-fn survey(heights: &Raster, resolution: f64) -> Survey<'_> {
+fn survey(heights: &ElevationImage, resolution: f64) -> Survey<'_> {
     Survey { heights, resolution, labels: None, obstacles: None }
 }
 

@@ -9,7 +9,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::{Flaw, Found, MAX_SAMPLES, check_size, line};
-use crate::Raster;
+use crate::ElevationImage;
 
 const PIXEL_SCALE: Tag = Tag::Unknown(33550);
 const TRANSFORMATION: Tag = Tag::Unknown(34264);
@@ -74,7 +74,7 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     };
     let no_data: Vec<bool> = values.iter().map(|v| is_mark(*v)).collect();
     let values = values.into_iter().map(|v| v * places.vertical_unit).collect();
-    let raster = Raster::new(rows as usize, cols as usize, values).with_resolution(places.resolution);
+    let raster = ElevationImage::new(rows as usize, cols as usize, values).with_resolution(places.resolution);
     Ok(Found { raster, no_data })
 }
 

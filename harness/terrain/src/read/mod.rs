@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::Raster;
+use crate::ElevationImage;
 
 /// Most samples that a file may hold: 16 384 × 16 384.
 pub const MAX_SAMPLES: u64 = 1 << 28;
@@ -119,7 +119,7 @@ pub enum Flaw {
 ///
 /// # Errors
 /// [`ReadError`]: whatever keeps the file from being a surface.
-pub fn read(path: &Path, holes: Holes) -> Result<Raster, ReadError> {
+pub fn read(path: &Path, holes: Holes) -> Result<ElevationImage, ReadError> {
     let inner = || {
         let size = std::fs::metadata(path)?.len();
         if size > MAX_BYTES {
@@ -139,13 +139,13 @@ pub fn read(path: &Path, holes: Holes) -> Result<Raster, ReadError> {
 
 /// What a reader found: samples, and those that the file marks as not measured.
 struct Found {
-    raster: Raster,
+    raster: ElevationImage,
     /// Row-major; empty where the format knows no such mark.
     no_data: Vec<bool>,
 }
 
 /// Refuses or keeps what is no height.
-fn checked(found: Found, holes: Holes) -> Result<Raster, Flaw> {
+fn checked(found: Found, holes: Holes) -> Result<ElevationImage, Flaw> {
     let Found { mut raster, no_data } = found;
     let cols = raster.cols();
     if holes == Holes::Refuse {

@@ -7,7 +7,7 @@ use std::path::Path;
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::{Flaw, Found, check_size, line};
-use crate::Raster;
+use crate::ElevationImage;
 
 const WANTED: &str = "f4, f8, u1, u2 or i2";
 
@@ -70,7 +70,7 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
         Order::C => values,
         Order::Fortran => (0..rows * cols).map(|i| values[i % cols * rows + i / cols]).collect(),
     };
-    Ok(Found { raster: Raster::new(rows, cols, values), no_data: Vec::new() })
+    Ok(Found { raster: ElevationImage::new(rows, cols, values), no_data: Vec::new() })
 }
 
 fn samples<T: Deserialize + Into<f64>>(file: NpyFile<BufReader<File>>) -> Result<Vec<f64>, Flaw> {

@@ -6,7 +6,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageReader};
 
 use super::{Flaw, Found, MAX_SAMPLES, check_size, line};
-use crate::Raster;
+use crate::ElevationImage;
 
 /// Reads the grey levels of a picture.
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
             });
         }
     };
-    Ok(Found { raster: Raster::new(rows as usize, cols as usize, values), no_data: Vec::new() })
+    Ok(Found { raster: ElevationImage::new(rows as usize, cols as usize, values), no_data: Vec::new() })
 }
 
 fn flaw(e: ImageError) -> Flaw {

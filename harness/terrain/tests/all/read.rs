@@ -9,7 +9,7 @@ use npyz::WriterBuilder as _;
 use tempfile::TempDir;
 use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
-use vb_terrain::Raster;
+use vb_terrain::ElevationImage;
 use vb_terrain::read::{Flaw, Holes, read};
 
 /// A folder for files of one test.
@@ -108,7 +108,7 @@ fn metric() -> Vec<u16> {
     keys(&[[1024, 1], [3076, 9001]])
 }
 
-fn values(path: &std::path::Path) -> Raster {
+fn values(path: &std::path::Path) -> ElevationImage {
     read(path, Holes::Refuse).unwrap()
 }
 

@@ -1,8 +1,9 @@
-//! A rectangle of elevation samples.
+//! Elevation as files have it.
 
-/// Elevation on a square grid, row-major, first row in the north, as files have it. Holes are NaN.
+/// Elevation on a square grid in the order of images: row-major, first row in the north. Holes are NaN. (A `vb_world::Raster`,
+/// which lies in the world, has its first row in the south.)
 #[derive(Clone, Debug, PartialEq)]
-pub struct Raster {
+pub struct ElevationImage {
     rows: usize,
     cols: usize,
     values: Vec<f64>,
@@ -10,7 +11,7 @@ pub struct Raster {
     resolution: Option<f64>,
 }
 
-impl Raster {
+impl ElevationImage {
     /// A raster of row-major values, first row in the north.
     ///
     /// # Panics
@@ -174,18 +175,19 @@ mod tests {
         let wave = |r: usize, c: usize| [1.0, -1.0, -1.0, 1.0][r % 4] * [1.0, -1.0, -1.0, 1.0][c % 4];
         let plane = |r: usize, c: usize| 3.0 + 0.5 * c as f64 - 0.25 * r as f64;
         let all = |f: &dyn Fn(usize, usize) -> f64| (0..32).map(|i| f(i / 8, i % 8)).collect::<Vec<_>>();
-        let mut r = Raster::new(4, 8, all(&|r, c| plane(r, c) + wave(r, c)));
+        let mut r = ElevationImage::new(4, 8, all(&|r, c| plane(r, c) + wave(r, c)));
         r.level();
         for (got, want) in r.values().iter().zip(all(&wave)) {
             assert!((got - want).abs() < 1e-12, "{got} {want}");
         }
         // Holes stay holes and count for nothing.
-        let mut r = Raster::new(4, 8, all(&|r, c| if (r, c) == (2, 3) { f64::NAN } else { plane(r, c) }));
+        let mut r =
+            ElevationImage::new(4, 8, all(&|r, c| if (r, c) == (2, 3) { f64::NAN } else { plane(r, c) }));
         r.level();
         assert_eq!(r.holes(), 1);
         assert!(r.values().iter().filter(|v| !v.is_nan()).all(|v| v.abs() < 1e-12));
         // One row spans no plane.
-        let mut line = Raster::new(1, 4, vec![1.0, 2.0, 4.0, 8.0]);
+        let mut line = ElevationImage::new(1, 4, vec![1.0, 2.0, 4.0, 8.0]);
         line.level();
         assert_eq!(line.values(), [1.0, 2.0, 4.0, 8.0]);
     }
@@ -193,7 +195,7 @@ mod tests {
     #[test]
     fn thinning_keeps_every_so_many_th_sample() {
         // 0 to 19 in rows of five: from row 1, column 0 on every third.
-        let r = Raster::new(4, 5, (0..20).map(f64::from).collect()).with_resolution(Some(0.25));
+        let r = ElevationImage::new(4, 5, (0..20).map(f64::from).collect()).with_resolution(Some(0.25));
         let thin = r.thinned(1, 0, 3);
         assert_eq!((thin.rows(), thin.cols(), thin.resolution()), (1, 2, Some(0.75)));
         assert_eq!(thin.values(), [5.0, 8.0]);
@@ -203,7 +205,7 @@ mod tests {
     #[test]
     fn reduction_averages_what_is_measured_and_needs_half_of_it() {
         let n = f64::NAN;
-        let r = Raster::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0])
+        let r = ElevationImage::new(2, 6, vec![1.0, 2.0, 1.0, n, n, n, 3.0, 6.0, n, 3.0, n, 4.0])
             .with_resolution(Some(0.5));
         let half = r.reduced(2);
         assert_eq!((half.rows(), half.cols(), half.resolution()), (1, 3, Some(1.0)));
