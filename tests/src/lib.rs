@@ -51,13 +51,7 @@ pub fn release_harness() -> PathBuf {
     built(target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX)))
 }
 
-/// The harness in the profile of the tests: less optimised, with overflow checks and debug assertions.
-#[must_use]
-pub fn dev_harness() -> PathBuf {
-    built(profile_dir().join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX)))
-}
-
-/// How a planner is carried.
+/// What kind of plugin a planner is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PluginKind {
     /// A WASM component.
@@ -124,7 +118,7 @@ impl Bench {
         self.command_of(&self.harness, args)
     }
 
-    /// The same of another program, such as [`dev_harness`].
+    /// The same of another program.
     #[must_use]
     pub fn command_of<S: AsRef<OsStr>>(&self, program: &Path, args: &[S]) -> Command {
         let mut command = Command::new(program);

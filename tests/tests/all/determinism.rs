@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use vb_tests::{Bench, Done, PluginKind, dev_harness, pid, plugin};
+use vb_tests::{Bench, PluginKind, pid, plugin};
 
 /// A few tasks of each elevation level, with and without success.
 const TASKS: &str = "w001/t00,w002/t03,w003/t01,w005/t02,w006/t03,w009/t00";
@@ -186,14 +186,4 @@ fn wasm_and_native_planners_leave_the_same_records_but_for_fuel() {
         assert!(wasm.traces == native.traces, "{name}: the bytes of traces differ");
         assert_eq!(but_for_fuel(wasm.records), but_for_fuel(native.records), "{name}");
     }
-}
-
-#[test]
-fn debug_and_release_builds_of_the_harness_leave_the_same_bytes() {
-    let bench = Bench::new();
-    let plugin = pid();
-    bench.ok(&args(&plugin, TASKS, "release", &["--jobs", "2"]));
-    let args = args(&plugin, TASKS, "debug", &["--jobs", "2"]);
-    let _ = Done::of(&mut bench.command_of(&dev_harness(), &args)).ok();
-    assert_same(&results(&bench, "release"), &results(&bench, "debug"), "debug and release");
 }

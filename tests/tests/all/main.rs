@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod bad_input;
+#[path = "../../../harness/sim/tests/all/bits.rs"]
+mod bits;
 mod check;
 mod determinism;
 mod fail_fast;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod bits;
 mod canonical;
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,0 +1,61 @@
+//! The simulator computes the same bits in whatever profile it is built: this file is a part of two test programs, one with
+//! overflow checks and little optimisation (`vb-sim`'s own), one in release (`vb-tests`).
+
+use std::path::Path;
+use std::sync::Arc;
+
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_vehicle::{VehicleModel, VehicleSpec};
+use vb_world::Suite;
+
+/// A vehicle, a world of `tasks/smoke`, and what the drive left. A snapshot: it changes with the simulator, and with nothing else.
+const DRIVES: [(&str, &str, u64); 12] = [
+    ("hmmwv", "w001", 0),
+    ("hmmwv", "w003", 0),
+    ("hmmwv-released", "w006", 0),
+    ("gator", "w002", 0),
+    ("feda", "w005", 0),
+    ("m113", "w003", 0),
+    ("m113", "w007", 0),
+    ("man5t", "w004", 0),
+    ("man7t", "w008", 0),
+    ("man10t", "w009", 0),
+    ("artcar", "w010", 0),
+    ("verti4wheeler", "w003", 0),
+];
+
+#[test]
+fn every_build_of_the_simulator_computes_the_same_bits() {
+    let tasks = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|p| p.join("tasks/released.yaml"));
+    let tasks = tasks.filter(|p| p.is_file()).map(|p| p.parent().unwrap().to_owned()).next().unwrap();
+    let suite = Suite::open(tasks.join("smoke")).unwrap();
+    let soils = SoilSet::load(&tasks.join("soils/default.yaml")).unwrap();
+    let mut found = Vec::new();
+    for (vehicle, id, _) in DRIVES {
+        let spec = VehicleSpec::load(&tasks.join(format!("vehicles/{vehicle}.yaml"))).unwrap();
+        let world = suite.load_world(id).unwrap().scaled(spec.scale);
+        let start = world.tasks[0].start;
+        let model = VehicleModel::new(spec).unwrap();
+        let mut drive =
+            Simulation::new(Arc::new(world), &model, &soils, start, SimOptions::default()).unwrap();
+        // FNV-1a over 64-bit words, rotated since its prime leaves their upper bits poorly spread.
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        for step in 0..300 {
+            let steering = f64::from(step % 100) / 100.0 - 0.5;
+            let controls = if step < 250 {
+                Controls { steering, throttle: 0.7, brake: 0.0 }
+            } else {
+                Controls { steering, throttle: 0.0, brake: 0.6 }
+            };
+            drive.advance(controls, 10).unwrap();
+            drive.visit_state(|x| {
+                hash = (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
+            });
+        }
+        found.push((vehicle, id, hash));
+    }
+    let text = |drives: &[(&str, &str, u64)]| -> Vec<String> {
+        drives.iter().map(|(vehicle, world, hash)| format!("(\"{vehicle}\", \"{world}\", {hash:#x}),")).collect()
+    };
+    assert_eq!(text(&found), text(&DRIVES));
+}
