@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod dispatch;
 mod error;
 mod inspect;
 mod leaderboard;

@@ -14,6 +14,7 @@ mod limits;
 mod log;
 mod native;
 mod plugin;
+mod process;
 mod text;
 mod wasm;
 

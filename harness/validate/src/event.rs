@@ -2,7 +2,7 @@
 
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
-use crate::rig::Pace;
+use crate::pace::Pace;
 use serde::Serialize;
 use vb_sim::{SimError, SimOptions, SoilSet};
 use vb_vehicle::{VehicleModel, VehicleSpec, powertrain::Differential};
@@ -26,7 +26,7 @@ impl<'a> Bench<'a> {
     pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
         let model = VehicleModel::new(spec.clone())?;
-        let rest = crate::rig::at_rest(&model, options)?;
+        let rest = crate::grounds::at_rest(&model, options)?;
         let geometry = Geometry::new(&model, rest.wheels.iter().map(|w| w.deflection).collect());
         Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model })
     }

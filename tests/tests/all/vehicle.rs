@@ -181,7 +181,7 @@ fn bad_input_to_a_test_is_one_line_that_says_what_to_do() {
         "schema: 1\nvehicle: hmmwv\nevents:\n  braking:\n    - {figure: a, kind: chrono, source: s}\n",
     );
     let args = ["hmmwv", "--references", "r.yaml", "--out", "r"];
-    refused(&args, BAD_INPUT, &["r.yaml: events.braking[0].value: give value with share or tolerance"]);
+    refused(&args, BAD_INPUT, &["r.yaml: events.braking[0].value: give value with fraction or tolerance"]);
     let setup = "setups: {chrono: {about: a, tyre: square}}\nevents:\n  static:\n    - {figure: pitch, at_least: 0, kind: chrono, source: s}\n";
     bench.write("r.yaml", format!("schema: 1\nvehicle: hmmwv\n{setup}"));
     refused(&args, BAD_INPUT, &["r.yaml: setups.chrono.tyre: \"square\" is not among them", "rigid"]);

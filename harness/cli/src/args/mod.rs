@@ -13,8 +13,6 @@ mod vehicle;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use crate::error::CliError;
-
 pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
@@ -48,19 +46,6 @@ impl Cli {
     pub(crate) fn of_the_program() -> Result<Self, clap::Error> {
         let matches = Self::documented().try_get_matches()?;
         Self::from_arg_matches(&matches).map_err(|e| e.format(&mut Self::documented()))
-    }
-
-    /// Does what the program was called for.
-    ///
-    /// # Errors
-    /// What went wrong with the work itself.
-    pub(crate) fn run(&self) -> Result<(), CliError> {
-        match (&self.command, &self.run) {
-            (Some(command), _) => command.run(),
-            (None, Some(args)) => crate::run::run(args),
-            // Not reached: clap demands a plugin where there is no subcommand.
-            (None, None) => Err(CliError::usage("no command given (see vb-harness --help)")),
-        }
     }
 
     /// The commands, with their exit codes in their help.
@@ -107,28 +92,6 @@ pub(crate) enum Command {
     /// Train terrain models on elevation data, draw surfaces from them, measure elevation
     #[command(subcommand)]
     Terrain(TerrainCommand),
-}
-
-impl Command {
-    fn run(&self) -> Result<(), CliError> {
-        match self {
-            Self::Run(args) => crate::run::run(args),
-            Self::Score(args) => crate::score::score(args),
-            Self::Report(args) => crate::report::report(args),
-            Self::Replay(args) => crate::replay::replay(args),
-            Self::Submit(args) => crate::submission::submit(args),
-            Self::Verify(args) => crate::submission::verify(args),
-            Self::Evaluate(args) => crate::submission::evaluate(args),
-            Self::Leaderboard(command) => command.run(),
-            Self::Inspect(args) => crate::inspect::inspect(args),
-            Self::Check(args) => crate::check::check(args),
-            Self::Plugin(command) => command.run(),
-            Self::Suite(command) => command.run(),
-            Self::Tasks(command) => command.run(),
-            Self::Vehicle(command) => command.run(),
-            Self::Terrain(command) => command.run(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -4,9 +4,6 @@
 //! Both speak the protocol of [`vb_worker::protocol`]. A process serves one session after another as long as it is
 //! healthy; after any fault it is ended, and the next session gets a fresh one.
 
-pub(crate) mod process;
-mod spawn;
-
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
@@ -25,12 +22,10 @@ use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_ca
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd, Resource};
 use crate::log::Log;
+use crate::process::{End, Process, Role, Trouble, die_with_parent};
 use crate::text::one_line;
 use crate::wasm::compile;
 use crate::{Limits, LoadError, LogSink};
-
-use process::End;
-pub(crate) use process::{Process, Role, Trouble};
 
 /// The argument that makes the worker of a program that is a worker among other things.
 const WORKER_ARGUMENT: &str = "__worker";
@@ -490,19 +485,4 @@ pub(crate) fn compiler(options: &ProcessOptions) -> Option<PathBuf> {
 fn this_program() -> std::io::Result<PathBuf> {
     let link = Path::new("/proc/self/exe");
     if cfg!(target_os = "linux") && link.exists() { Ok(link.into()) } else { std::env::current_exe() }
-}
-
-/// Has the system end the process when the harness is gone.
-pub(crate) fn die_with_parent(command: &mut OsCommand) {
-    #[cfg(target_os = "linux")]
-    {
-        let ask = || {
-            rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
-            Ok(())
-        };
-        // SAFETY: it makes one system call, which is allowed between fork and exec.
-        unsafe { command.pre_exec(ask) };
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = command;
 }

@@ -20,7 +20,7 @@ use super::{componentize, engine, is_of_the_system};
 use crate::fault::{FaultCause, ProcessEnd};
 use crate::inspect::{Format, PluginFile};
 use crate::log::Log;
-use crate::native::{Process, Role, Trouble, die_with_parent};
+use crate::process::{Process, Role, Trouble, die_with_parent};
 use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 

@@ -4,6 +4,7 @@ mod cache;
 pub(crate) mod compile;
 mod convert;
 mod engine;
+mod guest_world;
 mod session;
 mod wasi;
 

@@ -6,7 +6,7 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 
 use super::bindings::vertibench::planner::types;
 use super::bindings::{PlannerPlugin, PlannerPluginPre};
-use super::wasi::Wasi;
+use super::guest_world::Wasi;
 use super::{convert, engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};

@@ -9,7 +9,6 @@
 //! or end the task if they have no way to say it.
 
 use vb_sdk::LogLevel;
-use vb_sdk::rng::Rng;
 use wasmtime::component::types::{ComponentFunc, ComponentInstance, ComponentItem};
 use wasmtime::component::{
     Component, ComponentType, Linker, LinkerInstance, Lower, Resource, ResourceType, Type, Val,
@@ -59,8 +58,6 @@ const LINE_BYTES: usize = 4096;
 /// Representations of the output streams.
 const STDOUT: u32 = 1;
 const STDERR: u32 = 2;
-/// Sets WASI's random numbers apart from those that a planner makes of the same seed.
-const STREAM: u64 = 0x5741_5349_2d72_6e67;
 
 struct InputStream;
 struct OutputStream;
@@ -82,40 +79,6 @@ enum StreamError {
 struct Datetime {
     seconds: u64,
     nanoseconds: u32,
-}
-
-/// What WASI's functions work on.
-#[derive(Debug)]
-pub(super) struct Wasi {
-    rng: Rng,
-    time_ns: u64,
-    /// Lines that haven't ended yet, of standard output and error.
-    out: Vec<u8>,
-    err: Vec<u8>,
-    /// Standard error of the call so far, for the text of a panic, which spans lines.
-    report: Vec<u8>,
-}
-
-impl Wasi {
-    pub(super) fn new(seed: u64) -> Self {
-        let rng = Rng::new(seed ^ STREAM);
-        Self { rng, time_ns: 0, out: Vec::new(), err: Vec::new(), report: Vec::new() }
-    }
-
-    /// Sets the clocks to simulated time, s, as a call begins.
-    pub(super) fn set_time(&mut self, time: f64) {
-        self.time_ns = (time * 1e9).round() as u64;
-        self.report.clear();
-    }
-
-    fn random(&mut self, count: usize) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(count + 7);
-        while bytes.len() < count {
-            bytes.extend(self.rng.next_u64().to_le_bytes());
-        }
-        bytes.truncate(count);
-        bytes
-    }
 }
 
 impl State {

@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{Drive, PARKED, flat, speed};
+use crate::grounds::flat;
+use crate::pace::{PARKED, speed};
+use crate::rig::Drive;
 use vb_math::angle::degrees;
 use vb_math::{atan, hypot};
 use vb_sim::{SimError, VehicleState};

@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{COASTING, Drive, PARKED, flat, profile};
+use crate::grounds::{flat, profile};
+use crate::pace::{COASTING, PARKED};
+use crate::rig::Drive;
 use vb_math::cos;
 use vb_sim::SimError;
 use vb_vehicle::GRAVITY;

@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot, Series};
-use crate::rig::{Drive, PARKED, controls, largest, plane, speed};
+use crate::grounds::plane;
+use crate::pace::{PARKED, controls, speed};
+use crate::rig::{Drive, largest};
 use vb_math::angle::{degrees, radians};
 use vb_math::atan;
 use vb_sim::{Controls, SimError, VehicleState};

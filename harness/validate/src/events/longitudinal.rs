@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{COASTING, Drive, SAMPLE, controls, flat, speed};
+use crate::grounds::flat;
+use crate::pace::{COASTING, controls, speed};
+use crate::rig::{Drive, SAMPLE};
 use crate::theory::PointMass;
 use vb_sim::{SimError, VehicleState};
 use vb_vehicle::GRAVITY;

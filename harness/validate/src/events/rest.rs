@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{COASTING, Drive, PARKED as BRAKES, flat, plane};
+use crate::grounds::{flat, plane};
+use crate::pace::{COASTING, PARKED as BRAKES};
+use crate::rig::Drive;
 use vb_math::angle::{degrees, radians};
 use vb_sim::SimError;
 

@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{Drive, PARKED, flat, plane};
+use crate::grounds::{flat, plane};
+use crate::pace::PARKED;
+use crate::rig::Drive;
 use std::f64::consts::FRAC_PI_2;
 use vb_math::angle::{degrees, radians};
 use vb_math::atan;
@@ -85,7 +87,7 @@ fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let mut slide = Plot::new("Sideways speed on the tilt table", "tilt, °", "speed, m/s");
     let tips = {
-        let s = crate::rig::at_rest(&bench.model, bench.options)?;
+        let s = crate::grounds::at_rest(&bench.model, bench.options)?;
         degrees(atan(0.5 * bench.geometry.track() / bench.geometry.com_of(&s).z))
     };
     for friction in [0.9, 0.5] {

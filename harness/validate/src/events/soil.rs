@@ -2,7 +2,9 @@
 
 use crate::check::{Expectation, Expected, Kind};
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{COASTING, Drive, PARKED, controls, largest, soil};
+use crate::grounds::soil;
+use crate::pace::{COASTING, PARKED, controls};
+use crate::rig::{Drive, largest};
 use vb_math::angle::radians;
 use vb_math::cos;
 use vb_sim::{SimError, SoilSet, VehicleState};

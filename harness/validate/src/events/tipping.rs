@@ -3,7 +3,9 @@
 use super::slopes::{TIP_FRICTION, sticky, stiff};
 use crate::check::{Expectation, Expected, Kind};
 use crate::event::{Bench, Event, Outcome, Plot};
-use crate::rig::{Drive, PARKED, controls, flat, largest, relief};
+use crate::grounds::{flat, relief};
+use crate::pace::{PARKED, controls};
+use crate::rig::{Drive, largest};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_math::angle::{degrees, radians};
@@ -35,7 +37,7 @@ struct Block {
 impl Block {
     fn new(bench: &Bench<'_>) -> Result<Self, SimError> {
         let g = &bench.geometry;
-        let s = crate::rig::at_rest(&bench.model, bench.options)?;
+        let s = crate::grounds::at_rest(&bench.model, bench.options)?;
         let (half, width) = (0.5 * g.track(), 0.5 * g.corners[0].width);
         Ok(Self {
             mass: g.mass,

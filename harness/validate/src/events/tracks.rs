@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{Drive, controls, flat, largest, profile, soil};
+use crate::grounds::{flat, profile, soil};
+use crate::pace::controls;
+use crate::rig::{Drive, largest};
 use vb_math::{exp, pow, tan};
 use vb_sim::{
     SimError, SoilSet, VehicleState,

@@ -1,7 +1,9 @@
 //! The smallest circle.
 
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{Drive, flat, speed};
+use crate::grounds::flat;
+use crate::pace::speed;
+use crate::rig::Drive;
 use nalgebra::Vector3;
 use vb_math::angle::degrees;
 use vb_math::{hypot, tan};

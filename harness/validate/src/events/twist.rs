@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Plot};
-use crate::rig::{Drive, PARKED, controls, largest, relief, split};
+use crate::grounds::{relief, split};
+use crate::pace::{PARKED, controls};
+use crate::rig::{Drive, largest};
 use crate::statics::Statics;
 use std::sync::Arc;
 use vb_math::angle::degrees;

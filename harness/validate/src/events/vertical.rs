@@ -2,7 +2,9 @@
 
 use crate::check::Expected;
 use crate::event::{Bench, Event, Outcome, Plot, Series};
-use crate::rig::{COASTING, Drive, bump, controls, flat, largest, step};
+use crate::grounds::{bump, flat, step};
+use crate::pace::{COASTING, controls};
+use crate::rig::{Drive, largest};
 use vb_math::angle::degrees;
 use vb_sim::SimError;
 use vb_vehicle::{GRAVITY, TyreSpec, VehicleSpec};

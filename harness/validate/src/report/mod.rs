@@ -7,7 +7,7 @@ mod text;
 use crate::check::{Check, Kind, Verdict};
 use crate::error::ValidateError;
 use crate::event::Figure;
-use crate::run::{EventResult, InSetup};
+use crate::result::{EventResult, InSetup};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -5,7 +5,7 @@ use super::svg::plot;
 use super::text::{expected, number};
 use crate::check::{Check, Expected, Kind, Verdict};
 use crate::event::Figure;
-use crate::run::EventResult;
+use crate::result::EventResult;
 use std::fmt::Write as _;
 use vb_page::{Page, escape};
 

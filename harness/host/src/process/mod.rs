@@ -1,7 +1,10 @@
 //! A planner's process as the harness sees it: three pipes, none of which is trusted.
 
+mod spawn;
+
 use std::io;
 use std::os::fd::{AsFd as _, BorrowedFd};
+use std::os::unix::process::CommandExt as _;
 use std::process::{ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -18,9 +21,9 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity}
 use vb_sdk::LogLevel;
 use vb_worker::protocol::{self, FrameError, HEADER, Reply, Request, WireLevel};
 
-use super::spawn::spawn;
 use crate::fault::ProcessEnd;
 use crate::log::Log;
+use spawn::spawn;
 
 /// Bytes taken from a pipe at once.
 const CHUNK: usize = 64 << 10;
@@ -470,4 +473,19 @@ fn keep(line: &[u8], words: &mut Vec<String>, log: &mut Log) {
 #[allow(clippy::disallowed_methods, reason = "liveness only: a planner that answers is judged by its answer")]
 fn now() -> Instant {
     Instant::now()
+}
+
+/// Has the system end the process when the harness is gone.
+pub(crate) fn die_with_parent(command: &mut Command) {
+    #[cfg(target_os = "linux")]
+    {
+        let ask = || {
+            rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
+            Ok(())
+        };
+        // SAFETY: it makes one system call, which is allowed between fork and exec.
+        unsafe { command.pre_exec(ask) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = command;
 }

@@ -1,0 +1,41 @@
+//! From a command to what carries it out. Groups of commands dispatch where their work is done.
+
+use crate::args::{Cli, Command};
+use crate::error::CliError;
+
+impl Cli {
+    /// Does what the program was called for.
+    ///
+    /// # Errors
+    /// What went wrong with the work itself.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match (&self.command, &self.run) {
+            (Some(command), _) => command.run(),
+            (None, Some(args)) => crate::run::run(args),
+            // Not reached: clap demands a plugin where there is no subcommand.
+            (None, None) => Err(CliError::usage("no command given (see vb-harness --help)")),
+        }
+    }
+}
+
+impl Command {
+    fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Run(args) => crate::run::run(args),
+            Self::Score(args) => crate::score::score(args),
+            Self::Report(args) => crate::report::report(args),
+            Self::Replay(args) => crate::replay::replay(args),
+            Self::Submit(args) => crate::submission::submit(args),
+            Self::Verify(args) => crate::submission::verify(args),
+            Self::Evaluate(args) => crate::submission::evaluate(args),
+            Self::Leaderboard(command) => command.run(),
+            Self::Inspect(args) => crate::inspect::inspect(args),
+            Self::Check(args) => crate::check::check(args),
+            Self::Plugin(command) => command.run(),
+            Self::Suite(command) => command.run(),
+            Self::Tasks(command) => command.run(),
+            Self::Vehicle(command) => command.run(),
+            Self::Terrain(command) => command.run(),
+        }
+    }
+}
