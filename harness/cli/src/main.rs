@@ -15,7 +15,6 @@ mod replay;
 mod report;
 mod run;
 mod score;
-mod site;
 mod submission;
 mod suite;
 mod terrain;

@@ -2,6 +2,7 @@
 
 mod prove;
 mod show;
+mod site;
 mod testbed;
 mod validate;
 
@@ -33,7 +34,7 @@ impl SuiteCommand {
             Self::Prove(args) => prove::prove(args),
             Self::Import(args) => import(args),
             Self::Generate(args) => generate(args),
-            Self::Site(args) => crate::site::make(args),
+            Self::Site(args) => site::make(args),
             Self::Testbed(args) => testbed::testbed(args),
         }
     }
