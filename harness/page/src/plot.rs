@@ -91,7 +91,7 @@ impl Frame {
         let n = digits(&all);
         for t in all {
             let y = self.sy(t);
-            let class = if t == 0.0 { "grid zero" } else { "grid" };
+            let class = if t == 0.0 { "grid origin" } else { "grid" };
             let _ = write!(
                 s,
                 "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text class=\"tick\" x=\"{:.1}\" \
