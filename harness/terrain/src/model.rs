@@ -52,8 +52,9 @@ pub enum ModelError {
 pub struct Header {
     /// Version of this format: [`SCHEMA`].
     pub schema: u32,
-    /// Distance between the decoder's samples, m.
-    #[serde(alias = "pitch")]
+    /// Distance between the decoder's samples, m. Model files call it `pitch` until their schema changes, so that training makes
+    /// the shipped one again byte for byte.
+    #[serde(rename = "pitch")]
     pub resolution: f64,
     /// Standard deviation of height at full relief (level `high`), m.
     pub relief: f64,
