@@ -166,6 +166,7 @@ impl BeamAxle {
 
     /// The beam at travels of its ends (m) that change with `rates` (m/s), and a steering command in [-1, 1].
     #[must_use]
+    #[inline]
     pub fn at(&self, travels: [f64; 2], rates: [f64; 2], command: f64) -> BeamPose {
         let p = self.table.at(travels, rates);
         let place = |r: &BeamRow| V3::new(r[0], r[1], r[2]);

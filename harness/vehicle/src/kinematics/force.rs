@@ -3,6 +3,7 @@
 use crate::suspension::{Damper, Spring, Stops, Strut, StrutStops, Suspension};
 
 /// Straight lines between points of increasing abscissa, going on beyond the ends.
+#[inline]
 fn line(points: &[[f64; 2]], x: f64) -> f64 {
     if points.len() < 2 {
         return points.first().map_or(0.0, |p| p[1]);
@@ -59,6 +60,7 @@ impl Damper {
     }
 }
 
+#[inline]
 fn stop(stiffness: f64, table: &[[f64; 2]], depth: f64) -> f64 {
     stiffness * depth + line(table, depth)
 }
@@ -66,6 +68,7 @@ fn stop(stiffness: f64, table: &[[f64; 2]], depth: f64) -> f64 {
 impl StrutStops {
     /// Force that pushes the ends apart at a length (m), N.
     #[must_use]
+    #[inline]
     pub fn force(&self, length: f64) -> f64 {
         if length < self.shortest {
             stop(self.stiffness, &self.table, self.shortest - length)

@@ -228,6 +228,7 @@ impl BeamTable {
         Self { low: low - step * PAD as f64, per_step: 1.0 / step, rows }
     }
 
+    #[inline]
     pub(super) fn at(&self, travels: [f64; 2], rates: [f64; 2]) -> BeamPoint {
         let per = self.per_step;
         let place = |q: f64| locate((q - self.low) * per, BEAM_NODES);

@@ -25,6 +25,7 @@ pub struct ConverterTorque {
 
 impl Converter {
     /// 1/K² with the synchronous end, and its derivative.
+    #[inline]
     fn coefficient(&self, r: f64) -> (f64, f64) {
         let (k, slope) = interpolate(&self.capacity, r);
         let (c, c_slope) = (1.0 / (k * k), -2.0 * slope / (k * k * k));

@@ -27,6 +27,7 @@ impl Engine {
 
     /// Inertia at engine speed, kg m².
     #[must_use]
+    #[inline]
     pub fn inertia(&self) -> f64 {
         match self {
             Self::Map { inertia, .. } | Self::Simple { inertia, .. } | Self::Electric { inertia, .. } => {
@@ -62,6 +63,7 @@ impl Engine {
 }
 
 /// Torque of a simple engine at full throttle and its derivative: T up to P/T, then P over speed.
+#[inline]
 fn simple(torque: f64, power: f64, max_speed: f64, speed: f64) -> (f64, f64) {
     let (t, slope) =
         if speed * torque <= power { (torque, 0.0) } else { (power / speed, -power / (speed * speed)) };
