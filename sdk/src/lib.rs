@@ -33,7 +33,7 @@ pub use log::{LogLevel, log};
 pub use planner::{Planner, PlannerError};
 pub use types::*;
 
-/// Version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
+/// The version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
 pub const ABI_VERSION: &str = "0.1";
 
 // What `export_planner!` names in the crate of the planner.
