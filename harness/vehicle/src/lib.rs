@@ -26,5 +26,5 @@ pub use vehicle::{Axle, Chassis, Point, VehicleSpec};
 
 type V3 = nalgebra::Vector3<f64>;
 
-/// Standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
+/// The standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
 pub const GRAVITY: f64 = 9.81;
