@@ -4,14 +4,14 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// Who is to blame for a fault.
+/// The part that is to blame for a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
-    /// The planner: its task counts as failed.
+    /// The planner is to blame: its task counts as failed.
     Planner,
-    /// The harness or the machine: the task counts for nothing and can be run again.
+    /// The harness or the machine is to blame: the task counts for nothing and can be run again.
     Host,
-    /// The simulation: the same on every machine, so the task counts as failed, but apart.
+    /// The simulation is to blame: it fails alike on every machine, so the task counts as failed, but apart.
     Simulation,
 }
 
