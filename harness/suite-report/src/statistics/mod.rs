@@ -1,4 +1,4 @@
-//! What a suite holds, in figures: by world, and over all worlds of a level, a class or a density.
+//! The content of a suite in figures: by world, and over all worlds of a level, a class or a density.
 
 mod summary;
 pub mod tables;
@@ -154,7 +154,7 @@ impl SuiteStatistics {
     /// Reads every world of a suite and measures it.
     ///
     /// # Errors
-    /// If a world cannot be read, has a flaw or another hash.
+    /// Returns an error if a world cannot be read, has a flaw or another hash.
     pub fn of(suite: &Suite) -> Result<Self, SuiteError> {
         let mut survey = Survey::default();
         for info in suite.worlds() {

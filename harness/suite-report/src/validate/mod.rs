@@ -1,4 +1,4 @@
-//! Whether a suite is fit to be driven: every finding on one line, with what to do.
+//! Checks whether a suite is fit to be driven: every finding is one line, with what to do.
 //!
 //! The format, its values and the hashes are errors, as is a start, a goal or a path on which no vehicle could be; what
 //! can be driven but is odd – a path too near to an obstacle, a label that the relief belies – is a warning.
