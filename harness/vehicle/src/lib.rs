@@ -5,7 +5,7 @@
 //! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`VehicleError`]).
 //! - [`VehicleModel`] is a vehicle with its linkages solved ([`kinematics`]): what simulations share.
 //!
-//! Axes: body x forward, y left, z up (ISO 8855). SI units, radians.
+//! The body axes are x forward, y left, z up (ISO 8855). Units are SI, angles in radians.
 
 mod check;
 mod describe;

@@ -61,8 +61,8 @@ impl VehicleSpec {
     /// of the tyre that it has.
     ///
     /// # Errors
-    /// Returns [`VehicleError::Invalid`], which lists the names that there are, if the vehicle, or an axle with a tyre of its
-    /// own, has no tyre of this name.
+    /// Returns [`VehicleError::Invalid`], which lists the names that there are, if the vehicle, or an axle with a tyre
+    /// of its own, has no tyre of this name.
     pub fn with_tyre(mut self, name: &str) -> Result<Self, VehicleError> {
         fn fit(
             file: &str,

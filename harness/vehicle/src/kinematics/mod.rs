@@ -94,7 +94,7 @@ pub enum LinkageError {
         /// The steering command at which they lock, in [-1, 1].
         command: f64,
     },
-    /// A strut lengthens where the wheel rises, so that its spring would push the wheel up.
+    /// A strut does not shorten as the wheel rises, so that its spring would push the wheel up.
     #[error(
         "struts[{strut}] does not shorten in compression at travel {travel:.3} m; correct its ends or narrow the range"
     )]
