@@ -5,19 +5,19 @@ use crate::{Map, Pose2, math};
 /// The shape of a window, in body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// Samples along the body's x axis (rear to front).
+    /// The number of samples along the body's x axis, from the rear to the front.
     pub rows: usize,
-    /// Samples along the body's y axis (right to left).
+    /// The number of samples along the body's y axis, from the right to the left.
     pub cols: usize,
-    /// Distance between samples, m.
+    /// The distance between neighbouring samples, m.
     pub resolution: f64,
-    /// How far ahead of the pose the middle of the window lies, m.
+    /// The distance by which the middle of the window lies ahead of the pose, m.
     pub ahead: f64,
 }
 
 impl Window {
-    /// Where sample (row, col) lies in body axes: metres forward and to the left. Row 0 is the rearmost, column 0
-    /// the rightmost, so both count along the axes.
+    /// The place of sample (row, col) in body axes: metres forward and metres to the left. Row 0 is the rearmost and
+    /// column 0 the rightmost, so both count along the axes.
     #[must_use]
     pub fn body_position(&self, row: usize, col: usize) -> (f64, f64) {
         let centred = |i: usize, n: usize| (i as f64 - 0.5 * (n as f64 - 1.0)) * self.resolution;
@@ -25,23 +25,23 @@ impl Window {
     }
 }
 
-/// The ground within a window; each list is row-major with `rows * cols` samples.
+/// The ground within a window. Each list is row-major and has `rows * cols` samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Crop {
-    /// Heights, m, in the world frame.
+    /// The heights in the world frame, m.
     pub height: Vec<f32>,
-    /// Slope along the body's x axis: positive where it rises ahead.
+    /// The slopes along the body's x axis, m/m: positive where the ground rises ahead.
     pub slope_forward: Vec<f32>,
-    /// Slope along the body's y axis: positive where it rises to the left.
+    /// The slopes along the body's y axis, m/m: positive where the ground rises to the left.
     pub slope_left: Vec<f32>,
 }
 
 impl Map<f32> {
-    /// The ground in a window around a pose, triangulated as [`Map::ground`] does. Samples beyond the map continue
-    /// its edge.
+    /// Returns the ground in a window around a pose (world frame), triangulated as in [`Map::ground`]. Beyond the map,
+    /// the planes of its edge cells go on.
     ///
     /// # Panics
-    /// If the map has fewer than 2 × 2 samples.
+    /// Panics if the map has fewer than 2 × 2 samples.
     #[must_use]
     pub fn crop(&self, pose: Pose2, window: &Window) -> Crop {
         let (sin, cos) = math::sin_cos(pose.yaw);

@@ -1,11 +1,11 @@
-//! What a planner author needs: the planner trait, its data, and helpers.
+//! The things that a planner author needs: the planner trait, its data, and helpers.
 //!
 //! A planner implements [`Planner`] and is exported by [`export_planner!`]. The same source builds both kinds of plugin:
 //! a WebAssembly module (`cargo build --release --target wasm32-unknown-unknown`) and a native library
 //! (`cargo build --release`). `docs/writing-a-planner.md` goes from nothing to a scored planner.
 //!
-//! Units are SI and angles radians. World frame: origin at the world's centre, x east, y north, z up. Body frame
-//! (ISO 8855): x forward, y left, z up.
+//! Units are SI, and angles are in radians. The world frame has its origin at the world's centre, x east, y north and z
+//! up. The body frame (ISO 8855) has x forward, y left and z up.
 //!
 //! The same planner must give the same commands as WASM and natively, bit for bit. `+ - * /` and `sqrt` do by
 //! IEEE 754; everything else (`sin`, `exp`, …) must come from [`math`], since the standard library calls the
@@ -33,7 +33,7 @@ pub use log::{LogLevel, log};
 pub use planner::{Planner, PlannerError};
 pub use types::*;
 
-/// Version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
+/// The version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
 pub const ABI_VERSION: &str = "0.1";
 
 // What `export_planner!` names in the crate of the planner.

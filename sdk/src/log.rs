@@ -1,19 +1,19 @@
 //! Lines for the harness's task log.
 
-/// How much a log line matters.
+/// The importance of a log line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LogLevel {
     /// Something failed.
     Error,
     /// Something is odd.
     Warn,
-    /// Worth knowing.
+    /// Something is worth knowing.
     Info,
-    /// For the planner's author.
+    /// Something is of use to the planner's author only.
     Debug,
 }
 
-/// Appends a line to the task's log. Does nothing outside a call of the harness, e.g. in unit tests.
+/// Appends a line to the task's log. It does nothing outside a call of the harness, e.g. in unit tests.
 pub fn log(level: LogLevel, message: &str) {
     #[cfg(target_family = "wasm")]
     crate::wasm::log(level, message);

@@ -1,39 +1,39 @@
-//! Sampling of maps.
+//! Looking up values in maps. Places are given in the world frame: x east, y north, in m.
 
 use crate::{GridFrame, Map};
 
 /// The ground at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ground {
-    /// Height, m.
+    /// The height above the world frame's origin, m.
     pub z: f64,
-    /// Slope towards east, ∂z/∂x.
+    /// The slope towards the east, ∂z/∂x, m/m.
     pub dzdx: f64,
-    /// Slope towards north, ∂z/∂y.
+    /// The slope towards the north, ∂z/∂y, m/m.
     pub dzdy: f64,
 }
 
 impl GridFrame {
-    /// Position of the sample (row, col), m.
+    /// The position (x, y) of the sample (row, col), m.
     #[must_use]
     pub fn position(&self, row: u32, col: u32) -> (f64, f64) {
         (self.origin_x + f64::from(col) * self.resolution, self.origin_y + f64::from(row) * self.resolution)
     }
 
-    /// Position as fractional (row, col); not limited to the map.
+    /// The position of (x, y) as a fractional (row, col), which may lie outside the map.
     #[must_use]
     pub fn fractional(&self, x: f64, y: f64) -> (f64, f64) {
         ((y - self.origin_y) / self.resolution, (x - self.origin_x) / self.resolution)
     }
 
-    /// Whether (x, y) lies within the outermost samples.
+    /// Tells whether (x, y) lies within the rectangle of the outermost samples, its border included.
     #[must_use]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let (r, c) = self.fractional(x, y);
         r >= 0.0 && c >= 0.0 && r <= f64::from(self.rows) - 1.0 && c <= f64::from(self.cols) - 1.0
     }
 
-    /// Whether (x, y) lies within the squares of one `resolution` around the samples.
+    /// Tells whether (x, y) lies within one of the squares with sides of `resolution` around the samples.
     #[must_use]
     pub fn covers(&self, x: f64, y: f64) -> bool {
         let (r, c) = self.fractional(x, y);
@@ -42,20 +42,20 @@ impl GridFrame {
 }
 
 impl<T: Copy> Map<T> {
-    /// The sample (row, col).
+    /// The value of the sample (row, col).
     ///
     /// # Panics
-    /// If there is none.
+    /// Panics if there is no such sample.
     #[must_use]
     pub fn at(&self, row: u32, col: u32) -> T {
         assert!(row < self.frame.rows && col < self.frame.cols, "no sample ({row}, {col})");
         self.data[row as usize * self.frame.cols as usize + col as usize]
     }
 
-    /// The sample nearest to (x, y); beyond the edge, of the nearest edge sample.
+    /// The value of the sample nearest to (x, y); beyond the edge, that of the nearest sample of the edge.
     ///
     /// # Panics
-    /// If the map is empty.
+    /// Panics if the map is empty.
     #[must_use]
     pub fn nearest(&self, x: f64, y: f64) -> T {
         let (r, c) = self.frame.fractional(x, y);
@@ -78,12 +78,12 @@ impl Map<f32> {
         (c - f64::from(col), r - f64::from(row), [z(0, 0), z(0, 1), z(1, 0), z(1, 1)])
     }
 
-    /// Height and slope of the ground at (x, y), as the simulator has it: each cell is cut into two triangles along
-    /// the diagonal from its south-west to its north-east corner. Beyond the edge the edge cell's planes go on; see
-    /// [`GridFrame::contains`].
+    /// The height and the slope of the ground at (x, y), as the simulator has it: each cell is cut into two triangles
+    /// along the diagonal from its south-west to its north-east corner. Beyond the edge, the planes of the edge cells
+    /// go on; [`GridFrame::contains`] tells whether (x, y) is within it.
     ///
     /// # Panics
-    /// If there are fewer than 2 × 2 samples.
+    /// Panics if there are fewer than 2 × 2 samples.
     #[must_use]
     pub fn ground(&self, x: f64, y: f64) -> Ground {
         let (u, v, [sw, se, nw, ne]) = self.cell(x, y);
@@ -92,11 +92,11 @@ impl Map<f32> {
         Ground { z: sw + gu * u + gv * v, dzdx: gu / resolution, dzdy: gv / resolution }
     }
 
-    /// Height at (x, y) by bilinear interpolation: smoother than the true ground, equal to it at the samples. Beyond
-    /// the edge it is the height at the nearest point of the edge.
+    /// The height at (x, y) by bilinear interpolation, m: it is smoother than the true ground and equal to it at the
+    /// samples. Beyond the edge it is the height at the nearest point of the edge.
     ///
     /// # Panics
-    /// If there are fewer than 2 × 2 samples.
+    /// Panics if there are fewer than 2 × 2 samples.
     #[must_use]
     pub fn bilinear(&self, x: f64, y: f64) -> f64 {
         let (u, v, [sw, se, nw, ne]) = self.cell(x, y);

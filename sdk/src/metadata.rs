@@ -1,4 +1,4 @@
-//! What a plugin says of itself, readable without running it.
+//! What a plugin says about itself, readable without running it.
 //!
 //! [`export_planner!`](crate::export_planner) puts a text into a section of the file: the custom section
 //! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8, one
@@ -7,58 +7,58 @@
 
 use std::fmt;
 
-/// Name of the custom section of a WASM plugin.
+/// The name of the custom section of a WASM plugin.
 pub const WASM_SECTION: &str = "vb:planner";
-/// Name of the section of a native plugin in ELF.
+/// The name of the section of a native plugin in ELF.
 pub const ELF_SECTION: &str = ".vb.planner";
-/// Name of the section of a native plugin in Mach-O.
+/// The name of the section of a native plugin in Mach-O.
 pub const MACHO_SECTION: &str = "__vb_planner";
 
-/// What a plugin says of itself.
+/// What a plugin says about itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
-    /// Version of the planner interface, e.g. `0.1`.
+    /// The version of the planner interface, e.g. `0.1`.
     pub abi: String,
-    /// Name of the planner.
+    /// The name of the planner.
     pub name: String,
-    /// Version of the planner's package.
+    /// The version of the planner's package.
     pub version: String,
-    /// Authors of the planner's package.
+    /// The authors of the planner's package.
     pub authors: Vec<String>,
-    /// One sentence on what it does.
+    /// One sentence on what the planner does.
     pub about: String,
-    /// Wanted time between two steps, s; a multiple of 1 ms.
+    /// The wanted time between two steps, s: a multiple of 1 ms.
     pub control_period: f64,
-    /// Parameters that a user may set.
+    /// The parameters that a user may set.
     pub params: Vec<ParamSpec>,
 }
 
 /// A parameter that a planner declares.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParamSpec {
-    /// Name.
+    /// The name of the parameter.
     pub key: String,
-    /// Value when the user sets none.
+    /// The value that holds when the user sets none.
     pub default: String,
-    /// What it means, with its unit.
+    /// What the parameter means, with its unit.
     pub help: String,
 }
 
-/// Why a metadata text can't be read.
+/// The reason why a metadata text can't be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MetadataError {
     /// The text is not UTF-8.
     NotUtf8,
     /// A line is not `key: value`, or its value doesn't fit its key.
     BadLine {
-        /// Number of the line, from 1.
+        /// The number of the line, counted from 1.
         line: usize,
-        /// The line.
+        /// The line as it stands in the text.
         text: String,
     },
     /// A key that must be there is missing.
     Missing {
-        /// The key.
+        /// The name of the missing key.
         key: &'static str,
     },
 }
@@ -76,7 +76,7 @@ impl fmt::Display for MetadataError {
 impl std::error::Error for MetadataError {}
 
 impl Metadata {
-    /// The text of the section, which [`parse`](Self::parse) reads. Authors must hold no colon.
+    /// The text of the section, which [`parse`](Self::parse) reads. The authors' names must not hold a colon.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
@@ -101,7 +101,7 @@ impl Metadata {
     /// Reads the text of the section.
     ///
     /// # Errors
-    /// If it is not the text that [the module](self) describes.
+    /// Returns an error if the text is not the one that [the module](self) describes.
     pub fn parse(bytes: &[u8]) -> Result<Self, MetadataError> {
         let text = std::str::from_utf8(bytes).map_err(|_| MetadataError::NotUtf8)?;
         let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
@@ -159,7 +159,7 @@ fn unescape(text: &str) -> Option<String> {
     Some(out)
 }
 
-/// Whether this is a control period that the harness can keep: a positive multiple of its step of 1 ms, s.
+/// Tells whether the harness can keep this control period (s): it must be a positive multiple of its step of 1 ms.
 #[must_use]
 pub const fn is_control_period(seconds: f64) -> bool {
     let steps = seconds * 1000.0;
@@ -169,7 +169,8 @@ pub const fn is_control_period(seconds: f64) -> bool {
     nearest > 0 && nearest < 1_000_000_000 && off < 1e-6 && off > -1e-6
 }
 
-/// Whether this can be the name of a planner: `a-z`, `0-9`, `-` and `_`, at least one, since files are named by it.
+/// Tells whether this can be the name of a planner: at least one of `a-z`, `0-9`, `-` and `_`, and nothing else, since
+/// files are named by it.
 #[must_use]
 pub const fn is_name(name: &str) -> bool {
     let bytes = name.as_bytes();
@@ -183,7 +184,7 @@ pub const fn is_name(name: &str) -> bool {
     !bytes.is_empty()
 }
 
-/// Length of [`encode`]'s result.
+/// The length of the result of [`encode`], in bytes.
 #[must_use]
 pub const fn encoded_len(fields: &[(&str, &str)]) -> usize {
     let (mut length, mut i) = (0, 0);
@@ -200,7 +201,7 @@ pub const fn encoded_len(fields: &[(&str, &str)]) -> usize {
     length
 }
 
-/// The text of a section from its keys and values. Evaluated at compile time, to fill a static.
+/// The text of a section from its keys and values. It is evaluated at compile time, to fill a static.
 #[must_use]
 pub const fn encode<const N: usize>(fields: &[(&str, &str)]) -> [u8; N] {
     let mut out = [0; N];

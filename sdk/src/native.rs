@@ -1,7 +1,7 @@
 //! Planners as native libraries: a library whose root module `abi_stable` checks for its layout when it is loaded.
 //!
-//! Planner authors need nothing of this: [`export_planner!`](crate::export_planner) uses it on one side, the harness
-//! on the other. Text and arrays cross as borrowed slices; a panic becomes a [`Fault`] and never crosses.
+//! Planner authors need none of this: [`export_planner!`](crate::export_planner) uses it on one side, the harness on
+//! the other. Text and arrays cross as borrowed slices; a panic becomes a [`Fault`] and never crosses.
 
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,9 +25,11 @@ use crate::{
 pub struct PlannerModule {
     /// The [metadata](crate::metadata) text; that it is named here keeps the linker from dropping its section.
     pub metadata: RSlice<'static, u8>,
-    /// Makes a planner for a task. The pointer goes to `step` and `free`, from one thread at a time.
+    /// Makes a planner for a task. The pointer that it returns goes to `step` and `free`, which are called from one
+    /// thread at a time.
     pub init: extern "C" fn(task: &NativeTask<'_>, log: LogCallback) -> RResult<*mut (), Fault>,
-    /// One step of a planner that `init` made. No more calls but `free` after a fault.
+    /// Takes one step of a planner that `init` made. After a fault, no function but `free` may be called with that
+    /// planner.
     pub step: unsafe extern "C" fn(
         planner: *mut (),
         observation: &NativeObservation<'_>,
@@ -51,27 +53,28 @@ impl std::fmt::Debug for PlannerModuleRef {
     }
 }
 
-/// Why a native planner failed.
+/// The failure of a native planner.
 #[repr(C)]
 #[derive(Clone, Debug, PartialEq, Eq, StableAbi)]
 pub struct Fault {
-    /// Whether it panicked; else it returned an error.
+    /// Whether the planner panicked; otherwise it returned an error.
     pub panicked: bool,
-    /// The planner's text, or that of the panic.
+    /// The planner's error text, or that of the panic.
     pub message: RString,
 }
 
-/// Where log lines go during a call.
+/// The function to which log lines go during a call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 pub struct LogCallback {
-    /// First argument of `write`.
+    /// The first argument of `write`.
     pub context: *mut (),
-    /// Takes the context, a level (0 error, 1 warn, 2 info, 3 debug) and a line.
+    /// The function that takes a line: its arguments are the context, the level (0 error, 1 warn, 2 info, 3 debug) and
+    /// the text.
     pub write: unsafe extern "C" fn(context: *mut (), level: u8, message: RStr<'_>),
 }
 
-/// [`Vehicle`] as it crosses.
+/// A [`Vehicle`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Vehicle`")]
@@ -93,7 +96,7 @@ pub struct NativeVehicle<'a> {
     pub max_speed: f64,
 }
 
-/// [`Map`] of heights as it crosses.
+/// A [`Map`] of heights as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Map`")]
@@ -102,7 +105,7 @@ pub struct NativeHeights<'a> {
     pub data: RSlice<'a, f32>,
 }
 
-/// [`Map`] of labels as it crosses.
+/// A [`Map`] of labels as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Map`")]
@@ -111,7 +114,7 @@ pub struct NativeLabels<'a> {
     pub data: RSlice<'a, u8>,
 }
 
-/// [`Param`] as it crosses.
+/// A [`Param`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Param`")]
@@ -120,7 +123,7 @@ pub struct NativeParam<'a> {
     pub value: RStr<'a>,
 }
 
-/// [`Task`] as it crosses.
+/// A [`Task`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Task`")]
@@ -140,7 +143,7 @@ pub struct NativeTask<'a> {
     pub params: RVec<NativeParam<'a>>,
 }
 
-/// [`Observation`] as it crosses.
+/// An [`Observation`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Observation`")]
@@ -158,7 +161,7 @@ pub struct NativeObservation<'a> {
     pub last_brake: f64,
 }
 
-/// [`Series`] as it crosses.
+/// A [`Series`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Series`")]
@@ -167,7 +170,7 @@ pub struct NativeSeries {
     pub values: RVec<f32>,
 }
 
-/// [`Command`] as it crosses.
+/// A [`Command`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Command`")]

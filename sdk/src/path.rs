@@ -2,7 +2,7 @@
 
 use crate::{PlannerError, Point2, math};
 
-/// A polyline, measured by arc length from its start.
+/// A polyline in the plane of the world frame, measured by the arc length from its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     points: Vec<Point2>,
@@ -13,19 +13,19 @@ pub struct Path {
 /// The point of a path that is closest to some position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
-    /// Arc length from the start of the path, m.
+    /// The arc length from the start of the path, m.
     pub arc: f64,
-    /// The point.
+    /// The point itself.
     pub point: Point2,
-    /// Its distance, m.
+    /// The distance of the point from the position, m.
     pub distance: f64,
 }
 
 impl Path {
-    /// A path through these points; repeated points do no harm.
+    /// Makes a path through these points. Repeated points do no harm.
     ///
     /// # Errors
-    /// If there are no points or one is not finite.
+    /// Returns an error if there are no points or if one of them is not finite.
     pub fn new(points: &[Point2]) -> Result<Self, PlannerError> {
         if points.is_empty() {
             return Err("the global path has no points".into());
@@ -40,13 +40,13 @@ impl Path {
         Ok(Self { points: points.to_vec(), arc })
     }
 
-    /// Whole length, m.
+    /// The whole length of the path, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.arc[self.arc.len() - 1]
     }
 
-    /// The point at an arc length (m); before the start and past the end it is the start and the end.
+    /// The point at an arc length (m). Before the start and past the end it is the start and the end, respectively.
     #[must_use]
     pub fn point_at(&self, arc: f64) -> Point2 {
         // First point at or past `arc`.
@@ -62,7 +62,8 @@ impl Path {
         Point2 { x: a.x + (b.x - a.x) * t, y: a.y + (b.y - a.y) * t }
     }
 
-    /// Direction of the path at an arc length, rad from east; `None` if the path has no length.
+    /// The direction of the path at an arc length (m), rad, counter-clockwise from east; `None` if the path has no
+    /// length.
     #[must_use]
     pub fn heading_at(&self, arc: f64) -> Option<f64> {
         let last = self.points.len() - 1;
@@ -81,13 +82,14 @@ impl Path {
         Some(math::atan2(b.y - a.y, b.x - a.x))
     }
 
-    /// The closest point to (x, y); of equally close ones the first.
+    /// The point of the path that is closest to (x, y), in m; of equally close ones, the first.
     #[must_use]
     pub fn closest(&self, x: f64, y: f64) -> Closest {
         self.closest_between(x, y, 0.0, self.length())
     }
 
-    /// The closest point to (x, y) among those with an arc length in [from, to], m; of equally close ones the first.
+    /// The point closest to (x, y) among those with an arc length in [from, to], all in m; of equally close ones, the
+    /// first.
     #[must_use]
     pub fn closest_between(&self, x: f64, y: f64, from: f64, to: f64) -> Closest {
         let from = from.clamp(0.0, self.length());
@@ -128,7 +130,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// At the start of `path`, looking `window` metres ahead for the closest point.
+    /// A follower at the start of `path` that looks `window` metres ahead for the closest point.
     #[must_use]
     pub fn new(path: Path, window: f64) -> Self {
         Self { path, window, arc: 0.0 }
@@ -141,25 +143,26 @@ impl Follower {
         closest
     }
 
-    /// The point `distance` metres further along the path; its end if that is nearer.
+    /// The point `distance` metres further along the path than the vehicle's progress, or the end of the path if that
+    /// is nearer.
     #[must_use]
     pub fn look_ahead(&self, distance: f64) -> Point2 {
         self.path.point_at(self.arc + distance)
     }
 
-    /// Progress, m from the start of the path.
+    /// The progress of the vehicle, m from the start of the path.
     #[must_use]
     pub fn arc(&self) -> f64 {
         self.arc
     }
 
-    /// What is left of the path, m.
+    /// The length of what is left of the path, m.
     #[must_use]
     pub fn remaining(&self) -> f64 {
         self.path.length() - self.arc
     }
 
-    /// The path.
+    /// The path that is followed.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -5,25 +5,26 @@ use std::str::FromStr;
 
 use crate::{Command, Observation, Task};
 
-/// One planner for one task. Implement it and export it by [`export_planner!`](crate::export_planner).
+/// A planner for one task. Implement this trait and export the planner by [`export_planner!`](crate::export_planner).
 ///
 /// A planner sees nothing but the task and its observations: there is no clock, no file and no network. For
 /// randomness seed [`rng::Rng`](crate::rng::Rng) with [`Task::seed`].
 pub trait Planner: Sized + 'static {
-    /// Prepares for a task; called once, before the first step.
+    /// Prepares the planner for a task. It is called once, before the first step.
     ///
     /// # Errors
-    /// An error ends the task with the outcome `planner_error` and this text.
+    /// An error ends the task with the outcome `planner_error` and the error's text.
     fn init(task: &Task) -> Result<Self, PlannerError>;
 
-    /// Called every control period, first at time 0. The command holds until the next call.
+    /// Decides on a command. It is called every control period, first at time 0, and its command holds until the next
+    /// call.
     ///
     /// # Errors
-    /// An error ends the task with the outcome `planner_error` and this text.
+    /// An error ends the task with the outcome `planner_error` and the error's text.
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError>;
 }
 
-/// Why a planner gives up on a task: a text for the user.
+/// The reason why a planner gives up on a task: a text for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannerError(String);
 
@@ -55,16 +56,16 @@ impl From<&str> for PlannerError {
 }
 
 impl Task {
-    /// The value of a parameter as text, if the planner declares it.
+    /// The value of a parameter as text, or `None` if the planner doesn't declare it.
     #[must_use]
     pub fn param(&self, key: &str) -> Option<&str> {
         self.params.iter().find(|p| p.key == key).map(|p| p.value.as_str())
     }
 
-    /// The value of a parameter, parsed.
+    /// The value of a parameter, parsed as a `T`.
     ///
     /// # Errors
-    /// If the planner doesn't declare the parameter, or its value is not a `T`.
+    /// Returns an error if the planner doesn't declare the parameter, or if the value is not a `T`.
     pub fn param_as<T: FromStr>(&self, key: &str) -> Result<T, PlannerError> {
         let value = self
             .param(key)
@@ -78,7 +79,7 @@ impl Task {
     /// The value of a parameter as a finite number.
     ///
     /// # Errors
-    /// If the planner doesn't declare the parameter, or its value is not a finite number.
+    /// Returns an error if the planner doesn't declare the parameter, or if the value is not a finite number.
     pub fn param_f64(&self, key: &str) -> Result<f64, PlannerError> {
         let value: f64 = self.param_as(key)?;
         if value.is_finite() {
@@ -91,7 +92,7 @@ impl Task {
     /// The value of a parameter as a finite number above 0, as speeds and lengths are.
     ///
     /// # Errors
-    /// If the planner doesn't declare the parameter, or its value is not such a number.
+    /// Returns an error if the planner doesn't declare the parameter, or if the value is not such a number.
     pub fn param_positive(&self, key: &str) -> Result<f64, PlannerError> {
         match self.param_f64(key)? {
             value if value > 0.0 => Ok(value),

@@ -9,7 +9,7 @@ use crate::math;
 pub struct Rng([u64; 4]);
 
 impl Rng {
-    /// The generator of this seed, e.g. of [`Task::seed`](crate::Task::seed).
+    /// The generator that starts from this seed, e.g. from [`Task::seed`](crate::Task::seed).
     #[must_use]
     pub fn new(seed: u64) -> Self {
         // SplitMix64: Steele, Lea, Flood, OOPSLA 2014, figure 15 with the constants of variant 13.
@@ -23,7 +23,7 @@ impl Rng {
         }))
     }
 
-    /// 64 uniform bits.
+    /// The next 64 uniformly distributed bits.
     pub fn next_u64(&mut self) -> u64 {
         let s = &mut self.0;
         let result = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
@@ -37,20 +37,20 @@ impl Rng {
         result
     }
 
-    /// Uniform in [0, 1), on the grid of 2⁻⁵³.
+    /// A number that is uniformly distributed in [0, 1), on a grid of 2⁻⁵³.
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
-    /// Uniform in [low, high).
+    /// A number that is uniformly distributed in [low, high).
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// Uniform integer in 0..n, without modulo bias (Lemire, ACM TOMACS 29, 2019).
+    /// An integer that is uniformly distributed in 0..n, without modulo bias (Lemire, ACM TOMACS 29, 2019).
     ///
     /// # Panics
-    /// If `n` is 0.
+    /// Panics if `n` is 0.
     pub fn below(&mut self, n: u64) -> u64 {
         assert!(n > 0, "below(0) has no value");
         let threshold = n.wrapping_neg() % n;
@@ -62,7 +62,7 @@ impl Rng {
         }
     }
 
-    /// Normal with mean 0 and standard deviation 1 (Box, Muller 1958).
+    /// A number that is normally distributed with mean 0 and standard deviation 1 (Box, Muller 1958).
     pub fn normal(&mut self) -> f64 {
         // 1 − u lies in (0, 1], where the logarithm is finite.
         let radius = (-2.0 * math::ln(1.0 - self.unit())).sqrt();

@@ -1,6 +1,6 @@
 //! A speed controller.
 
-/// Proportional-integral control of the forward speed by throttle and brake.
+/// A proportional-integral controller of the forward speed, which acts by throttle and brake.
 ///
 /// u = kp·e + ki·∫e dt with e = target − speed, limited to [-1, 1]; u ≥ 0 is throttle, u < 0 is brake. With
 /// kp = 1 and ki = 0 it is the speed controller of Verti-Bench, which leaves a droop of some 0.5 m/s on flat
@@ -13,14 +13,14 @@ pub struct SpeedController {
 }
 
 impl SpeedController {
-    /// A controller with gains `kp` (per m/s) and `ki` (per m).
+    /// A controller with the gains `kp` (throttle per m/s, s/m) and `ki` (throttle per m, 1/m).
     #[must_use]
     pub fn new(kp: f64, ki: f64) -> Self {
         Self { kp, ki, integral: 0.0 }
     }
 
-    /// Throttle and brake, each in [0, 1], that lead from `speed` to `target` (m/s); `dt` is the time since the last
-    /// call, s.
+    /// The throttle and the brake, each in [0, 1], that lead from `speed` to `target` (m/s). `dt` is the time since the
+    /// last call, s.
     pub fn update(&mut self, target: f64, speed: f64, dt: f64) -> (f64, f64) {
         let error = target - speed;
         let integral = self.integral + self.ki * error * dt;
@@ -33,7 +33,7 @@ impl SpeedController {
         if u >= 0.0 { (u, 0.0) } else { (0.0, -u) }
     }
 
-    /// Forgets the past.
+    /// Sets the integral to 0.
     pub fn reset(&mut self) {
         self.integral = 0.0;
     }

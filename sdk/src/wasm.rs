@@ -38,11 +38,11 @@ fn install_panic_hook() {
     ONCE.call_once(|| std::panic::set_hook(Box::new(|info| log(LogLevel::Error, &info.to_string()))));
 }
 
-/// The exported interface, for a planner `P`.
+/// The exported interface of a planner `P`.
 #[derive(Debug)]
 pub struct Guest<P>(PhantomData<P>);
 
-/// The exported resource, for a planner `P`.
+/// The exported resource of a planner `P`.
 #[derive(Debug)]
 pub struct Resource<P>(RefCell<P>);
 

@@ -18,7 +18,7 @@ impl AbiVersion {
     /// The version that new planners are built for.
     pub const NEWEST: Self = Self::V0_1;
 
-    /// As plugins are stamped with it: major and minor number.
+    /// The name of the version, which plugins are stamped with: its major and minor number.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -33,7 +33,7 @@ impl AbiVersion {
         }
     }
 
-    /// The version of this name, if it is in the window.
+    /// The version of this name; `None` if it is not in the window.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::SUPPORTED.iter().copied().find(|version| version.name() == name)

@@ -4,20 +4,20 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// Who is to blame for a fault.
+/// The part that is to blame for a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
-    /// The planner: its task counts as failed.
+    /// The planner is to blame: its task counts as failed.
     Planner,
-    /// The harness or the machine: the task counts for nothing and can be run again.
+    /// The harness or the machine is to blame: the task counts for nothing and can be run again.
     Host,
-    /// The simulation: the same on every machine, so the task counts as failed, but apart.
+    /// The simulation is to blame: it fails alike on every machine, so the task counts as failed, but apart.
     Simulation,
 }
 
 macro_rules! codes {
     ($($(#[$doc:meta])* $variant:ident = $name:literal, $blame:ident;)*) => {
-        /// What went wrong, as a name that stays the same from version to version; the table is in `docs/abi.md`.
+        /// The cause of a fault, as a name that stays the same from version to version; the table is in `docs/abi.md`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         #[non_exhaustive]
         pub enum FaultCode {
@@ -36,7 +36,7 @@ macro_rules! codes {
                 }
             }
 
-            /// Who is to blame.
+            /// The part that is to blame.
             #[must_use]
             pub fn blame(self) -> Blame {
                 match self {
@@ -62,7 +62,7 @@ codes! {
     OutOfMemory = "planner/out-of-memory", Planner;
     /// The planner's calls are nested too deeply.
     StackOverflow = "planner/stack-overflow", Planner;
-    /// A command that is no number, or a result that is too large.
+    /// The planner gave a command that is not a number, or a result that is too large.
     InvalidOutput = "planner/invalid-output", Planner;
     /// The planner used something that planners don't get.
     ImportDenied = "planner/import-denied", Planner;
@@ -78,7 +78,7 @@ codes! {
     NotFound = "planner/not-found", Planner;
     /// The plugin file can't be read.
     Unreadable = "planner/unreadable", Planner;
-    /// The file is no planner plugin.
+    /// The file is not a planner plugin.
     NotAPlugin = "planner/not-a-plugin", Planner;
     /// The plugin file is truncated or damaged.
     Damaged = "planner/damaged", Planner;

@@ -1,4 +1,4 @@
-//! What can go wrong when a plugin is loaded.
+//! The errors of loading a plugin.
 
 use std::path::PathBuf;
 
@@ -7,52 +7,52 @@ use crate::abi::{self, AbiVersion};
 use crate::code::FaultCode;
 use crate::hint;
 
-/// Why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
+/// The reason why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// There is no such file.
     #[error("{}: no such plugin file; {}", .path.display(), hint::missing(.path))]
     NotFound {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
     /// The file can't be read.
     #[error("{}: can't read the plugin: {source}", .path.display())]
     Io {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The system's reason.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file is empty.
     #[error("{}: the plugin file is empty; build it again", .path.display())]
     Empty {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
     },
-    /// The file is of another kind.
+    /// The file is not a plugin.
     #[error("{}: not a planner plugin: {reason}", .path.display())]
     NotAPlugin {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What it is or lacks.
+        /// What the file is instead, or what it lacks.
         reason: String,
     },
     /// The file is damaged.
     #[error("{}: the plugin is truncated or damaged: {reason}; build it again", .path.display())]
     Damaged {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The damage and its place.
         reason: String,
     },
     /// The metadata can't be read.
     #[error("{}: the plugin's metadata can't be read: {source}; build it again with export_planner!", .path.display())]
     Metadata {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The problem with the metadata.
         source: vb_sdk::metadata::MetadataError,
     },
     /// The plugin speaks a version of the planner interface outside of the harness's window.
@@ -61,9 +61,9 @@ pub enum LoadError {
         .path.display(), AbiVersion::window(), abi::advice(.found)
     )]
     AbiVersion {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The plugin's version.
+        /// The version that the plugin speaks.
         found: String,
     },
     /// The plugin wants something from the outside that planners don't get.
@@ -72,29 +72,29 @@ pub enum LoadError {
         .path.display(), hint::shown(.imports), hint::imports(.imports)
     )]
     ForbiddenImports {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Names of the imports: interfaces, or of a core module `MODULE.NAME`.
+        /// The names of the imports: interfaces, or `MODULE.NAME` for a core module.
         imports: Vec<String>,
     },
     /// The WebAssembly code is not valid, or the native library can't be opened.
     #[error("{}: the plugin can't be loaded: {reason}", .path.display())]
     Unloadable {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// The engine's or system's reason.
+        /// The reason that the engine or the system gives.
         reason: String,
     },
     /// The file, or something in it, is larger than it may be.
     #[error("{}: the plugin has {found} {what}, it may have {limit}", .path.display())]
     TooLarge {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What there is too much of, e.g. `bytes`.
+        /// The kind of thing of which there is too much, e.g. `bytes`.
         what: &'static str,
-        /// How much there is.
+        /// The amount that there is.
         found: u64,
-        /// How much there may be.
+        /// The greatest amount that there may be.
         limit: u64,
     },
     /// Compiling the plugin takes more than it may.
@@ -104,27 +104,27 @@ pub enum LoadError {
         .path.display()
     )]
     TooCostly {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What there is a limit of, e.g. `bytes of memory`.
+        /// The kind of thing that is limited, e.g. `bytes of memory`.
         what: &'static str,
-        /// How much it may take.
+        /// The greatest amount that compiling may take.
         limit: u64,
-        /// Name of the limit.
+        /// The name of the limit.
         field: &'static str,
     },
     /// The process that should have opened the plugin failed.
     #[error("{}: the plugin can't be loaded: {cause}; {}", .path.display(), .cause.hint())]
     Faulty {
-        /// The file, or the command.
+        /// The path of the file, or the command.
         path: PathBuf,
-        /// In which way.
+        /// The way in which the process failed.
         cause: FaultCause,
     },
-    /// A native plugin lays its data out in another way than the harness.
+    /// A native plugin lays its data out in another way than the harness does.
     #[error("{}: the plugin's data layout differs from the harness's: {reason}. Rebuild it with the harness's vb-sdk", .path.display())]
     LayoutMismatch {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
         /// The first difference.
         reason: String,
@@ -132,7 +132,7 @@ pub enum LoadError {
 }
 
 impl LoadError {
-    /// The stable name of what is wrong.
+    /// The stable name of the error.
     #[must_use]
     pub fn code(&self) -> FaultCode {
         match self {
@@ -151,16 +151,16 @@ impl LoadError {
     }
 }
 
-/// Why parameters don't fit a planner.
+/// The reason why parameters don't fit a planner.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParamError {
     /// The planner declares no such parameter.
     #[error("--param {key}: the planner `{planner}` has no such parameter; it has {known}")]
     Unknown {
-        /// The parameter.
+        /// The name of the parameter.
         key: String,
-        /// The planner.
+        /// The name of the planner.
         planner: String,
         /// The parameters that it has.
         known: String,
@@ -168,7 +168,7 @@ pub enum ParamError {
     /// A parameter is given twice.
     #[error("--param {key}: given twice; give it once")]
     Twice {
-        /// The parameter.
+        /// The name of the parameter.
         key: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with a planner at work.
+//! The faults of a planner at work.
 
 use std::fmt;
 
@@ -7,15 +7,15 @@ use serde::Serialize;
 use crate::code::{Blame, FaultCode};
 use crate::hint;
 
-/// Why a planner ended its task.
+/// The reason why a planner ended its task.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[error("{}: {cause}", self.place())]
 pub struct PlannerFault {
-    /// Number of the step, from 0; `None` during `init`.
+    /// The number of the step, from 0; `None` during `init`.
     pub step: Option<u64>,
-    /// Simulated time of that step, s; `None` during `init`.
+    /// The simulated time of that step, s; `None` during `init`.
     pub time: Option<f64>,
-    /// What happened.
+    /// The cause of the fault.
     pub cause: FaultCause,
 }
 
@@ -26,13 +26,13 @@ impl PlannerFault {
         self.cause.code()
     }
 
-    /// Whether the planner is to blame, and not the harness or the machine.
+    /// Tells whether the planner is to blame, and not the harness or the machine.
     #[must_use]
     pub fn is_planners(&self) -> bool {
         self.code().blame() == Blame::Planner
     }
 
-    /// Where: `init`, or `step 12 (t = 1.20 s)`.
+    /// The place of the fault: `init`, or `step 12 (t = 1.20 s)`.
     #[must_use]
     pub fn place(&self) -> String {
         match (self.step, self.time) {
@@ -48,108 +48,108 @@ impl PlannerFault {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FaultCause {
-    /// It computed longer than it may.
+    /// The planner computed longer than it may in one call.
     #[error("used up its {budget} units of fuel")]
     OutOfFuel {
-        /// Fuel that it had for the call.
+        /// The fuel that it had for the call.
         budget: u64,
     },
-    /// It computed longer than it may in all of a task.
+    /// The planner computed longer than it may in all of a task.
     #[error("used up its task's {budget} units of fuel")]
     OutOfTaskFuel {
-        /// Fuel that it had for the task.
+        /// The fuel that it had for the task.
         budget: u64,
     },
-    /// It wanted more memory than it may have, was refused, and gave up.
+    /// The planner wanted more memory than it may have, was refused, and gave up.
     #[error("wanted {}, it may have {limit}", amount(*.what, *.wanted))]
     OutOfMemory {
-        /// What it wanted more of.
+        /// The resource of which it wanted more.
         what: Resource,
-        /// How much it would have had then; `None` where that isn't known.
+        /// The amount that it would have had then; `None` where that isn't known.
         wanted: Option<u64>,
-        /// How much it may have.
+        /// The amount that it may have.
         limit: u64,
     },
-    /// Its calls were nested more deeply than its stack allows.
+    /// The planner's calls were nested more deeply than its stack allows.
     #[error("overflowed its stack{}{}", of_bytes(*.limit), in_functions(.backtrace))]
     StackOverflow {
-        /// Bytes of stack that it may have; `None` if it was the stack that its compiler keeps in its own memory.
+        /// The stack that it may have, bytes; `None` if it was the stack that its compiler keeps in its own memory.
         limit: Option<u64>,
-        /// Innermost functions, the failing one first.
+        /// The innermost functions, the failing one first.
         backtrace: Vec<String>,
     },
-    /// The WebAssembly code trapped.
+    /// The planner's WebAssembly code trapped.
     #[error("trapped: {message}{}", in_functions(.backtrace))]
     Trap {
         /// The engine's text.
         message: String,
-        /// Innermost functions, the failing one first.
+        /// The innermost functions, the failing one first.
         backtrace: Vec<String>,
     },
-    /// It panicked.
+    /// The planner panicked.
     #[error("{message}")]
     Panic {
-        /// `panicked at FILE:LINE:COLUMN: TEXT`.
+        /// The text of the panic: `panicked at FILE:LINE:COLUMN: TEXT`.
         message: String,
     },
-    /// Its `step` returned an error.
+    /// The planner's `step` returned an error.
     #[error("returned an error: {message}")]
     Error {
         /// The planner's text.
         message: String,
     },
-    /// Its `init` returned an error.
+    /// The planner's `init` returned an error.
     #[error("returned an error: {message}")]
     InitFailed {
         /// The planner's text.
         message: String,
     },
-    /// A number of its command is not finite.
+    /// A number of the planner's command is not finite.
     #[error("{field} is {value}; a command must be finite")]
     InvalidOutput {
-        /// `steering`, `throttle` or `brake`.
+        /// The field of the command: `steering`, `throttle` or `brake`.
         field: &'static str,
-        /// `NaN`, `inf` or `-inf`.
+        /// The value of the field: `NaN`, `inf` or `-inf`.
         value: String,
     },
     /// The result of a call is larger than it may be.
     #[error("its result takes more than the {limit} bytes that a call may hand over")]
     OutputTooLarge {
-        /// Bytes that it may take.
+        /// The greatest size that the result may have, bytes.
         limit: u64,
     },
-    /// It used something that planners don't get.
+    /// The planner used something that planners don't get.
     #[error("used {import}, which planners don't get")]
     ImportDenied {
-        /// Name of the function or service.
+        /// The name of the function or service.
         import: String,
     },
     /// The worker's plugin speaks another version of the interface than the one it was loaded with.
     #[error("speaks another version of the planner interface: {message}")]
     AbiMismatch {
-        /// What differs.
+        /// A text on what differs.
         message: String,
     },
-    /// Its process ended.
+    /// The planner's process ended.
     #[error("{how}")]
     Crashed {
-        /// In which way.
+        /// The way in which it ended.
         how: ProcessEnd,
     },
-    /// Its process didn't answer.
+    /// The planner's process didn't answer.
     #[error("gave no answer within {limit_ms} ms of wall-clock time")]
     Hung {
-        /// Wall-clock time that it had, ms.
+        /// The wall-clock time that it had, ms.
         limit_ms: u64,
     },
-    /// Its process sent something that the protocol doesn't know.
+    /// The planner's process sent something that the protocol doesn't know.
     #[error("broke the protocol: {message}")]
     Protocol {
-        /// What was wrong.
+        /// A text on what was wrong.
         message: String,
     },
-    /// The operating system refused what the host needs to run the planner, address space for instance. No fault of
-    /// the planner.
+    /// The operating system refused what the host needs to run the planner, address space for instance. The planner is
+    /// not to blame.
     #[error("the machine refused what the host needs: {message}")]
     Machine {
         /// The system's text.
@@ -159,13 +159,13 @@ pub enum FaultCause {
     /// machine's fault, or a bug of the harness.
     #[error("the call took more than {limit_ms} ms of wall-clock time although it had fuel left")]
     Watchdog {
-        /// Wall-clock time that it had, ms.
+        /// The wall-clock time that the call had, ms.
         limit_ms: u64,
     },
     /// The process that runs native planners can't be started or confined.
     #[error("the planner's process can't be run: {message}")]
     Worker {
-        /// What failed.
+        /// A text on what failed.
         message: String,
     },
 }
@@ -209,7 +209,7 @@ impl FaultCause {
         }
     }
 
-    /// What its author or user can do about it.
+    /// A hint on what the planner's author or user can do about the cause.
     #[must_use]
     pub fn hint(&self) -> &'static str {
         match self {
@@ -244,7 +244,7 @@ impl FaultCause {
         }
     }
 
-    /// Innermost functions at the fault, the failing one first; empty where they aren't known.
+    /// The innermost functions at the fault, the failing one first. It is empty where they aren't known.
     #[must_use]
     pub fn backtrace(&self) -> &[String] {
         match self {
@@ -254,14 +254,14 @@ impl FaultCause {
     }
 }
 
-/// What a planner may run out of, beside fuel.
+/// The resources that a planner may run out of, beside fuel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Resource {
     /// Memory, in bytes.
     Memory,
-    /// Elements of tables.
+    /// The elements of tables.
     Table,
 }
 
@@ -274,15 +274,15 @@ impl fmt::Display for Resource {
     }
 }
 
-/// How a process ended.
+/// The way in which a process ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ProcessEnd {
-    /// By a signal of this number.
+    /// It was ended by a signal of this number.
     Signal(i32),
-    /// By itself, with this code.
+    /// It ended by itself, with this exit code.
     Exit(i32),
-    /// By the harness, since it closed its output and stayed.
+    /// It was ended by the harness, since it closed its output and stayed.
     Mute,
 }
 

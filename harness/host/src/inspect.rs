@@ -1,4 +1,4 @@
-//! What a plugin file says of itself, read without running it.
+//! The metadata of a plugin file, read without running it.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -32,13 +32,13 @@ pub(crate) struct PluginFile {
 /// Reads a plugin's metadata. Nothing of the plugin is run or compiled.
 ///
 /// # Errors
-/// If the file can't be read, is no plugin, or speaks another version of the planner interface.
+/// Returns an error if the file can't be read, is not a plugin, or speaks another version of the planner interface.
 pub fn inspect(path: &Path) -> Result<Metadata, LoadError> {
     read(path, Limits::default().module_bytes).map(|file| file.metadata)
 }
 
-/// The names of what a WASM plugin imports, in their order: interfaces of a component, modules of a core module. Empty
-/// for a native library. Nothing of the plugin is run or compiled.
+/// The names of what a WASM plugin imports, in their order: the interfaces of a component, or the modules of a core
+/// module. The list is empty for a native library. Nothing of the plugin is run or compiled.
 ///
 /// # Errors
 /// As [`inspect`].

@@ -1,38 +1,38 @@
-//! What a planner may use.
+//! The limits on what a planner may use.
 
 use serde::{Deserialize, Serialize};
 
-/// Limits of one planner session. All but the fuel are generous bounds against accidents; fuel is the planner's
+/// The limits of one planner session. All but the fuel are generous bounds against accidents; fuel is the planner's
 /// computing time in units that are the same on every machine: about one per WebAssembly instruction.
 ///
 /// What the defaults mean for a planner is told in `docs/abi.md`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Limits {
-    /// Fuel for start-up and `init` of one task; WASM only.
+    /// The fuel for start-up and `init` of one task; WASM only.
     pub fuel_init: u64,
-    /// Fuel for one step; WASM only.
+    /// The fuel for one step; WASM only.
     pub fuel_per_step: u64,
-    /// Fuel for start-up, `init` and all steps of one task together; WASM only.
+    /// The fuel for start-up, `init` and all steps of one task together; WASM only.
     pub fuel_per_task: u64,
-    /// Linear memory, bytes, all memories of the plugin together.
+    /// The linear memory of all memories of the plugin together, bytes.
     pub memory_bytes: usize,
-    /// Elements of all tables of the plugin together; WASM only.
+    /// The number of elements of all tables of the plugin together; WASM only.
     pub table_elements: usize,
-    /// Stack of the WASM code, bytes. A thread that runs sessions needs [`Limits::THREAD_STACK_BYTES`] more.
+    /// The stack of the WASM code, bytes. A thread that runs sessions needs [`Limits::THREAD_STACK_BYTES`] more.
     pub stack_bytes: usize,
-    /// Data that one call may hand over (command with debug series), bytes.
+    /// The amount of data that one call may hand over (command with debug series), bytes.
     pub output_bytes: usize,
-    /// Log text of one task, bytes; what goes beyond is dropped.
+    /// The length of the log text of one task, bytes. What goes beyond is dropped.
     pub log_bytes: usize,
-    /// Size of the plugin file.
+    /// The size of the plugin file, bytes.
     pub module_bytes: u64,
-    /// Memory of the compiler, bytes; WASM only.
+    /// The memory of the compiler, bytes; WASM only.
     pub compile_bytes: usize,
-    /// Processor time of the compiler, s, all its threads together; WASM only.
+    /// The processor time of the compiler, all its threads together, s; WASM only.
     pub compile_seconds: u64,
-    /// Wall-clock time of one call, ms. It only ever ends what hangs: no score depends on it. A planner in a process of
-    /// its own always has it; WASM code only if `wasm_watchdog` is set.
+    /// The wall-clock time of one call, ms. It only ever ends what hangs: no score depends on it. A planner in a
+    /// process of its own always has it; WASM code has it only if `wasm_watchdog` is set.
     pub watchdog_ms: u64,
     /// Whether the watchdog also looks after WASM code, which makes that about a fifth slower. It need not: fuel ends
     /// every call after the same instruction everywhere, and nothing that a planner can call blocks.
@@ -63,25 +63,25 @@ impl Default for Limits {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {value} is not between {low} and {high}")]
 pub struct LimitsError {
-    /// Name of the limit.
+    /// The name of the limit.
     pub field: &'static str,
-    /// Its value.
+    /// The value of the limit.
     pub value: u64,
-    /// The least that is possible.
+    /// The least value that is possible.
     pub low: u64,
-    /// The most that is possible.
+    /// The greatest value that is possible.
     pub high: u64,
 }
 
 impl Limits {
-    /// Stack that the host's own code needs on a thread that runs sessions, bytes, beside
+    /// The stack that the host's own code needs on a thread that runs sessions, bytes, beside
     /// [`stack_bytes`](Self::stack_bytes).
     pub const THREAD_STACK_BYTES: usize = 1 << 20;
 
     /// Checks that every limit is one that can be kept.
     ///
     /// # Errors
-    /// The first that can't.
+    /// Returns the first limit that can't be kept.
     pub fn validate(&self) -> Result<(), LimitsError> {
         for (field, value) in self.named() {
             // Below the lower bounds no planner starts; above the upper ones the number means nothing.
@@ -105,7 +105,7 @@ impl Limits {
         Ok(())
     }
 
-    /// Every limit by name, as results record them; `wasm_watchdog` is 0 or 1.
+    /// All limits by name, as results record them; `wasm_watchdog` is 0 or 1.
     #[must_use]
     pub fn named(&self) -> [(&'static str, u64); 13] {
         [

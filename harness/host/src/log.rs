@@ -1,4 +1,4 @@
-//! Where a planner's log lines go.
+//! The place to which a planner's log lines go.
 
 use std::fmt;
 
@@ -9,16 +9,16 @@ use crate::text::printable;
 /// What is done with a line.
 type Take = dyn FnMut(LogLevel, &str) + Send;
 
-/// Takes the log lines of one session.
+/// A sink that takes the log lines of one session.
 pub struct LogSink(Box<Take>);
 
 impl LogSink {
-    /// Hands each line to `f`. Control characters are replaced beforehand.
+    /// A sink that hands each line to `f`. Control characters are replaced beforehand.
     pub fn new(f: impl FnMut(LogLevel, &str) + Send + 'static) -> Self {
         Self(Box::new(f))
     }
 
-    /// Drops every line.
+    /// A sink that drops every line.
     #[must_use]
     pub fn discard() -> Self {
         Self::new(|_, _| {})

@@ -16,20 +16,20 @@ use crate::native::{self, ProcessOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
 
-/// What kind of plugin a planner is.
+/// The kind of a plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PluginKind {
-    /// WebAssembly, sandboxed and metered.
+    /// The plugin is WebAssembly, sandboxed and metered.
     Wasm,
-    /// A native library, in a sandboxed process of its own.
+    /// The plugin is a native library, in a sandboxed process of its own.
     Native,
-    /// A command that the user gave, with all that the user may do. Not eligible for ranking.
+    /// The plugin is a command that the user gave, with all that the user may do. It is not eligible for ranking.
     Command,
 }
 
 impl PluginKind {
-    /// The name by which results call it.
+    /// The name by which results call the kind.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -73,15 +73,16 @@ impl Plugin {
     /// without the limits `compile_bytes` and `compile_seconds`: that is for plugins that one trusts.
     ///
     /// # Errors
-    /// If the file is no plugin that this harness can run; see [`LoadError`]. An unusable cache is no error.
+    /// Returns an error if the file is not a plugin that this harness can run; see [`LoadError`]. An unusable cache is
+    /// not an error.
     pub fn load(path: &Path, limits: &Limits, cache_dir: Option<&Path>) -> Result<Self, LoadError> {
         Self::load_with(path, limits, cache_dir, &ProcessOptions::default())
     }
 
-    /// As [`Plugin::load`], with a choice of the program for the processes.
+    /// Loads a plugin as [`Plugin::load`] does, with a choice of the program for the processes.
     ///
     /// # Errors
-    /// As [`Plugin::load`].
+    /// Returns the errors of [`Plugin::load`].
     pub fn load_with(
         path: &Path,
         limits: &Limits,
@@ -108,14 +109,15 @@ impl Plugin {
     /// and asks it what it is. It may do all that the user may do.
     ///
     /// # Errors
-    /// If it can't be started or doesn't introduce itself as a planner of this version of the interface.
+    /// Returns an error if the command can't be started or doesn't introduce itself as a planner of this version of the
+    /// interface.
     pub fn command(words: &[OsString], limits: &Limits) -> Result<Self, LoadError> {
         let (plugin, abi, metadata) = ProcessPlugin::command(words, limits)?;
         let (sha256, limits) = (command_hash(words), limits.clone());
         Ok(Self(Arc::new(Inner { abi, metadata, sha256, limits, code: Code::Command(plugin) })))
     }
 
-    /// How the process of a native library is confined; `None` for other plugins.
+    /// The confinement of the process of a native library; `None` for other plugins.
     #[must_use]
     pub fn sandbox(&self) -> Option<&SandboxReport> {
         match &self.0.code {
@@ -130,19 +132,20 @@ impl Plugin {
         self.0.abi
     }
 
-    /// What the plugin says of itself.
+    /// The plugin's metadata: what it says about itself.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.0.metadata
     }
 
-    /// SHA-256 of the plugin file, hexadecimal. Of a command: of its words, and of the content of those that are files.
+    /// The SHA-256 of the plugin file, hexadecimal; for a command, that of its words and of the content of those that
+    /// are files.
     #[must_use]
     pub fn sha256(&self) -> &str {
         &self.0.sha256
     }
 
-    /// How the plugin is carried.
+    /// The kind of the plugin.
     #[must_use]
     pub fn kind(&self) -> PluginKind {
         match self.0.code {
@@ -152,16 +155,16 @@ impl Plugin {
         }
     }
 
-    /// The limits of its sessions.
+    /// The limits of the plugin's sessions.
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.0.limits
     }
 
-    /// Every declared parameter with the user's value or the default, for [`Task::params`].
+    /// All declared parameters with the user's values or the defaults, for [`Task::params`].
     ///
     /// # Errors
-    /// If the user gives a parameter that the planner doesn't declare, or one twice.
+    /// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice.
     pub fn params(&self, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
         resolve_params(self.metadata(), given)
     }
@@ -169,7 +172,7 @@ impl Plugin {
     /// Starts a planner on a task, in a store of its own.
     ///
     /// # Errors
-    /// If the planner fails in `init`.
+    /// Returns an error if the planner fails in `init`.
     pub fn start(&self, task: &Task, log: LogSink) -> Result<Session, PlannerFault> {
         let inner = match &self.0.code {
             Code::Wasm(plugin) => {
@@ -184,10 +187,10 @@ impl Plugin {
     }
 }
 
-/// Every declared parameter with the user's value or the default.
+/// All declared parameters with the user's values or the defaults.
 ///
 /// # Errors
-/// If the user gives a parameter that the planner doesn't declare, or one twice.
+/// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice.
 pub fn resolve_params(metadata: &Metadata, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
     for (i, (key, _)) in given.iter().enumerate() {
         if !metadata.params.iter().any(|p| p.key == *key) {
@@ -221,25 +224,25 @@ enum SessionKind {
     Process(Box<ProcessSession>),
 }
 
-/// Fuel that a session has used.
+/// The fuel that a session has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct FuelMeter {
-    /// For start-up and `init`.
+    /// The fuel for start-up and `init`.
     pub init: u64,
-    /// For all steps together.
+    /// The fuel for all steps together.
     pub steps: u64,
-    /// For the last step.
+    /// The fuel for the last step.
     pub last_step: u64,
-    /// For the step that used most.
+    /// The fuel for the step that used most.
     pub max_step: u64,
 }
 
 impl Session {
-    /// One step of the planner. The command is finite but may be out of range: see [`clamp`].
+    /// Takes one step of the planner. The command that it returns is finite but may be out of range: see [`clamp`].
     ///
     /// # Errors
-    /// If the planner fails or its command is not finite. The session is over then; any further call gives the same
-    /// fault.
+    /// Returns an error if the planner fails or its command is not finite. The session is over then; any further call
+    /// gives the same fault.
     pub fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
         if let Some(fault) = &self.failed {
             return Err(fault.clone());
@@ -266,13 +269,13 @@ impl Session {
         }
     }
 
-    /// Fuel used until now, `init` included; `None` for native plugins and commands, which are not metered.
+    /// The fuel used until now, `init` included; `None` for native plugins and commands, which are not metered.
     #[must_use]
     pub fn fuel_used(&self) -> Option<u64> {
         self.fuel().map(|f| f.init + f.steps)
     }
 
-    /// Fuel used until now in detail; `None` for native plugins and commands.
+    /// The fuel used until now in detail; `None` for native plugins and commands.
     #[must_use]
     pub fn fuel(&self) -> Option<FuelMeter> {
         match &self.inner {

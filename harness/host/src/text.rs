@@ -15,8 +15,8 @@ fn is_unprintable(c: char) -> bool {
             | '\u{fff0}'..='\u{fffb}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
 }
 
-/// Text from outside as one printable line of at most 2000 characters: lines are joined, and what a terminal might act on or a
-/// reader can't see becomes `U+FFFD`.
+/// Turns text from outside into one printable line of at most 2000 characters: lines are joined, and what a terminal
+/// might act on or a reader can't see becomes `U+FFFD`.
 #[must_use]
 pub fn one_line(text: &str) -> String {
     let mut line = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ");
@@ -27,7 +27,7 @@ pub fn one_line(text: &str) -> String {
     printable(&line)
 }
 
-/// The text with what a terminal might act on, or a reader can't see, replaced by `U+FFFD`. Line feeds and tabs stay.
+/// Replaces what a terminal might act on, or a reader can't see, by `U+FFFD`. Line feeds and tabs stay.
 #[must_use]
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if is_unprintable(c) && c != '\n' && c != '\t' { '\u{fffd}' } else { c }).collect()

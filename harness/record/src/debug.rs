@@ -25,19 +25,19 @@ pub struct DebugSeries {
 /// The values that a planner sent under one name in one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DebugEntry {
-    /// Time of the step, s.
+    /// The time of the step, s.
     pub time: f64,
-    /// Name of the series.
+    /// The name of the series.
     pub name: String,
-    /// Its values.
+    /// The values of the series.
     pub values: Vec<f32>,
 }
 
 impl DebugSeries {
-    /// Number of values kept of one task: 4 MiB of memory, and a file of 16 MiB at most.
+    /// The number of values that are kept of one task: 4 MiB of memory, and a file of 16 MiB at most.
     pub const MAX_VALUES: usize = 1 << 20;
 
-    /// Number of different names kept of one task.
+    /// The number of different names that are kept of one task.
     pub const MAX_NAMES: usize = 256;
 
     /// Takes the values that the planner sent under `name` in the step at `time` (s).
@@ -60,13 +60,13 @@ impl DebugSeries {
         self.values.extend_from_slice(values);
     }
 
-    /// Whether nothing was sent.
+    /// Tells whether nothing was sent.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Number of values that were dropped.
+    /// The number of values that were dropped.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.dropped
@@ -102,7 +102,7 @@ impl DebugSeries {
     /// Reads a debug file. Series without values are not in it.
     ///
     /// # Errors
-    /// If it can't be read or is damaged.
+    /// Returns an error if the file can't be read or is damaged.
     pub fn read(path: &Path) -> Result<Vec<DebugEntry>, StoreError> {
         let table = Table::open(path)?;
         table.meta(path, META_KEY)?;

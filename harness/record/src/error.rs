@@ -1,4 +1,4 @@
-//! What can go wrong with a run directory.
+//! The errors of a run directory.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ pub enum StoreError {
     /// The operating system refused an operation.
     #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
     Io {
-        /// What was tried, e.g. `write`.
+        /// The action that was tried, e.g. `write`.
         action: &'static str,
-        /// On which file or directory.
+        /// The file or directory on which it was tried.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A new run was asked for in a directory that holds something.
@@ -38,31 +38,31 @@ pub enum StoreError {
     Differs {
         /// The run directory.
         dir: PathBuf,
-        /// Which field of run.json, e.g. `plugin.sha256`.
+        /// The field of run.json that differs, e.g. `plugin.sha256`.
         field: String,
-        /// Its value in run.json.
+        /// The value of the field in run.json.
         recorded: String,
-        /// Its value now.
+        /// The value of the field now.
         wanted: String,
     },
     /// run.json was written by a version that this one doesn't read.
     #[error("{}: schema {found} is not supported, this version reads schema {supported} (use the version that wrote it)", .path.display())]
     Schema {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Its schema version.
+        /// The schema version of the file.
         found: u64,
-        /// The version supported.
+        /// The schema version that is supported.
         supported: u32,
     },
     /// A file is not what it should be.
     #[error("{}: {detail} ({hint})", .path.display())]
     Damaged {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What is wrong, with line or field.
+        /// The problem, with line or field.
         detail: String,
-        /// What to do.
+        /// A hint on what to do.
         hint: &'static str,
     },
     /// A task's name can't name a file.
@@ -73,9 +73,9 @@ pub enum StoreError {
     /// A value can't be written as JSON or Parquet.
     #[error("cannot encode {what}: {detail} (this is a fault of the harness: please report it)")]
     Encode {
-        /// What was to be written.
+        /// The object that was to be written.
         what: &'static str,
-        /// Why it can't be.
+        /// The reason why it can't be written.
         detail: String,
     },
 }
@@ -86,7 +86,7 @@ impl StoreError {
         move |source| Self::Io { action, path, source }
     }
 
-    /// Whether the disk (or a quota) is full.
+    /// Tells whether the disk (or a quota) is full.
     #[must_use]
     pub fn is_disk_full(&self) -> bool {
         matches!(self, Self::Io { source, .. } if disk_full(source))

@@ -1,4 +1,4 @@
-//! What was run: the content of `run.json`.
+//! The description of a run: the content of `run.json`.
 
 use std::collections::BTreeMap;
 
@@ -7,9 +7,9 @@ use serde_json::Value;
 
 use crate::{LogMode, TraceMode, planner_with_params, suite_with_selection};
 
-/// Version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has the
-/// outcome `host_error`, codes with the one to blame in front, and more of what planners used. Version 3 has checksums, the
-/// number of the suite's tasks and the commit of the harness. Runs of older versions can be read.
+/// The version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has
+/// the outcome `host_error`, codes with the one to blame in front, and more of what planners used. Version 3 has
+/// checksums, the number of the suite's tasks and the commit of the harness. Runs of older versions can be read.
 pub const RUN_SCHEMA: u32 = 3;
 /// The oldest version that can be read.
 pub(crate) const OLDEST_SCHEMA: u32 = 1;
@@ -17,13 +17,13 @@ pub(crate) const OLDEST_SCHEMA: u32 = 1;
 /// The suite of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SuiteHeader {
-    /// Its name.
+    /// The name of the suite.
     pub name: String,
-    /// Hash of its content, independent of where it lies (hex).
+    /// The hash of the suite's content (hex), which is independent of where the suite lies.
     pub hash: String,
-    /// Where it lay.
+    /// The path at which the suite lay.
     pub path: String,
-    /// Number of its tasks, chosen or not; runs of schemas before 3 don't say it.
+    /// The number of the suite's tasks, chosen or not; runs of schemas before 3 don't say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tasks: Option<u64>,
 }
@@ -35,17 +35,17 @@ pub struct PluginHeader {
     pub name: String,
     /// The planner's version.
     pub version: String,
-    /// SHA-256 of the plugin file (hex).
+    /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// What kind of plugin it is: `wasm`, `native` or `command`.
+    /// The kind of the plugin: `wasm`, `native` or `command`.
     #[serde(alias = "carrier")]
     pub kind: String,
-    /// Where the file lay; the command, of a command.
+    /// The path at which the file lay; for a command, the command itself.
     pub path: String,
-    /// Whether results of a planner carried like this may be ranked: not those of a command.
+    /// Whether results of a planner of this kind may be ranked: those of a command may not.
     #[serde(default = "yes")]
     pub eligible_for_ranking: bool,
-    /// How the process of a native planner was confined.
+    /// The confinement of the process of a native planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxHeader>,
 }
@@ -58,10 +58,10 @@ fn yes() -> bool {
     true
 }
 
-/// How the process of a native planner was confined.
+/// The confinement of the process of a native planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SandboxHeader {
-    /// Version of landlock in force; none where the kernel lacks it.
+    /// The version of landlock in force; `None` where the kernel lacks it.
     pub landlock: Option<u32>,
     /// Whether system calls were filtered.
     pub seccomp: bool,
@@ -74,18 +74,18 @@ pub struct SandboxHeader {
 /// A data file of a run: a vehicle or a set of soils.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DataHeader {
-    /// Its name.
+    /// The name of the vehicle or the set of soils.
     pub name: String,
-    /// SHA-256 of the file (hex).
+    /// The SHA-256 of the file (hex).
     pub hash: String,
 }
 
 /// The rules of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RulesHeader {
-    /// Name of the profile.
+    /// The name of the profile.
     pub name: String,
-    /// Hash of the profile's content (hex).
+    /// The hash of the profile's content (hex).
     pub hash: String,
     /// The whole profile, so that a result can be understood without the file.
     pub profile: Value,
@@ -94,21 +94,22 @@ pub struct RulesHeader {
 /// Everything that decides a run's results, and where it came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunHeader {
-    /// [`RUN_SCHEMA`].
+    /// The version of the layout, [`RUN_SCHEMA`].
     pub schema: u32,
-    /// Version of the harness.
+    /// The version of the harness.
     pub harness_version: String,
-    /// Git commit that the harness was built from, with `, modified` behind it if its sources had been changed since;
-    /// `unknown` if it was not built in a checkout. It says where a result is from and is no part of any hash or score.
+    /// The Git commit that the harness was built from, with `, modified` behind it if its sources had been changed
+    /// since; `unknown` if it was not built in a checkout. It says where a result is from and is no part of any hash or
+    /// score.
     #[serde(default = "unknown")]
     pub harness_commit: String,
-    /// When the run was started, RFC 3339 in UTC. For people only: nothing depends on it.
+    /// The time at which the run was started, RFC 3339 in UTC. It is for people only: nothing depends on it.
     pub started_at: String,
     /// The suite.
     pub suite: SuiteHeader,
-    /// The selector that chose the tasks; none: all.
+    /// The selector that chose the tasks; `None` if all were chosen.
     pub selector: Option<String>,
-    /// Number of tasks chosen.
+    /// The number of tasks chosen.
     pub tasks: u64,
     /// The planner.
     pub plugin: PluginHeader,
@@ -118,24 +119,25 @@ pub struct RunHeader {
     pub vehicle: DataHeader,
     /// The soils of deformable ground.
     pub soils: DataHeader,
-    /// Factor on every length of the world: 1, 1/6, 1/10.
+    /// The factor on every length of the world: 1, 1/6 or 1/10.
     pub scale: f64,
     /// The run's seed.
     pub seed: u64,
-    /// Step of the simulation, s.
+    /// The time step of the simulation, s.
     pub time_step: f64,
-    /// Side of the cells in which soil remembers ruts, at scale 1, m.
+    /// The side of the cells in which soil remembers ruts, at scale 1, m.
     #[serde(alias = "soil_pitch")]
     pub soil_resolution: f64,
-    /// Time between the samples that rules and metrics see, s.
+    /// The time between the samples that rules and metrics see, s.
     pub sample_period: f64,
     /// The rules.
     pub rules: RulesHeader,
-    /// Limits on the planner by name, e.g. `fuel_per_step`, `memory_bytes`.
+    /// The limits on the planner by name, e.g. `fuel_per_step`, `memory_bytes`.
     pub limits: BTreeMap<String, u64>,
-    /// Which samples are kept in traces.
+    /// The samples that are kept in traces.
     pub trace: TraceMode,
-    /// Which tasks' records keep the planner's log. Runs that don't say it kept those of tasks that ended by an error.
+    /// The tasks whose records keep the planner's log. Runs that don't say it kept those of tasks that ended by an
+    /// error.
     #[serde(default)]
     pub logs: LogMode,
 }
@@ -152,19 +154,20 @@ const INFORMATION_ONLY: [&str; 7] = [
 ];
 
 impl RunHeader {
-    /// The planner, with its parameters where the user gave any: [`planner_with_params`].
+    /// The planner, with its parameters where the user gave any, as in [`planner_with_params`].
     #[must_use]
     pub fn planner(&self) -> String {
         planner_with_params(&format!("{} {}", self.plugin.name, self.plugin.version), &self.params)
     }
 
-    /// The suite, with what was chosen of it where that is not all: [`suite_with_selection`].
+    /// The suite, with what was chosen of it where that is not all, as in [`suite_with_selection`].
     #[must_use]
     pub fn scope(&self) -> String {
         suite_with_selection(&self.suite.name, self.tasks, self.suite.tasks, self.selector.as_deref())
     }
 
-    /// The first field (dotted path) in which `other` would lead to other results, with both values as text.
+    /// The first field (dotted path) in which `other` would lead to other results, with both values as text; `None` if
+    /// there is no such field.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
         let (a, b) = (flatten(self), flatten(other));

@@ -1,9 +1,10 @@
 //! The run store: what a run leaves on disk, and how it survives being killed.
 //!
-//! A run directory holds `run.json` (what was run: [`RunHeader`]), `tasks.jsonl` (one line a finished task,
-//! appended and synced when it ends), `checksums.txt` (the SHA-256 of each file and record, by which damage is found), `traces/<world>/<task>.parquet` ([`Trace`]), the planner's own series in
-//! `traces/<world>/<task>.debug.parquet` ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing
-//! of rules: records and summaries are whatever its callers serialise.
+//! A run directory holds `run.json` (what was run: [`RunHeader`]), `tasks.jsonl` (one line for each finished task,
+//! appended and synced when it ends), `checksums.txt` (the SHA-256 of each file and record, by which damage is found),
+//! `traces/<world>/<task>.parquet` ([`Trace`]), the planner's own series in `traces/<world>/<task>.debug.parquet`
+//! ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing of rules: records and summaries are
+//! whatever its callers serialise.
 
 mod checksums;
 mod debug;

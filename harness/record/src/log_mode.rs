@@ -1,18 +1,19 @@
-//! Which tasks' records keep what the planner logged.
+//! The choice of the tasks whose records keep what the planner logged.
 
 use serde::{Deserialize, Serialize};
 
-/// Which tasks' records keep the last lines that the planner logged. It says what is written, not what is driven; but
-/// records hold the lines, so a run and those who drive its tasks again must agree on it.
+/// The tasks whose records keep the last lines that the planner logged. The mode says what is written, not what is
+/// driven; but records hold the lines, so a run and those who drive its tasks again must agree on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogMode {
-    /// None.
+    /// No record keeps its log.
     None,
-    /// Those that didn't succeed, whether by an error or because the vehicle didn't arrive.
+    /// The records of tasks that didn't succeed keep their logs, whether the task failed by an error or because the
+    /// vehicle didn't arrive.
     #[default]
     Failed,
-    /// All.
+    /// All records keep their logs.
     All,
 }
 
@@ -20,7 +21,7 @@ impl LogMode {
     /// All modes.
     pub const ALL: [Self; 3] = [Self::All, Self::Failed, Self::None];
 
-    /// Whether the log of a task is kept, by whether the task succeeded.
+    /// Tells whether the log of a task is kept, by whether the task succeeded.
     #[must_use]
     pub fn keeps(self, succeeded: bool) -> bool {
         match self {

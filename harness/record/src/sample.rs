@@ -1,45 +1,45 @@
 //! One row of a trajectory.
 
-/// The state of the vehicle at one instant. World frame for the position, body axes (x forward, y left, z up) for
-/// velocities and rates; SI units, radians.
+/// The state of the vehicle at one instant: its position in the world frame, its velocities and rates in body axes (x
+/// forward, y left, z up). Units are SI, angles in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Simulated time since the start, s.
+    /// The simulated time since the start, s.
     pub time: f64,
-    /// Position of the vehicle's reference point, east, m.
+    /// The position of the vehicle's reference point towards the east, m.
     pub x: f64,
-    /// North, m.
+    /// The position of the reference point towards the north, m.
     pub y: f64,
-    /// Up, m.
+    /// The height of the reference point, m.
     pub z: f64,
-    /// Roll, rad, positive with the right side down.
+    /// The roll, rad, positive with the right side down.
     pub roll: f64,
-    /// Pitch, rad, positive with the nose down.
+    /// The pitch, rad, positive with the nose down.
     pub pitch: f64,
-    /// Heading, rad, counter-clockwise from east.
+    /// The heading, rad, counter-clockwise from east.
     pub yaw: f64,
-    /// Forward velocity, m/s.
+    /// The forward velocity of the reference point, m/s.
     pub vx: f64,
-    /// Leftward velocity, m/s.
+    /// The leftward velocity of the reference point, m/s.
     pub vy: f64,
-    /// Upward (body) velocity, m/s.
+    /// The velocity of the reference point along the body's upward axis, m/s.
     pub vz: f64,
-    /// Rate about the forward axis, rad/s.
+    /// The rate of rotation about the body's forward axis, rad/s.
     pub wx: f64,
-    /// Rate about the leftward axis, rad/s.
+    /// The rate of rotation about the body's leftward axis, rad/s.
     pub wy: f64,
-    /// Rate about the upward (body) axis, rad/s.
+    /// The rate of rotation about the body's upward axis, rad/s.
     pub wz: f64,
-    /// Steering command applied up to this instant, after clamping, in [-1, 1], positive to the left.
+    /// The steering command applied up to this instant, after clamping, in [-1, 1], positive to the left.
     pub steering: f64,
-    /// Throttle command applied up to this instant, after clamping, in [0, 1].
+    /// The throttle command applied up to this instant, after clamping, in [0, 1].
     pub throttle: f64,
-    /// Brake command applied up to this instant, after clamping, in [0, 1].
+    /// The brake command applied up to this instant, after clamping, in [0, 1].
     pub brake: f64,
 }
 
 impl Sample {
-    /// Names of the fields, in the order of [`Sample::to_array`]; the columns of a trace file.
+    /// The names of the fields, in the order of [`Sample::to_array`], which are the columns of a trace file.
     pub const FIELDS: [&str; 16] = [
         "time", "x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz", "steering",
         "throttle", "brake",
@@ -60,7 +60,7 @@ impl Sample {
         Self { time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake }
     }
 
-    /// Whether every field is a finite number.
+    /// Tells whether every field is a finite number.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.to_array().iter().all(|v| v.is_finite())
@@ -70,8 +70,8 @@ impl Sample {
 /// One wheel at the instant of a [`Sample`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelSample {
-    /// Spin, rad/s, positive when rolling forward.
+    /// The spin, rad/s, positive when rolling forward.
     pub speed: f64,
-    /// Suspension travel from the design position, m, positive in compression.
+    /// The suspension travel from the design position, m, positive in compression.
     pub deflection: f64,
 }

@@ -21,7 +21,7 @@ const LOCK: &str = "run.lock";
 /// Longest record that is read, bytes; logs in it are bounded far below.
 const LINE: u64 = 64 << 20;
 
-/// A run directory open for writing, by this process alone. Workers share it.
+/// A run directory that is open for writing, by this process alone. Workers share it.
 #[derive(Debug)]
 pub struct RunStore {
     dir: PathBuf,
@@ -49,7 +49,7 @@ impl RunStore {
     /// Starts a run in `dir`, which is made if need be and must be empty.
     ///
     /// # Errors
-    /// [`StoreError::NotEmpty`], [`StoreError::Locked`], or an error of the file system.
+    /// Returns [`StoreError::NotEmpty`], [`StoreError::Locked`], or an error of the file system.
     pub fn create(dir: &Path, header: &RunHeader) -> Result<Self, StoreError> {
         fs::create_dir_all(dir).map_err(StoreError::io("make directory", dir))?;
         let lock_exists = dir.join(LOCK).exists();
@@ -72,13 +72,13 @@ impl RunStore {
         Ok(Self { dir: dir.to_owned(), tasks, checksums, lock })
     }
 
-    /// Goes on with the run in `dir`, which must have been made with the same settings: see
-    /// [`RunHeader::difference`]. Gives the records of the tasks that are done: those that `counts` says so of. The
-    /// others' lines are deleted, and a line torn by a killed process is cut away.
+    /// Goes on with the run in `dir`, which must have been made with the same settings: see [`RunHeader::difference`].
+    /// It returns the records of those finished tasks for which `counts` is true. The others' lines are deleted, and a
+    /// line torn by a killed process is cut away.
     ///
     /// # Errors
-    /// [`StoreError::NoRun`], [`StoreError::Differs`], [`StoreError::Locked`], [`StoreError::Damaged`], or an error
-    /// of the file system.
+    /// Returns [`StoreError::NoRun`], [`StoreError::Differs`], [`StoreError::Locked`], [`StoreError::Damaged`], or an
+    /// error of the file system.
     pub fn resume<T: DeserializeOwned>(
         dir: &Path,
         header: &RunHeader,
@@ -133,7 +133,7 @@ impl RunStore {
     /// an error the file holds what it held before.
     ///
     /// # Errors
-    /// An error of the file system, a full disk for instance.
+    /// Returns an error of the file system, a full disk for instance.
     pub fn append<T: Serialize>(&self, record: &T) -> Result<(), StoreError> {
         let mut line = serde_json::to_vec(record)
             .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
@@ -168,15 +168,16 @@ impl RunStore {
     /// a task that is done has its trace.
     ///
     /// # Errors
-    /// [`StoreError::TaskName`] or an error of the file system.
+    /// Returns [`StoreError::TaskName`] or an error of the file system.
     pub fn write_trace(&self, trace: &Trace) -> Result<(), StoreError> {
         self.write_file(&trace_name(&trace.meta.task)?, &trace.encode()?)
     }
 
-    /// Writes a planner's series of a task to `traces/<world>/<task>.debug.parquet`; nothing if there are none.
+    /// Writes a planner's series of a task to `traces/<world>/<task>.debug.parquet`. It writes nothing if there are
+    /// none.
     ///
     /// # Errors
-    /// [`StoreError::TaskName`] or an error of the file system.
+    /// Returns [`StoreError::TaskName`] or an error of the file system.
     pub fn write_debug(&self, task: &str, series: &DebugSeries) -> Result<(), StoreError> {
         if series.is_empty() {
             return Ok(());
@@ -206,13 +207,13 @@ impl RunStore {
     /// Writes `summary.json`, replacing an earlier one.
     ///
     /// # Errors
-    /// An error of the file system.
+    /// Returns an error of the file system.
     pub fn write_summary<T: Serialize>(&self, summary: &T) -> Result<(), StoreError> {
         write_atomic(&self.dir.join(SUMMARY), &pretty("summary.json", summary)?)
     }
 }
 
-/// A run directory open for reading; it may belong to a run that is still going on.
+/// A run directory that is open for reading; it may belong to a run that is still going on.
 #[derive(Debug)]
 pub struct RunReader {
     dir: PathBuf,
@@ -223,7 +224,7 @@ impl RunReader {
     /// Opens a run.
     ///
     /// # Errors
-    /// [`StoreError::NoRun`], [`StoreError::Schema`], [`StoreError::Damaged`] or an error of the file system.
+    /// Returns [`StoreError::NoRun`], [`StoreError::Schema`], [`StoreError::Damaged`] or an error of the file system.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
         Ok(Self { dir: dir.to_owned(), header: read_header(dir)? })
     }
@@ -234,7 +235,7 @@ impl RunReader {
         &self.dir
     }
 
-    /// What was run.
+    /// The description of what was run.
     #[must_use]
     pub fn header(&self) -> &RunHeader {
         &self.header
@@ -243,20 +244,20 @@ impl RunReader {
     /// The records of the tasks that are done, in the order in which they ended. A torn last line is left out.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] or an error of the file system.
+    /// Returns [`StoreError::Damaged`] or an error of the file system.
     pub fn records<T: DeserializeOwned>(&self) -> Result<Vec<T>, StoreError> {
         Ok(read_tasks(&self.dir)?.0)
     }
 
-    /// Hands over the same records one by one, so that they need not all be in memory.
+    /// Hands the same records to `take` one by one, so that they need not all be in memory.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] or an error of the file system.
+    /// Returns [`StoreError::Damaged`] or an error of the file system.
     pub fn each_record<T: DeserializeOwned>(&self, take: impl FnMut(T)) -> Result<(), StoreError> {
         each_task(&self.dir, take).map(drop)
     }
 
-    /// Whether the run has a trace of this task.
+    /// Tells whether the run has a trace of this task.
     #[must_use]
     pub fn has_trace(&self, task: &str) -> bool {
         trace_name(task).is_ok_and(|name| self.dir.join(name).exists())
@@ -265,7 +266,7 @@ impl RunReader {
     /// The trajectory of a task.
     ///
     /// # Errors
-    /// [`StoreError::TaskName`], or as [`Trace::read`].
+    /// Returns [`StoreError::TaskName`], or an error of [`Trace::read`].
     pub fn trace(&self, task: &str) -> Result<Trace, StoreError> {
         Trace::read(&self.checked(&trace_name(task)?)?)
     }
@@ -273,7 +274,7 @@ impl RunReader {
     /// The series that the planner sent in a task, in the order of time; empty if it sent none.
     ///
     /// # Errors
-    /// [`StoreError::TaskName`], or as [`DebugSeries::read`].
+    /// Returns [`StoreError::TaskName`], or an error of [`DebugSeries::read`].
     pub fn debug(&self, task: &str) -> Result<Vec<DebugEntry>, StoreError> {
         let name = debug_name(task)?;
         if self.dir.join(&name).exists() { DebugSeries::read(&self.checked(&name)?) } else { Ok(Vec::new()) }

@@ -7,28 +7,28 @@ use serde::{Deserialize, Serialize};
 use crate::parquet_io::{Column, Table, damaged, encode};
 use crate::{Sample, StoreError, WheelSample};
 
-/// Version of the layout of a trace file.
+/// The version of the layout of a trace file.
 pub const TRACE_SCHEMA: u32 = 1;
 
 const META_KEY: &str = "vertibench:trace";
 
-/// Which samples of a trajectory are kept.
+/// The samples of a trajectory that are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TraceMode {
-    /// None; such a run can't be re-scored.
+    /// No samples are kept. Such a run can't be re-scored.
     #[serde(rename = "none")]
     None,
-    /// Every tenth sample and the last: enough to look at, and to re-score roughly.
+    /// Every tenth sample and the last one are kept: enough to look at, and to re-score roughly.
     #[default]
     #[serde(rename = "10hz")]
     TenHz,
-    /// Every sample that the rules see: re-scoring repeats the verdicts exactly.
+    /// Every sample that the rules see is kept: re-scoring repeats the verdicts exactly.
     #[serde(rename = "full")]
     Full,
 }
 
 impl TraceMode {
-    /// How many samples one kept sample stands for; `None` if none is kept.
+    /// The number of samples for which one kept sample stands; `None` if none is kept.
     #[must_use]
     pub fn stride(self) -> Option<u64> {
         match self {
@@ -49,34 +49,34 @@ impl TraceMode {
     }
 }
 
-/// What a trace file says of its task, beside the samples. Lengths are in metres of the world as simulated, that is
-/// after scaling.
+/// The data of a trace file about its task, beside the samples. Lengths are in metres of the world as simulated, that
+/// is after scaling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceMeta {
-    /// [`TRACE_SCHEMA`].
+    /// The version of the layout, [`TRACE_SCHEMA`].
     pub schema: u32,
-    /// Name of the task, e.g. `w001/t03`.
+    /// The name of the task, e.g. `w001/t03`.
     pub task: String,
-    /// Start pose: x (m), y (m), yaw (rad).
+    /// The start pose: x (m), y (m), yaw (rad, counter-clockwise from east).
     pub start: [f64; 3],
-    /// Goal (x, y), m.
+    /// The goal (x, y), m.
     pub goal: [f64; 2],
-    /// Height of the ground at the goal, m.
+    /// The height of the ground at the goal, m.
     pub goal_z: f64,
     /// Half the extents of the world along x and y, m.
     pub half_extent: [f64; 2],
-    /// Factor by which the world's lengths were multiplied.
+    /// The factor by which the world's lengths were multiplied.
     pub scale: f64,
-    /// Step of the simulation, s.
+    /// The time step of the simulation, s.
     pub time_step: f64,
-    /// Time between the samples that the rules saw, s.
+    /// The time between the samples that the rules saw, s.
     pub sample_period: f64,
-    /// Which of them are in the file.
+    /// The samples that are in the file.
     pub mode: TraceMode,
 }
 
 impl TraceMeta {
-    /// Time between the samples in the file, s.
+    /// The time between the samples in the file, s.
     #[must_use]
     pub fn resolution(&self) -> f64 {
         self.sample_period * self.mode.stride().unwrap_or(1) as f64
@@ -86,17 +86,18 @@ impl TraceMeta {
 /// A recorded trajectory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// What it is a trajectory of.
+    /// The data about the task of the trajectory.
     pub meta: TraceMeta,
     /// The samples in the order of time.
     pub samples: Vec<Sample>,
-    /// Number of wheels.
+    /// The number of wheels.
     pub wheels: usize,
-    /// `samples.len() * wheels` entries: the wheels of the first sample, those of the second, …
+    /// The states of the wheels, `samples.len() * wheels` entries: the wheels of the first sample, those of the second,
+    /// and so on.
     pub wheel_samples: Vec<WheelSample>,
 }
 
-/// Collects the samples of one task as a [`TraceMode`] wants them.
+/// A recorder that collects the samples of one task as a [`TraceMode`] wants them.
 #[derive(Clone, Debug)]
 pub struct TraceRecorder {
     mode: TraceMode,
@@ -115,10 +116,10 @@ impl TraceRecorder {
         Self { mode, wheels, seen: 0, samples: Vec::new(), wheel_samples: Vec::new(), pending: None }
     }
 
-    /// Takes a score sample with the state of each wheel.
+    /// Takes a sample with the state of each wheel.
     ///
     /// # Panics
-    /// If `wheels` has another length than [`TraceRecorder::new`] was told.
+    /// Panics if `wheels` has another length than [`TraceRecorder::new`] was told.
     pub fn push(&mut self, sample: &Sample, wheels: &[WheelSample]) {
         assert_eq!(wheels.len(), self.wheels, "wheels of a sample");
         let Some(stride) = self.mode.stride() else { return };
@@ -135,7 +136,7 @@ impl TraceRecorder {
         self.seen += 1;
     }
 
-    /// The trace, unless none is wanted.
+    /// The trace; `None` if the mode wants none.
     #[must_use]
     pub fn finish(mut self, meta: TraceMeta) -> Option<Trace> {
         self.mode.stride()?;
@@ -182,7 +183,7 @@ impl Trace {
     /// Reads a trace file.
     ///
     /// # Errors
-    /// If it can't be read, is truncated, or is not a trace file of a supported version.
+    /// Returns an error if the file can't be read, is truncated, or is not a trace file of a supported version.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
         let table = Table::open(path)?;
         let text = table.meta(path, META_KEY)?;

@@ -1,4 +1,4 @@
-//! What a planner is told about a task.
+//! The data that a planner is told about a task.
 
 use vb_math::rng::Stream;
 use vb_score::Rules;
@@ -33,7 +33,7 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
     }
 }
 
-/// What a planner is told about a task of a (scaled) world, but for what the run decides: the caller fills in
+/// The data that a planner is told about a task of a (scaled) world, but for what the run decides: the caller fills in
 /// `goal_radius`, `time_limit`, `control_period` and `seed`.
 #[must_use]
 pub fn planner_task(

@@ -1,4 +1,4 @@
-//! Why a run can't start or go on.
+//! The reasons why a run can't start or go on.
 
 use vb_host::ParamError;
 use vb_record::StoreError;
@@ -6,7 +6,7 @@ use vb_sim::SimError;
 use vb_vehicle::VehicleError;
 use vb_world::SuiteError;
 
-/// An error of a run. What planners do wrong is none: it is a task's outcome.
+/// An error of a run. What planners do wrong is not such an error but a task's outcome.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -16,7 +16,7 @@ pub enum RunError {
     /// The run directory can't be written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A parameter that the planner doesn't have.
+    /// The planner doesn't have a parameter.
     #[error(transparent)]
     Param(#[from] ParamError),
     /// The vehicle can't be used.
@@ -30,14 +30,14 @@ pub enum RunError {
         "planner {planner} wants a control period of {period} s, which is no multiple of the simulation's step of {step} s"
     )]
     ControlPeriod {
-        /// Name of the planner.
+        /// The name of the planner.
         planner: String,
-        /// s.
+        /// The control period that the planner wants, s.
         period: f64,
-        /// s.
+        /// The time step of the simulation, s.
         step: f64,
     },
-    /// The system gives no thread.
+    /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
     Thread(std::io::Error),
     /// A run that is resumed has a task that is none of those chosen.
@@ -49,13 +49,13 @@ pub enum RunError {
     ForeignTask {
         /// The run directory.
         dir: std::path::PathBuf,
-        /// The task.
+        /// The name of the task.
         task: String,
     },
-    /// Nothing to do.
+    /// There are no tasks to run.
     #[error("no task is chosen")]
     NoTasks,
-    /// A factor that no world can have.
+    /// The scale is a factor that no world can have.
     #[error("a scale of {0} is not a positive number")]
     Scale(f64),
 }

@@ -4,22 +4,23 @@ use serde::Serialize;
 use vb_host::FaultCode;
 use vb_score::{Outcome, TaskRecord};
 
-/// A run stops when the planner fails alike in as many of its first tasks, before its first command. In the suites that
-/// come with the harness they are of two worlds with different ground: a planner that refuses one world, or one kind of
-/// ground, isn't stopped.
+/// The number of first tasks after which a run stops if the planner fails alike in all of them, before its first
+/// command. In the suites that come with the harness they are of two worlds with different ground: a planner that
+/// refuses one world, or one kind of ground, isn't stopped.
 pub const FAILED_STARTS: usize = 20;
 
-/// The same for a planner that doesn't answer in time: each of these tasks costs the whole time-out.
+/// The same number for a planner that doesn't answer in time: each of these tasks costs the whole time-out.
 pub const HUNG_STARTS: usize = 3;
 
-/// Why a run was ended early: the planner failed alike in all of the run's first tasks, before its first command.
+/// The reason why a run was ended early: the planner failed alike in all of the run's first tasks, before its first
+/// command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FailedStart {
-    /// Number of those tasks.
+    /// The number of those tasks.
     pub tasks: usize,
-    /// Their code, e.g. `planner/init-failed`.
+    /// The code of their fault, e.g. `planner/init-failed`.
     pub fault: String,
-    /// What the record of the first of them says, with the planner's own words.
+    /// The reason in the record of the first of them, with the planner's own words.
     pub reason: String,
 }
 

@@ -25,35 +25,35 @@ use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
 /// A vehicle and the hash of its description, by which runs are told apart.
 #[derive(Clone, Debug)]
 pub struct Vehicle {
-    /// The vehicle.
+    /// The vehicle's data.
     pub spec: VehicleSpec,
-    /// SHA-256 of its file (hex).
+    /// The SHA-256 of the vehicle's file (hex).
     pub hash: String,
 }
 
 /// A set of soils and the hash of its file, by which runs are told apart.
 #[derive(Clone, Debug)]
 pub struct Soils {
-    /// The soils.
+    /// The soils' data.
     pub set: SoilSet,
-    /// SHA-256 of their file (hex).
+    /// The SHA-256 of the soils' file (hex).
     pub hash: String,
-    /// Side of the cells in which soil remembers ruts, at scale 1, m.
+    /// The side of the cells in which soil remembers ruts, at scale 1, m.
     pub resolution: f64,
 }
 
-/// Everything about a run.
+/// The configuration of a run: everything that decides its results, and how it is made.
 #[derive(Clone, Debug)]
 pub struct RunConfig {
-    /// The suite.
+    /// The suite of the tasks.
     pub suite: Suite,
     /// The tasks to run, in this order.
     pub tasks: Vec<TaskRef>,
-    /// The selector that chose them, for the record.
+    /// The selector that chose the tasks, for the record.
     pub selector: Option<String>,
     /// The planner.
     pub plugin: Plugin,
-    /// Where its file lies, for the record.
+    /// The path of the planner's file, for the record.
     pub plugin_path: PathBuf,
     /// The planner's parameters as the user gave them.
     pub params: Vec<(String, String)>,
@@ -63,17 +63,17 @@ pub struct RunConfig {
     pub soils: Soils,
     /// The rules.
     pub rules: Rules,
-    /// Step of the simulation, s; [`SAMPLE_PERIOD`] is a whole number of them.
+    /// The time step of the simulation, s. [`SAMPLE_PERIOD`] is a whole number of steps.
     pub time_step: f64,
-    /// Factor on every length of the worlds.
+    /// The factor on every length of the worlds.
     pub scale: f64,
     /// The run's seed.
     pub seed: u64,
-    /// Number of worker threads, at least 1.
+    /// The number of worker threads, at least 1.
     pub jobs: usize,
-    /// Which samples are kept.
+    /// The samples that are kept in traces.
     pub trace: TraceMode,
-    /// Which tasks' records keep the planner's log.
+    /// The tasks whose records keep the planner's log.
     pub logs: LogMode,
     /// The run directory.
     pub out: PathBuf,
@@ -81,45 +81,45 @@ pub struct RunConfig {
     pub resume: bool,
     /// Whether to drive all tasks even if the planner fails alike in all of the first ones ([`FailedStart`]).
     pub keep_going: bool,
-    /// When the run was started, RFC 3339, for the record.
+    /// The time at which the run was started, RFC 3339, for the record.
     pub started_at: String,
-    /// Version of the harness, for the record.
+    /// The version of the harness, for the record.
     pub harness_version: String,
-    /// Git commit that it was built from, for the record ([`RunHeader::harness_commit`]).
+    /// The Git commit that the harness was built from, for the record ([`RunHeader::harness_commit`]).
     pub harness_commit: String,
 }
 
-/// What happens during a run.
+/// An event of a run.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The run directory is ready.
     Started {
-        /// Number of tasks of the run.
+        /// The number of tasks of the run.
         total: usize,
-        /// Records of the tasks that an earlier, interrupted run has done.
+        /// The records of the tasks that an earlier, interrupted run has done.
         resumed: Vec<TaskRecord>,
     },
     /// A worker has taken a task.
     TaskStarted {
-        /// Its name.
+        /// The name of the task.
         task: String,
     },
     /// A task is done and its record is on disk.
     TaskEnded(Box<TaskRecord>),
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Clone, Debug)]
 pub struct RunReport {
-    /// The result of the tasks that are done.
+    /// The summary of the tasks that are done.
     pub summary: Summary,
-    /// Whether it was cancelled before all tasks were done.
+    /// Whether the run was cancelled before all tasks were done.
     pub interrupted: bool,
-    /// Why it was ended early, if it was.
+    /// The reason why the run was ended early, if it was.
     pub failed_start: Option<FailedStart>,
 }
 
-/// How the simulator starts a trial under a rule in a world of a scale.
+/// The way in which the simulator starts a trial under a rule, in a world of this scale.
 #[must_use]
 pub fn start(rule: StartRule, scale: f64) -> Start {
     match rule {
@@ -141,7 +141,8 @@ const LOOKS: u32 = 10;
 /// further ones are started.
 ///
 /// # Errors
-/// If something is wrong with the inputs (nothing is written then), or the run directory can't be written.
+/// Returns an error if something is wrong with the inputs (nothing is written then), or the run directory can't be
+/// written.
 pub fn run(
     config: &RunConfig,
     on_event: &mut dyn FnMut(Event),

@@ -1,4 +1,4 @@
-//! A vehicle's size and steering as it stands on level ground, from what is simulated of it.
+//! The size and the steering of a vehicle as it stands on level ground, measured from what is simulated of it.
 
 use std::sync::Arc;
 
@@ -7,36 +7,36 @@ use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, Start};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Heightfield, TerrainClass, World};
 
-/// How a vehicle stands on level ground, and how far its wheels turn.
+/// The dimensions of a vehicle that stands on level ground, and how far its wheels turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticShape {
-    /// From the foremost to the rearmost point of what collides, hull and wheels, m.
+    /// The distance from the foremost to the rearmost point of what collides, hull and wheels, m.
     pub length: f64,
     /// Twice the distance from the centre line to the outermost point of what collides, hull and the tyres' outer faces
     /// with the wheels straight ahead, m. Mirrors and whatever else touches nothing are left out.
     pub width: f64,
-    /// Height of the topmost point of what collides above ground, m.
+    /// The height above ground of the topmost point of what collides, m.
     pub height: f64,
-    /// Height of the lowest point of the hull above ground, m.
+    /// The height above ground of the lowest point of the hull, m.
     pub ground_clearance: f64,
-    /// Distance between the first and the last axle, or between the outermost road wheels of a track, m.
+    /// The distance between the first and the last axle, or between the outermost road wheels of a track, m.
     pub wheelbase: f64,
-    /// Distance between the wheels of the first axle, m.
+    /// The distance between the wheels of the first axle, m.
     pub track: f64,
-    /// Mean angle of the first axle's wheels at steering command 1, rad. Of a tracked vehicle that of a bicycle of its
-    /// wheelbase which answers small commands by the same curvature.
+    /// The mean angle of the first axle's wheels at steering command 1, rad. For a tracked vehicle it is that of a
+    /// bicycle of its wheelbase which answers small commands by the same curvature.
     pub max_steer_angle: f64,
-    /// Radius of the reference point's circle at steering command 1, m: without slip, or that on which a tracked vehicle
-    /// turns.
+    /// The radius of the reference point's circle at steering command 1, m: the circle without slip, or that on which a
+    /// tracked vehicle turns.
     pub min_turn_radius: f64,
-    /// Mass, all included, kg.
+    /// The mass of the whole vehicle, kg.
     pub mass: f64,
 }
 
 /// Lets the vehicle settle on level ground and measures it.
 ///
 /// # Errors
-/// If the vehicle can't be simulated.
+/// Returns an error if the vehicle can't be simulated.
 pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticShape, SimError> {
     let spec = model.spec();
     let side = 4.0 * spec.length.max(1.0);

@@ -1,6 +1,6 @@
 //! A hash over a trajectory, by which two runs are compared bit for bit.
 
-/// FNV-1a over 64-bit words with a final mix. It is no defence against forgery; it shows differences.
+/// An FNV-1a hash over 64-bit words with a final mix. It is no defence against forgery; it shows differences.
 #[derive(Clone, Debug)]
 pub struct StateHash(u64);
 
@@ -11,7 +11,7 @@ impl Default for StateHash {
 }
 
 impl StateHash {
-    /// Takes the bits of a number. Zero and minus zero differ.
+    /// Adds the bits of a number to the hash. Zero and minus zero differ.
     pub fn push(&mut self, value: f64) {
         // FNV's prime leaves the upper bits of a word poorly spread, hence the rotation.
         self.0 = (self.0 ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);

@@ -16,7 +16,7 @@ use vb_world::{Task, World};
 
 use crate::StateHash;
 
-/// Time between the samples that rules and metrics see, s.
+/// The time between the samples that rules and metrics see, s.
 pub const SAMPLE_PERIOD: f64 = 0.01;
 
 /// Lines of a planner's log, the last ones, that are kept for the record of a task.
@@ -24,11 +24,11 @@ const LOG_LINES: usize = 20;
 
 /// Everything that decides the result of one task.
 pub struct Trial<'a> {
-    /// The world, scaled.
+    /// The world, already scaled.
     pub world: &'a Arc<World>,
     /// The task.
     pub task: &'a Task,
-    /// What the planner is told.
+    /// The data that the planner is told.
     pub brief: &'a vb_sdk::Task,
     /// The planner.
     pub plugin: &'a Plugin,
@@ -36,21 +36,21 @@ pub struct Trial<'a> {
     pub vehicle: &'a VehicleModel,
     /// The soils of deformable ground.
     pub soils: &'a SoilSet,
-    /// How the simulation is stepped.
+    /// The settings by which the simulation is stepped.
     pub options: SimOptions,
     /// The rules.
     pub rules: &'a Rules,
-    /// Which samples are kept.
+    /// The samples that are kept in the trace.
     pub trace: TraceMode,
     /// Whether the record keeps the planner's log.
     pub logs: LogMode,
 }
 
-/// What a trial leaves.
+/// The result of a trial.
 pub struct TrialResult {
-    /// The line for `tasks.jsonl`.
+    /// The record, which is a line of `tasks.jsonl`.
     pub record: TaskRecord,
-    /// The trajectory, if one is wanted.
+    /// The trajectory; `None` if none is wanted.
     pub trace: Option<Trace>,
     /// The planner's own series, if a trajectory is wanted.
     pub debug: DebugSeries,
@@ -106,7 +106,7 @@ struct Ledger {
 }
 
 impl Trial<'_> {
-    /// Drives the task to its end; `None` if `cancel` was set before it came.
+    /// Drives the task to its end. It returns `None` if `cancel` was set before the end came.
     #[must_use]
     pub fn run(&self, cancel: &AtomicBool) -> Option<TrialResult> {
         let h = &self.world.heightfield;
@@ -299,7 +299,7 @@ impl Trial<'_> {
     }
 }
 
-/// A state under these controls, as rules and recorder see it.
+/// The sample of a state under these controls, as rules and recorder see it.
 #[must_use]
 pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
     let (roll, pitch, yaw) = state.roll_pitch_yaw();

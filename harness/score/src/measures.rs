@@ -3,20 +3,20 @@
 /// A measure of a struct `T`.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<T> {
-    /// Its name in records, with its unit.
+    /// The name of the measure in records, with its unit.
     pub name: &'static str,
-    /// What it is.
+    /// A description of the measure.
     pub about: &'static str,
-    /// Reads it.
+    /// The function that reads it.
     pub value: Reader<T>,
 }
 
-/// How a measure is read.
+/// The way in which a measure is read.
 #[derive(Clone, Copy, Debug)]
 pub enum Reader<T> {
-    /// A whole number.
+    /// The measure is a whole number.
     Count(fn(&T) -> u64),
-    /// A number.
+    /// The measure is a real number.
     Number(fn(&T) -> f64),
 }
 

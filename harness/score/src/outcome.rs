@@ -1,4 +1,4 @@
-//! How a trial can end.
+//! The ways in which a trial can end.
 
 use std::fmt;
 
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The goal was reached in time.
+    /// The vehicle reached the goal in time.
     Success,
     /// The trial failed with the vehicle on its side or roof.
     Rollover,
-    /// The vehicle didn't get on.
+    /// The vehicle didn't make progress.
     Stuck,
-    /// Time ran out.
+    /// The time ran out.
     Timeout,
     /// The vehicle left the world.
     OutOfBounds,
@@ -22,7 +22,7 @@ pub enum Outcome {
     PlannerError,
     /// The simulation failed.
     SimError,
-    /// The harness or the machine failed: the trial says nothing and is in no rate.
+    /// The harness or the machine failed: the trial says nothing about the planner and is in no rate.
     HostError,
 }
 
@@ -39,7 +39,7 @@ impl Outcome {
         Self::HostError,
     ];
 
-    /// The name in files.
+    /// The name of the outcome in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -54,9 +54,9 @@ impl Outcome {
         }
     }
 
-    /// The paper's class of a trial with this outcome. Its table knows success, rollover and stuck only, which sum
-    /// to 100 %; the other failures are folded in: whoever left the world counts as stuck, any other failed trial as
-    /// a rollover if the vehicle was rolled over by the rules in force (`rolled_over`), else as stuck.
+    /// The paper's class of a trial with this outcome. The paper's table knows success, rollover and stuck only, which
+    /// sum to 100 %; the other failures are folded in: a vehicle that left the world counts as stuck, and any other
+    /// failed trial as a rollover if the vehicle was rolled over by the rules in force (`rolled_over`), else as stuck.
     #[must_use]
     pub fn three_way(self, rolled_over: bool) -> ThreeWay {
         match self {
@@ -81,11 +81,11 @@ impl fmt::Display for Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ThreeWay {
-    /// The goal was reached.
+    /// The vehicle reached the goal.
     Success,
-    /// Failed, rolled over.
+    /// The trial failed, and the vehicle was rolled over.
     Rollover,
-    /// Failed otherwise.
+    /// The trial failed otherwise.
     Stuck,
 }
 
@@ -94,14 +94,14 @@ impl ThreeWay {
     pub const ALL: [Self; 3] = [Self::Success, Self::Rollover, Self::Stuck];
 }
 
-/// Who failed when a trial could not go on.
+/// The part that failed when a trial could not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// The planner.
+    /// The planner failed.
     Planner,
-    /// The simulation.
+    /// The simulation failed.
     Simulation,
-    /// The harness or the machine.
+    /// The harness or the machine failed.
     Host,
 }
 

@@ -66,44 +66,45 @@ impl FuelUse {
     }
 }
 
-/// What is known of a finished task.
+/// The record of a finished task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TaskRecord {
-    /// Name of the task in the suite, e.g. `w001/t03`.
+    /// The name of the task in the suite, e.g. `w001/t03`.
     pub task: String,
-    /// Name of its world.
+    /// The name of the task's world.
     pub world: String,
-    /// Elevation level of the world.
+    /// The elevation level of the world.
     pub elevation: Elevation,
-    /// Kind of ground of the world.
+    /// The kind of ground of the world.
     pub terrain: Terrain,
-    /// Obstacle density of the world.
+    /// The obstacle density of the world.
     pub density: Density,
-    /// How it ended.
+    /// The outcome of the task.
     pub outcome: Outcome,
-    /// The paper's class of that.
+    /// The paper's class of the outcome.
     pub three_way: ThreeWay,
-    /// Why, in words.
+    /// The reason for the outcome, in words.
     pub reason: String,
-    /// For errors: the stable code of what happened, e.g. `planner/out-of-fuel`; before 0.2 without the part before the
-    /// slash.
+    /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`. Before version 0.2 it has no part
+    /// before the slash.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
-    /// Simulated time at its end, s.
+    /// The simulated time at the end of the task, s.
     pub time_s: f64,
-    /// Hash over the whole state of the simulation at every sample (16 hexadecimal digits).
+    /// The hash over the whole state of the simulation at every sample, as 16 hexadecimal digits.
     pub state_hash: String,
-    /// Number of simulation steps.
+    /// The number of simulation steps.
     pub sim_steps: u64,
-    /// Number of calls of the planner's step.
+    /// The number of calls of the planner's step.
     pub planner_steps: u64,
-    /// Number of those whose command was out of range and clamped.
+    /// The number of these calls whose command was out of range and was clamped.
     pub clamped: u64,
-    /// What the planner used; none for native planners.
+    /// The resources that the planner used; `None` for native planners.
     pub fuel: Option<FuelUse>,
-    /// Measures; none if the task ended before the first sample.
+    /// The measures; `None` if the task ended before the first sample.
     pub metrics: Option<Metrics>,
-    /// The last lines that the planner logged, if the run keeps them of such a task: else, and if it logged none, empty.
+    /// The last lines that the planner logged, if the run keeps them for such a task; otherwise, or if it logged none,
+    /// the list is empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<String>,
     /// The innermost functions at a trap of the planner, the failing one first.
@@ -112,8 +113,8 @@ pub struct TaskRecord {
 }
 
 impl TaskRecord {
-    /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole
-    /// simulation (state hash, steps, clamped commands, fuel, log) stays.
+    /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
+    /// (state hash, steps, clamped commands, fuel, log) stays.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
         if !matches!(outcome, Outcome::PlannerError | Outcome::SimError | Outcome::HostError) {

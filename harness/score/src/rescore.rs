@@ -6,21 +6,21 @@ use vb_record::{RunReader, StoreError, TraceMode};
 
 use crate::{Fault, Outcome, Rules, Scorer, Summary, TaskGeometry, TaskRecord};
 
-/// A run under (other) rules.
+/// The result of a run under other rules, or under its own again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rescored {
-    /// The result.
+    /// The summary of the run under these rules.
     pub summary: Summary,
     /// The tasks that could be decided, by name.
     pub records: Vec<TaskRecord>,
-    /// Time between the samples that were looked at, s.
+    /// The time between the samples that were looked at, s.
     pub resolution_s: f64,
-    /// Whether these are all samples that the rules saw when the run was made. If not, verdicts and measures are as
-    /// good as the resolution.
+    /// Whether these are all samples that the rules saw when the run was made. If not, verdicts and measures are only
+    /// as good as the resolution.
     pub exact: bool,
 }
 
-/// Why a run can't be scored again.
+/// The reason why a run can't be scored again.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RescoreError {
@@ -40,7 +40,7 @@ pub enum RescoreError {
 /// the samples in the traces, so that every task weighs in the pooled means as it does in the run.
 ///
 /// # Errors
-/// [`RescoreError`].
+/// Returns [`RescoreError`], which says what is wrong.
 pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
     let run = RunReader::open(dir)?;
     let header = run.header();

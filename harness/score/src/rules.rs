@@ -13,32 +13,32 @@ const SCHEMA: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
-    /// Version of the layout, 1.
+    /// The version of the layout, which is 1.
     pub schema: u32,
-    /// Name of the profile.
+    /// The name of the profile.
     pub name: String,
-    /// What it stands for, in a sentence.
+    /// A sentence on what the profile stands for.
     #[serde(default)]
     pub description: String,
-    /// How a trial starts.
+    /// The way in which a trial starts.
     #[serde(default, skip_serializing_if = "StartRule::is_settled")]
     pub start: StartRule,
-    /// When the goal is reached.
+    /// The condition under which the goal is reached.
     pub success: SuccessRule,
-    /// A trial that has not succeeded before this time (s) has failed.
+    /// The time before which a trial must succeed, s; after it, it has failed.
     pub time_limit_s: f64,
-    /// When the vehicle is stuck.
+    /// The condition under which the vehicle is stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stuck: Option<StuckRule>,
-    /// When a failed trial is a rollover.
+    /// The condition under which a failed trial is a rollover.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rollover: Option<RolloverRule>,
-    /// When the vehicle has left the world.
+    /// The condition under which the vehicle has left the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub out_of_bounds: Option<BoundsRule>,
 }
 
-/// How a trial starts.
+/// The way in which a trial starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StartRule {
@@ -48,10 +48,11 @@ pub enum StartRule {
     /// The clock starts with the vehicle level and at rest in the air, from where it falls under the planner's
     /// commands.
     Dropped {
-        /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
+        /// The height of the reference point above the ground there, m. It is greater where the vehicle would otherwise
+        /// touch something.
         height_m: f64,
-        /// By how much the raster is stretched from which the ground's height is read: it is that at the place over this
-        /// number. 1 if left out.
+        /// The stretch of the raster from which the ground's height is read: the height is that at the start's
+        /// coordinates divided by this number. It is 1 if it is left out.
         #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
         raster_stretch: f64,
     },
@@ -72,111 +73,112 @@ impl StartRule {
     }
 }
 
-/// When the goal is reached.
+/// The condition under which the goal is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SuccessRule {
     /// The distance in the plane between reference point and goal is less than a radius.
     Planar {
-        /// m.
+        /// The radius, m.
         radius_m: f64,
     },
     /// The distance in space between reference point and a marker above the goal is less than a radius.
     Marker {
-        /// m.
+        /// The radius, m.
         radius_m: f64,
-        /// Height of the marker above the ground at the goal, m.
+        /// The height of the marker above the ground at the goal, m.
         marker_height_m: f64,
     },
 }
 
-/// When the vehicle is stuck.
+/// The condition under which the vehicle is stuck.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StuckRule {
-    /// Over the last `window_s` seconds its position in space has changed by less than `distance_m`.
+    /// The vehicle is stuck if its position in space has changed by less than `distance_m` over the last `window_s`
+    /// seconds.
     Displacement {
-        /// s.
+        /// The length of the window, s.
         window_s: f64,
-        /// m.
+        /// The distance, m.
         distance_m: f64,
     },
-    /// It has been slower than `speed_m_per_s` for `duration_s` seconds without a break.
+    /// The vehicle is stuck if it has been slower than `speed_m_per_s` for `duration_s` seconds without a break.
     Slow {
-        /// m/s.
+        /// The speed, m/s.
         speed_m_per_s: f64,
-        /// s.
+        /// The duration, s.
         duration_s: f64,
     },
 }
 
-/// When a failed trial is a rollover.
+/// The condition under which a failed trial is a rollover.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RolloverRule {
-    /// At which time the angles count.
+    /// The time at which the angles count.
     pub when: RollTime,
-    /// |roll| beyond this is a rollover, degrees.
+    /// The limit of |roll|, degrees: a greater roll is a rollover.
     pub roll_limit_deg: f64,
-    /// |pitch| beyond this is one too, degrees; left out: pitch doesn't matter.
+    /// The limit of |pitch|, degrees: a greater pitch is a rollover too. If it is left out, the pitch doesn't matter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pitch_limit_deg: Option<f64>,
 }
 
-/// At which time of a failed trial the angles count.
+/// The time of a failed trial at which the angles count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RollTime {
-    /// At its end.
+    /// The angles count at the end of the trial.
     End,
-    /// At any time of it.
+    /// The angles count at any time of the trial.
     AnyTime,
 }
 
-/// When the vehicle has left the world.
+/// The condition under which the vehicle has left the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoundsRule {
-    /// How far beyond the edge the reference point may go, m.
+    /// The distance beyond the edge that the reference point may go, m.
     pub margin_m: f64,
 }
 
-/// Why a rule profile can't be used. Each message is one line with file, field and value.
+/// The reason why a rule profile can't be used. Each message is one line with file, field and value.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RulesError {
     /// The file can't be read.
     #[error("cannot read rules {}: {source} (give a YAML file, or one of {})", .path.display(), Rules::BUILTIN.map(|(name, _)| name).join(", "))]
     Read {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file is not YAML, or a field is missing, unknown or of a wrong type.
     #[error("{file}: {source} (fields: docs/scoring.md)")]
     Syntax {
-        /// The file.
+        /// The name of the file.
         file: String,
-        /// Field, value, place and what is wrong.
+        /// The field, the value, the place and what is wrong.
         source: vb_world::yaml::YamlError,
     },
     /// A field's value makes no sense.
     #[error("{file}: {field}: {value} must be {want}")]
     Value {
-        /// The file.
+        /// The name of the file.
         file: String,
-        /// Dotted path of the field.
+        /// The dotted path of the field.
         field: String,
-        /// Its value.
+        /// The value of the field.
         value: String,
-        /// What it must be.
+        /// A description of what the value must be.
         want: &'static str,
     },
 }
 
 impl Rules {
-    /// The profiles that come with the harness: names and files.
+    /// The profiles that come with the harness, as names and the text of their files.
     pub const BUILTIN: [(&str, &str); 3] = [
         ("paper", include_str!("../../../tasks/rules/paper.yaml")),
         ("release", include_str!("../../../tasks/rules/release.yaml")),
@@ -186,17 +188,17 @@ impl Rules {
     /// The paper's rules, the default.
     ///
     /// # Panics
-    /// Never: the file is part of the program, and tested.
+    /// Never panics: the file is part of the program, and tested.
     #[must_use]
     pub fn paper() -> Self {
         let (name, text) = Self::BUILTIN[0];
         Self::from_yaml(name, text).expect("the built-in profile is valid")
     }
 
-    /// A built-in profile by its name, else a rule file by its path.
+    /// Finds a built-in profile by its name, or else reads a rule file by its path.
     ///
     /// # Errors
-    /// [`RulesError`].
+    /// Returns [`RulesError`], which says what is wrong.
     pub fn resolve(name_or_path: &str) -> Result<Self, RulesError> {
         match Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
             Some((name, text)) => Self::from_yaml(name, text),
@@ -207,17 +209,17 @@ impl Rules {
     /// Reads a rule file.
     ///
     /// # Errors
-    /// [`RulesError`].
+    /// Returns [`RulesError`], which says what is wrong.
     pub fn load(path: &Path) -> Result<Self, RulesError> {
         let text = vb_files::read_text(path, vb_files::DOCUMENT)
             .map_err(|source| RulesError::Read { path: path.to_owned(), source })?;
         Self::from_yaml(&path.display().to_string(), &text)
     }
 
-    /// Rules from YAML; `file` is what errors call it.
+    /// Reads rules from YAML; `file` is what errors call it.
     ///
     /// # Errors
-    /// [`RulesError`].
+    /// Returns [`RulesError`], which says what is wrong.
     pub fn from_yaml(file: &str, text: &str) -> Result<Self, RulesError> {
         let rules: Self = vb_world::yaml::parse(text)
             .map_err(|source| RulesError::Syntax { file: file.to_owned(), source })?;
@@ -225,7 +227,7 @@ impl Rules {
         Ok(rules)
     }
 
-    /// SHA-256 (hex) over the profile's content, independent of how the file is laid out.
+    /// The SHA-256 (hex) over the profile's content, which is independent of how the file is laid out.
     #[must_use]
     pub fn hash(&self) -> String {
         // Fields come in the order of the struct; all keys are strings and all numbers finite.
@@ -233,13 +235,13 @@ impl Rules {
         vb_files::sha256(&canonical)
     }
 
-    /// The time limit at a scale, s.
+    /// The time limit at a scale of the world, s.
     #[must_use]
     pub fn time_limit(&self, scale: f64) -> f64 {
         self.time_limit_s * scale.sqrt()
     }
 
-    /// The radius of the goal at a scale, m.
+    /// The radius of the goal at a scale of the world, m.
     #[must_use]
     pub fn goal_radius(&self, scale: f64) -> f64 {
         match self.success {

@@ -8,16 +8,16 @@ use vb_record::{Sample, TraceMeta};
 use crate::metrics::{Accumulator, displacement};
 use crate::{Fault, Metrics, Outcome, RollTime, Rules, StuckRule, SuccessRule, ThreeWay};
 
-/// Where a trial takes place, in metres of the world as simulated, that is after scaling.
+/// The place of a trial, in metres of the world as simulated, that is after scaling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskGeometry {
-    /// Goal (x, y), m.
+    /// The goal (x, y), m.
     pub goal: [f64; 2],
-    /// Height of the ground at the goal, m.
+    /// The height of the ground at the goal, m.
     pub goal_z: f64,
     /// Half the extents of the world along x and y, m.
     pub half_extent: [f64; 2],
-    /// Factor by which the world's lengths were multiplied; the lengths in rules are multiplied by it too.
+    /// The factor by which the world's lengths were multiplied. The lengths in rules are multiplied by it too.
     pub scale: f64,
 }
 
@@ -27,27 +27,27 @@ impl From<&TraceMeta> for TaskGeometry {
     }
 }
 
-/// How a trial was decided.
+/// The way in which a trial was decided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// Its outcome.
+    /// The outcome of the trial.
     pub outcome: Outcome,
-    /// Why, in words.
+    /// The reason for the outcome, in words.
     pub reason: String,
 }
 
 /// The score of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaskScore {
-    /// Its outcome.
+    /// The outcome of the trial.
     pub outcome: Outcome,
-    /// The paper's class of it.
+    /// The paper's class of the outcome.
     pub three_way: ThreeWay,
-    /// Why, in words.
+    /// The reason for the outcome, in words.
     pub reason: String,
-    /// Simulated time at its end, s.
+    /// The simulated time at the end of the trial, s.
     pub time_s: f64,
-    /// Its measures; none if it ended before the first sample.
+    /// The measures of the trial; `None` if it ended before the first sample.
     pub metrics: Option<Metrics>,
 }
 
@@ -85,7 +85,7 @@ impl Scorer {
         }
     }
 
-    /// Takes the next sample; times must increase. Gives the verdict as soon as there is one; samples after it
+    /// Takes the next sample; times must increase. It returns the verdict as soon as there is one; samples after it
     /// change nothing.
     pub fn push(&mut self, sample: &Sample) -> Option<&Verdict> {
         if self.verdict.is_none() {
@@ -100,13 +100,13 @@ impl Scorer {
         self.verdict.as_ref()
     }
 
-    /// The measures of the samples so far; none without samples.
+    /// The measures of the samples so far; `None` without samples.
     #[must_use]
     pub fn metrics(&self) -> Option<Metrics> {
         self.sums.metrics()
     }
 
-    /// The score; `None` if the samples didn't suffice for a verdict.
+    /// The score of the trial; `None` if the samples didn't suffice for a verdict.
     #[must_use]
     pub fn finish(self) -> Option<TaskScore> {
         let Verdict { outcome, reason } = self.verdict.clone()?;

@@ -9,7 +9,7 @@ use vb_world::{Density, Elevation, Terrain};
 use crate::stats::{Ratio, Running, success_interval};
 use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
 
-/// Version of the layout of a summary.
+/// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;
 
 /// The result of a run. It does not depend on the order in which tasks ended.
@@ -17,52 +17,52 @@ pub const SUMMARY_SCHEMA: u32 = 3;
 pub struct Summary {
     /// [`SUMMARY_SCHEMA`].
     pub schema: u32,
-    /// Version of the harness that ran the tasks.
+    /// The version of the harness that ran the tasks.
     pub harness_version: String,
-    /// Name of the suite.
+    /// The name of the suite.
     pub suite: String,
-    /// Hash of the suite.
+    /// The hash of the suite.
     pub suite_hash: String,
     /// Name and version of the planner.
     pub planner: String,
-    /// Its parameters as the user gave them; all others are its defaults.
+    /// The planner's parameters as the user gave them; all others have its defaults.
     #[serde(default)]
     pub params: BTreeMap<String, String>,
-    /// SHA-256 of its plugin file.
+    /// The SHA-256 of the planner's plugin file.
     pub plugin_sha256: String,
-    /// Name of the vehicle.
+    /// The name of the vehicle.
     pub vehicle: String,
-    /// Factor on every length of the world.
+    /// The factor on every length of the world.
     pub scale: f64,
     /// The run's seed.
     pub seed: u64,
-    /// Name of the rules applied.
+    /// The name of the rules applied.
     pub rules: String,
-    /// Hash of the rules applied.
+    /// The hash of the rules applied.
     pub rules_hash: String,
-    /// The selector that chose the tasks; none: all.
+    /// The selector that chose the tasks; `None` if all were chosen.
     #[serde(default)]
     pub selector: Option<String>,
-    /// Number of tasks of the whole suite; none of runs that don't say it.
+    /// The number of tasks of the whole suite; `None` for runs that don't say it.
     #[serde(default)]
     pub suite_tasks: Option<u64>,
-    /// Number of tasks that were to be run.
+    /// The number of tasks that were to be run.
     pub planned: u64,
-    /// Tasks whose trace ends before the rules can decide. They are in none of the figures below.
+    /// The tasks whose trace ends before the rules can decide. They are in none of the figures below.
     pub undecided: Vec<String>,
-    /// Tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
+    /// The tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
     /// below; `--resume` runs them again.
     #[serde(default)]
     pub host_errors: Vec<String>,
-    /// Over all tasks; none if there are none.
+    /// The figures over all tasks; `None` if there are none.
     pub all: Option<Group>,
-    /// By elevation level.
+    /// The figures by elevation level.
     pub elevation: BTreeMap<Elevation, Group>,
-    /// By kind of ground.
+    /// The figures by kind of ground.
     pub terrain: BTreeMap<Terrain, Group>,
-    /// By obstacle density.
+    /// The figures by obstacle density.
     pub density: BTreeMap<Density, Group>,
-    /// By world.
+    /// The figures by world.
     pub world: BTreeMap<String, Group>,
 }
 
@@ -70,52 +70,52 @@ pub struct Summary {
 /// population.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Group {
-    /// Number of tasks, at least 1.
+    /// The number of tasks, at least 1.
     pub tasks: u64,
-    /// Number of tasks by outcome; every outcome is there but `host_error`, which isn't counted.
+    /// The number of tasks by outcome. Every outcome is there but `host_error`, which isn't counted.
     pub outcomes: BTreeMap<Outcome, u64>,
-    /// Number of tasks by the paper's class; every class is there.
+    /// The number of tasks by the paper's class. Every class is there.
     pub three_way: BTreeMap<ThreeWay, u64>,
-    /// Successes over tasks. Errors of planner and simulation count as failures: leaving them out would reward
+    /// The successes over the tasks. Errors of planner and simulation count as failures: leaving them out would reward
     /// them.
     pub success_rate: f64,
-    /// Lower end of the 95 % interval of the rate ([`success_interval`]); none of a single world.
+    /// The lower end of the 95 % interval of the rate ([`success_interval`]); `None` for a single world.
     pub success_low: Option<f64>,
-    /// Upper end of it.
+    /// The upper end of this interval.
     pub success_high: Option<f64>,
-    /// Mean traversal time over successes, s; none without any.
+    /// The mean traversal time over successes, s; `None` without any.
     pub time_mean_s: Option<f64>,
-    /// Standard deviation of it, s.
+    /// The standard deviation of the traversal time over successes, s.
     pub time_std_s: Option<f64>,
-    /// Mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees; none
-    /// if no task has samples.
+    /// The mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees;
+    /// `None` if no task has samples.
     pub roll_mean_deg: Option<f64>,
-    /// Variance of |roll| over the same samples, degrees².
+    /// The variance of |roll| over the same samples, degrees².
     pub roll_variance_deg2: Option<f64>,
-    /// Greatest |roll|, degrees.
+    /// The greatest |roll|, degrees.
     pub roll_max_deg: Option<f64>,
-    /// Mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
+    /// The mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
     pub roll_task_mean_deg: Option<f64>,
-    /// Mean |pitch| over all samples of all tasks, degrees.
+    /// The mean |pitch| over all samples of all tasks, degrees.
     pub pitch_mean_deg: Option<f64>,
-    /// Variance of |pitch| over the same samples, degrees².
+    /// The variance of |pitch| over the same samples, degrees².
     pub pitch_variance_deg2: Option<f64>,
-    /// Greatest |pitch|, degrees.
+    /// The greatest |pitch|, degrees.
     pub pitch_max_deg: Option<f64>,
-    /// Mean over tasks of each task's mean |pitch|, degrees.
+    /// The mean over tasks of each task's mean |pitch|, degrees.
     pub pitch_task_mean_deg: Option<f64>,
-    /// Mean distance travelled, m.
+    /// The mean distance travelled, m.
     pub distance_mean_m: Option<f64>,
-    /// Mean throttle effort, s.
+    /// The mean throttle effort, s.
     pub throttle_effort_mean_s: Option<f64>,
-    /// Mean steering effort, s.
+    /// The mean steering effort, s.
     pub steering_effort_mean_s: Option<f64>,
-    /// Mean steering rate, 1/s.
+    /// The mean steering rate, 1/s.
     pub steering_rate_mean_per_s: Option<f64>,
-    /// Number of commands that were clamped.
+    /// The number of commands that were clamped.
     pub clamped: u64,
-    /// What the planner used: `total` fuel of all tasks together, else the most of any task (so `p99_step` is the 99th
-    /// percentile of the task where that is greatest); none for native planners.
+    /// The resources that the planner used: the `total` fuel of all tasks together, and otherwise the most of any task
+    /// (so `p99_step` is the 99th percentile of the task where that is greatest). It is `None` for native planners.
     pub fuel: Option<FuelUse>,
 }
 
@@ -160,13 +160,13 @@ impl Summary {
         }
     }
 
-    /// Number of tasks whose simulation failed.
+    /// The number of tasks whose simulation failed.
     #[must_use]
     pub fn sim_errors(&self) -> u64 {
         self.all.as_ref().map_or(0, |all| all.outcomes.get(&Outcome::SimError).copied().unwrap_or(0))
     }
 
-    /// Number of tasks that are neither done, nor undecided, nor failed by the host.
+    /// The number of tasks that are neither done, nor undecided, nor failed by the host.
     #[must_use]
     pub fn missing(&self) -> u64 {
         let done = self.all.as_ref().map_or(0, |all| all.tasks)

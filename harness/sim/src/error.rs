@@ -1,4 +1,4 @@
-//! What can go wrong in setting up or advancing a simulation.
+//! The errors of setting up or advancing a simulation.
 
 use std::path::PathBuf;
 
@@ -12,39 +12,39 @@ pub enum SimError {
     /// A soil file can't be read.
     #[error("{}: {reason}", path.display())]
     SoilsUnreadable {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why.
+        /// The reason for which it can't be read.
         reason: String,
     },
     /// A soil file has a wrong shape or a value that no soil can have.
     #[error("{file}: {field}: {reason}")]
     SoilsInvalid {
-        /// The file.
+        /// The name of the file.
         file: String,
-        /// Path of the field, e.g. `soils.snow.n`.
+        /// The path of the field in the file, e.g. `soils.snow.n`.
         field: String,
-        /// The value and what is wrong with it.
+        /// The value, and what is wrong with it.
         reason: String,
     },
-    /// The world has a deformable class of which the soil file has no soil.
+    /// The world has a deformable class for which the soil file has no soil.
     #[error("world {world} has {class}, for which the soil set {set} has no soil")]
     NoSoil {
-        /// Name of the world.
+        /// The name of the world.
         world: String,
-        /// The class.
+        /// The name of the class.
         class: &'static str,
-        /// Name of the set.
+        /// The name of the set of soils.
         set: String,
     },
-    /// The state became one that no vehicle can have: a fault of the simulator, not of the planner.
+    /// The vehicle's state became one that no vehicle can have: a fault of the simulator, not of the planner.
     #[error("the simulation diverged at t = {time:.3} s: {what}; {state}")]
     Diverged {
-        /// Simulated time, s.
+        /// The simulated time at which it happened, s.
         time: f64,
-        /// What no vehicle can have.
+        /// The part of the state that no vehicle can have.
         what: &'static str,
-        /// Pose, velocities and wheels at that time.
+        /// The pose, the velocities and the wheels at that time.
         state: String,
     },
 }

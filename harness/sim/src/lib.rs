@@ -6,7 +6,8 @@
 //! symplectic Euler at a fixed step and linearly implicit dampers; rapier resolves contacts of the chassis hull with
 //! ground and obstacles, and parry finds contacts of wheels with obstacles, only when something is near.
 //!
-//! Axes: world x east, y north, z up; body x forward, y left, z up (ISO 8855). SI units, radians.
+//! The world axes are x east, y north, z up; the body axes are x forward, y left, z up (ISO 8855). Units are SI, angles
+//! in radians.
 
 mod collision;
 mod dynamics;

@@ -12,30 +12,31 @@ use vb_math::atan;
 use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, World};
 
-/// How a simulation is stepped.
+/// The settings by which a simulation is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimOptions {
-    /// The fixed step, s.
+    /// The fixed time step, s.
     pub step: f64,
-    /// Longest time the vehicle may take to come to rest before the clock starts, s.
+    /// The longest time that the vehicle may take to come to rest before the clock starts, s.
     pub settle_time: f64,
-    /// How the vehicle comes to the ground.
+    /// The way in which the vehicle comes to the ground at the start.
     pub start: Start,
-    /// Side of the cells in which the soil remembers ruts, at scale 1, m; it is scaled with the world.
+    /// The side of the cells in which the soil remembers ruts, at scale 1, m. It is scaled with the world.
     pub soil_resolution: f64,
 }
 
-/// How a vehicle comes to the ground at the start.
+/// The way in which a vehicle comes to the ground at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
-    /// It is set down with brakes on and comes to rest before the clock starts.
+    /// The vehicle is set down with brakes on and comes to rest before the clock starts.
     Settled,
     /// The clock starts with the vehicle level and at rest in the air, and it falls under the planner's commands.
     Dropped {
-        /// Height of the reference point above the ground there, m; more where the vehicle would touch something.
+        /// The height of the reference point above the ground there, m. It is greater where the vehicle would otherwise
+        /// touch something.
         height: f64,
-        /// The ground's height is taken at the place over this number: 1, or how far the raster is stretched that it is
-        /// read from.
+        /// The number by which the start's coordinates are divided to find the place whose ground height is taken: 1,
+        /// or how far the raster is stretched from which that height is read.
         stretch: f64,
     },
 }
@@ -59,7 +60,7 @@ const LYING: f64 = 0.5;
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
 
-/// One vehicle in one world. A clone is a snapshot: it goes on exactly as the original does.
+/// A simulation of one vehicle in one world. A clone is a snapshot: it goes on exactly as the original does.
 #[derive(Clone)]
 pub struct Simulation {
     world: Arc<World>,
@@ -80,11 +81,12 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Puts the vehicle on the ground at `start`, brakes on, and lets it come to rest, or leaves it in the air, as
-    /// the options say; the clock then starts at 0.
+    /// Puts the vehicle at `start` (world frame) on the ground, with brakes on, and lets it come to rest, or leaves it
+    /// in the air, as the options say. The clock then starts at 0.
     ///
     /// # Errors
-    /// [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::Diverged`].
+    /// Returns [`SimError::NoSoil`] for a class of the world that the set has no soil for, and [`SimError::Diverged`]
+    /// if the state becomes one that no vehicle can have.
     pub fn new(
         world: Arc<World>,
         model: &VehicleModel,
@@ -276,10 +278,10 @@ impl Simulation {
         }
     }
 
-    /// Advances by `steps` steps with constant controls.
+    /// Advances the simulation by `steps` steps with constant controls.
     ///
     /// # Errors
-    /// [`SimError::Diverged`] when the state stops being finite.
+    /// Returns [`SimError::Diverged`] if the state becomes one that no vehicle can have.
     pub fn advance(&mut self, controls: Controls, steps: u64) -> Result<(), SimError> {
         for _ in 0..steps {
             self.step(controls);
@@ -338,40 +340,42 @@ impl Simulation {
         )
     }
 
-    /// Simulated time, s.
+    /// The simulated time since the start, s.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.options.step
     }
 
-    /// Steps since the start.
+    /// The number of steps since the start.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Steps since the start in which the hull was near enough to something for the contact solver to run.
+    /// The number of steps since the start in which the hull was near enough to something for the contact solver to
+    /// run.
     #[must_use]
     pub fn contact_steps(&self) -> u64 {
         self.contact_steps
     }
 
-    /// Greatest rise of the mechanical energy so far that the engine didn't supply, J: of kinetic energy and energy of
-    /// height, against half a second to a second before. Springs and tyres that relax show in it, so it isn't zero; from
-    /// the energy that lifts the vehicle by the radius of a wheel on, the simulation counts as diverged.
+    /// The greatest rise of the mechanical energy so far that the engine didn't supply, J: of the kinetic energy and
+    /// the energy of height, against half a second to a second before. Springs and tyres that relax show in it, so it
+    /// isn't zero. From the energy that lifts the vehicle by the radius of a wheel on, the simulation counts as
+    /// diverged.
     #[must_use]
     pub fn energy_surplus(&self) -> f64 {
         self.energy.surplus()
     }
 
-    /// The world.
+    /// The world in which the vehicle is.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Cells of the ground that yielded: position of the centre (x, y), depth of the rut below its rim and height of
-    /// the heap, m. What lies under a wheel appears when the wheel has moved on.
+    /// The cells of the ground that have yielded: the position (x, y) of the centre, the depth of the rut below its rim
+    /// and the height of the heap, all in m. What lies under a wheel appears when the wheel has moved on.
     pub fn ruts(&self) -> impl Iterator<Item = ([f64; 2], f64, f64)> + '_ {
         self.soil
             .grid
@@ -380,7 +384,7 @@ impl Simulation {
             .map(|(p, c)| (p, c.plastic, c.raised))
     }
 
-    /// The state of the vehicle.
+    /// The present state of the vehicle.
     #[must_use]
     pub fn state(&self) -> VehicleState {
         let v = &self.vehicle;
@@ -397,14 +401,14 @@ impl Simulation {
         }
     }
 
-    /// What engine and shafts did in the last step.
+    /// What the engine and its shafts did in the last step.
     #[must_use]
     pub fn drive(&self) -> crate::DriveState {
         self.vehicle.drive_state()
     }
 
-    /// Turns the vehicle about its long axis by `roll` (rad) and lifts its reference point to `height` (m) above
-    /// the ground under it, at rest: for tests of rollovers.
+    /// Turns the vehicle about its long axis by `roll` (rad, positive with the right side down) and lifts its reference
+    /// point to `height` (m) above the ground under it, at rest: for tests of rollovers.
     pub fn overturn(&mut self, roll: f64, height: f64) {
         let v = &mut self.vehicle;
         v.q *= Quat::from_axis_angle(&V3::x_axis(), roll);
@@ -414,8 +418,8 @@ impl Simulation {
         self.energy.forget();
     }
 
-    /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, wheels at
-    /// design height. For drops and free fall.
+    /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, with the
+    /// wheels at design height. It serves drops and free fall.
     pub fn lift(&mut self, height: f64) {
         let v = &mut self.vehicle;
         let forward = v.q * V3::x();
@@ -427,16 +431,17 @@ impl Simulation {
         self.energy.forget();
     }
 
-    /// Gives the vehicle a velocity (m/s, world axes) as a whole, without turning; wheels keep their spins. For slides and trips.
+    /// Gives the vehicle a velocity (m/s, world axes) as a whole, without turning; the wheels keep their spins. It
+    /// serves slides and trips.
     pub fn throw(&mut self, velocity: [f64; 3]) {
         self.vehicle.v = V3::from(velocity);
         self.vehicle.w = V3::zeros();
         self.energy.forget();
     }
 
-    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, and a gear (counted from
-    /// 1, at most the highest). Wheels don't move against the chassis, and nothing is remembered of the way there. For
-    /// comparisons with records.
+    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, and a gear (counted
+    /// from 1, at most the highest). The wheels don't move against the chassis, and nothing is remembered of the way
+    /// there. It serves comparisons with records.
     pub fn put(&mut self, state: &VehicleState, gear: usize) {
         let v = &mut self.vehicle;
         v.q = state.attitude;
@@ -449,8 +454,9 @@ impl Simulation {
         self.energy.forget();
     }
 
-    /// Changes gravity, m/s² in world axes, as a tilt table does; it is (0, 0, −[`vb_vehicle::GRAVITY`]) at first. Not part
-    /// of [`Self::visit_state`]: whoever changes it does so again in a repeated run.
+    /// Sets the acceleration of gravity, m/s² in world axes, as a tilt table does. It is (0, 0,
+    /// −[`vb_vehicle::GRAVITY`]) at first. It is not part of [`Self::visit_state`]: whoever changes it does so again in
+    /// a repeated run.
     pub fn set_gravity(&mut self, gravity: [f64; 3]) {
         self.vehicle.gravity = V3::from(gravity);
         self.energy.forget();

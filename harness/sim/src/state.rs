@@ -1,55 +1,55 @@
-//! What a simulation tells about the vehicle.
+//! The state that a simulation tells about the vehicle, and the controls that it takes.
 
 use crate::{Quat, V3};
 use vb_math::{asin, atan2};
 
-/// What the driver asks for, already within range.
+/// The controls that the driver asks for, already within their ranges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Controls {
-    /// [-1, 1], positive to the left.
+    /// The steering, in [-1, 1], positive to the left.
     pub steering: f64,
-    /// [0, 1].
+    /// The throttle, in [0, 1].
     pub throttle: f64,
-    /// [0, 1].
+    /// The brake, in [0, 1].
     pub brake: f64,
 }
 
 /// The state of one wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelState {
-    /// Spin, rad/s, positive when rolling forward.
+    /// The spin, rad/s, positive when rolling forward.
     pub speed: f64,
-    /// Suspension travel from the design position, m, positive in compression.
+    /// The suspension travel from the design position, m, positive in compression.
     pub deflection: f64,
-    /// Normal force of the ground and of obstacles, N.
+    /// The normal force of the ground and of obstacles, N.
     pub load: f64,
-    /// How deep the wheel's lowest point in its middle plane lies below undisturbed soil that it presses on, m; 0 on rigid
-    /// ground. Of a track's wheel, how deep the belt lies under it.
+    /// The depth at which the wheel's lowest point in its middle plane lies below undisturbed soil that it presses on,
+    /// m; 0 on rigid ground. For a track's wheel it is the depth at which the belt lies under it.
     pub sinkage: f64,
 }
 
 /// The state of the vehicle at its reference point, the origin of the chassis frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleState {
-    /// Simulated time, s.
+    /// The simulated time, s.
     pub time: f64,
-    /// Position in the world, m.
+    /// The position in the world frame, m.
     pub position: V3,
-    /// Attitude: body axes to world axes.
+    /// The attitude: the rotation from body axes to world axes.
     pub attitude: Quat,
-    /// Velocity of the reference point in body axes, m/s.
+    /// The velocity of the reference point in body axes, m/s.
     pub velocity: V3,
-    /// Angular velocity in body axes, rad/s.
+    /// The angular velocity in body axes, rad/s.
     pub angular_velocity: V3,
-    /// Front to back, left before right.
+    /// The wheels, front to back, left before right.
     pub wheels: Vec<WheelState>,
-    /// The steering command after the rate limit.
+    /// The steering command after the rate limit, in [-1, 1], positive to the left.
     pub steering: f64,
 }
 
 impl VehicleState {
-    /// Roll, pitch and yaw, rad: heading first, then pitch (positive nose down), then roll (positive right side
-    /// down), as ISO 8855 and Chrono's `GetCardanAnglesXYZ` define them.
+    /// The roll, the pitch and the yaw, rad. The attitude is the heading first, then the pitch (positive nose down),
+    /// then the roll (positive right side down), as ISO 8855 and Chrono's `GetCardanAnglesXYZ` define them.
     #[must_use]
     pub fn roll_pitch_yaw(&self) -> (f64, f64, f64) {
         let q = self.attitude.quaternion();

@@ -2,34 +2,34 @@
 
 use vb_math::atan2;
 
-/// A wheel of a track: centre (forward, up) and radius of the belt's way around it, m.
+/// A wheel of a track: its centre, and the radius of the belt's way around it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disc {
-    /// Forward and up.
+    /// The centre in the plane of the track (forward, up), m.
     pub centre: [f64; 2],
-    /// m.
+    /// The radius of the belt's way around the wheel, m.
     pub radius: f64,
 }
 
 /// A part of a belt between two wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Span {
-    /// Where it leaves the first wheel: forward, up, m.
+    /// The point (forward, up) at which the belt leaves the first wheel, m.
     pub start: [f64; 2],
-    /// Unit vector to where it meets the second.
+    /// The unit vector (forward, up) towards the point at which the belt meets the second wheel.
     pub direction: [f64; 2],
-    /// m.
+    /// The length of the span, m.
     pub length: f64,
 }
 
 impl Span {
-    /// The point a part of the way along, 0 to 1, m.
+    /// The point (forward, up) that lies a part of the way along the span, from 0 to 1, m.
     #[must_use]
     pub fn at(&self, part: f64) -> [f64; 2] {
         [0, 1].map(|k| self.start[k] + self.direction[k] * (self.length * part))
     }
 
-    /// Unit vector away from the wheels: down, where the belt runs on the ground.
+    /// The unit vector (forward, up) away from the wheels: it points down where the belt runs on the ground.
     #[must_use]
     pub fn outward(&self) -> [f64; 2] {
         [-self.direction[1], self.direction[0]]
@@ -44,7 +44,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// Around wheels from front to rear, none of which lies within the next.
+    /// The course of a belt around wheels from front to rear, none of which lies within the next.
     #[must_use]
     pub fn around(discs: &[Disc]) -> Self {
         let mut course = Self { discs: discs.to_vec(), spans: vec![Span::default(); discs.len()] };
@@ -52,13 +52,13 @@ impl Course {
         course
     }
 
-    /// Wheels, front to rear.
+    /// The wheels, front to rear.
     #[must_use]
     pub fn discs(&self) -> &[Disc] {
         &self.discs
     }
 
-    /// Between each wheel and the next, and from the last to the first.
+    /// The spans between each wheel and the next, and from the last to the first.
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         &self.spans
@@ -86,8 +86,8 @@ impl Course {
         }
     }
 
-    /// Length of the belt, m. A wheel that stands above the line of its neighbours is taken to be wrapped too: it stands
-    /// on something that lifts it.
+    /// The length of the belt, m. A wheel that stands above the line of its neighbours is taken to be wrapped too: it
+    /// stands on something that lifts it.
     #[must_use]
     pub fn length(&self) -> f64 {
         let count = self.spans.len();
@@ -105,8 +105,8 @@ impl Course {
             .sum()
     }
 
-    /// Closed outline of the belt's face `outside` (m) of its way, as points (forward, up), with `arc` points on each
-    /// wheel.
+    /// The closed outline of the belt's face that lies `outside` (m) of its way, as points (forward, up), m, with `arc`
+    /// pieces on each wheel.
     #[must_use]
     pub fn outline(&self, outside: f64, arc: usize) -> Vec<[f64; 2]> {
         let count = self.spans.len();

@@ -28,21 +28,21 @@ pub struct Submission {
     bytes: Vec<u8>,
 }
 
-/// What a submission says it was made with, as it is at hand. The plugin itself is loaded, and compiled, only where all else is
-/// as it should be ([`verify`](crate::verify)).
+/// The things that a submission says it was made with, as they are at hand. The plugin itself is loaded, and compiled,
+/// only where all else is as it should be ([`verify`](crate::verify)).
 #[derive(Clone, Debug)]
 pub struct Expected<'a> {
     /// The suite.
     pub suite: &'a Suite,
-    /// SHA-256 of the plugin's file, hexadecimal.
+    /// The SHA-256 of the plugin's file, hexadecimal.
     pub plugin_sha256: &'a str,
     /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// The soils.
     pub soils: &'a Soils,
-    /// What may be ranked.
+    /// The suites, vehicles and soils that may be ranked.
     pub shipped: &'a Shipped,
-    /// Version of the harness.
+    /// The version of the harness.
     pub harness_version: &'a str,
 }
 
@@ -50,7 +50,7 @@ impl Submission {
     /// Reads the manifest of the submission in `dir`.
     ///
     /// # Errors
-    /// If there is none, or it can't be read or is of a newer version.
+    /// Returns an error if there is no manifest, or it can't be read or is of a newer version.
     pub fn open(dir: &Path) -> Result<Self, SubmissionError> {
         let path = dir.join(MANIFEST);
         if !path.exists() {
@@ -60,31 +60,31 @@ impl Submission {
         Ok(Self { dir: dir.to_owned(), manifest, bytes })
     }
 
-    /// The manifest.
+    /// The manifest of the submission.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The manifest by itself.
+    /// The manifest of the submission, by itself.
     #[must_use]
     pub fn into_manifest(self) -> Manifest {
         self.manifest
     }
 
-    /// SHA-256 of the manifest's file.
+    /// The SHA-256 of the manifest's file.
     #[must_use]
     pub fn sha256(&self) -> String {
         files::sha256(&self.bytes)
     }
 
-    /// The folder.
+    /// The folder of the submission.
     #[must_use]
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// The run directory in it.
+    /// The run directory in the submission.
     #[must_use]
     pub fn run_dir(&self) -> PathBuf {
         self.dir.join(RUN)

@@ -7,19 +7,19 @@ use vb_host::Limits;
 use vb_record::RunHeader;
 use vb_score::Rules;
 
-/// Where results are listed.
+/// The list in which results appear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Division {
-    /// WASM planners as they are, under the benchmark's own conditions: every result can be repeated bit for bit by
-    /// everybody, and all had the same means.
+    /// The list of WASM planners as they are, under the benchmark's own conditions: every result can be repeated bit
+    /// for bit by everybody, and all had the same means.
     Ranked,
-    /// Everything else.
+    /// The list of all other results.
     Open,
 }
 
 impl Division {
-    /// The name in files and on pages.
+    /// The name of the division in files and on pages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -35,38 +35,38 @@ impl Division {
 pub struct OpenReason {
     /// The field of the run, e.g. `limits.fuel_per_step`.
     pub field: String,
-    /// What it is, and what it would have to be.
+    /// A text on what the field is, and what it would have to be.
     pub text: String,
 }
 
 /// A suite that comes with the harness.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShippedSuite {
-    /// Its name.
+    /// The name of the suite.
     pub name: String,
-    /// Hash of its content.
+    /// The hash of the suite's content.
     pub hash: String,
-    /// Number of its tasks.
+    /// The number of the suite's tasks.
     pub tasks: u64,
 }
 
 /// A vehicle that comes with the harness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShippedVehicle {
-    /// SHA-256 of its file.
+    /// The SHA-256 of the vehicle's file.
     pub hash: String,
-    /// The scale that it is made for.
+    /// The scale that the vehicle is made for.
     pub scale: f64,
 }
 
-/// What comes with the harness and may be ranked.
+/// The suites, vehicles and soils that come with the harness and may be ranked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shipped {
     /// The suites.
     pub suites: Vec<ShippedSuite>,
     /// The vehicles by name.
     pub vehicles: BTreeMap<String, ShippedVehicle>,
-    /// SHA-256 of the default soils.
+    /// The SHA-256 of the default soils.
     pub soils: String,
 }
 

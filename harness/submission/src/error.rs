@@ -1,4 +1,4 @@
-//! What can go wrong with submissions and leaderboards.
+//! The errors of submissions and leaderboards.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,8 +8,8 @@ use vb_record::StoreError;
 use vb_report::ReportError;
 use vb_runner::RunError;
 
-/// Why a submission or a site can't be made or read. That a submission tells what isn't so is no error but a
-/// [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
+/// The reason why a submission or a site can't be made or read. If a submission tells what isn't so, this is not an
+/// error but a [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SubmissionError {
@@ -18,7 +18,7 @@ pub enum SubmissionError {
     Read {
         /// The file or directory.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A file can't be written.
@@ -26,28 +26,28 @@ pub enum SubmissionError {
     Write {
         /// The file or directory.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The directory to be written holds something else.
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     NotEmpty(PathBuf),
-    /// A file, a line or a number of files is beyond what is read.
+    /// A file, a line or a number of files is larger than what is read.
     #[error("{}: {what} beyond {limit} (no submission that this harness makes is so large)", .path.display())]
     TooLarge {
         /// The file or directory.
         path: PathBuf,
-        /// What is too large, e.g. `a file of more bytes`.
+        /// The thing that is too large, e.g. `a file of more bytes`.
         what: &'static str,
-        /// The most that is read.
+        /// The greatest size that is read.
         limit: u64,
     },
     /// Something lies in a submission that may not: a link, a name that isn't plain.
     #[error("{}: {what} (a submission holds the files that `submit` writes and nothing else)", .path.display())]
     Unsafe {
-        /// Where.
+        /// The place where it lies.
         path: PathBuf,
-        /// What it is.
+        /// The kind of thing that it is.
         what: &'static str,
     },
     /// There is no submission in the directory.
@@ -56,70 +56,70 @@ pub enum SubmissionError {
     /// A file is of a version that this harness doesn't read.
     #[error("{}: schema {found} is not supported, this version reads up to {supported} (use the version that wrote it)", .path.display())]
     Schema {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Its schema version.
+        /// The schema version of the file.
         found: u64,
-        /// The newest that is read.
+        /// The newest schema version that is read.
         supported: u32,
     },
     /// A file is not what it should be.
     #[error("{}: {detail} (take the file as `vb-harness` wrote it)", .path.display())]
     Damaged {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// A text on what is wrong.
         detail: String,
     },
-    /// Results of another version of the harness: it may drive otherwise.
+    /// The results are of another version of the harness, which may drive otherwise.
     #[error("{} was made by version {made} of the harness, this is {this} (use version {made}, or run it again with this one)", .path.display())]
     Version {
         /// The run or submission.
         path: PathBuf,
-        /// The version that made it.
+        /// The version that made them.
         made: String,
-        /// This version.
+        /// The version of this harness.
         this: String,
     },
     /// The run isn't finished.
     #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed by the machine (go on with it with --resume)", .path.display())]
     Unfinished {
-        /// The run.
+        /// The run directory.
         path: PathBuf,
-        /// Number of tasks without a result.
+        /// The number of tasks without a result.
         missing: u64,
-        /// Number of tasks of the run.
+        /// The number of tasks of the run.
         tasks: u64,
     },
     /// The run was made with something else than what is at hand.
     #[error("run {}: its {what} is {recorded}, this one is {found} (name the one of the run)", .path.display())]
     Other {
-        /// The run.
+        /// The run directory.
         path: PathBuf,
-        /// What differs, e.g. `plugin`.
+        /// The thing that differs, e.g. `plugin`.
         what: &'static str,
-        /// Hash in the run.
+        /// The hash in the run.
         recorded: String,
-        /// Hash at hand.
+        /// The hash at hand.
         found: String,
     },
     /// A command can't be submitted.
     #[error("a command can't be submitted: nobody else has what it starts (build the planner as WASM)")]
     Command,
-    /// What the entrant says of himself can't be shown.
+    /// What the entrant says about himself can't be shown.
     #[error("{field}: {problem}")]
     Entrant {
-        /// The option.
+        /// The option that holds it.
         field: &'static str,
-        /// What is wrong.
+        /// A text on what is wrong.
         problem: String,
     },
     /// A task whose replay is wanted has no trace.
     #[error("--replays: {task}: {problem}")]
     Replay {
-        /// The task.
+        /// The name of the task.
         task: String,
-        /// What is wrong.
+        /// A text on what is wrong.
         problem: String,
     },
     /// The machine failed while tasks were driven again: nothing is known of the submission.
@@ -127,9 +127,9 @@ pub enum SubmissionError {
         "the machine failed {failed} of the tasks that were driven again, {example} for one (verify it again)"
     )]
     Machine {
-        /// How many.
+        /// The number of such tasks.
         failed: usize,
-        /// The first.
+        /// The first of them.
         example: String,
     },
     /// The verification was stopped.
@@ -140,7 +140,7 @@ pub enum SubmissionError {
     Entry {
         /// The folder.
         dir: PathBuf,
-        /// What is wrong, and what to do.
+        /// A text on what is wrong, and what to do.
         problem: String,
     },
     /// A run can't be read.

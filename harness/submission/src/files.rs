@@ -155,10 +155,10 @@ pub(crate) fn empty_dir(dir: &Path) -> Result<(), SubmissionError> {
     if entries.next().is_some() { Err(SubmissionError::NotEmpty(dir.to_owned())) } else { Ok(()) }
 }
 
-/// SHA-256 of a regular file, hexadecimal.
+/// The SHA-256 of a regular file, hexadecimal.
 ///
 /// # Errors
-/// If it can't be read or is something else.
+/// Returns an error if the file can't be read or is something else.
 pub fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
     let mut file = BufReader::new(vb_files::open(path).map_err(SubmissionError::read(path))?);
     let mut hasher = Hash::new();

@@ -21,29 +21,29 @@ pub(crate) const REPLAYS: usize = 20;
 /// Replays that are carried along if nothing is said.
 const OWN_CHOICE: usize = 4;
 
-/// What a submission is made of.
+/// The things that a submission is made of.
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
     /// The suite of the run.
     pub suite: &'a Suite,
     /// The plugin of the run.
     pub plugin: &'a Plugin,
-    /// What may be ranked.
+    /// The suites, vehicles and soils that may be ranked.
     pub shipped: &'a Shipped,
-    /// Version of the harness.
+    /// The version of the harness.
     pub harness_version: &'a str,
-    /// Who enters.
+    /// The person or group who enters.
     pub entrant: Entrant,
-    /// Tasks to carry the traces of; none: the first task of each outcome, four at most.
+    /// The tasks whose traces are carried along; `None` means the first task of each outcome, four at most.
     pub replays: Option<Vec<String>>,
 }
 
-/// Makes a submission of the run in `run`, in `out`, which must not exist or be empty. The manifest is written last: what a
-/// killed process leaves behind is no submission.
+/// Makes a submission of the run in `run`, in `out`, which must not exist or be empty. The manifest is written last:
+/// what a killed process leaves behind is not a submission.
 ///
 /// # Errors
-/// If the run is not finished, was made by another version of the harness or with another plugin or suite, or something
-/// can't be read or written.
+/// Returns an error if the run is not finished, was made by another version of the harness or with another plugin or
+/// suite, or something can't be read or written.
 pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, SubmissionError> {
     request.entrant.check()?;
     let reader = RunReader::open(run)?;
@@ -136,10 +136,10 @@ struct Survey {
     replays: Vec<String>,
 }
 
-/// Whether a submission can carry the replays of all these tasks.
+/// Checks that a submission can carry the replays of all these tasks.
 ///
 /// # Errors
-/// If there are too many.
+/// Returns an error if there are too many tasks.
 pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
     match wanted {
         [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {

@@ -10,16 +10,16 @@ use vb_score::{Group, Outcome, Rules, TaskRecord};
 use crate::SubmissionError;
 use crate::division::{Division, OpenReason};
 
-/// Version of the layout of a submission.
+/// The version of the layout of a submission.
 pub const SUBMISSION_SCHEMA: u32 = 1;
 
-/// Who enters, in his own words. Nobody checks them: they are shown and decide nothing.
+/// The person or group who enters, in their own words. Nobody checks them: they are shown and decide nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entrant {
-    /// Person, team or institute.
+    /// The name of the person, team or institute.
     pub name: String,
-    /// Where to read more; `https://` only.
+    /// An address to read more at; `https://` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
     /// A sentence or two on the planner.
@@ -28,10 +28,10 @@ pub struct Entrant {
 }
 
 impl Entrant {
-    /// Checks that all of it can be shown.
+    /// Checks that all fields can be shown.
     ///
     /// # Errors
-    /// [`SubmissionError::Entrant`] with the first field that can't.
+    /// Returns [`SubmissionError::Entrant`] with the first field that can't be shown.
     pub fn check(&self) -> Result<(), SubmissionError> {
         let field = |field, text: &str, most: usize| {
             let fail = |problem: String| Err(SubmissionError::Entrant { field, problem });
@@ -65,15 +65,15 @@ impl Entrant {
     }
 }
 
-/// What a submission says of a task; all of it is in the run's records, too.
+/// A submission's entry for a task; all of it is in the run's records, too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskEntry {
-    /// How it ended.
+    /// The outcome of the task.
     pub outcome: Outcome,
-    /// Simulated time at its end, s.
+    /// The simulated time at the end of the task, s.
     pub time_s: f64,
-    /// Hash over the trajectory (`docs/results.md`).
+    /// The hash over the trajectory (`docs/results.md`).
     pub state_hash: String,
 }
 
@@ -83,55 +83,56 @@ impl From<&TaskRecord> for TaskEntry {
     }
 }
 
-/// What is submitted. Every field but [`Manifest::INFORMATIONAL`] is checked by [`verify`](crate::verify).
+/// The content of a submission. Every field but [`Manifest::INFORMATIONAL`] is checked by [`verify`](crate::verify).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// [`SUBMISSION_SCHEMA`].
+    /// The version of the layout, [`SUBMISSION_SCHEMA`].
     pub schema: u32,
-    /// Who enters.
+    /// The person or group who enters.
     pub entrant: Entrant,
-    /// Where the results are listed.
+    /// The division in which the results are listed.
     pub division: Division,
-    /// Why it is the open one; empty if it isn't.
+    /// The reasons why the division is the open one; empty if it isn't.
     pub open_because: Vec<OpenReason>,
-    /// Version of the planner interface that the plugin speaks.
+    /// The version of the planner interface that the plugin speaks.
     pub abi: String,
-    /// Version of the suite, as it calls itself.
+    /// The version of the suite, as it calls itself.
     pub suite_version: String,
-    /// What was run: harness, suite, plugin, parameters, vehicle, soils, scale, seed, rules, limits. As in the run's own
-    /// `run.json`, but without paths, which are nobody's business; `trace` is `none` if no trace is carried along.
+    /// The description of what was run: harness, suite, plugin, parameters, vehicle, soils, scale, seed, rules, limits.
+    /// It is as in the run's own `run.json`, but without paths, which are nobody's business; `trace` is `none` if no
+    /// trace is carried along.
     pub run: RunHeader,
-    /// Figures over all tasks: `all` of the summary.
+    /// The figures over all tasks: `all` of the summary.
     pub results: Option<Group>,
-    /// Tasks whose traces are carried along for replays. They are always among those that are driven again.
+    /// The tasks whose traces are carried along for replays. They are always among those that are driven again.
     pub replays: Vec<String>,
-    /// Every task.
+    /// The entries of all tasks.
     pub tasks: BTreeMap<String, TaskEntry>,
-    /// SHA-256 (hexadecimal) of every other file by its name.
+    /// The SHA-256 (hexadecimal) of every other file, by its name.
     pub files: BTreeMap<String, String>,
 }
 
 impl Manifest {
-    /// Fields (dotted paths, or beginnings of such that end in a dot) that inform people and decide nothing: they are not
-    /// checked. The sandbox is that of the machine on which a native planner ran.
+    /// The fields (dotted paths, or beginnings of such that end in a dot) that inform people and decide nothing: they
+    /// are not checked. The sandbox is that of the machine on which a native planner ran.
     pub const INFORMATIONAL: [&str; 4] =
         ["entrant.", "run.started_at", "run.harness_commit", "run.plugin.sandbox."];
 
-    /// The rules of the run, if they are rules.
+    /// The rules of the run.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Returns a text on what is wrong if they are not valid rules.
     pub fn rules(&self) -> Result<Rules, String> {
         // JSON is YAML; this way every value is checked.
         let text = self.run.rules.profile.to_string();
         Rules::from_yaml("run.rules.profile", &text).map_err(|e| e.to_string())
     }
 
-    /// The limits of the run, if they are limits. Those that its version did not have yet are as by default.
+    /// The limits of the run. Those that its version did not have yet are as by default.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Returns a text on what is wrong if they are not valid limits.
     pub fn limits(&self) -> Result<Limits, String> {
         let value = |(name, value): (&String, &u64)| {
             let value = match (name.as_str(), value) {

@@ -19,22 +19,23 @@ use crate::make::trace_files;
 use crate::sample::draw;
 use crate::verdict::{Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
 
-/// Which tasks are driven again, and how.
+/// The choice of the tasks that are driven again, and how they are.
 #[derive(Clone, Debug)]
 pub struct Sampling {
-    /// Number of tasks and the seed that draws them; none: all. The tasks with traces come on top.
+    /// The number of tasks and the seed that draws them; `None` means all tasks. The tasks with traces come on top.
     pub draw: Option<(usize, u64)>,
-    /// Number of worker threads.
+    /// The number of worker threads.
     pub jobs: usize,
 }
 
-/// Verifies a submission: holds it against itself and `expected`; if nothing is found, `load`s the plugin with the submission's
-/// limits and holds it against what it says of itself; and if still nothing is found, drives a sample of the tasks again and
-/// compares every record, trajectory hash and trace. `ended` hears of each task (done, of how many); setting `cancel` stops.
+/// Verifies a submission. It holds the submission against itself and `expected`; if nothing is found, it `load`s the
+/// plugin with the submission's limits and holds it against what it says about itself; and if still nothing is found,
+/// it drives a sample of the tasks again and compares every record, trajectory hash and trace. `ended` hears of each
+/// task (done, of how many); setting `cancel` stops the verification.
 ///
 /// # Errors
-/// If the submission can't be read, was made by another version of the harness, or the machine fails. What isn't as it should
-/// be is no error, but in the verdict.
+/// Returns an error if the submission can't be read, was made by another version of the harness, or the machine fails.
+/// What isn't as it should be is not an error, but is in the verdict.
 pub fn verify(
     submission: &Submission,
     expected: &Expected<'_>,

@@ -6,46 +6,46 @@ use serde::{Deserialize, Serialize};
 use vb_report::{Estimate, Measure, RunFigures, Runs};
 use vb_score::Outcome;
 
-/// Version of the layout of scores.
+/// The version of the layout of scores.
 pub const SCORES_SCHEMA: u32 = 1;
 
-/// Figures over all tasks of a suite that stays hidden. There is nothing in them of a single task or world, nothing that the
-/// planner wrote, and neither path, seed nor hash of the suite. Means are rounded: their last digits could be used to carry
-/// out what the planner saw.
+/// The figures over all tasks of a suite that stays hidden. There is nothing in them of a single task or world, nothing
+/// that the planner wrote, and neither path, seed nor hash of the suite. Means are rounded: their last digits could be
+/// used to carry out what the planner saw.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scores {
-    /// [`SCORES_SCHEMA`].
+    /// The version of the layout, [`SCORES_SCHEMA`].
     pub schema: u32,
-    /// Version of the harness.
+    /// The version of the harness.
     pub harness_version: String,
-    /// What the owner calls the suite.
+    /// The name that the owner gives to the suite.
     pub suite: String,
-    /// What he calls this version of it.
+    /// The name that the owner gives to this version of the suite.
     pub suite_version: String,
-    /// Name of the planner.
+    /// The name of the planner.
     pub planner: String,
-    /// Its version.
+    /// The version of the planner.
     pub planner_version: String,
-    /// SHA-256 of the plugin.
+    /// The SHA-256 of the plugin.
     pub plugin_sha256: String,
-    /// Name of the vehicle.
+    /// The name of the vehicle.
     pub vehicle: String,
-    /// Name of the rules.
+    /// The name of the rules.
     pub rules: String,
-    /// Number of tasks.
+    /// The number of tasks.
     pub tasks: u64,
-    /// Number of tasks by outcome.
+    /// The number of tasks by outcome.
     pub outcomes: BTreeMap<Outcome, u64>,
-    /// Successes over tasks, percent, to a tenth.
+    /// The successes over the tasks, percent, to a tenth.
     pub success_percent: f64,
-    /// 95 % interval of it by the bootstrap over worlds; none for a single world.
+    /// The 95 % interval of the success rate by the bootstrap over worlds, percent; `None` for a single world.
     pub success_interval_percent: Option<[f64; 2]>,
-    /// Mean traversal time of successes, s, to a tenth.
+    /// The mean traversal time of successes, s, to a tenth.
     pub time_mean_s: Option<f64>,
-    /// Mean |roll|, degrees, to a tenth.
+    /// The mean |roll|, degrees, to a tenth.
     pub roll_mean_deg: Option<f64>,
-    /// Mean |pitch|, degrees, to a tenth.
+    /// The mean |pitch|, degrees, to a tenth.
     pub pitch_mean_deg: Option<f64>,
 }
 

@@ -1,21 +1,21 @@
-//! What a verification found: `verification.json`.
+//! The findings of a verification: `verification.json`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Division;
 
-/// Version of the layout of a verdict.
+/// The version of the layout of a verdict.
 pub const VERIFICATION_SCHEMA: u32 = 1;
 
-/// Something that isn't so.
+/// A statement of a submission that isn't true.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
     /// The check that found it, one of [`Verification::CHECKS`].
     pub check: String,
-    /// File, and field or task.
+    /// The file, and the field or task in it.
     pub place: String,
-    /// What it says, and what it should.
+    /// A text on what the submission says, and what it should say.
     pub text: String,
 }
 
@@ -66,15 +66,15 @@ impl Findings {
     }
 }
 
-/// Which tasks were driven again.
+/// The sample of tasks that were driven again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleTaken {
-    /// Seed that drew them; none if all were.
+    /// The seed that drew the tasks; `None` if all were driven.
     pub seed: Option<u64>,
-    /// Number of tasks of the submission.
+    /// The number of tasks of the submission.
     pub of: u64,
-    /// The tasks, by name.
+    /// The tasks of the sample, by name.
     pub tasks: Vec<String>,
 }
 
@@ -82,28 +82,28 @@ pub struct SampleTaken {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Verification {
-    /// [`VERIFICATION_SCHEMA`].
+    /// The version of the layout, [`VERIFICATION_SCHEMA`].
     pub schema: u32,
-    /// Version of the harness that verified.
+    /// The version of the harness that verified.
     pub harness_version: String,
     /// Whether nothing was found.
     pub verified: bool,
-    /// SHA-256 of `submission.json`, which states those of all other files.
+    /// The SHA-256 of `submission.json`, which states those of all other files.
     pub submission_sha256: String,
-    /// SHA-256 of the plugin that was driven.
+    /// The SHA-256 of the plugin that was driven.
     pub plugin_sha256: String,
-    /// Hash of the suite.
+    /// The hash of the suite.
     pub suite_hash: String,
     /// The division by the rules.
     pub division: Division,
     /// The checks that were made, in order.
     pub checks: Vec<String>,
-    /// What was found, a hundred at most.
+    /// The findings, a hundred at most.
     pub findings: Vec<Finding>,
-    /// Number of findings beyond those.
+    /// The number of findings beyond those.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub more_findings: u64,
-    /// What was driven again; none if that was not come to, since something was found before.
+    /// The tasks that were driven again; `None` if that was not come to, since something was found before.
     pub sample: Option<SampleTaken>,
 }
 

@@ -1,4 +1,4 @@
-//! How far paths stay from obstacles, and whether outlines meet.
+//! The distances of paths from obstacles, and whether outlines meet.
 
 use vb_math::hypot;
 use vb_world::{Obstacle, geometry};

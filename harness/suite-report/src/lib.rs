@@ -1,5 +1,5 @@
-//! What a suite is like: measures it ([`statistics`]), draws it as a page with a map of every world ([`album`]), checks whether it is
-//! fit to be driven ([`validate`]), and keeps who has done which task ([`proof`]).
+//! The properties of a suite: measures it ([`statistics`]), draws it as a page with a map of every world ([`album`]),
+//! checks whether it is fit to be driven ([`validate`]), and keeps who has done which task ([`proof`]).
 
 pub mod album;
 mod clearance;

@@ -14,36 +14,36 @@ const SCHEMA: u32 = 1;
 /// The file in a suite's folder.
 const FILE: &str = "proof.json";
 
-/// Why a proof is of no use.
+/// The reason why a proof is of no use.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProofError {
-    /// It can't be read or written.
+    /// The file can't be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// It is no proof.
+    /// The file is not a proof.
     #[error("{}: {problem}: make it anew with `vb-harness suite prove`", path.display())]
     Damaged {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// A text on what is wrong.
         problem: String,
     },
-    /// It is the proof of another suite.
+    /// The proof is that of another suite.
     #[error(
         "{}: is the proof of a suite with hash {found}, and this one has {expected}: make it anew with `vb-harness suite prove`", path.display()
     )]
     OtherSuite {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Hash in the file.
+        /// The hash in the file.
         found: String,
-        /// Hash of the suite.
+        /// The hash of the suite.
         expected: String,
     },
 }
@@ -52,17 +52,17 @@ pub enum ProofError {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Named {
-    /// Its name.
+    /// The name of the file's content.
     pub name: String,
-    /// Hash of its content (hex).
+    /// The hash of the file's content (hex).
     pub hash: String,
 }
 
-/// What all drives of a proof have in common.
+/// The conditions that all drives of a proof have in common.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conditions {
-    /// Version of the harness.
+    /// The version of the harness.
     pub harness_version: String,
     /// The vehicle.
     pub vehicle: Named,
@@ -70,11 +70,11 @@ pub struct Conditions {
     pub soils: Named,
     /// The rules.
     pub rules: Named,
-    /// Factor on every length of the worlds.
+    /// The factor on every length of the worlds.
     pub scale: f64,
-    /// Step of the simulation, s.
+    /// The time step of the simulation, s.
     pub time_step: f64,
-    /// Side of the cells in which soil remembers ruts, m.
+    /// The side of the cells in which soil remembers ruts, m.
     #[serde(alias = "soil_pitch")]
     pub soil_resolution: f64,
 }
@@ -83,11 +83,11 @@ pub struct Conditions {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prover {
-    /// Its name.
+    /// The name of the planner.
     pub planner: String,
-    /// Its version.
+    /// The version of the planner.
     pub version: String,
-    /// Hash of its file (hex).
+    /// The hash of the planner's file (hex).
     pub sha256: String,
     /// The parameters that were set.
     pub params: BTreeMap<String, String>,
@@ -95,15 +95,15 @@ pub struct Prover {
     pub seed: u64,
 }
 
-/// How a task was done.
+/// The way in which a task was done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
-    /// Index of the prover.
+    /// The index of the prover.
     pub prover: usize,
-    /// Time to the goal, s.
+    /// The time to the goal, s.
     pub time_s: f64,
-    /// Hash over the simulation's states.
+    /// The hash over the simulation's states.
     pub state_hash: String,
 }
 
@@ -112,15 +112,15 @@ pub struct Drive {
 #[serde(deny_unknown_fields)]
 pub struct Proof {
     schema: u32,
-    /// Hash of the suite.
+    /// The hash of the suite.
     pub suite: String,
-    /// Under which conditions.
+    /// The conditions under which the tasks were done.
     pub conditions: Conditions,
-    /// Who.
+    /// The planners that did them.
     pub provers: Vec<Prover>,
-    /// By task, `WORLD/TASK`.
+    /// The drives by task, `WORLD/TASK`.
     pub tasks: BTreeMap<String, Drive>,
-    /// Tasks that nobody has done yet, which may be impossible.
+    /// The tasks that nobody has done yet, which may be impossible.
     pub unproven: Vec<String>,
 }
 
@@ -143,8 +143,8 @@ impl Proof {
         }
     }
 
-    /// Adds what a planner has done: task, time and state hash. Tasks that are proven already stay as they are, and a
-    /// planner that proves nothing new is left out. The number of tasks that it proved.
+    /// Adds what a planner has done: task, time (s) and state hash. Tasks that are proven already stay as they are, and
+    /// a planner that proves nothing new is left out. It returns the number of tasks that the planner proved.
     pub fn add(&mut self, prover: Prover, done: impl IntoIterator<Item = (String, f64, String)>) -> usize {
         let (before, index) = (self.tasks.len(), self.provers.len());
         for (task, time_s, state_hash) in done {
@@ -159,16 +159,16 @@ impl Proof {
         self.tasks.len() - before
     }
 
-    /// Where the proof of a suite lies.
+    /// The path at which the proof of a suite lies.
     #[must_use]
     pub fn path(suite: &Suite) -> PathBuf {
         suite.dir().join(FILE)
     }
 
-    /// The proof that lies beside a suite, if there is one.
+    /// Reads the proof that lies beside a suite, if there is one.
     ///
     /// # Errors
-    /// If it can't be read, is no proof, or is another suite's.
+    /// Returns an error if the file can't be read, is not a proof, or is another suite's.
     pub fn read(suite: &Suite) -> Result<Option<Self>, ProofError> {
         let path = Self::path(suite);
         let text = match vb_files::read_text(&path, vb_files::DATA) {
@@ -200,10 +200,10 @@ impl Proof {
         Ok(Some(proof))
     }
 
-    /// Writes it, whole or not at all.
+    /// Writes the proof, whole or not at all.
     ///
     /// # Errors
-    /// If it can't be written.
+    /// Returns an error if the proof can't be written.
     pub fn write(&self, path: &Path) -> Result<(), ProofError> {
         let failed = |source| ProofError::File { path: path.to_owned(), source };
         let part = path.with_extension("json.part");

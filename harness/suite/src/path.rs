@@ -11,15 +11,15 @@ use std::collections::BinaryHeap;
 use vb_math::hypot;
 use vb_world::{Obstacle, World, geometry};
 
-/// How the global planner plans. Lengths are at scale 1 and are multiplied by [`World::scale`].
+/// The parameters of the global planner. Lengths are at scale 1 and are multiplied by [`World::scale`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathParams {
-    /// Least distance from the path to any obstacle, m.
+    /// The least distance from the path to any obstacle, m.
     pub clearance: f64,
-    /// Resolution of the search grid, m.
+    /// The resolution of the search grid, m.
     pub grid: f64,
-    /// Largest distance between waypoints, m.
+    /// The largest distance between waypoints, m.
     pub spacing: f64,
 }
 
@@ -31,42 +31,42 @@ impl Default for PathParams {
     }
 }
 
-/// Why there is no path.
+/// The reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
     /// A parameter makes no sense.
     #[error("path.{field}: {value} must be a {wanted} length in metres")]
     Parameter {
-        /// The field.
+        /// The name of the field.
         field: &'static str,
-        /// Its value.
+        /// The value of the field.
         value: f64,
-        /// What it must be.
+        /// A text on what the value must be.
         wanted: &'static str,
     },
-    /// Start or goal cannot be driven from or to.
+    /// The start or the goal is too close to an obstacle to be driven from or to.
     #[error(
         "{end} {point:?} lies {distance:.2} m from obstacles[{obstacle}], closer than the clearance of {clearance} m: move one of them"
     )]
     TooClose {
-        /// `start` or `goal`.
+        /// The end that is meant: `start` or `goal`.
         end: &'static str,
-        /// Where it is, m.
+        /// The place (x, y) of that end, m.
         point: [f64; 2],
-        /// Index of the obstacle.
+        /// The index of the obstacle.
         obstacle: usize,
-        /// Distance, m.
+        /// The distance from the obstacle, m.
         distance: f64,
-        /// Clearance, m.
+        /// The clearance that is wanted, m.
         clearance: f64,
     },
-    /// Start or goal lies outside of the world.
+    /// The start or the goal lies outside of the world.
     #[error("{end} {point:?} lies outside the world")]
     Outside {
-        /// `start` or `goal`.
+        /// The end that is meant: `start` or `goal`.
         end: &'static str,
-        /// Where it is, m.
+        /// The place (x, y) of that end, m.
         point: [f64; 2],
     },
     /// The obstacles leave no way.
@@ -74,19 +74,19 @@ pub enum PathError {
         "no way from {start:?} to {goal:?} keeps {clearance} m from every obstacle: move obstacles or lower the clearance"
     )]
     NoWay {
-        /// m.
+        /// The start (x, y), m.
         start: [f64; 2],
-        /// m.
+        /// The goal (x, y), m.
         goal: [f64; 2],
-        /// m.
+        /// The clearance that is wanted, m.
         clearance: f64,
     },
 }
 
-/// A path from start to goal, (x, y) waypoints in metres, for a single query; see [`Planner`].
+/// Plans a path from start to goal, as (x, y) waypoints in metres, for a single query; see [`Planner`].
 ///
 /// # Errors
-/// See [`PathError`].
+/// Returns the errors of [`Planner::new`] and [`Planner::plan`]; see [`PathError`].
 pub fn plan(
     world: &World,
     start: [f64; 2],
@@ -96,7 +96,7 @@ pub fn plan(
     Planner::new(world, params)?.plan(start, goal)
 }
 
-/// Length of a polyline, m.
+/// The length of a polyline, m.
 #[must_use]
 pub fn length(path: &[[f64; 2]]) -> f64 {
     path.windows(2).map(|w| distance(w[0], w[1])).sum()
@@ -130,7 +130,7 @@ impl Planner {
     /// Prepares to plan in a world.
     ///
     /// # Errors
-    /// If a parameter makes no sense.
+    /// Returns an error if a parameter makes no sense.
     pub fn new(world: &World, params: &PathParams) -> Result<Self, PathError> {
         let wanted = |field, value: f64, low: f64, wanted| {
             if value.is_finite() && value >= low {
@@ -185,12 +185,12 @@ impl Planner {
         }
     }
 
-    /// A path from start to goal: waypoints in metres, the first the start, the last the goal, no farther apart
-    /// than the spacing, inner ones rounded to millimetres. No point of it is closer to an obstacle than the
-    /// clearance, but for that rounding.
+    /// Plans a path from start to goal, as (x, y) waypoints in metres: the first is the start, the last the goal; they
+    /// are no farther apart than the spacing, and the inner ones are rounded to millimetres. No point of the path is
+    /// closer to an obstacle than the clearance, but for that rounding.
     ///
     /// # Errors
-    /// If start or goal lies outside or too close to an obstacle, or there is no way.
+    /// Returns an error if start or goal lies outside or too close to an obstacle, or there is no way.
     pub fn plan(&self, start: [f64; 2], goal: [f64; 2]) -> Result<Vec<[f64; 2]>, PathError> {
         let mut margin = self.clearance;
         for (end, p) in [("start", start), ("goal", goal)] {

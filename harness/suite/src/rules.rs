@@ -11,13 +11,13 @@ use vb_world::yaml;
 /// Most nodes along a side of a world that is made.
 pub(crate) const MOST_NODES: usize = 4097;
 
-/// A flaw of a file of rules: the field and what is wrong.
+/// A flaw of a file of rules: the field, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {problem}")]
 pub struct ParamsError {
     /// The field, e.g. `elevation.std.low`.
     pub field: String,
-    /// The value and what would be right.
+    /// The value, and what would be right.
     pub problem: String,
 }
 

@@ -1,11 +1,11 @@
-//! What the parts of a vehicle are called, and how they lie: for tables and drawings.
+//! The names of a vehicle's parts, and how they lie: for tables and drawings.
 
 use crate::Point;
 use crate::powertrain::Differential;
 use crate::suspension::{Linkage, SteeringGear};
 
 impl Linkage {
-    /// What people call it.
+    /// The name that people give to the linkage.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
@@ -20,8 +20,8 @@ impl Linkage {
         }
     }
 
-    /// Its rods, from the chassis to what carries the wheel: left side, at design height, relative to the axle's
-    /// reference point, m.
+    /// The rods of the linkage, each from the chassis to what carries the wheel: those of the left side, at design
+    /// height, relative to the axle's reference point, m.
     #[must_use]
     pub fn rods(&self) -> Vec<[Point; 2]> {
         match self {
@@ -59,7 +59,7 @@ fn beam(spindle: Point) -> [Point; 2] {
 }
 
 impl SteeringGear {
-    /// What people call it.
+    /// The name that people give to the steering gear.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
@@ -71,7 +71,7 @@ impl SteeringGear {
 }
 
 impl Differential {
-    /// What people call it.
+    /// The name that people give to the differential.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {

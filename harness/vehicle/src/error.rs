@@ -1,27 +1,27 @@
-//! What can be wrong with a vehicle file.
+//! The errors that a vehicle file can have.
 
 use std::path::PathBuf;
 
-/// A vehicle that can't be used.
+/// The reason why a vehicle can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VehicleError {
     /// The file can't be read.
     #[error("{}: {reason}", path.display())]
     Unreadable {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
-        /// Why.
+        /// The reason for which it can't be read.
         reason: String,
     },
-    /// It has a wrong shape or a value that no vehicle can have.
+    /// The file has a wrong shape, or holds a value that no vehicle can have.
     #[error("{file}: {field}: {reason}")]
     Invalid {
-        /// The file.
+        /// The name of the file.
         file: String,
-        /// Path of the field, e.g. `axles[1].suspension.spring.stiffness`.
+        /// The path of the field in the file, e.g. `axles[1].suspension.spring.stiffness`.
         field: String,
-        /// The value and what is wrong with it.
+        /// The value, and what is wrong with it.
         reason: String,
     },
 }

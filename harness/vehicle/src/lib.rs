@@ -5,7 +5,7 @@
 //! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`VehicleError`]).
 //! - [`VehicleModel`] is a vehicle with its linkages solved ([`kinematics`]): what simulations share.
 //!
-//! Axes: body x forward, y left, z up (ISO 8855). SI units, radians.
+//! The body axes are x forward, y left, z up (ISO 8855). Units are SI, angles in radians.
 
 mod check;
 mod describe;
@@ -26,5 +26,5 @@ pub use vehicle::{Axle, Chassis, Point, VehicleSpec};
 
 type V3 = nalgebra::Vector3<f64>;
 
-/// Standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
+/// The standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
 pub const GRAVITY: f64 = 9.81;

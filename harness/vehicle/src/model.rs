@@ -1,10 +1,10 @@
-//! A vehicle made ready for simulations.
+//! A vehicle that is made ready for simulations.
 
 use crate::VehicleError;
 use crate::VehicleSpec;
 use crate::kinematics::AxleKinematics;
 
-/// Greatest number of wheels.
+/// The greatest number of wheels that a vehicle can have.
 pub const MAX_WHEELS: usize = 16;
 
 /// A vehicle with its linkages solved, which takes a millisecond. Made once, it serves any number of simulations; their
@@ -19,7 +19,7 @@ impl VehicleModel {
     /// Solves the linkages of a vehicle.
     ///
     /// # Errors
-    /// [`VehicleError::Invalid`] for too many axles, or a linkage that doesn't close.
+    /// Returns [`VehicleError::Invalid`] for a vehicle with too many axles, or with a linkage that doesn't close.
     pub fn new(spec: VehicleSpec) -> Result<Self, VehicleError> {
         let invalid =
             |field: String, reason: String| VehicleError::Invalid { file: spec.name.clone(), field, reason };
@@ -35,13 +35,13 @@ impl VehicleModel {
         Ok(Self { spec, axles })
     }
 
-    /// Its data.
+    /// The vehicle's data.
     #[must_use]
     pub fn spec(&self) -> &VehicleSpec {
         &self.spec
     }
 
-    /// The solved linkages, front to back.
+    /// The solved linkages of the axles, from front to back.
     #[must_use]
     pub fn axles(&self) -> &[AxleKinematics] {
         &self.axles

@@ -1,55 +1,56 @@
-//! Suspension and steering as data. All points are of the left side, at design height, relative to the axle's
-//! reference point, chassis axes, m; the right side is their mirror image.
+//! Suspension and steering as data. All points are those of the left side, at design height, relative to the axle's
+//! reference point, in chassis axes (x forward, y left, z up), m. The right side is their mirror image.
 
 use crate::Point;
 use serde::{Deserialize, Serialize};
 
-/// How the wheels of an axle are guided and sprung.
+/// The guidance and the springing of the wheels of an axle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Suspension {
-    /// What guides the wheels.
+    /// The linkage that guides the wheels.
     pub linkage: Linkage,
-    /// Lowest and highest travel for which the linkage is solved, m, around 0; not for rigid mounts. The stops belong
-    /// inside: beyond it a wheel keeps its direction and its struts go on at their last rate.
+    /// The lowest and the highest travel for which the linkage is solved, m, around 0; unused by rigid mounts. The
+    /// stops belong inside this range: beyond it a wheel keeps its direction and its struts go on at their last rate.
     #[serde(default)]
     pub range: [f64; 2],
-    /// Springs and dampers, at most two lines of action a wheel.
+    /// The springs and dampers, along two lines of action for each wheel at most.
     #[serde(default)]
     pub struts: Vec<Strut>,
-    /// At the ends of the wheel's travel.
+    /// The stops at the ends of the wheel's travel.
     #[serde(default)]
     pub stops: Option<Stops>,
-    /// Between the two wheels.
+    /// The coupling between the two wheels.
     #[serde(default)]
     pub anti_roll: Option<AntiRoll>,
 }
 
-/// What guides the wheels of an axle: ideal joints, massless links.
+/// The linkage that guides the wheels of an axle, with ideal joints and massless links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Linkage {
-    /// Two A-arms with ball joints at the upright, and a tie rod.
+    /// Two A-arms with ball joints at the upright, and a tie rod, guide each wheel.
     DoubleWishbone(DoubleWishbone),
-    /// One A-arm on which the upright turns about its kingpin, held by a tie rod.
+    /// One A-arm on which the upright turns about its kingpin, and which a tie rod holds, guides each wheel.
     SingleWishbone(SingleWishbone),
-    /// Five rods to the upright, one of which is the tie rod.
+    /// Five rods to the upright, one of which is the tie rod, guide each wheel.
     Multilink(Multilink),
-    /// One arm that turns about an axis fixed to the chassis and carries the wheel: trailing, semi-trailing and swing
-    /// arms, with a torsion bar or a strut.
+    /// One arm that turns about an axis fixed to the chassis carries the wheel: trailing, semi-trailing and swing arms,
+    /// with a torsion bar or a strut.
     TorsionArm(TorsionArm),
-    /// A rigid beam between two wheels on rods: three-link (triangle and two rods), four-link, rods and Panhard rod.
+    /// A rigid beam between two wheels hangs on rods: three-link (triangle and two rods), four-link, rods and Panhard
+    /// rod.
     SolidAxle(SolidAxle),
-    /// A rigid beam between two wheels on leaf springs.
+    /// A rigid beam between two wheels hangs on leaf springs.
     LeafAxle(LeafAxle),
-    /// A rigid beam between two wheels that turns about a longitudinal pin at the chassis and can't rise: an axle that
-    /// gives way to the ground but doesn't spring.
+    /// A rigid beam between two wheels turns about a longitudinal pin at the chassis and can't rise: an axle that gives
+    /// way to the ground but doesn't spring.
     PivotAxle(PivotAxle),
     /// The wheels are fixed to the chassis.
     Rigid(RigidMount),
 }
 
-/// Joints of a double wishbone.
+/// The joints of a double wishbone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the names are the documentation: joints of the linkage")]
@@ -65,7 +66,7 @@ pub struct DoubleWishbone {
     pub tie_rod_outer: Point,
 }
 
-/// Joints of a single wishbone.
+/// The joints of a single wishbone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the names are the documentation: joints of the linkage")]
@@ -73,7 +74,7 @@ pub struct SingleWishbone {
     pub spindle: Point,
     pub arm_front: Point,
     pub arm_rear: Point,
-    /// Two points of the line about which the upright turns on the arm.
+    /// The lower of two points of the line about which the upright turns on the arm.
     pub kingpin_lower: Point,
     pub kingpin_upper: Point,
     pub tie_rod_inner: Point,
@@ -84,19 +85,19 @@ pub struct SingleWishbone {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rod {
-    /// End on the chassis.
+    /// The end on the chassis.
     pub chassis: Point,
-    /// End on the upright or the beam.
+    /// The end on the upright or the beam.
     pub carrier: Point,
 }
 
-/// Joints of a five-link suspension.
+/// The joints of a five-link suspension.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the names are the documentation: joints of the linkage")]
 pub struct Multilink {
     pub spindle: Point,
-    /// Four rods beside the tie rod.
+    /// The four rods beside the tie rod.
     pub links: [Rod; 4],
     pub tie_rod_inner: Point,
     pub tie_rod_outer: Point,
@@ -106,47 +107,47 @@ pub struct Multilink {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorsionArm {
-    /// Wheel centre.
+    /// The wheel's centre.
     pub spindle: Point,
     /// A point of the axis about which the arm turns.
     pub pivot: Point,
-    /// Direction of that axis; [0, 1, 0] is a trailing or leading arm.
+    /// The direction of that axis; [0, 1, 0] is that of a trailing or leading arm.
     pub axis: Point,
-    /// Torsion bar in the axis.
+    /// The torsion bar in the axis, if there is one.
     #[serde(default)]
     pub torsion: Option<Torsion>,
 }
 
-/// A torsion bar at an arm: torque = preload + stiffness · angle + damping · rate, pushing the wheel down, with the
-/// angle of the arm from the design position, positive in compression.
+/// A torsion bar at an arm. Its torque is preload + stiffness · angle + damping · rate and pushes the wheel down; the
+/// angle is that of the arm from the design position, positive in compression.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Torsion {
-    /// N m/rad.
+    /// The stiffness, N m/rad.
     pub stiffness: f64,
-    /// N m s/rad.
+    /// The damping, N m s/rad.
     #[serde(default)]
     pub damping: f64,
-    /// N m at design height.
+    /// The torque at design height, N m.
     #[serde(default)]
     pub preload: f64,
 }
 
-/// Joints of a rigid beam on rods.
+/// The joints of a rigid beam on rods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SolidAxle {
-    /// Wheel centre.
+    /// The left wheel's centre.
     pub spindle: Point,
-    /// The beam's mass.
+    /// The mass of the beam.
     pub beam: Beam,
-    /// Rods that exist at both sides. An A-arm or triangle with its tip on the beam is a pair of rods that meet on the
-    /// centre line. Twice their number and the unpaired rods must make four.
+    /// The rods that exist at both sides. An A-arm or triangle with its tip on the beam is a pair of rods that meet on
+    /// the centre line. Twice the number of these rods and the number of unpaired ones must add up to four.
     pub links: Vec<Rod>,
-    /// Rods that exist once, such as a Panhard rod.
+    /// The rods that exist once, such as a Panhard rod.
     #[serde(default)]
     pub single_links: Vec<Rod>,
-    /// For a steered axle.
+    /// The steering knuckles, if the axle is steered.
     #[serde(default)]
     pub knuckles: Option<Knuckles>,
 }
@@ -155,89 +156,90 @@ pub struct SolidAxle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeafAxle {
-    /// Wheel centre.
+    /// The left wheel's centre.
     pub spindle: Point,
-    /// The beam's mass.
+    /// The mass of the beam.
     pub beam: Beam,
-    /// Where the leaf spring is clamped to the beam.
+    /// The point at which the leaf spring is clamped to the beam.
     pub seat: Point,
     /// The spring's fixed eye at the chassis.
     pub eye: Point,
-    /// For a steered axle.
+    /// The steering knuckles, if the axle is steered.
     #[serde(default)]
     pub knuckles: Option<Knuckles>,
 }
 
-/// A rigid beam on a pin.
+/// A rigid beam that turns about a pin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PivotAxle {
-    /// Wheel centre.
+    /// The left wheel's centre.
     pub spindle: Point,
-    /// The beam's mass.
+    /// The mass of the beam.
     pub beam: Beam,
-    /// Height of the pin, m.
+    /// The height of the pin, m.
     pub pin_height: f64,
-    /// For a steered axle.
+    /// The steering knuckles, if the axle is steered.
     #[serde(default)]
     pub knuckles: Option<Knuckles>,
 }
 
-/// What a beam weighs, beside the unsprung masses of its two wheels.
+/// The mass and the inertia of a beam, without the unsprung masses of its two wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beam {
-    /// kg.
+    /// The mass, kg.
     pub mass: f64,
-    /// Moment of inertia about its middle, for roll and yaw, kg m².
+    /// The moment of inertia about the beam's middle, for roll and yaw, kg m².
     pub inertia: f64,
 }
 
-/// Steering knuckles of a beam, which turn about kingpins, and what turns them.
+/// The steering knuckles of a beam, which turn about kingpins, and what turns them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Knuckles {
-    /// Two points of the kingpin's line.
+    /// The lower of two points of the kingpin's line.
     pub kingpin_lower: Point,
-    /// The upper one.
+    /// The upper of these two points.
     pub kingpin_upper: Point,
-    /// End of the tie rod on the knuckle.
+    /// The end of the tie rod on the knuckle.
     pub tie_rod: Point,
-    /// The drag link's end at the steering gear, as it stands: not mirrored.
+    /// The drag link's end at the steering gear, at its true place: it is not mirrored.
     pub drag_link_inner: Point,
-    /// How the drag link moves the knuckles.
+    /// The way in which the drag link moves the knuckles.
     pub by: KnuckleDrive,
 }
 
-/// How a drag link moves the knuckles of a beam. Points as they stand: not mirrored.
+/// The way in which a drag link moves the knuckles of a beam. The points are at their true places: they are not
+/// mirrored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum KnuckleDrive {
     /// The drag link turns the left knuckle; a bar between the knuckles' arms takes the right one along.
     Toebar {
-        /// End of the drag link on the left knuckle.
+        /// The end of the drag link on the left knuckle.
         drag_link_outer: Point,
     },
     /// The drag link turns a bellcrank on the beam, from which a tie rod goes to each knuckle.
     Bellcrank {
-        /// Where it turns.
+        /// The point at which the bellcrank turns.
         pivot: Point,
-        /// Direction of its axis.
+        /// The direction of its axis.
         axis: Point,
-        /// End of the drag link on it.
+        /// The end of the drag link on the bellcrank.
         drag_link_outer: Point,
-        /// End of the left knuckle's tie rod on it.
+        /// The end of the left knuckle's tie rod on the bellcrank.
         tie_rod_left: Point,
-        /// End of the right knuckle's tie rod on it.
+        /// The end of the right knuckle's tie rod on the bellcrank.
         tie_rod_right: Point,
     },
 }
 
-/// Wheels without suspension.
+/// The mount of wheels without suspension.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigidMount {
-    /// Wheel centre.
+    /// The left wheel's centre.
     pub spindle: Point,
 }
 
@@ -245,19 +247,19 @@ pub struct RigidMount {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Strut {
-    /// End on the chassis.
+    /// The end on the chassis.
     pub chassis: Point,
-    /// End on `part`.
+    /// The end on `part`.
     pub end: Point,
     /// The part that moves this end.
     pub part: Part,
-    /// Spring along it.
+    /// The spring along the strut, if there is one.
     #[serde(default)]
     pub spring: Option<Spring>,
-    /// Damper along it.
+    /// The damper along the strut, if there is one.
     #[serde(default)]
     pub damper: Option<Damper>,
-    /// Stops along it.
+    /// The stops along the strut, if there are any.
     #[serde(default)]
     pub stops: Option<StrutStops>,
 }
@@ -266,7 +268,7 @@ pub struct Strut {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
-    /// What carries the wheel.
+    /// The upright, which carries the wheel.
     Upright,
     /// The lower wishbone, the single wishbone or the torsion arm.
     Arm,
@@ -274,127 +276,130 @@ pub enum Part {
     Beam,
 }
 
-/// Force of a spring over its compression e = free length − length; in tension too.
+/// A spring: its force over its compression e = free length − length, which holds in tension (e < 0) too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Spring {
-    /// preload + stiffness · e.
+    /// The force is preload + stiffness · e.
     Linear {
-        /// N/m.
+        /// The stiffness, N/m.
         stiffness: f64,
-        /// m.
+        /// The length at which e is 0, m.
         free_length: f64,
-        /// N at the free length.
+        /// The force at the free length, N.
         #[serde(default)]
         preload: f64,
     },
-    /// stiffness · e + progression · e·|e| (the springs of Chrono's MAN trucks, chrono_models/vehicle/man).
+    /// The force is stiffness · e + progression · e·|e| (the springs of Chrono's MAN trucks,
+    /// chrono_models/vehicle/man).
     Progressive {
-        /// N/m.
+        /// The stiffness at the free length, N/m.
         stiffness: f64,
-        /// N/m².
+        /// The growth of the stiffness, N/m².
         progression: f64,
-        /// m.
+        /// The length at which e is 0, m.
         free_length: f64,
     },
-    /// Straight lines between points, and on beyond the last ones.
+    /// The force follows straight lines between points, and goes on beyond the last ones.
     Table {
-        /// m.
+        /// The length at which e is 0, m.
         free_length: f64,
-        /// Compression, m, and force, N; compressions increase.
+        /// The points \[compression m, force N\], by increasing compression.
         points: Vec<[f64; 2]>,
     },
 }
 
-/// Force of a damper over the rate v at which it is compressed (v > 0) or extended (v < 0), against the motion.
+/// A damper: its force, against the motion, over the rate v at which it is compressed (v > 0) or extended (v < 0).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Damper {
-    /// coefficient · v.
+    /// The force is coefficient · v.
     Linear {
-        /// N s/m.
+        /// The coefficient, N s/m.
         coefficient: f64,
     },
-    /// One coefficient for each direction.
+    /// The force is linear, with one coefficient for each direction.
     Bilinear {
-        /// N s/m.
+        /// The coefficient in compression, N s/m.
         compression: f64,
-        /// N s/m.
+        /// The coefficient in extension, N s/m.
         rebound: f64,
     },
-    /// c·v / (1 + n·|v|) with c and n for each direction (the dampers of Chrono's MAN trucks, chrono_models/vehicle/man).
+    /// The force is c·v / (1 + n·|v|) with c and n for each direction (the dampers of Chrono's MAN trucks,
+    /// chrono_models/vehicle/man).
     Degressive {
-        /// c, N s/m.
+        /// The coefficient c in compression, N s/m.
         compression: f64,
-        /// n, s/m.
+        /// The coefficient n in compression, s/m.
         compression_degression: f64,
-        /// c, N s/m.
+        /// The coefficient c in extension, N s/m.
         rebound: f64,
-        /// n, s/m.
+        /// The coefficient n in extension, s/m.
         rebound_degression: f64,
     },
-    /// Straight lines between points, and on beyond the last ones.
+    /// The force follows straight lines between points, and goes on beyond the last ones.
     Table {
-        /// Rate of compression, m/s, and force, N, of the same sign; rates increase; [0, 0] is one of them.
+        /// The points \[rate of compression m/s, force N\], by increasing rate. Rate and force have the same sign, and
+        /// [0, 0] is one of the points.
         points: Vec<[f64; 2]>,
     },
 }
 
-/// Stops along a strut: stiffness and table add up.
+/// The stops along a strut. The forces of stiffness and table add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StrutStops {
-    /// Length below which it is pushed apart, m.
+    /// The length below which the strut is pushed apart, m.
     pub shortest: f64,
-    /// Length above which it is pulled together, m.
+    /// The length above which the strut is pulled together, m.
     pub longest: f64,
-    /// N/m.
+    /// The stiffness of the stops, N/m.
     #[serde(default)]
     pub stiffness: f64,
-    /// Depth into the stop, m, and force, N; straight lines between, and on beyond the last point.
+    /// The points \[depth into the stop m, force N\], with straight lines between them and on beyond the last one.
     #[serde(default)]
     pub table: Vec<[f64; 2]>,
 }
 
-/// Stops that act on the wheel beyond these travels; stiffness and table add up.
+/// The stops that act on the wheel beyond these travels. The forces of stiffness and table add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stops {
-    /// Compression at which the upper stop is met, m, > 0.
+    /// The compression at which the upper stop is met, m, > 0.
     pub jounce: f64,
-    /// Travel at which the lower stop is met, m, < 0.
+    /// The travel at which the lower stop is met, m, < 0.
     pub rebound: f64,
-    /// N/m at the wheel.
+    /// The stiffness of the stops at the wheel, N/m.
     #[serde(default)]
     pub stiffness: f64,
-    /// Depth into the stop, m, and force, N; straight lines between, and on beyond the last point.
+    /// The points \[depth into the stop m, force N\], with straight lines between them and on beyond the last one.
     #[serde(default)]
     pub table: Vec<[f64; 2]>,
 }
 
-/// What couples the two wheels of an axle.
+/// The coupling of the two wheels of an axle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AntiRoll {
-    /// A force at each wheel, in proportion to the difference of their travels.
+    /// A force acts at each wheel, in proportion to the difference of their travels.
     Travel {
-        /// N/m: force on each wheel over left travel less right travel.
+        /// The stiffness, N/m: the force on each wheel over the left travel less the right travel.
         stiffness: f64,
     },
-    /// A torsion bar with an arm at each end and a drop link from each arm to the linkage.
+    /// A torsion bar has an arm at each end and a drop link from each arm to the linkage.
     Bar {
-        /// N m/rad.
+        /// The stiffness of the bar, N m/rad.
         stiffness: f64,
-        /// N m s/rad.
+        /// The damping of the bar, N m s/rad.
         #[serde(default)]
         damping: f64,
         /// A point of the bar's axis, which points to the left.
         pivot: Point,
-        /// Upper end of the drop link, on the bar's arm.
+        /// The upper end of the drop link, on the bar's arm.
         arm_end: Point,
-        /// Lower end of the drop link, on `part`.
+        /// The lower end of the drop link, on `part`.
         link_end: Point,
-        /// The part that moves it.
+        /// The part that moves the drop link's lower end.
         part: Part,
     },
 }
@@ -403,58 +408,59 @@ pub enum AntiRoll {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steering {
-    /// Greatest rate of the command, 1/s.
+    /// The greatest rate of the command, 1/s.
     pub rate: f64,
-    /// What the command moves.
+    /// The parts that the command moves.
     #[serde(default)]
     pub by: SteeredBy,
 }
 
-/// What a steering command moves.
+/// The parts that a steering command moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SteeredBy {
-    /// The steering gears of the axles that have one.
+    /// The command moves the steering gears of the axles that have one.
     #[default]
     Wheels,
-    /// The driveline, which drives the two sides at different speeds (tracked vehicles); no axle has a steering gear.
+    /// The command goes to the driveline, which drives the two sides at different speeds (tracked vehicles). No axle
+    /// has a steering gear.
     Differential,
 }
 
-/// The steering gear of an axle, which moves the inner joints of its tie rods or of its drag link. Points as they
-/// stand: not mirrored.
+/// The steering gear of an axle, which moves the inner joints of its tie rods or of its drag link. The points are at
+/// their true places: they are not mirrored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SteeringGear {
     /// A rack moves the joints sideways.
     RackAndPinion {
-        /// Travel to the right at command +1, m.
+        /// The travel to the right at command +1, m.
         travel: f64,
     },
     /// An arm and an idler arm carry the link with the joints: a four-bar linkage.
     PitmanArm {
-        /// Where the arm turns.
+        /// The point about which the arm turns.
         pivot: Point,
-        /// Joint of arm and link.
+        /// The joint of arm and link.
         arm_end: Point,
-        /// Where the idler arm turns.
+        /// The point about which the idler arm turns.
         idler_pivot: Point,
-        /// Joint of idler arm and link.
+        /// The joint of idler arm and link.
         idler_end: Point,
-        /// Direction of all four joints.
+        /// The direction of the axes of all four joints.
         #[serde(default = "up")]
         axis: Point,
-        /// Angle at command +1, clockwise seen against the axis (from above if it points up), rad.
+        /// The angle at command +1, rad, clockwise seen against the axis (from above if it points up).
         angle: f64,
     },
     /// The joints sit on an arm.
     RotaryArm {
-        /// Where the arm turns.
+        /// The point about which the arm turns.
         pivot: Point,
-        /// Direction of its axis.
+        /// The direction of its axis.
         #[serde(default = "up")]
         axis: Point,
-        /// Angle at command +1, clockwise seen against the axis (from above if it points up), rad.
+        /// The angle at command +1, rad, clockwise seen against the axis (from above if it points up).
         angle: f64,
     },
 }
@@ -464,7 +470,7 @@ fn up() -> Point {
 }
 
 impl Linkage {
-    /// Centre of the left wheel at design height, m.
+    /// The centre of the left wheel at design height, m.
     #[must_use]
     pub fn spindle(&self) -> Point {
         match self {
@@ -479,7 +485,7 @@ impl Linkage {
         }
     }
 
-    /// The beam, if the wheels share one.
+    /// The beam; `None` if the wheels don't share one.
     #[must_use]
     pub fn beam(&self) -> Option<Beam> {
         match self {
@@ -490,7 +496,7 @@ impl Linkage {
         }
     }
 
-    /// The steering knuckles, if the wheels share a beam and are steered.
+    /// The steering knuckles; `None` if the wheels share no beam or aren't steered.
     #[must_use]
     pub fn knuckles(&self) -> Option<&Knuckles> {
         match self {
@@ -501,7 +507,7 @@ impl Linkage {
         }
     }
 
-    /// Inner joint of the left tie rod, where each wheel has its own.
+    /// The inner joint of the left tie rod, m; `None` for linkages in which the wheels have no tie rods of their own.
     #[must_use]
     pub fn tie_rod_inner(&self) -> Option<Point> {
         match self {
@@ -512,7 +518,7 @@ impl Linkage {
         }
     }
 
-    /// The torsion bar of an arm.
+    /// The torsion bar of an arm; `None` for arms without one and for other linkages.
     #[must_use]
     pub fn torsion(&self) -> Option<Torsion> {
         match self {

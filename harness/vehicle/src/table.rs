@@ -1,6 +1,6 @@
-//! Tables of points, linear between them.
+//! Tables of points, with straight lines between them.
 
-/// Value and derivative at `x`; constant beyond the ends, where the derivative is 0.
+/// The value and the derivative at `x`. Beyond the ends the value is constant and the derivative is 0.
 #[inline]
 #[must_use]
 pub fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {

@@ -10,20 +10,22 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tracks {
-    /// From the face on which the wheels roll to the face that meets the ground, m. The belt's pins are taken to lie in
-    /// the middle.
+    /// The thickness from the face on which the wheels roll to the face that meets the ground, m. The belt's pins are
+    /// taken to lie in the middle.
     pub thickness: f64,
-    /// Of one belt, kg: what it takes to move it around the wheels. Its weight is in the masses of chassis and axles.
+    /// The mass of one belt, kg: the inertia that it has when it moves around the wheels. The belt's weight is in the
+    /// masses of chassis and axles.
     pub mass: f64,
-    /// Tension at design height, N.
+    /// The tension at design height, N.
     pub tension: f64,
-    /// Rise of the tension with the length of the way around the wheels, N/m: of the belt and its tensioner.
+    /// The rise of the tension with the length of the way around the wheels, N/m: the stiffness of the belt and its
+    /// tensioner.
     pub stiffness: f64,
-    /// The same with the rate of that length, N s/m.
+    /// The rise of the tension with the rate of that length, N s/m.
     pub damping: f64,
-    /// Friction of belt and wheels among themselves over the weight that they carry: at rest, and its growth with the speed,
-    /// s/m.
+    /// The friction of belt and wheels among themselves over the weight that they carry: its value at rest, and its
+    /// growth with the speed, s/m.
     pub resistance: [f64; 2],
-    /// Torque of the brake on the sprocket of the inner belt at full steering, N m.
+    /// The torque of the brake on the sprocket of the inner belt at full steering, N m.
     pub steering_torque: f64,
 }

@@ -13,7 +13,7 @@ use std::fmt;
 pub enum TyreSpec {
     /// A hard cylinder with Coulomb friction.
     Rigid(RigidTyre),
-    /// A brush with parabolic pressure.
+    /// A brush with a parabolic pressure.
     Brush(BrushTyre),
     /// Fiala's model as Adams/Tire has it.
     Fiala(FialaTyre),
@@ -29,39 +29,42 @@ pub enum TyreSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigidTyre {
-    /// Of the cylinder, m.
+    /// The radius of the cylinder, m.
     pub radius: f64,
-    /// m.
+    /// The width of the cylinder, m.
     pub width: f64,
-    /// Friction coefficient, combined with the ground's by the minimum.
+    /// The friction coefficient. The lesser of it and the ground's counts.
     pub friction: f64,
-    /// Of the contact along the ground's normal, N/m.
+    /// The stiffness of the contact along the ground's normal, N/m.
     pub vertical_stiffness: f64,
-    /// N s/m; critical for an unsprung mass m at 2 √(stiffness · m).
+    /// The damping of the contact along the ground's normal, N s/m; it is critical for an unsprung mass m at 2
+    /// √(stiffness · m).
     pub vertical_damping: f64,
-    /// Of the bristle in the contact plane, N/m.
+    /// The stiffness of the bristle in the contact plane, N/m.
     pub tangential_stiffness: f64,
-    /// N s/m.
+    /// The damping of the bristle in the contact plane, N s/m.
     pub tangential_damping: f64,
-    /// Distance over which a rolling wheel sheds its bristle's deflection, m.
+    /// The distance over which a rolling wheel sheds its bristle's deflection, m.
     pub relaxation_length: f64,
-    /// How it meets rigid ground.
+    /// The way in which the tyre meets rigid ground.
     #[serde(default, skip_serializing_if = "HardContact::is_envelope")]
     pub contact: HardContact,
-    /// How sliding lifts the wheel off rigid ground; left out: not at all, as in nature. Of contacts with facets alone.
+    /// The lift of the wheel off rigid ground by sliding. If it is left out, sliding doesn't lift the wheel, as in
+    /// nature. It concerns contacts with facets alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dilation: Option<Dilation>,
 }
 
-/// How a hard wheel meets rigid ground.
+/// The way in which a hard wheel meets rigid ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardContact {
-    /// With one contact for all of its outline, without a jump of force from facet to facet, as other tyres do.
+    /// The wheel meets the ground with one contact for all of its outline, without a jump of force from facet to facet,
+    /// as other tyres do.
     #[default]
     Envelope,
-    /// With a contact for each facet that it touches, as a cylinder does: in a corner it stands on the floor and leans on
-    /// the wall.
+    /// The wheel meets the ground with a contact for each facet that it touches, as a cylinder does: in a corner it
+    /// stands on the floor and leans on the wall.
     Facets,
 }
 
@@ -71,41 +74,41 @@ impl HardContact {
     }
 }
 
-/// What the cone complementarity of a time-stepping solver does to a contact that slides: it keeps a gap of step · μ ·
-/// sliding speed, since its friction cone is made convex by letting the normal velocity grow with the sliding one
-/// (Anitescu, Optimization-based simulation of nonsmooth rigid multibody dynamics, Mathematical Programming 105, 2006;
-/// Tasora and Anitescu, Computer Methods in Applied Mechanics and Engineering 200, 2011). A wheel that spins stands
-/// on ground that a wheel which rolls doesn't reach.
+/// The lift that the cone complementarity of a time-stepping solver gives to a contact that slides. The solver keeps a
+/// gap of step · μ · sliding speed, since its friction cone is made convex by letting the normal velocity grow with the
+/// sliding one (Anitescu, Optimization-based simulation of nonsmooth rigid multibody dynamics, Mathematical Programming
+/// 105, 2006; Tasora and Anitescu, Computer Methods in Applied Mechanics and Engineering 200, 2011). A wheel that spins
+/// stands on ground that a wheel which rolls doesn't reach.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dilation {
     /// The solver's step, s.
     pub step: f64,
-    /// Greatest gap at which it still sees a contact, m.
+    /// The greatest gap at which the solver still sees a contact, m.
     pub reach: f64,
 }
 
-/// A brush with parabolic pressure and relaxation lengths (Pacejka, Tire and Vehicle Dynamics, 2012, ch. 3 and 7).
+/// A brush with a parabolic pressure and relaxation lengths (Pacejka, Tire and Vehicle Dynamics, 2012, ch. 3 and 7).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BrushTyre {
-    /// Unloaded radius, m.
+    /// The unloaded radius, m.
     pub radius: f64,
-    /// m.
+    /// The width, m.
     pub width: f64,
-    /// Friction coefficient, combined with the ground's by the minimum.
+    /// The friction coefficient. The lesser of it and the ground's counts.
     pub friction: f64,
-    /// N/m.
+    /// The vertical stiffness, N/m.
     pub vertical_stiffness: f64,
-    /// N s/m.
+    /// The vertical damping, N s/m.
     pub vertical_damping: f64,
-    /// Slope of force over slip at zero slip, per unit load: longitudinal, lateral.
+    /// The longitudinal and the lateral slope of the force over the slip at zero slip, per unit load.
     pub slip_stiffness: [f64; 2],
-    /// Longitudinal, lateral, m.
+    /// The longitudinal and the lateral relaxation length, m.
     pub relaxation_length: [f64; 2],
-    /// Damping ratio of the carcass against a quarter of the vehicle's mass.
+    /// The damping ratio of the carcass against a quarter of the vehicle's mass.
     pub damping_ratio: f64,
-    /// Rolling resistance as a fraction of load.
+    /// The rolling resistance as a fraction of the load.
     pub rolling_resistance: f64,
 }
 
@@ -113,87 +116,90 @@ pub struct BrushTyre {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FialaTyre {
-    /// `UNLOADED_RADIUS`, m.
+    /// `UNLOADED_RADIUS`: the unloaded radius, m.
     pub radius: f64,
-    /// `WIDTH`, m; also the arm of the aligning torque.
+    /// `WIDTH`: the width, m, which is also the arm of the aligning torque.
     pub width: f64,
-    /// Force over deflection: rising points (m, N) from (0, 0), continued beyond the last with its last slope.
+    /// The vertical force over the deflection: rising points \[m, N\] from \[0, 0\], continued beyond the last with its
+    /// last slope.
     pub vertical_map: Vec<[f64; 2]>,
-    /// `VERTICAL_DAMPING`, N s/m.
+    /// `VERTICAL_DAMPING`: the vertical damping, N s/m.
     pub vertical_damping: f64,
-    /// `CSLIP`: longitudinal force over slip at zero slip, N.
+    /// `CSLIP`: the longitudinal force over the slip at zero slip, N.
     pub c_slip: f64,
-    /// `CALPHA`: lateral force over the tangent of the slip angle at zero, N.
+    /// `CALPHA`: the lateral force over the tangent of the slip angle at zero, N.
     pub c_alpha: f64,
-    /// `UMIN`: friction coefficient at a slip of one.
+    /// `UMIN`: the friction coefficient at a slip of one.
     pub mu_min: f64,
-    /// `UMAX`: friction coefficient at no slip.
+    /// `UMAX`: the friction coefficient at no slip.
     pub mu_max: f64,
-    /// Ground friction for which the two coefficients hold; they scale with the ground's own.
+    /// The friction of the ground for which the two coefficients hold. They scale with the ground's own friction.
     pub mu_0: f64,
-    /// `ROLLING_RESISTANCE`: moment over load, m.
+    /// `ROLLING_RESISTANCE`: the moment over the load, m.
     pub rolling_resistance: f64,
-    /// Longitudinal and lateral stiffness of the carcass, N/m. Relaxation lengths are `c_slip` and `c_alpha` over it.
+    /// The longitudinal and the lateral stiffness of the carcass, N/m. The relaxation lengths are `c_slip` and
+    /// `c_alpha` over these.
     pub carcass_stiffness: [f64; 2],
-    /// Longitudinal and lateral damping of the carcass, N s/m.
+    /// The longitudinal and the lateral damping of the carcass, N s/m.
     pub carcass_damping: [f64; 2],
 }
 
-/// Rill's TMeasy with the names of its standard (Chrono's ChTMeasyTire.cpp; Rill, Road Vehicle Dynamics, 2012,
-/// ch. 3). Pairs are the values at the loads `pn` and 2 `pn`.
+/// Rill's TMeasy with the names of its standard (Chrono's ChTMeasyTire.cpp; Rill, Road Vehicle Dynamics, 2012, ch. 3).
+/// Pairs are the values at the loads `pn` and 2 `pn`, in this order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TmeasyTyre {
-    /// Unloaded radius, m.
+    /// The unloaded radius, m.
     pub radius: f64,
-    /// m.
+    /// The width, m.
     pub width: f64,
-    /// Of the rim, m: deflections that reach it meet five times the stiffness more.
+    /// The radius of the rim, m. Deflections that reach the rim meet five times the stiffness more.
     pub rim_radius: f64,
-    /// Rolling resistance as a fraction of load.
+    /// The rolling resistance as a fraction of the load.
     pub rolling_resistance: f64,
-    /// Ground friction for which the tables hold; slips and forces scale with the ground's own.
+    /// The friction of the ground for which the tables hold. Slips and forces scale with the ground's own friction.
     pub mu_0: f64,
-    /// Nominal load, N.
+    /// The nominal load, N.
     pub pn: f64,
-    /// Load beyond which the forces in the contact plane grow no further, N.
+    /// The load beyond which the forces in the contact plane grow no further, N.
     pub pn_max: f64,
-    /// d1: vertical force over deflection, N/m.
+    /// The coefficient d1 of the vertical force over the deflection, N/m.
     pub vertical_stiffness: f64,
-    /// d2: vertical force over squared deflection, N/m².
+    /// The coefficient d2 of the vertical force over the squared deflection, N/m².
     #[serde(default)]
     pub vertical_stiffness_growth: f64,
-    /// N s/m.
+    /// The vertical damping, N s/m.
     pub vertical_damping: f64,
-    /// Longitudinal force over slip at zero slip, N.
+    /// The longitudinal force over the slip at zero slip, N.
     pub dfx0: [f64; 2],
-    /// Greatest longitudinal force, N.
+    /// The greatest longitudinal force, N.
     pub fxm: [f64; 2],
-    /// Slip at which it acts.
+    /// The slip at which the greatest longitudinal force acts.
     pub sxm: [f64; 2],
-    /// Longitudinal force of full sliding, N.
+    /// The longitudinal force of full sliding, N.
     pub fxs: [f64; 2],
-    /// Slip from which on the tyre slides fully.
+    /// The longitudinal slip from which on the tyre slides fully.
     pub sxs: [f64; 2],
-    /// Lateral force over slip at zero slip, N.
+    /// The lateral force over the slip at zero slip, N.
     pub dfy0: [f64; 2],
-    /// Greatest lateral force, N.
+    /// The greatest lateral force, N.
     pub fym: [f64; 2],
-    /// Slip at which it acts.
+    /// The slip at which the greatest lateral force acts.
     pub sym: [f64; 2],
-    /// Lateral force of full sliding, N.
+    /// The lateral force of full sliding, N.
     pub fys: [f64; 2],
-    /// Slip from which on the tyre slides fully.
+    /// The lateral slip from which on the tyre slides fully.
     pub sys: [f64; 2],
-    /// `nL0`: pneumatic trail over the length of the contact, at zero slip.
+    /// `nL0`: the pneumatic trail over the length of the contact, at zero slip.
     pub nl0: [f64; 2],
-    /// Lateral slip at which the trail has vanished.
+    /// The lateral slip at which the trail has vanished.
     pub sq0: [f64; 2],
-    /// Lateral slip from which on it stays so.
+    /// The lateral slip from which on the trail stays so.
     pub sqe: [f64; 2],
-    /// Longitudinal and lateral stiffness of the carcass, N/m. Relaxation lengths are `dfx0` and `dfy0` over it.
+    /// The longitudinal and the lateral stiffness of the carcass, N/m. The relaxation lengths are `dfx0` and `dfy0`
+    /// over these.
     pub carcass_stiffness: [f64; 2],
-    /// Longitudinal and lateral damping of the carcass, N s/m.
+    /// The longitudinal and the lateral damping of the carcass, N s/m.
     pub carcass_damping: [f64; 2],
 }
 
@@ -210,24 +216,24 @@ macro_rules! any_tyre {
 }
 
 impl TyreSpec {
-    /// Unloaded radius, m.
+    /// The unloaded radius, m.
     #[must_use]
     pub fn radius(&self) -> f64 {
         any_tyre!(self, t => t.radius)
     }
 
-    /// Width, m.
+    /// The width, m.
     #[must_use]
     pub fn width(&self) -> f64 {
         any_tyre!(self, t => t.width)
     }
 
-    /// Sets its width, m.
+    /// Sets the tyre's width, m.
     pub fn set_width(&mut self, width: f64) {
         any_tyre!(self, t => t.width = width);
     }
 
-    /// Rolling resistance over load; zero for a rigid tyre, which has none.
+    /// The rolling resistance over the load; it is zero for a rigid tyre, which has none.
     #[must_use]
     pub fn rolling_resistance(&self) -> f64 {
         match self {
@@ -238,8 +244,8 @@ impl TyreSpec {
         }
     }
 
-    /// Its own friction coefficient, of which and the ground's the lesser counts: one number whatever the slip. None for
-    /// models whose friction falls with slip and scales with the ground's.
+    /// The tyre's own friction coefficient, of which and the ground's the lesser counts: one number whatever the slip.
+    /// It is `None` for models whose friction falls with the slip and scales with the ground's.
     #[must_use]
     pub fn coulomb_friction(&self) -> Option<f64> {
         match self {
@@ -249,7 +255,8 @@ impl TyreSpec {
         }
     }
 
-    /// Sets what [`coulomb_friction`](Self::coulomb_friction) says; does nothing to tyres that have none.
+    /// Sets the friction coefficient that [`coulomb_friction`](Self::coulomb_friction) returns. It does nothing to
+    /// tyres that have none.
     pub fn set_coulomb_friction(&mut self, friction: f64) {
         match self {
             Self::Rigid(t) => t.friction = friction,
@@ -258,13 +265,13 @@ impl TyreSpec {
         }
     }
 
-    /// Damping of the vertical force, N s/m.
+    /// The damping of the vertical force, N s/m.
     #[must_use]
     pub fn vertical_damping(&self) -> f64 {
         any_tyre!(self, t => t.vertical_damping)
     }
 
-    /// The name of its model, as the file has it.
+    /// The name of the tyre's model, as it stands in the file.
     #[must_use]
     pub fn model(&self) -> &'static str {
         match self {

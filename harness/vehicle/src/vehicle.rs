@@ -1,4 +1,4 @@
-//! A vehicle as data. The file format is `tasks/vehicles/*.yaml`; see there for a commented example.
+//! A vehicle as data. The file format is that of `tasks/vehicles/*.yaml`; see there for a commented example.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -9,57 +9,60 @@ use crate::suspension::{SteeredBy, Steering, SteeringGear, Suspension};
 use crate::tracks::Tracks;
 use crate::tyre::TyreSpec;
 
-/// A point of the chassis frame, or relative to an axle's reference point, m.
+/// A point in the chassis frame, or relative to an axle's reference point, in chassis axes, m.
 pub type Point = [f64; 3];
 
 /// A vehicle on wheels or tracks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleSpec {
-    /// Version of this format; 1.
+    /// The version of this format, which is 1.
     pub schema: u32,
-    /// Short name.
+    /// The short name of the vehicle.
     pub name: String,
-    /// One line for people.
+    /// A description in one line, for people.
     pub description: String,
-    /// Scale of the worlds that it is made for: 1 for a full-size vehicle, 1/6 and 1/10 for small cars. A length of the
-    /// full-size world over the same length of this vehicle's world; masses and gravity are the vehicle's own.
+    /// The scale of the worlds that the vehicle is made for: a length of such a world over the same length of the
+    /// full-size world, so 1 for a full-size vehicle and 1/6 or 1/10 for small cars. Masses and gravity are the
+    /// vehicle's own.
     #[serde(default = "full_size")]
     pub scale: f64,
-    /// Where it departs from the model that it was made from, a sentence each: for people.
+    /// The deviations from the model that the vehicle was made from, a sentence each, for people.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,
-    /// Overall length, m.
+    /// The overall length, m.
     pub length: f64,
-    /// Overall width, m.
+    /// The overall width, m.
     pub width: f64,
-    /// Overall height, m.
+    /// The overall height, m.
     pub height: f64,
-    /// Top speed on flat ground, m/s.
+    /// The top speed on flat ground, m/s.
     pub max_speed: f64,
     /// The sprung body.
     pub chassis: Chassis,
-    /// Front to back.
+    /// The axles, from front to back.
     pub axles: Vec<Axle>,
     /// The driver's steering.
     pub steering: Steering,
-    /// Belts about the wheels of each side, if it is a tracked vehicle.
+    /// The belts about the wheels of each side, if it is a tracked vehicle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracks: Option<Tracks>,
     /// The tyre on all wheels, but for those of axles with a tyre of their own.
     pub tyre: TyreSpec,
-    /// Tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
+    /// The tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].
     #[serde(default)]
     pub tyres: BTreeMap<String, TyreSpec>,
-    /// Engine, gearbox and driveline.
+    /// The engine, the gearbox and the driveline.
     pub powertrain: Powertrain,
 }
 
 impl VehicleSpec {
-    /// The same vehicle on another of its tyres, or on the one that it has by the name of that one's model.
+    /// The same vehicle on another of its tyres. `name` is that of one of [`tyres`](Self::tyres), or the model's name
+    /// of the tyre that it has.
     ///
     /// # Errors
-    /// [`VehicleError::Invalid`], with the names that there are.
+    /// Returns [`VehicleError::Invalid`], which lists the names that there are, if the vehicle, or an axle with a tyre
+    /// of its own, has no tyre of this name.
     pub fn with_tyre(mut self, name: &str) -> Result<Self, VehicleError> {
         fn fit(
             file: &str,
@@ -90,7 +93,7 @@ impl VehicleSpec {
         Ok(self)
     }
 
-    /// The tyre on the wheels of an axle.
+    /// The tyre on the wheels of this axle.
     #[must_use]
     pub fn tyre_of<'a>(&'a self, axle: &'a Axle) -> &'a TyreSpec {
         axle.tyre.as_ref().unwrap_or(&self.tyre)
@@ -101,27 +104,27 @@ impl VehicleSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chassis {
-    /// kg.
+    /// The mass of the sprung body, kg.
     pub mass: f64,
-    /// Centre of mass in the chassis frame, m.
+    /// The centre of mass in the chassis frame, m.
     pub com: Point,
-    /// Principal moments about the centre of mass along the chassis axes, kg m².
+    /// The principal moments of inertia about the centre of mass, along the chassis axes x, y, z, kg m².
     pub inertia: [f64; 3],
-    /// Friction coefficient of the hull.
+    /// The friction coefficient of the hull.
     pub friction: f64,
-    /// Resistance of the air, and of what else grows with speed, as points \[speed m/s, force N\]: linear between
-    /// and constant beyond them, against the motion, at the centre of mass. None if empty.
+    /// The resistance of the air, and of what else grows with the speed, against the motion at the centre of mass, as
+    /// points \[speed m/s, force N\]: linear between them and constant beyond. There is none if the list is empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub resistance: Vec<[f64; 2]>,
-    /// Whether the faces of its wheels bear it when it lies on them: for vehicles whose wheels stand out beyond the hull,
-    /// since a tyre carries on its tread only.
+    /// Whether the faces of the wheels bear the vehicle when it lies on them: for vehicles whose wheels stand out
+    /// beyond the hull, since a tyre carries on its tread only.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub wheel_faces: bool,
-    /// Whether soil doesn't stop the hull, which then touches rigid ground and obstacles alone: as in the original, whose
-    /// soil is felt only within patches of 1.0 × 0.6 m about the wheels.
+    /// Whether the hull passes through soil, so that it touches rigid ground and obstacles alone: as in the original,
+    /// whose soil is felt only within patches of 1.0 × 0.6 m about the wheels.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub hull_passes_soil: bool,
-    /// Convex parts that touch ground and obstacles, as point clouds in the chassis frame, m.
+    /// The convex parts of the hull that touch ground and obstacles, as point clouds in the chassis frame, m.
     pub hull: Vec<Vec<Point>>,
 }
 
@@ -129,27 +132,27 @@ pub struct Chassis {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axle {
-    /// Name for people.
+    /// The name of the axle, for people.
     pub name: String,
-    /// Reference point of the hardpoints in the chassis frame, m.
+    /// The reference point of the axle's hardpoints in the chassis frame, m.
     pub position: Point,
-    /// What steers its wheels, if anything does.
+    /// The gear that steers the wheels of the axle, if anything does.
     #[serde(default)]
     pub steering: Option<SteeringGear>,
-    /// Whether the engine drives it.
+    /// Whether the engine drives the axle.
     pub driven: bool,
-    /// Unsprung mass a wheel, a beam's own left out, kg.
+    /// The unsprung mass of each wheel, without the mass of a beam, kg.
     pub unsprung_mass: f64,
-    /// Spin inertia a wheel, kg m².
+    /// The spin inertia of each wheel, kg m².
     pub spin_inertia: f64,
-    /// Greatest brake torque a wheel, N m.
+    /// The greatest brake torque of each wheel, N m.
     pub brake_torque: f64,
-    /// How the wheels are guided.
+    /// The suspension, which guides the wheels.
     pub suspension: Suspension,
-    /// The tyre on its two wheels, if it is another than the vehicle's.
+    /// The tyre on the axle's two wheels, if it is another than the vehicle's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tyre: Option<TyreSpec>,
-    /// The tyres that may be fitted to this axle instead, by name, where it has a tyre of its own.
+    /// The tyres that may be fitted to this axle instead, by name, if it has a tyre of its own.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tyres: BTreeMap<String, TyreSpec>,
 }
@@ -159,14 +162,15 @@ fn full_size() -> f64 {
 }
 
 impl VehicleSpec {
-    /// Mass of the whole vehicle, kg.
+    /// The mass of the whole vehicle, kg.
     #[must_use]
     pub fn total_mass(&self) -> f64 {
         let axle = |a: &Axle| 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass);
         self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
     }
 
-    /// Radius and width of every wheel, front to back, left before right, m; in a track without the belt around it.
+    /// The radius and the width of every wheel, front to back, left before right, m; those of a track without the belt
+    /// around it.
     #[must_use]
     pub fn wheel_sizes(&self) -> Vec<[f64; 2]> {
         let belt = self.tracks.as_ref().map_or(0.0, |t| t.thickness);
@@ -174,7 +178,7 @@ impl VehicleSpec {
         self.axles.iter().flat_map(|a| [size(a); 2]).collect()
     }
 
-    /// Whether steering commands go to the driveline instead of the wheels.
+    /// Tells whether steering commands go to the driveline instead of the wheels.
     #[must_use]
     pub fn steers_by_driveline(&self) -> bool {
         self.steering.by == SteeredBy::Differential

@@ -1,4 +1,4 @@
-//! What a world must satisfy, wherever it comes from.
+//! The conditions that a world must satisfy, wherever it comes from.
 
 use crate::{Obstacle, ObstacleKind, Semantics, Task, Terrain, World, geometry};
 use std::collections::BTreeSet;
@@ -6,15 +6,15 @@ use std::collections::BTreeSet;
 /// The part of a world that a flaw is in; each is a file on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Name, labels, grid: `world.yaml`.
+    /// The name, the labels and the grid: `world.yaml`.
     World,
-    /// Heights: `elevation.png`.
+    /// The heights: `elevation.png`.
     Elevation,
-    /// Classes and friction: `semantics.yaml`.
+    /// The classes and the friction: `semantics.yaml`.
     Semantics,
-    /// Obstacles: `obstacles.yaml`.
+    /// The obstacles: `obstacles.yaml`.
     Obstacles,
-    /// Tasks: `tasks.yaml`.
+    /// The tasks: `tasks.yaml`.
     Tasks,
 }
 
@@ -22,7 +22,7 @@ impl Part {
     /// All parts, in the order in which they are hashed.
     pub const ALL: [Self; 5] = [Self::World, Self::Elevation, Self::Semantics, Self::Obstacles, Self::Tasks];
 
-    /// Name of the file that holds the part.
+    /// The name of the file that holds the part.
     #[must_use]
     pub fn file_name(self) -> &'static str {
         match self {
@@ -35,15 +35,15 @@ impl Part {
     }
 }
 
-/// What is wrong with a world: where, and what to do.
+/// A flaw of a world: where it is, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {field}: {problem}", part.file_name())]
 pub struct Flaw {
-    /// The part.
+    /// The part in which the flaw is.
     pub part: Part,
     /// The field within the part, e.g. `tasks[2].goal`.
     pub field: String,
-    /// The value, what is wrong with it and what would be right.
+    /// The value, what is wrong with it, and what would be right.
     pub problem: String,
 }
 
@@ -76,11 +76,11 @@ pub(crate) fn check_id(id: &str) -> Result<(), String> {
 }
 
 impl World {
-    /// Checks everything that the rest of the product relies on: finite and sensible numbers, counts that agree,
+    /// Checks everything that the rest of the product relies on: finite and sensible numbers, counts that agree, and
     /// tasks that lie in the world, off its obstacles, and whose path leads from start to goal.
     ///
     /// # Errors
-    /// The first flaw found, in the order world, elevation, semantics, obstacles, tasks.
+    /// Returns the first flaw found, in the order world, elevation, semantics, obstacles, tasks.
     pub fn check(&self) -> Result<(), Flaw> {
         self.check_ground()?;
         for (k, o) in self.obstacles.iter().enumerate() {
@@ -91,8 +91,8 @@ impl World {
         self.tasks.iter().enumerate().try_for_each(|(k, task)| self.check_task(k, task, &outlines, &mut ids))
     }
 
-    /// All that [`World::check`] would find if each flaw were mended before the next: the first flaw of name, heights and
-    /// ground, and the first one of every obstacle and task.
+    /// All flaws that [`World::check`] would find if each were mended before the next: the first flaw of name, heights
+    /// and ground, and the first one of every obstacle and task.
     #[must_use]
     pub fn flaws(&self) -> Vec<Flaw> {
         let obstacles = self.obstacles.iter().enumerate();

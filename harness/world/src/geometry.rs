@@ -43,13 +43,13 @@ pub fn convex_hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     hull
 }
 
-/// Whether a convex polygon contains a point (its border counts).
+/// Tells whether a convex polygon contains a point; its border counts as inside.
 #[must_use]
 pub fn contains(polygon: &[[f64; 2]], p: [f64; 2]) -> bool {
     edges(polygon).all(|(a, b)| turn(a, b, p) >= 0.0)
 }
 
-/// Distance from a point to a segment, m.
+/// The distance from a point to a segment, m.
 #[must_use]
 pub fn point_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ab, ap) = (sub(b, a), sub(p, a));
@@ -58,7 +58,7 @@ pub fn point_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     vb_math::hypot(ap[0] - t * ab[0], ap[1] - t * ab[1])
 }
 
-/// Distance from a point to a convex polygon, m; 0 inside.
+/// The distance from a point to a convex polygon, m; it is 0 inside.
 #[must_use]
 pub fn point_to_polygon(p: [f64; 2], polygon: &[[f64; 2]]) -> f64 {
     if contains(polygon, p) {
@@ -67,7 +67,7 @@ pub fn point_to_polygon(p: [f64; 2], polygon: &[[f64; 2]]) -> f64 {
     edges(polygon).map(|(a, b)| point_to_segment(p, a, b)).fold(f64::INFINITY, f64::min)
 }
 
-/// Distance from a segment to a convex polygon, m; 0 where they touch.
+/// The distance from a segment to a convex polygon, m; it is 0 where they touch.
 #[must_use]
 pub fn segment_to_polygon(a: [f64; 2], b: [f64; 2], polygon: &[[f64; 2]]) -> f64 {
     if contains(polygon, a) || contains(polygon, b) {
@@ -88,8 +88,8 @@ pub fn segment_to_polygon(a: [f64; 2], b: [f64; 2], polygon: &[[f64; 2]]) -> f64
     least
 }
 
-/// Whether a convex polygon and an axis-aligned square (centre, half side, m) share area, by separating axes:
-/// two convex sets are apart if and only if an edge normal of one of them separates them.
+/// Tells whether a convex polygon and an axis-aligned square (centre, half side, m) share area, by separating axes: two
+/// convex sets are apart if and only if an edge normal of one of them separates them.
 #[must_use]
 pub fn overlaps_square(polygon: &[[f64; 2]], centre: [f64; 2], half: f64) -> bool {
     for k in 0..2 {

@@ -1,6 +1,6 @@
 //! The ground surface: heights on a square grid, triangulated.
 
-/// Heights on a regular grid, centred on the world origin.
+/// Heights on a regular grid, which is centred on the world's origin.
 ///
 /// Node (row, col) lies at x = (col − (cols−1)/2)·resolution, y = (row − (rows−1)/2)·resolution. Each cell is cut along the
 /// diagonal from its south-west to its north-east corner, as Chrono's height-map patches are: with u, v in [0, 1]
@@ -21,15 +21,15 @@ pub struct Heightfield {
 /// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Height, m.
+    /// The height above the world's origin, m.
     pub z: f64,
-    /// ∂z/∂x of the triangle.
+    /// The slope ∂z/∂x (towards the east) of the triangle, m/m.
     pub dzdx: f64,
-    /// ∂z/∂y of the triangle.
+    /// The slope ∂z/∂y (towards the north) of the triangle, m/m.
     pub dzdy: f64,
 }
 
-/// One triangle of the surface, for many questions about nearby points.
+/// One triangle of the surface, for many questions about points that are near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     /// South-western corner of its cell, and the height there.
@@ -41,8 +41,8 @@ pub struct Facet {
     gradient: [f64; 2],
 }
 
-/// The surface for someone who asks for heights near each other: it keeps the last cell, in which the next point mostly
-/// lies. Its heights are those of [`Heightfield::height`], bit for bit.
+/// The surface for a caller that asks for heights near each other: it keeps the last cell, in which the next point
+/// mostly lies. Its heights are those of [`Heightfield::height`], bit for bit.
 #[derive(Clone, Debug)]
 pub struct Nearby<'a> {
     field: &'a Heightfield,
@@ -55,14 +55,14 @@ pub struct Nearby<'a> {
 }
 
 impl<'a> Nearby<'a> {
-    /// Knows no cell yet.
+    /// The surface with no cell kept yet.
     #[inline]
     #[must_use]
     pub fn new(field: &'a Heightfield) -> Self {
         Self { field, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2], corners: [0.0; 4] }
     }
 
-    /// Height at (x, y), m.
+    /// The height at (x, y), m.
     #[inline]
     #[must_use]
     pub fn height(&mut self, x: f64, y: f64) -> f64 {
@@ -102,7 +102,7 @@ struct Cell {
 }
 
 impl Facet {
-    /// Height at a point, if it lies on this triangle.
+    /// The height at (x, y), m; `None` if the point doesn't lie on this triangle.
     #[inline]
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
@@ -115,7 +115,7 @@ impl Facet {
         inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
     }
 
-    /// ∂z/∂x and ∂z/∂y.
+    /// The slopes ∂z/∂x and ∂z/∂y, m/m.
     #[must_use]
     pub fn gradient(&self) -> [f64; 2] {
         self.gradient
@@ -123,11 +123,12 @@ impl Facet {
 }
 
 impl Heightfield {
-    /// A surface from row-major heights (m), row 0 in the south.
+    /// A surface from row-major heights (m) at a distance of `resolution` (m), with row 0 in the south and column 0 in
+    /// the west.
     ///
     /// # Panics
-    /// If there are fewer than 2 × 2 nodes, `heights` has another length than `rows * cols`, or `resolution` is not
-    /// positive. Data from outside is validated before it comes here.
+    /// Panics if there are fewer than 2 × 2 nodes, `heights` has another length than `rows * cols`, or `resolution` is
+    /// not positive. Data from outside is validated before it comes here.
     #[must_use]
     pub fn new(rows: usize, cols: usize, resolution: f64, heights: Vec<f64>) -> Self {
         assert!(rows >= 2 && cols >= 2 && heights.len() == rows * cols && resolution > 0.0);
@@ -144,11 +145,11 @@ impl Heightfield {
     }
 
     /// A surface from 16-bit levels as they are stored: level v stands for `low + (high − low)·(v / 65535)` with
-    /// `[low, high] = range` in metres. Row-major, row 0 in the south. An 8-bit grey g, stored as 257·g, gives
-    /// exactly g / 255 of the range, since 257·g / 65535 and g / 255 are the same fraction.
+    /// `[low, high] = range` in metres. The levels are row-major, with row 0 in the south. An 8-bit grey g, stored as
+    /// 257·g, gives exactly g / 255 of the range, since 257·g / 65535 and g / 255 are the same fraction.
     ///
     /// # Panics
-    /// As [`Heightfield::new`].
+    /// Panics as [`Heightfield::new`] does.
     #[must_use]
     pub fn from_levels(rows: usize, cols: usize, resolution: f64, range: [f64; 2], levels: &[u16]) -> Self {
         let [low, high] = range;
@@ -156,8 +157,8 @@ impl Heightfield {
         Self { level_range: Some(range), ..Self::new(rows, cols, resolution, heights) }
     }
 
-    /// The range and the nearest levels that stand for these heights. Exact for a surface from
-    /// [`Heightfield::from_levels`]; any other is rounded to 1/65535 of its own relief.
+    /// The range \[low, high\] (m) and the nearest levels that stand for these heights. They are exact for a surface
+    /// from [`Heightfield::from_levels`]; those of any other surface are rounded to 1/65535 of its own relief.
     #[must_use]
     pub fn to_levels(&self) -> ([f64; 2], Vec<u16>) {
         let range = self.level_range.unwrap_or_else(|| {
@@ -169,37 +170,37 @@ impl Heightfield {
         (range, self.heights.iter().map(|&z| level(z)).collect())
     }
 
-    /// A level surface.
+    /// A level surface at the height `z` (m).
     #[must_use]
     pub fn flat(rows: usize, cols: usize, resolution: f64, z: f64) -> Self {
         Self::new(rows, cols, resolution, vec![z; rows * cols])
     }
 
-    /// Number of node rows (south to north).
+    /// The number of node rows, from south to north.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Number of node columns (west to east).
+    /// The number of node columns, from west to east.
     #[must_use]
     pub fn cols(&self) -> usize {
         self.cols
     }
 
-    /// Distance between nodes, m.
+    /// The distance between nodes, m.
     #[must_use]
     pub fn resolution(&self) -> f64 {
         self.resolution
     }
 
-    /// Row-major heights, m.
+    /// The heights of all nodes, row-major, m.
     #[must_use]
     pub fn heights(&self) -> &[f64] {
         &self.heights
     }
 
-    /// Height of a node, m.
+    /// The height of a node, m.
     #[inline]
     #[must_use]
     pub fn node(&self, row: usize, col: usize) -> f64 {
@@ -218,19 +219,19 @@ impl Heightfield {
         self.half[1]
     }
 
-    /// Whether (x, y) lies on the surface.
+    /// Tells whether (x, y) lies on the surface.
     #[must_use]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         x.abs() <= self.half_x() && y.abs() <= self.half_y()
     }
 
-    /// Lowest and highest node, m.
+    /// The heights of the lowest and the highest node, m.
     #[must_use]
     pub fn range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &z| (lo.min(z), hi.max(z)))
     }
 
-    /// Height and gradient at (x, y). Beyond the edge the edge cell's planes are continued.
+    /// The height and the gradient at (x, y). Beyond the edge, the planes of the edge cells are continued.
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
@@ -274,7 +275,7 @@ impl Heightfield {
         [south[0], south[1], north[0], north[1]]
     }
 
-    /// The triangle at (x, y); beyond the edge the edge cell's.
+    /// The triangle at (x, y); beyond the edge, that of the edge cell.
     #[must_use]
     pub fn facet(&self, x: f64, y: f64) -> Facet {
         let c = self.cell(x, y);
@@ -290,15 +291,15 @@ impl Heightfield {
         }
     }
 
-    /// Height at (x, y), m.
+    /// The height at (x, y), m. Beyond the edge, the planes of the edge cells are continued.
     #[inline]
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> f64 {
         self.at(x, y).z
     }
 
-    /// Greatest height within the square of half side `reach` about (x, y), or an upper bound of it, m; none where
-    /// that takes more than a few nodes to tell.
+    /// The greatest height within the square of half side `reach` (m) about (x, y), or an upper bound of it, m; `None`
+    /// where it would take more than a few nodes to tell.
     #[inline]
     #[must_use]
     pub fn ceiling(&self, x: f64, y: f64, reach: f64) -> Option<f64> {
@@ -325,8 +326,9 @@ impl Heightfield {
         Some(top)
     }
 
-    /// Bounds of |∂z/∂x| and |∂z/∂y| on all triangles that reach into the square of half side `reach` about (x, y), of
-    /// which none is exceeded by as much as the rounding of its heights; none where the square goes over the edge.
+    /// Bounds of |∂z/∂x| and |∂z/∂y| on all triangles that reach into the square of half side `reach` (m) about (x, y).
+    /// The true values exceed neither of them by as much as the rounding of the heights. It is `None` where the square
+    /// goes over the edge.
     #[must_use]
     pub fn steepest(&self, x: f64, y: f64, reach: f64) -> Option<[f64; 2]> {
         let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];

@@ -1,8 +1,9 @@
 //! World model: heightfield, semantics, obstacles, tasks, and their on-disk format.
 //!
-//! World frame: origin at the world's centre, x east, y north, z up, metres, radians. Rasters are row-major with
-//! **row 0 in the south** (smallest y) and column 0 in the west, so indices grow with coordinates; image files have
-//! row 0 in the north, as one looks at them, and are flipped on reading and writing.
+//! The world frame has its origin at the world's centre, x east, y north and z up; lengths are in metres, angles in
+//! radians. Rasters are row-major with **row 0 in the south** (smallest y) and column 0 in the west, so that indices
+//! grow with coordinates; image files have row 0 in the north, as one looks at them, and are flipped on reading and
+//! writing.
 
 mod check;
 mod format;

@@ -8,21 +8,21 @@ use vb_math::rng::Stream;
 pub enum ObstacleKind {
     /// An irregular convex boulder with a flat base; `seed` fixes its vertices.
     Boulder {
-        /// Full extents along the obstacle's own x, y and z, m.
+        /// The full extents along the obstacle's own x, y and z axes, m.
         size: [f64; 3],
-        /// Chooses the vertices (see [`Obstacle::hull`]).
+        /// The seed that chooses the vertices (see [`Obstacle::hull`]).
         seed: u64,
     },
     /// An upright box.
     Box {
-        /// Full extents, m.
+        /// The full extents along the obstacle's own x, y and z axes, m.
         size: [f64; 3],
     },
     /// A tree trunk: an upright cylinder, represented by a regular prism.
     Trunk {
-        /// Trunk radius, m.
+        /// The radius of the trunk, m.
         radius: f64,
-        /// Trunk length, m.
+        /// The length of the trunk, m.
         height: f64,
     },
 }
@@ -33,16 +33,16 @@ pub enum ObstacleKind {
 /// the body reaches from z = −`buried` to z = height − `buried`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    /// Position of the centre, m.
+    /// The position of the centre along x (east), m.
     pub x: f64,
-    /// Position of the centre, m.
+    /// The position of the centre along y (north), m.
     pub y: f64,
-    /// Heading of the obstacle's own x axis, rad.
+    /// The heading of the obstacle's own x axis, rad, counter-clockwise from east.
     pub yaw: f64,
-    /// How much of its height is below the ground at its centre, m. Negative: it hangs that far above the ground;
-    /// above its height: it lies wholly below the ground at its centre.
+    /// The part of its height that is below the ground at its centre, m. If it is negative, the obstacle hangs that far
+    /// above the ground; if it is more than the height, the obstacle lies wholly below the ground at its centre.
     pub buried: f64,
-    /// Its shape.
+    /// The shape of the obstacle.
     pub kind: ObstacleKind,
 }
 
@@ -50,7 +50,7 @@ pub struct Obstacle {
 const TRUNK_SIDES: usize = 12;
 
 impl Obstacle {
-    /// Full extents along its own axes, m.
+    /// The full extents along the obstacle's own axes, m.
     #[must_use]
     pub fn size(&self) -> [f64; 3] {
         match self.kind {
@@ -59,15 +59,15 @@ impl Obstacle {
         }
     }
 
-    /// Height of the ground under its centre, m: the z of its own frame's origin.
+    /// The height of the ground under the obstacle's centre, m: the z of the origin of its own frame.
     #[must_use]
     pub fn base_z(&self, ground: &Heightfield) -> f64 {
         ground.height(self.x, self.y)
     }
 
-    /// The vertices of its convex hull in its own frame, m; every one is an extreme point, and together they touch
-    /// each side of the box of [`Obstacle::size`] that reaches from −`buried` upwards. The same fields always give
-    /// the same vertices.
+    /// The vertices of the obstacle's convex hull in its own frame, m. Every one is an extreme point, and together they
+    /// touch each side of the box of [`Obstacle::size`] that reaches from −`buried` upwards. The same fields always
+    /// give the same vertices.
     ///
     /// A box has its 8 corners. A trunk is a regular prism of 12 sides with vertices on the cylinder. A boulder has
     /// 28 vertices on a superellipsoid |x|^p + |y|^p + |z|^p = 1, cut flat below its widest part, sheared a little
@@ -83,7 +83,7 @@ impl Obstacle {
         unit.into_iter().map(|v| [v[0] * size[0], v[1] * size[1], v[2] * size[2] - self.buried]).collect()
     }
 
-    /// Its outline seen from above, buried part included: a convex polygon in world coordinates (m),
+    /// The outline of the obstacle seen from above, buried part included: a convex polygon in world coordinates (m),
     /// counter-clockwise.
     #[must_use]
     pub fn footprint(&self) -> Vec<[f64; 2]> {

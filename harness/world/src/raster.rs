@@ -3,26 +3,26 @@
 /// Values on a grid of squares, row-major, row 0 in the south, column 0 in the west.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster<T> {
-    /// Number of rows (south to north).
+    /// The number of rows, from south to north.
     pub rows: usize,
-    /// Number of columns (west to east).
+    /// The number of columns, from west to east.
     pub cols: usize,
-    /// Side of a square, m.
+    /// The side of a square, m.
     pub resolution: f64,
-    /// Centre of the square (0, 0), (x, y), m.
+    /// The centre (x, y) of the square (0, 0), m.
     pub origin: [f64; 2],
-    /// Row-major values.
+    /// The values, row-major.
     pub data: Vec<T>,
 }
 
 impl<T: Copy> Raster<T> {
-    /// Centre of a square, m.
+    /// The centre (x, y) of a square, m.
     #[must_use]
     pub fn centre(&self, row: usize, col: usize) -> [f64; 2] {
         [self.origin[0] + col as f64 * self.resolution, self.origin[1] + row as f64 * self.resolution]
     }
 
-    /// (row, col) of the square that holds (x, y); none outside. A shared edge belongs to the square in the east
+    /// The (row, col) of the square that holds (x, y); `None` outside. A shared edge belongs to the square in the east
     /// or north.
     #[must_use]
     pub fn cell(&self, x: f64, y: f64) -> Option<(usize, usize)> {
@@ -32,7 +32,7 @@ impl<T: Copy> Raster<T> {
         inside.then_some((fy as usize, fx as usize))
     }
 
-    /// Value of a square.
+    /// The value of a square.
     #[must_use]
     pub fn get(&self, row: usize, col: usize) -> T {
         self.data[row * self.cols + col]

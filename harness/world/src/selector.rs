@@ -23,42 +23,42 @@ impl fmt::Display for TaskRef {
     }
 }
 
-/// Why a selector cannot be used. Each message names the item and what there is.
+/// The reason why a selector cannot be used. Each message names the item and what there is.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SelectorError {
-    /// The text is no selector.
+    /// The text is not a selector.
     #[error("task selector: {item:?}: {problem}")]
     Syntax {
-        /// The item.
+        /// The item of the selector.
         item: String,
-        /// What is wrong with it.
+        /// The problem with the item.
         problem: String,
     },
-    /// An item names what the suite does not have.
+    /// An item names a world or task that the suite does not have.
     #[error("task selector: {item:?}: no {kind} {name:?} in suite {suite:?}; there are {known}")]
     Unknown {
-        /// The item.
+        /// The item of the selector.
         item: String,
-        /// `world` or `task`.
+        /// The kind of what it names: `world` or `task`.
         kind: &'static str,
-        /// The name.
+        /// The name that the suite does not have.
         name: String,
-        /// The suite's name.
+        /// The name of the suite.
         suite: String,
-        /// What there is.
+        /// The names that there are.
         known: String,
     },
-    /// An item chooses nothing.
+    /// An item chooses no task.
     #[error("task selector: {item:?} matches none of the {tasks} tasks of suite {suite:?}; it has {known}")]
     NoMatch {
-        /// The item.
+        /// The item of the selector.
         item: String,
-        /// Number of tasks in the suite.
+        /// The number of tasks in the suite.
         tasks: usize,
-        /// The suite's name.
+        /// The name of the suite.
         suite: String,
-        /// The levels, grounds and densities there are.
+        /// The levels, grounds and densities that there are.
         known: String,
     },
 }
@@ -106,16 +106,16 @@ impl Selector {
     /// Parses a selector.
     ///
     /// # Errors
-    /// If an item is empty or has an unknown key or value.
+    /// Returns an error if an item is empty or has an unknown key or value.
     pub fn parse(text: &str) -> Result<Self, SelectorError> {
         let items = text.split(',').map(|item| Item::parse(item.trim())).collect::<Result<_, _>>()?;
         Ok(Self { items })
     }
 
-    /// The tasks it chooses, in the order of the suite, none twice.
+    /// The tasks that the selector chooses, in the order of the suite, none twice.
     ///
     /// # Errors
-    /// If an item names a world or task that the suite does not have, or chooses nothing.
+    /// Returns an error if an item names a world or task that the suite does not have, or chooses nothing.
     pub fn select(&self, suite: &Suite) -> Result<Vec<TaskRef>, SelectorError> {
         let mut chosen: Vec<Vec<bool>> = suite.worlds().iter().map(|w| vec![false; w.tasks.len()]).collect();
         for item in &self.items {

@@ -1,34 +1,34 @@
-//! What the ground is made of: one class and one friction value a patch.
+//! The material of the ground: one class and one friction value for each patch.
 
 /// The ten semantic classes of the paper, in the original's label order (0…9).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]
 pub enum TerrainClass {
-    /// Label 0, rigid.
+    /// Clay: label 0, rigid.
     Clay = 0,
-    /// Label 1, rigid.
+    /// Concrete: label 1, rigid.
     Concrete,
-    /// Label 2, rigid.
+    /// Dirt: label 2, rigid.
     Dirt,
-    /// Label 3, rigid.
+    /// Grass: label 3, rigid.
     Grass,
-    /// Label 4, rigid.
+    /// Gravel: label 4, rigid.
     Gravel,
-    /// Label 5, rigid.
+    /// Rock: label 5, rigid.
     Rock,
-    /// Label 6, rigid.
+    /// Wood: label 6, rigid.
     Wood,
-    /// Label 7, deformable.
+    /// Mud: label 7, deformable.
     Mud,
-    /// Label 8, deformable.
+    /// Sand: label 8, deformable.
     Sand,
-    /// Label 9, deformable.
+    /// Snow: label 9, deformable.
     Snow,
 }
 
 impl TerrainClass {
-    /// All classes in label order.
+    /// All classes in the order of their labels.
     pub const ALL: [Self; 10] = [
         Self::Clay,
         Self::Concrete,
@@ -42,25 +42,25 @@ impl TerrainClass {
         Self::Snow,
     ];
 
-    /// The class with this label (0…9).
+    /// The class with this label (0…9); `None` for any other number.
     #[must_use]
     pub fn from_label(label: u8) -> Option<Self> {
         Self::ALL.get(usize::from(label)).copied()
     }
 
-    /// The label, 0…9.
+    /// The label of the class, 0…9.
     #[must_use]
     pub fn label(self) -> u8 {
         self as u8
     }
 
-    /// The name in lower case.
+    /// The name of the class, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         ["clay", "concrete", "dirt", "grass", "gravel", "rock", "wood", "mud", "sand", "snow"][self as usize]
     }
 
-    /// Whether the ground yields under a wheel (mud, sand, snow).
+    /// Tells whether the ground yields under a wheel (mud, sand, snow).
     #[must_use]
     pub fn is_deformable(self) -> bool {
         self >= Self::Mud
@@ -73,20 +73,20 @@ impl TerrainClass {
 )]
 #[serde(rename_all = "lowercase")]
 pub enum SoilLevel {
-    /// The softest.
+    /// The softest level.
     Soft,
-    /// Between.
+    /// The level between the others.
     #[default]
     Medium,
-    /// The firmest.
+    /// The firmest level.
     Hard,
 }
 
 impl SoilLevel {
-    /// All, in order.
+    /// All levels, from the softest to the firmest.
     pub const ALL: [Self; 3] = [Self::Soft, Self::Medium, Self::Hard];
 
-    /// The name in lower case.
+    /// The name of the level, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -108,7 +108,7 @@ pub struct SoilLevels {
 }
 
 impl SoilLevels {
-    /// The level of a deformable class; of a rigid class, `None`.
+    /// The level of a deformable class; `None` for a rigid class.
     #[must_use]
     pub fn of(&self, class: TerrainClass) -> Option<SoilLevel> {
         match class {
@@ -123,24 +123,24 @@ impl SoilLevels {
 /// A raster of square patches that tile the world from its south-west corner, row 0 in the south.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Semantics {
-    /// Number of patch rows (south to north).
+    /// The number of patch rows, from south to north.
     pub rows: usize,
-    /// Number of patch columns (west to east).
+    /// The number of patch columns, from west to east.
     pub cols: usize,
-    /// Side of a patch, m.
+    /// The side of a patch, m.
     pub patch: f64,
-    /// Row-major class of each patch.
+    /// The class of each patch, row-major.
     pub classes: Vec<TerrainClass>,
-    /// Row-major Coulomb friction coefficient of each patch's own surface. Deformable patches carry 0: their
+    /// The Coulomb friction coefficient of each patch's own surface, row-major. Deformable patches carry 0: their
     /// resistance comes from the soil model.
     pub friction: Vec<f64>,
-    /// Level of each deformable class.
+    /// The level of each deformable class.
     pub soil: SoilLevels,
 }
 
 impl Semantics {
-    /// Index of the patch under (x, y), positions measured from the world's centre; the nearest patch outside.
-    /// A point on a shared edge belongs to the patch in the east or north.
+    /// The index of the patch under (x, y), which are measured in m from the world's centre; outside the world, that of
+    /// the nearest patch. A point on a shared edge belongs to the patch in the east or north.
     #[inline]
     #[must_use]
     pub fn patch_index(&self, x: f64, y: f64) -> usize {
@@ -151,21 +151,21 @@ impl Semantics {
         row * self.cols + col
     }
 
-    /// Class under (x, y).
+    /// The class of the ground under (x, y).
     #[must_use]
     pub fn class_at(&self, x: f64, y: f64) -> TerrainClass {
         self.classes[self.patch_index(x, y)]
     }
 
-    /// Friction coefficient under (x, y).
+    /// The friction coefficient of the ground under (x, y).
     #[inline]
     #[must_use]
     pub fn friction_at(&self, x: f64, y: f64) -> f64 {
         self.friction[self.patch_index(x, y)]
     }
 
-    /// Mean friction coefficient of the rigid patches that reach into the square of half side `reach` about (x, y);
-    /// 0 where there are none.
+    /// The mean friction coefficient of the rigid patches that reach into the square of half side `reach` (m) about (x,
+    /// y); 0 where there are none.
     #[must_use]
     pub fn rigid_friction_around(&self, x: f64, y: f64, reach: f64) -> f64 {
         let (low, high) = (self.patch_index(x - reach, y - reach), self.patch_index(x + reach, y + reach));

@@ -1,14 +1,14 @@
 //! A navigation task: from a start to a goal along a global path.
 
-/// A planar pose.
+/// A pose in the horizontal plane of the world frame.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose2 {
-    /// m.
+    /// The position along x (east), m.
     pub x: f64,
-    /// m.
+    /// The position along y (north), m.
     pub y: f64,
-    /// Heading, rad, counter-clockwise from x.
+    /// The heading, rad, counter-clockwise from x.
     pub yaw: f64,
 }
 
@@ -16,12 +16,12 @@ pub struct Pose2 {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Task {
-    /// Name within the world, e.g. `t03`.
+    /// The name of the task within the world, e.g. `t03`.
     pub id: String,
-    /// Where the vehicle stands, at rest.
+    /// The pose at which the vehicle starts, at rest.
     pub start: Pose2,
-    /// Where it must go, (x, y), m.
+    /// The point (x, y) to which the vehicle must go, m.
     pub goal: [f64; 2],
-    /// The global path from start to goal, (x, y) waypoints, m.
+    /// The global path from the start to the goal, as waypoints (x, y), m.
     pub path: Vec<[f64; 2]>,
 }

@@ -2,23 +2,23 @@
 
 use crate::{Heightfield, Obstacle, Pose2, Raster, Semantics, SoilLevels, Task, TerrainClass, geometry};
 
-/// Elevation level of the paper.
+/// The elevation level of a world, as in the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Elevation {
-    /// 30 % of the full relief.
+    /// The relief is 30 % of the full one.
     Low,
-    /// 60 % of the full relief.
+    /// The relief is 60 % of the full one.
     Medium,
-    /// The full relief.
+    /// The relief is the full one.
     High,
 }
 
 impl Elevation {
-    /// All, in order.
+    /// All levels, in order.
     pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
 
-    /// The name in lower case.
+    /// The name of the level, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -29,23 +29,23 @@ impl Elevation {
     }
 }
 
-/// What kind of ground a world has.
+/// The kind of ground that a world has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Terrain {
-    /// Rigid classes only.
+    /// The world has rigid classes only.
     Rigid,
-    /// Deformable classes only.
+    /// The world has deformable classes only.
     Deformable,
-    /// Both.
+    /// The world has rigid and deformable classes.
     Mixed,
 }
 
 impl Terrain {
-    /// All, in order.
+    /// All kinds, in order.
     pub const ALL: [Self; 3] = [Self::Rigid, Self::Deformable, Self::Mixed];
 
-    /// The name in lower case.
+    /// The name of the kind, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -56,23 +56,23 @@ impl Terrain {
     }
 }
 
-/// Obstacle density of the paper.
+/// The obstacle density of a world, as in the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Density {
-    /// 10 boulders.
+    /// The world has 10 boulders.
     Sparse,
-    /// 20 boulders.
+    /// The world has 20 boulders.
     Medium,
-    /// 40 boulders.
+    /// The world has 40 boulders.
     Dense,
 }
 
 impl Density {
-    /// All, in order.
+    /// All densities, in order.
     pub const ALL: [Self; 3] = [Self::Sparse, Self::Medium, Self::Dense];
 
-    /// The name in lower case.
+    /// The name of the density, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -86,28 +86,29 @@ impl Density {
 /// A world at its own scale (see [`World::scaled`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
-    /// Name within the suite, e.g. `w001`.
+    /// The name of the world within the suite, e.g. `w001`.
     pub id: String,
-    /// Elevation level.
+    /// The elevation level.
     pub elevation: Elevation,
-    /// Kind of ground.
+    /// The kind of ground.
     pub terrain: Terrain,
-    /// Obstacle density.
+    /// The obstacle density.
     pub density: Density,
     /// The factor by which all lengths were multiplied: 1 for a world as stored.
     pub scale: f64,
     /// The ground surface.
     pub heightfield: Heightfield,
-    /// Classes and friction.
+    /// The classes and the friction of the ground.
     pub semantics: Semantics,
-    /// Obstacles.
+    /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// Tasks in order.
+    /// The tasks, in order.
     pub tasks: Vec<Task>,
 }
 
 impl World {
-    /// Ground of one class and, where that is rigid, one friction value over the given heights; no obstacles, no tasks.
+    /// A world whose ground is of one class and, where that is rigid, has one friction coefficient, over the given
+    /// heights; it has no obstacles and no tasks.
     #[must_use]
     pub fn uniform(id: &str, heightfield: Heightfield, class: TerrainClass, friction: f64) -> Self {
         let soft = class.is_deformable();
@@ -156,36 +157,36 @@ impl World {
         }
     }
 
-    /// Whether no patch yields under a wheel.
+    /// Tells whether no patch yields under a wheel.
     #[must_use]
     pub fn is_rigid(&self) -> bool {
         !self.semantics.classes.iter().any(|c| c.is_deformable())
     }
 
-    /// Class of the ground under (x, y).
+    /// The class of the ground under (x, y).
     #[must_use]
     pub fn class_at(&self, x: f64, y: f64) -> TerrainClass {
         self.semantics.class_at(x, y)
     }
 
-    /// Coulomb friction of the ground under (x, y).
+    /// The Coulomb friction coefficient of the ground under (x, y).
     #[must_use]
     pub fn friction_at(&self, x: f64, y: f64) -> f64 {
         self.semantics.friction_at(x, y)
     }
 
-    /// The task with this id.
+    /// The task with this id; `None` if there is none.
     #[must_use]
     pub fn task(&self, id: &str) -> Option<&Task> {
         self.tasks.iter().find(|t| t.id == id)
     }
 
-    /// Obstacle occupancy on squares of side `resolution` (m): 1 where an obstacle's footprint covers any part of
-    /// the square, else 0. The squares tile the world from its south-west corner; the last row and column may reach
-    /// beyond its edge.
+    /// The occupancy on squares of side `resolution` (m): 1 where an obstacle's footprint covers any part of the
+    /// square, else 0. The squares tile the world from its south-west corner; the last row and column may reach beyond
+    /// its edge.
     ///
     /// # Panics
-    /// If `resolution` is not positive.
+    /// Panics if `resolution` is not positive.
     #[must_use]
     pub fn occupancy(&self, resolution: f64) -> Raster<u8> {
         assert!(resolution > 0.0, "resolution {resolution} m is not positive");

@@ -2,20 +2,21 @@
 
 use serde::de::DeserializeOwned;
 
-/// What is wrong with a document.
+/// The problem with a document.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {problem}")]
 pub struct YamlError {
-    /// Path of the field, e.g. `tasks[2].goal`.
+    /// The path of the field, e.g. `tasks[2].goal`.
     pub field: String,
-    /// The value, what is wrong with it, line and column; on one line.
+    /// The value, what is wrong with it, and its line and column, on one line.
     pub problem: String,
 }
 
 /// Parses one document. A number may still be NaN or infinite: the caller checks its values.
 ///
 /// # Errors
-/// If the text is no YAML or does not have the shape of `T`; unknown fields are refused where `T` denies them.
+/// Returns an error if the text is not YAML or does not have the shape of `T`. Unknown fields are refused where `T`
+/// denies them.
 pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, YamlError> {
     let mut options = serde_yaml::Options::default();
     options.with_snippet = false;

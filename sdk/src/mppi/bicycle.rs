@@ -3,25 +3,26 @@
 use super::{LANES, Lanes, Model};
 use crate::{Observation, Vehicle, math};
 
-/// States of [`LANES`] bicycles in the plane. The reference point lies halfway between the axles.
+/// The states of [`LANES`] bicycles in the plane, in the world frame. The reference point lies halfway between the
+/// axles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BicycleState {
-    /// East, m.
+    /// The positions of the reference points along x (east), m.
     pub x: Lanes,
-    /// North, m.
+    /// The positions of the reference points along y (north), m.
     pub y: Lanes,
-    /// Cosine of the heading.
+    /// The cosines of the headings.
     pub cos: Lanes,
-    /// Sine of the heading.
+    /// The sines of the headings; the heading is counted counter-clockwise from east.
     pub sin: Lanes,
-    /// Forward speed, m/s.
+    /// The forward speeds, m/s.
     pub speed: Lanes,
-    /// Steering that the wheels have, −1 to 1.
+    /// The steering that the wheels have at present, in −1 to 1, positive to the left.
     pub steering: Lanes,
 }
 
 impl BicycleState {
-    /// All where the vehicle is.
+    /// The states in which every bicycle is where the vehicle is.
     #[must_use]
     pub fn of(o: &Observation) -> Self {
         let (sin, cos) = math::sin_cos(o.yaw);
@@ -37,22 +38,23 @@ impl BicycleState {
     }
 }
 
-/// A kinematic bicycle with the commands steering (−1 to 1, positive to the left) and speed (m/s).
+/// A kinematic bicycle. Its commands are the steering (−1 to 1, positive to the left) and the speed (m/s).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bicycle {
-    /// Curvature of the reference point's path at full lock, 1/m.
+    /// The curvature of the reference point's path at full lock, 1/m.
     pub curvature: f32,
-    /// Greatest rate of the steering, 1/s.
+    /// The greatest rate of the steering, 1/s.
     pub steer_rate: f32,
-    /// Time in which the speed nears its command, s.
+    /// The time constant with which the speed follows its command, s.
     pub lag: f32,
-    /// Greatest acceleration and deceleration, m/s².
+    /// The greatest acceleration and deceleration, m/s².
     pub acceleration: f32,
 }
 
 impl Bicycle {
-    /// The bicycle of a vehicle: its turning radius and steering rate. The vehicle's lag of half a second and 3 m/s² are
-    /// typical of a speed controller with a gain of 1 s/m; both scale with the vehicle by Froude's rule.
+    /// The bicycle with the turning radius and the steering rate of this vehicle. Its lag, half a second at full size,
+    /// and its acceleration of 3 m/s² are typical of a speed controller with a gain of 1 s/m. By Froude's rule the lag
+    /// grows with the square root of the vehicle's scale, while the acceleration is the same at any scale.
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
         Self {

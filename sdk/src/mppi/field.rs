@@ -3,7 +3,7 @@
 use super::{LANES, Lanes};
 use crate::{GridFrame, Task, math};
 
-/// Values on a square grid, looked up between four samples.
+/// Values on a square grid in the world frame, interpolated linearly between four samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     values: Vec<f32>,
@@ -14,7 +14,8 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field value(x, y) on a frame of at least 2 × 2 samples; `None` if it is smaller.
+    /// Samples `value(x, y)`, with x and y in m, on a frame of at least 2 × 2 samples. It returns `None` if the frame
+    /// is smaller.
     #[must_use]
     pub fn new(frame: GridFrame, mut value: impl FnMut(f64, f64) -> f64) -> Option<Self> {
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
@@ -32,7 +33,8 @@ impl Field {
         Some(Self { values, rows, cols, per_metre: (1.0 / frame.resolution) as f32, origin })
     }
 
-    /// Distance to the nearest obstacle or to the edge of the world, up to `reach`, m; negative beyond the edge.
+    /// The distance to the nearest obstacle or to the edge of the world, whichever is less, cut off at `reach`, m; it
+    /// is negative beyond the edge. It returns `None` if the occupancy map has fewer than 2 × 2 samples.
     #[must_use]
     pub fn clearance(task: &Task, reach: f64) -> Option<Self> {
         let (occupied, ground) = (&task.occupancy, task.elevation.frame);
@@ -63,7 +65,8 @@ impl Field {
         Some(field)
     }
 
-    /// The values at places (m), between the four samples about each; beyond the edge those of the edge.
+    /// The values at these places (m), interpolated between the four samples about each. Beyond the edge they are those
+    /// of the edge.
     #[must_use]
     pub fn at(&self, x: &Lanes, y: &Lanes) -> Lanes {
         std::array::from_fn::<f32, LANES, _>(|l| {

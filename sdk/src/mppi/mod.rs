@@ -25,12 +25,12 @@ pub use field::Field;
 use crate::math;
 use crate::rng::Rng;
 
-/// Draws that are rolled out side by side.
+/// The number of draws that are rolled out side by side.
 pub const LANES: usize = 8;
-/// One number of each of [`LANES`] draws.
+/// One number for each of [`LANES`] draws.
 pub type Lanes = [f32; LANES];
 
-/// How a vehicle moves.
+/// The way in which a vehicle moves. `C` is the number of commands.
 pub trait Model<const C: usize> {
     /// The states of [`LANES`] vehicles.
     type State: Clone;
@@ -39,46 +39,46 @@ pub trait Model<const C: usize> {
     fn step(&self, state: &mut Self::State, command: &[Lanes; C], dt: f32);
 }
 
-/// What a plan costs. Units are the cost's own; only differences between draws count.
+/// The cost of a plan. Its unit is the implementer's choice; only differences between draws count.
 pub trait Cost<State, const C: usize> {
-    /// Cost of being in these states after step `index` (from 0) with these commands.
+    /// The costs of being in these states after step `index` (from 0) with these commands.
     fn running(&self, state: &State, command: &[Lanes; C], index: usize) -> Lanes;
 
-    /// Cost of ending there.
+    /// The costs of ending in these states.
     fn terminal(&self, state: &State) -> Lanes;
 }
 
-/// How commands are drawn and weighed.
+/// The settings of drawing and weighing commands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings<const C: usize> {
-    /// Draws; rounded up to a multiple of [`LANES`].
+    /// The number of draws, which is rounded up to a multiple of [`LANES`].
     pub samples: usize,
-    /// Steps of a roll-out.
+    /// The number of steps of a roll-out.
     pub horizon: usize,
-    /// Time of a step, s.
+    /// The duration of a step, s.
     pub dt: f32,
-    /// Steps from one knot to the next.
+    /// The number of steps from one knot to the next.
     pub spacing: usize,
-    /// Standard deviation of each command at the knots.
+    /// The standard deviation of each command at the knots, in the command's unit.
     pub spread: [f32; C],
-    /// Least value of each command.
+    /// The least value of each command.
     pub low: [f32; C],
-    /// Greatest value of each command.
+    /// The greatest value of each command.
     pub high: [f32; C],
-    /// Share of the draws that the effective number of draws is led to, in (0, 1).
+    /// The share of all draws, in (0, 1), to which the temperature leads the effective number of draws.
     pub effective: f64,
 }
 
-/// What came out of weighing.
+/// The statistics of the last weighing of draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weighing {
     /// The least cost of a draw.
     pub least: f64,
     /// The mean cost of the draws.
     pub mean: f64,
-    /// Effective number of draws: (Σ w)² / Σ w² (Kish 1965).
+    /// The effective number of draws: (Σ w)² / Σ w² (Kish 1965).
     pub effective: f64,
-    /// Temperature, in units of the mean cost above the least.
+    /// The temperature, in units of the mean cost above the least.
     pub temperature: f64,
 }
 
@@ -103,7 +103,7 @@ const TEMPERATURE: [f64; 2] = [1e-3, 1e3];
 const FOLLOW: f64 = 0.5;
 
 impl<const C: usize> Mppi<C> {
-    /// A planner whose plan is `command` throughout.
+    /// A planner whose plan is `command` throughout. The `seed` determines its draws.
     #[must_use]
     pub fn new(settings: Settings<C>, command: [f32; C], seed: u64) -> Self {
         let blocks = settings.samples.div_ceil(LANES).max(1);
@@ -120,7 +120,7 @@ impl<const C: usize> Mppi<C> {
         }
     }
 
-    /// The plan after `time` seconds.
+    /// The commands that the plan has at `time` seconds from now; past its end, its last ones.
     #[must_use]
     pub fn command(&self, time: f64) -> [f64; C] {
         let at = (time / (f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64)).max(0.0);
@@ -132,14 +132,16 @@ impl<const C: usize> Mppi<C> {
         std::array::from_fn(|c| f64::from(from[c]) + part * f64::from(to[c] - from[c]))
     }
 
-    /// Moves the plan on by the time that has passed, s: what was planned for then is now. Its end stays.
+    /// Moves the plan on by the time that has passed, s: what was planned for `elapsed` seconds from now is planned for
+    /// now. The plan's last commands are kept beyond its end.
     pub fn advance(&mut self, elapsed: f64) {
         let spacing = f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64;
         let plan = (0..self.plan.len()).map(|k| self.command(k as f64 * spacing + elapsed).map(|v| v as f32));
         self.plan = plan.collect();
     }
 
-    /// Draws commands, rolls them out from `start`, and moves the plan to their weighted mean.
+    /// Draws commands, rolls them out from `start`, and moves the plan to their weighted mean. It returns the
+    /// statistics of the weighing.
     pub fn improve<M, K>(&mut self, model: &M, cost: &K, start: &M::State) -> Weighing
     where
         M: Model<C>,
@@ -155,13 +157,14 @@ impl<const C: usize> Mppi<C> {
         self.weighing
     }
 
-    /// The last roll-outs' costs, in the draws' order.
+    /// The costs of the last roll-outs, in the order of the draws.
     #[must_use]
     pub fn costs(&self) -> &[f32] {
         &self.costs
     }
 
-    /// Rolls a block of the last draws out once more and tells every state: for pictures.
+    /// Rolls a block of [`LANES`] of the last draws out once more and passes every state, the first included, to `see`:
+    /// for pictures.
     pub fn replay<M: Model<C>>(
         &self,
         block: usize,

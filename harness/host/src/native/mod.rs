@@ -42,9 +42,9 @@ const MESSAGE: usize = 64 << 10;
 /// Whether the running program is a worker when it is started as one.
 static SERVES: AtomicBool = AtomicBool::new(false);
 
-/// Serves as a worker or a compiler if the program was started as one, and returns how it is to end; nothing otherwise.
-/// A program calls it before anything else: a worker must be alone in its process. By this call the host knows that it
-/// may start the program again.
+/// Serves as a worker or a compiler if the program was started as one, and returns the code with which it is to end;
+/// otherwise it returns `None`. A program calls it before anything else: a worker must be alone in its process. By this
+/// call the host knows that it may start the program again.
 pub fn serve_as_worker() -> Option<ExitCode> {
     let argument = std::env::args_os().nth(1).unwrap_or_default();
     if argument == WORKER_ARGUMENT {
@@ -57,7 +57,7 @@ pub fn serve_as_worker() -> Option<ExitCode> {
     None
 }
 
-/// How native plugins are run and WASM is compiled.
+/// The way in which native plugins are run and WASM is compiled.
 #[derive(Clone, Debug, Default)]
 pub struct ProcessOptions {
     /// A program that begins with [`serve_as_worker`]; by default the one that is running.

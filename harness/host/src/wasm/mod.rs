@@ -30,7 +30,7 @@ pub(crate) use session::WasmSession;
 
 #[allow(missing_docs, unreachable_pub, clippy::all)]
 mod bindings {
-    //! Generated from the interface's text.
+    //! The types generated from the interface's text.
     wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_1" });
 }
 

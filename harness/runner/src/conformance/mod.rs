@@ -28,19 +28,19 @@ pub use report::{Check, Report, Verdict};
 use crate::{RunError, Soils, Vehicle};
 use course::Course;
 
-/// What is checked, and on which tasks.
+/// The things that are checked, and the tasks on which they are.
 pub struct Kit<'a> {
-    /// Loads the plugin anew: with a native one, in a fresh process.
+    /// Loads the plugin anew; a native one, in a fresh process.
     pub load: &'a (dyn Fn() -> Result<Plugin, LoadError> + Sync),
-    /// The plugin's file; none for a command.
+    /// The plugin's file; `None` for a command.
     pub file: Option<&'a Path>,
     /// The planner's parameters as the user gave them.
     pub params: &'a [(String, String)],
     /// The limits that the plugin is loaded with.
     pub limits: &'a Limits,
-    /// The suite.
+    /// The suite of the tasks.
     pub suite: &'a Suite,
-    /// Tasks of the suite, at least one; the first three are driven.
+    /// The tasks of the suite, at least one; the first three are driven.
     pub tasks: &'a [TaskRef],
     /// The vehicle.
     pub vehicle: &'a Vehicle,
@@ -50,14 +50,14 @@ pub struct Kit<'a> {
     pub rules: &'a Rules,
 }
 
-/// Why the checks couldn't be made. What the planner does wrong is none of this.
+/// The reason why the checks couldn't be made. What the planner does wrong is none of this.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum KitError {
-    /// There is no such plugin, or the machine refuses what loading it needs.
+    /// The plugin doesn't exist, or the machine refuses what loading it needs.
     #[error("{} ({})", .0, .0.code())]
     Load(LoadError),
-    /// A parameter that the planner doesn't have.
+    /// The planner doesn't have a parameter.
     #[error(transparent)]
     Param(#[from] ParamError),
     /// The tasks can't be driven.
@@ -66,15 +66,15 @@ pub enum KitError {
     /// The harness or the machine failed: nothing is known about the planner.
     #[error("the harness or the machine failed, so nothing is known about the planner: {0}")]
     Host(String),
-    /// It was cancelled.
+    /// The checks were cancelled.
     #[error("stopped before all checks were made")]
     Cancelled,
 }
 
-/// Makes all checks, and hands each to `on_check` when it is made. Setting `cancel` ends it soon.
+/// Makes all checks, and hands each to `on_check` when it is made. Setting `cancel` ends the checks soon.
 ///
 /// # Errors
-/// If they can't be made; see [`KitError`]. A check that fails is no error.
+/// Returns an error if the checks can't be made; see [`KitError`]. A check that fails is not an error.
 pub fn check(
     kit: &Kit<'_>,
     on_check: &mut (dyn FnMut(&Check) + Send),

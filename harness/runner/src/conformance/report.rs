@@ -1,26 +1,26 @@
-//! What the checks found.
+//! The findings of the checks.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 use vb_host::Metadata;
 
-/// What became of a check.
+/// The result of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The planner keeps the promise.
     Pass,
-    /// It does, but its author should look at something.
+    /// The planner keeps the promise, but its author should look at something.
     Warn,
-    /// It breaks the promise.
+    /// The planner breaks the promise.
     Fail,
-    /// It can't be told, or doesn't apply.
+    /// It can't be told whether the planner keeps the promise, or the promise doesn't apply to it.
     Skip,
 }
 
 impl Verdict {
-    /// The name in results.
+    /// The name of the verdict in results.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -35,16 +35,16 @@ impl Verdict {
 /// One promise and whether the planner keeps it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// Stable name, e.g. `determinism`.
+    /// The stable name of the check, e.g. `determinism`.
     pub name: &'static str,
-    /// What became of it.
+    /// The verdict of the check.
     pub verdict: Verdict,
-    /// What was seen: one line.
+    /// A line on what was seen.
     pub detail: String,
-    /// What to do, unless it passed: one line.
+    /// A line on what to do, unless the check passed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<&'static str>,
-    /// Figures by name, e.g. `p99_share`.
+    /// The figures by name, e.g. `p99_share`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub figures: BTreeMap<&'static str, f64>,
 }
@@ -84,20 +84,20 @@ impl Check {
 /// All checks of a planner.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// What the planner says of itself; none if it can't be loaded.
+    /// The planner's metadata; `None` if it can't be loaded.
     pub planner: Option<Metadata>,
     /// The checks in the order in which they were made.
     pub checks: Vec<Check>,
 }
 
 impl Report {
-    /// Whether no check failed.
+    /// Tells whether no check failed.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.count(Verdict::Fail) == 0
     }
 
-    /// How many checks ended so.
+    /// The number of checks that ended with this verdict.
     #[must_use]
     pub fn count(&self, verdict: Verdict) -> usize {
         self.checks.iter().filter(|check| check.verdict == verdict).count()

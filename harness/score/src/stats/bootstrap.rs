@@ -15,29 +15,29 @@ const FEWEST: usize = 1_000;
 pub struct Interval {
     /// The statistic of the sample itself.
     pub estimate: f64,
-    /// Lower end.
+    /// The lower end of the interval.
     pub low: f64,
-    /// Upper end.
+    /// The upper end of the interval.
     pub high: f64,
 }
 
-/// What a cluster adds to numerator and denominator of a ratio: for the mean over tasks, the sum of a world's values and
-/// their number.
+/// The amounts that a cluster adds to the numerator and the denominator of a ratio: for the mean over tasks, the sum of
+/// a world's values and their number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ratio {
-    /// Sum of the cluster's values.
+    /// The sum of the cluster's values.
     pub sum: f64,
-    /// Their weight, e.g. their number.
+    /// The weight of the values, e.g. their number.
     pub weight: f64,
 }
 
-/// Bias-corrected and accelerated bootstrap interval (Efron 1987; Efron and Tibshirani 1993, section 14.3) of a statistic
-/// of `clusters` clusters, which are drawn whole, with replacement (Davison and Hinkley 1997, section 3.8, method 1).
-/// `statistic` gets the drawn clusters' indices; where it is none – nothing to average – that draw is left out.
-/// `confidence` is 0.95 for an interval of 95 %. `labels` name the random stream.
+/// The bias-corrected and accelerated bootstrap interval (Efron 1987; Efron and Tibshirani 1993, section 14.3) of a
+/// statistic of `clusters` clusters, which are drawn whole, with replacement (Davison and Hinkley 1997, section 3.8,
+/// method 1). `statistic` gets the indices of the drawn clusters; if it returns `None` – as there is nothing to average
+/// – that draw is left out. `confidence` is 0.95 for an interval of 95 %. `labels` name the random stream.
 ///
-/// With fewer than two clusters nothing is known about the spread: `None`. So it is if the statistic of the sample itself
-/// is none.
+/// With fewer than two clusters nothing is known about the spread, and the result is `None`. It is `None` too if the
+/// statistic of the sample itself is.
 #[must_use]
 pub fn bootstrap(
     clusters: usize,
@@ -61,7 +61,7 @@ pub fn bootstrap(
     Some(interval(estimate, draws, &left_out.unwrap_or_default(), confidence))
 }
 
-/// [`bootstrap`] of Σ sum / Σ weight, at 95 %; clusters without weight don't count.
+/// The [`bootstrap`] interval of Σ sum / Σ weight, at 95 %. Clusters without weight don't count.
 #[must_use]
 pub fn bootstrap_ratio(clusters: &[Ratio], seed: u64, labels: &[&str]) -> Option<Interval> {
     let clusters: Vec<Ratio> = clusters.iter().copied().filter(|c| c.weight > 0.0).collect();

@@ -61,10 +61,10 @@ impl Running {
 /// The 97.5 % point of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// 95 % score interval of a rate after `successes` in `trials` (Wilson 1927; Brown, Cai, DasGupta 2001, eq. 4):
-/// (lower, upper) in [0, 1]. It takes the trials as independent; tasks in one world are less than that.
+/// The 95 % score interval (lower, upper), in [0, 1], of a rate after `successes` in `trials` (Wilson 1927; Brown, Cai,
+/// DasGupta 2001, eq. 4). It takes the trials as independent; tasks in one world are less than that.
 ///
-/// `None` without trials.
+/// It returns `None` if there are no trials.
 #[must_use]
 pub fn wilson(successes: u64, trials: u64) -> Option<(f64, f64)> {
     if trials == 0 {

@@ -1,12 +1,13 @@
 //! The standard normal distribution.
 
-/// P(Z ≤ x), by the complementary error function (Abramowitz and Stegun 1964, 26.2.29).
+/// The probability P(Z ≤ x) of a standard normal Z, by the complementary error function (Abramowitz and Stegun 1964,
+/// 26.2.29).
 #[must_use]
 pub fn normal_cdf(x: f64) -> f64 {
     0.5 * vb_math::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The x with P(Z ≤ x) = `p`: −∞ for p ≤ 0, +∞ for p ≥ 1.
+/// The x with P(Z ≤ x) = `p` for a standard normal Z: −∞ for p ≤ 0, +∞ for p ≥ 1.
 #[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     if p <= 0.0 {

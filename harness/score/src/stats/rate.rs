@@ -3,10 +3,10 @@
 use super::bootstrap::{Interval, Ratio, bootstrap_ratio};
 use super::wilson;
 
-/// Seed of the resampling: figures of the same tasks are the same figures.
+/// The seed of the resampling, so that the figures of the same tasks are always the same.
 pub const BOOTSTRAP_SEED: u64 = 0;
 
-/// The 95 % interval of a success rate, of the successes (`sum`) and tasks (`weight`) of each world.
+/// The 95 % interval of a success rate, from the successes (`sum`) and tasks (`weight`) of each world.
 ///
 /// Tasks of a world succeed and fail together, so worlds are drawn whole ([`bootstrap_ratio`]): an interval that takes tasks as
 /// independent is too narrow, the more so the more tasks a world has. Where all tasks of all worlds succeed, or none, there is

@@ -18,21 +18,23 @@ pub struct WheelStand {
     clearance: Clearance,
     facets: FacetPatches,
     patch: Patch,
-    /// Centre of the wheel, m.
+    /// The centre of the wheel, m.
     pub hub: V3,
-    /// Of the centre, m/s.
+    /// The velocity of the centre, m/s.
     pub velocity: V3,
-    /// rad/s, positive rolling along x.
+    /// The spin, rad/s, positive when rolling along x.
     pub spin: f64,
-    /// Sum of the contacts' normal forces in the last step, N.
+    /// The sum of the contacts' normal forces in the last step, N.
     pub load: f64,
-    /// Moment of the contacts about the axle in the last step, N m: what resists a wheel that is driven along x is negative.
+    /// The moment of the contacts about the axle in the last step, N m. What resists a wheel that is driven along x is
+    /// negative.
     pub moment: f64,
 }
 
 impl WheelStand {
-    /// A wheel at rest with its centre at the origin. `mass`: what moves with the hub along x and along z, kg, which differ where
-    /// a spring lets the wheel rise without the vehicle. `spin_inertia`: kg m². `step`: s.
+    /// A wheel at rest with its centre at the origin. `mass` is what moves with the hub along x and along z, kg; the
+    /// two differ where a spring lets the wheel rise without the vehicle. `spin_inertia` is in kg m², and `step` is the
+    /// time step, s.
     #[must_use]
     pub fn new(tyre: &TyreSpec, mass: [f64; 2], spin_inertia: f64, step: f64) -> Self {
         Self {
@@ -52,8 +54,9 @@ impl WheelStand {
         }
     }
 
-    /// Advances by one step under a force along x and z at the hub (N), the weight included, on ground of a friction. A
-    /// wheel that is `held` keeps its spin whatever torque it takes; else it turns freely.
+    /// Advances the wheel by one step under a force along x and z at the hub (N), which includes the weight, on ground
+    /// of this friction coefficient. A wheel that is `held` keeps its spin whatever torque it takes; otherwise it turns
+    /// freely.
     pub fn advance(&mut self, ground: &Heightfield, friction: f64, force: [f64; 2], held: bool) {
         let axis = V3::y();
         let motion = WheelMotion {

@@ -24,18 +24,18 @@ struct Coupling {
     inertia: f64,
 }
 
-/// What the engine and its shafts do.
+/// The state of the engine and its shafts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveState {
-    /// Gear, from 1.
+    /// The gear, counted from 1.
     pub gear: usize,
-    /// Speed of the engine, rad/s.
+    /// The speed of the engine, rad/s.
     pub engine_speed: f64,
-    /// Torque of the engine, N m; negative when it drags.
+    /// The torque of the engine, N m; negative when it drags.
     pub engine_torque: f64,
-    /// Speed of the gearbox' output shaft, rad/s.
+    /// The speed of the gearbox' output shaft, rad/s.
     pub shaft_speed: f64,
-    /// Torque on the gearbox' output shaft, N m.
+    /// The torque on the gearbox' output shaft, N m.
     pub shaft_torque: f64,
 }
 

@@ -41,7 +41,7 @@ impl SoilGround {
     /// The soil of a world, with its memory at a resolution (m).
     ///
     /// # Errors
-    /// [`SimError::NoSoil`] if a class of the world has no soil in the set.
+    /// Returns [`SimError::NoSoil`] if a class of the world has no soil in the set.
     pub(crate) fn new(world: &World, set: &SoilSet, resolution: f64) -> Result<Self, SimError> {
         let s = &world.semantics;
         let mut soils: Vec<Soil> = Vec::new();

@@ -13,47 +13,47 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilLaw {
-    /// Frictional modulus k_φ, N/m^(n+2).
+    /// The frictional modulus k_φ, N/m^(n+2).
     pub k_phi: f64,
-    /// Cohesive modulus k_c, N/m^(n+1).
+    /// The cohesive modulus k_c, N/m^(n+1).
     pub k_c: f64,
-    /// Exponent n of sinkage.
+    /// The exponent n of the sinkage.
     pub n: f64,
-    /// Cohesion c, Pa.
+    /// The cohesion c, Pa.
     pub cohesion: f64,
-    /// Angle of internal friction φ, degrees.
+    /// The angle of internal friction φ, degrees.
     pub friction_angle_deg: f64,
-    /// Shear deformation modulus K of Janosi and Hanamoto, m.
+    /// The shear deformation modulus K of Janosi and Hanamoto, m.
     pub shear_modulus: f64,
-    /// Stiffness of unloading and reloading, Pa/m.
+    /// The stiffness of unloading and reloading, Pa/m.
     pub elastic_stiffness: f64,
-    /// Pressure per speed of penetration, Pa s/m.
+    /// The pressure per speed of penetration, Pa s/m.
     pub damping: f64,
-    /// Which way the pressure acts on a wheel.
+    /// The direction in which the pressure acts on a wheel.
     pub pressure: PressureDirection,
-    /// What becomes of displaced soil; left out, it vanishes.
+    /// The heaping of displaced soil. If it is left out, displaced soil vanishes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bulldozing: Option<Bulldozing>,
 }
 
-/// Which way the pressure of the soil acts on a wheel.
+/// The direction in which the pressure of the soil acts on a wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PressureDirection {
-    /// Normal to the rim, towards the axle, as in the theory of rigid wheels (Wong and Reece 1967): its horizontal
-    /// part is the resistance to compaction.
+    /// The pressure acts normal to the rim, towards the axle, as in the theory of rigid wheels (Wong and Reece 1967):
+    /// its horizontal part is the resistance to compaction.
     Radial,
-    /// Normal to the undisturbed ground, as in Chrono's soil contact model.
+    /// The pressure acts normal to the undisturbed ground, as in Chrono's soil contact model.
     Ground,
 }
 
-/// Displaced soil is heaped up around the footprint.
+/// The heaping of displaced soil around the footprint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bulldozing {
-    /// Slope at which a heap begins to slide, degrees.
+    /// The slope at which a heap begins to slide, degrees.
     pub erosion_angle_deg: f64,
-    /// Share of the displaced volume that is heaped up; the rest is compaction.
+    /// The share of the displaced volume that is heaped up; the rest is compaction.
     pub flow: f64,
 }
 
@@ -108,7 +108,8 @@ impl SoilLaw {
         }
     }
 
-    /// Pressure (Pa) under a plate of smaller dimension `breadth` (m) at a sinkage (m) that was never exceeded.
+    /// The pressure (Pa) under a plate whose smaller dimension is `breadth` (m), at a sinkage (m) that was never
+    /// exceeded.
     #[must_use]
     pub fn pressure(&self, sinkage: f64, breadth: f64) -> f64 {
         (self.k_c / breadth + self.k_phi) * vb_math::pow(sinkage.max(0.0), self.n)

@@ -11,38 +11,38 @@ use vb_world::Heightfield;
 /// A rigid wheel that a carriage pulls over level soil under a given load, at a given speed and slip ratio.
 #[derive(Clone, Debug)]
 pub struct WheelRig {
-    /// Radius of the wheel, m.
+    /// The radius of the wheel, m.
     pub radius: f64,
-    /// Width of the wheel, m.
+    /// The width of the wheel, m.
     pub width: f64,
-    /// Weight on the wheel, N.
+    /// The weight on the wheel, N.
     pub load: f64,
-    /// Speed of the carriage, m/s.
+    /// The speed of the carriage, m/s.
     pub speed: f64,
-    /// Step, s.
+    /// The time step, s.
     pub step: f64,
-    /// Side of the cells of the soil's memory, m.
+    /// The side of the cells of the soil's memory, m.
     pub resolution: f64,
 }
 
-/// What a wheel in a soil bin shows once it runs steadily: means over the last part of its way.
+/// The behaviour of a wheel in a soil bin once it runs steadily: means over the last part of its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelBehaviour {
-    /// Depth of the rim's lowest point below the undisturbed surface, m.
+    /// The depth of the rim's lowest point below the undisturbed surface, m.
     pub sinkage: f64,
-    /// Horizontal force on the carriage, positive when the wheel pulls, N.
+    /// The horizontal force on the carriage, N, positive when the wheel pulls.
     pub drawbar: f64,
-    /// Resistance to compaction: the horizontal part of the pressure, N.
+    /// The resistance to compaction, N: the horizontal part of the pressure.
     pub compaction: f64,
-    /// Torque on the axle that keeps the wheel turning, N m.
+    /// The torque on the axle that keeps the wheel turning, N m.
     pub torque: f64,
-    /// Smallest and greatest load of the soil on the wheel, N.
+    /// The smallest and the greatest load of the soil on the wheel, N.
     pub load_range: [f64; 2],
 }
 
 impl WheelRig {
-    /// Runs on fresh soil with slip ratio s = 1 − v/(ωr) for s ≥ 0, ωr/v − 1 for s < 0 (braked), then `passes` − 1
-    /// more times in the same rut; returns the last pass.
+    /// Runs the wheel on fresh soil with the slip ratio s = 1 − v/(ωr) for s ≥ 0, and ωr/v − 1 for s < 0 (braked), then
+    /// `passes` − 1 more times in the same rut. It returns the behaviour in the last pass.
     #[must_use]
     pub fn run(&self, law: &SoilLaw, slip: f64, passes: u32) -> WheelBehaviour {
         let surface = Heightfield::flat(3, 41, 1.0, 0.0);

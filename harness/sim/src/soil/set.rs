@@ -7,24 +7,24 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use vb_world::{SoilLevel, TerrainClass};
 
-/// Named soils, and which of them each deformable class is made of at each level. The default has none: rigid worlds
-/// need none.
+/// Named soils, and which of them each deformable class is made of at each level. The default has no soils: rigid
+/// worlds need none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilSet {
-    /// Version of this format; 1.
+    /// The version of this format, which is 1.
     pub schema: u32,
-    /// Short name.
+    /// The short name of the set.
     pub name: String,
-    /// One line for people.
+    /// A description in one line, for people.
     pub description: String,
     /// The soils by name.
     pub soils: BTreeMap<String, SoilLaw>,
-    /// Names of the soils of mud, sand and snow.
+    /// The names of the soils of mud, sand and snow.
     pub classes: Classes,
 }
 
-/// Names of the soils of the deformable classes.
+/// The names of the soils of the deformable classes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the classes of the paper")]
@@ -34,7 +34,7 @@ pub struct Classes {
     pub snow: Levels,
 }
 
-/// Names of a class's soils.
+/// The names of a class's soils.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "the levels of the paper")]
@@ -58,17 +58,18 @@ impl SoilSet {
     /// Reads and validates a soil file.
     ///
     /// # Errors
-    /// [`SimError::SoilsUnreadable`] or [`SimError::SoilsInvalid`], which name the file, the field and the value.
+    /// Returns [`SimError::SoilsUnreadable`] or [`SimError::SoilsInvalid`], which name the file, the field and the
+    /// value.
     pub fn load(path: &Path) -> Result<Self, SimError> {
         let text = vb_files::read_text(path, vb_files::DOCUMENT)
             .map_err(|e| SimError::SoilsUnreadable { path: path.to_owned(), reason: e.to_string() })?;
         Self::parse(&text, &path.display().to_string())
     }
 
-    /// Parses and validates the text of a soil file; `file` names it in messages.
+    /// Parses and validates the text of a soil file. `file` is its name in messages.
     ///
     /// # Errors
-    /// [`SimError::SoilsInvalid`].
+    /// Returns [`SimError::SoilsInvalid`], which names the field and the value.
     pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
         let invalid =
             |field: String, reason: String| SimError::SoilsInvalid { file: file.to_owned(), field, reason };
@@ -77,7 +78,7 @@ impl SoilSet {
         Ok(set)
     }
 
-    /// The soil of a deformable class at a level; none for a rigid class.
+    /// The soil of a deformable class at a level; `None` for a rigid class.
     #[must_use]
     pub fn law(&self, class: TerrainClass, level: SoilLevel) -> Option<&SoilLaw> {
         self.soils.get(self.levels(class)?.of(level))

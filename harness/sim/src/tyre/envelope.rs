@@ -24,7 +24,7 @@ const DENSITY: f64 = 0.3;
 /// Farthest station over the radius.
 const REACH: f64 = 0.97;
 
-/// Enveloping contact of a tyre with a heightfield.
+/// The enveloping contact of a tyre with a heightfield.
 ///
 /// The disc is sampled at stations along two strips, dense at the bottom. The overlap of disc and ground gives an area,
 /// which the segment of a disc on flat ground relates to a radial deflection. The tyre presses back from the overlap's
@@ -135,7 +135,7 @@ impl Clearance {
 }
 
 impl Envelope {
-    /// For a tyre's radius and width, m.
+    /// The contact of a tyre of this radius and width, m.
     #[must_use]
     pub fn new(radius: f64, width: f64) -> Self {
         let r = radius;
@@ -166,7 +166,8 @@ impl Envelope {
         self.radius
     }
 
-    /// The contact of a wheel with centre `hub` and axle direction `axis` (unit, to the left), if it touches.
+    /// The contact of a wheel with its centre at `hub` (m, world frame) and the axle direction `axis` (a unit vector to
+    /// the left); `None` if it doesn't touch.
     #[must_use]
     pub fn query(&self, ground: &Heightfield, hub: &V3, axis: &V3) -> Option<Contact> {
         self.query_where(ground, hub, axis, &mut Clearance::default(), |_, _| 1.0)

@@ -28,11 +28,11 @@ use vb_vehicle::TyreSpec;
 /// A wheel's contact with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Where the force acts, world, m.
+    /// The point at which the force acts, in the world frame, m.
     pub point: V3,
-    /// Out of the ground.
+    /// The unit normal out of the ground, in the world frame.
     pub normal: V3,
-    /// Radial deflection, m, > 0.
+    /// The radial deflection, m, > 0.
     pub depth: f64,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct Reaction {
     pub(crate) spin_moment: f64,
 }
 
-/// A tyre ready to be simulated or sampled.
+/// A tyre that is ready to be simulated or sampled.
 #[derive(Clone, Debug)]
 pub struct Tyre {
     envelope: Envelope,
@@ -81,7 +81,7 @@ enum Model {
 }
 
 impl Tyre {
-    /// From its data.
+    /// The tyre with these data.
     #[must_use]
     pub fn new(spec: &TyreSpec) -> Self {
         // How much of the deflection a wheel rolls on less than its free radius: none of a hard one's, a third
@@ -114,7 +114,7 @@ impl Tyre {
         self.damping
     }
 
-    /// Radial force of a deflection at rest, N; both ≥ 0.
+    /// The radial force of a deflection (m) at rest, N; both are ≥ 0.
     #[must_use]
     pub fn vertical_force(&self, deflection: f64) -> f64 {
         match &self.model {

@@ -6,7 +6,7 @@ const STILL: f64 = 1e-9;
 /// The state of a contact: how far the tyre has been dragged over the ground under the hub.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Patch {
-    /// Longitudinal and lateral deflection, m.
+    /// The longitudinal and the lateral deflection, m.
     pub deflection: [f64; 2],
 }
 

@@ -1,22 +1,22 @@
-//! A tyre's steady characteristics, for plots and checks.
+//! The steady characteristics of a tyre, for plots and checks.
 
 use super::patch::Slide;
 use super::{Model, Tyre};
 use vb_math::tan;
 
-/// Force and moment of a tyre that rolls steadily, ISO axes of the contact: x forward, y left, z up.
+/// The force and the moment of a tyre that rolls steadily, in ISO axes of the contact: x forward, y left, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SteadyForce {
-    /// F_x, N.
+    /// The longitudinal force F_x, N.
     pub longitudinal: f64,
-    /// F_y, N.
+    /// The lateral force F_y, N.
     pub lateral: f64,
-    /// M_z, N m; zero for models without one.
+    /// The aligning moment M_z, N m; zero for models without one.
     pub aligning: f64,
 }
 
 impl Tyre {
-    /// The deflection at which the radial force is `load` (N, ≥ 0), m; at most the radius.
+    /// The deflection at which the radial force is `load` (N, ≥ 0), m. It is at most the radius.
     #[must_use]
     pub fn deflection(&self, load: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.envelope.radius());
@@ -27,11 +27,12 @@ impl Tyre {
         0.5 * (low + high)
     }
 
-    /// What the tyre does at a steady slip.
+    /// The force and the moment of the tyre at a steady slip.
     ///
-    /// `load`: normal force, N. `slip`: longitudinal slip κ = (ω R_e − v_x)/v_x, −1 locked. `slip_angle`:
-    /// α = atan(v_y/v_x), rad, below a right angle. `friction`: of the ground. Driven at 10 m/s, where no model's
-    /// measures for standstill act. Zero where load or friction is not positive.
+    /// `load` is the normal force, N. `slip` is the longitudinal slip κ = (ω R_e − v_x)/v_x, which is −1 for a locked
+    /// wheel. `slip_angle` is α = atan(v_y/v_x), rad, less than a right angle in size. `friction` is the coefficient of
+    /// the ground. The wheel is driven at 10 m/s, where no model's measures for standstill act. The result is zero
+    /// where load or friction is not positive.
     #[must_use]
     pub fn steady_force(&self, load: f64, slip: f64, slip_angle: f64, friction: f64) -> SteadyForce {
         if load <= 0.0 || friction <= 0.0 {
@@ -65,8 +66,8 @@ impl Tyre {
         SteadyForce { longitudinal: force[0], lateral: force[1], aligning }
     }
 
-    /// Samples for a plot: for each load (N), in their order, the steady forces over `points`, pairs of longitudinal
-    /// slip and slip angle (rad); see [`Tyre::steady_force`].
+    /// Samples for a plot: for each load (N), in their order, the steady forces over `points`, which are pairs of
+    /// longitudinal slip and slip angle (rad); see [`Tyre::steady_force`].
     #[must_use]
     pub fn sample(&self, loads: &[f64], points: &[(f64, f64)], friction: f64) -> Vec<Vec<SteadyForce>> {
         let curve =

@@ -6,7 +6,7 @@ use vb_score::Outcome;
 
 use super::rank::{Board, Ranked};
 
-/// Version of the layout of `leaderboard.json`.
+/// The version of the layout of `leaderboard.json`.
 pub const LEADERBOARD_SCHEMA: u32 = 1;
 
 pub(super) fn document(title: &str, boards: &[Board]) -> Value {

@@ -15,17 +15,17 @@ use crate::verdict::{VERIFICATION_SCHEMA, Verification};
 /// An accepted submission.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Name of its folder, and of that of its pages.
+    /// The name of the entry's folder, and of that of its pages.
     pub id: String,
-    /// Its folder.
+    /// The entry's folder.
     pub dir: PathBuf,
-    /// Its manifest, without tasks and files.
+    /// The entry's manifest, without tasks and files.
     pub manifest: Manifest,
-    /// The verdict.
+    /// The verdict on the entry.
     pub verification: Verification,
-    /// Figures over all tasks.
+    /// The figures over all tasks.
     pub figures: Figures,
-    /// Scores on the hidden suite, if the owner had it evaluated.
+    /// The scores on the hidden suite, if the owner had the entry evaluated.
     pub holdout: Option<Scores>,
 }
 

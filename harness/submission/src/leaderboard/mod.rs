@@ -27,11 +27,11 @@ const DATA: &str = "leaderboard.json";
 /// Folder of the entries' pages.
 const ENTRIES: &str = "entries";
 
-/// Makes pages of replays: of the tasks of an entry's run (read from its folder) into a folder, as `WORLD/TASK.html`. Returns
-/// the tasks that it made pages of.
+/// A function that makes pages of replays: of the tasks of an entry's run (read from its folder) into a folder, as
+/// `WORLD/TASK.html`. It returns the tasks that it made pages of.
 pub type ReplayMaker<'a> = dyn FnMut(&Entry, &Runs, &Path) -> Result<BTreeSet<String>, SubmissionError> + 'a;
 
-/// What was built.
+/// The site that was built.
 #[derive(Clone, Debug)]
 pub struct Site {
     /// The boards, each with its entries in order.
@@ -40,12 +40,12 @@ pub struct Site {
     pub files: Vec<PathBuf>,
 }
 
-/// Builds the site of the submissions in `dir`, a folder each, in `out`. That must be empty or hold such a site, which is
-/// replaced. `title` is what the site is called.
+/// Builds the site of the submissions in `dir`, which has a folder for each, in `out`. That must be empty or hold such
+/// a site, which is replaced. `title` is the name of the site.
 ///
 /// # Errors
-/// If a folder holds no verified submission, a plugin was submitted twice under the same conditions, or something can't be
-/// read or written. Nothing is written before all entries were looked at.
+/// Returns an error if a folder holds no verified submission, a plugin was submitted twice under the same conditions,
+/// or something can't be read or written. Nothing is written before all entries were looked at.
 pub fn build(
     dir: &Path,
     out: &Path,

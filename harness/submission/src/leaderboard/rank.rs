@@ -1,4 +1,4 @@
-//! Who comes before whom, and who can't be told apart.
+//! The order of entries, and which of them can't be told apart.
 
 use vb_report::statistics::Interval;
 use vb_report::{Comparison, Estimate, Measure, Runs};
@@ -12,18 +12,18 @@ use crate::files::RUN;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RankedBy {
-    /// Those on the board's suite, which everybody has.
+    /// The entries are ranked by the results on the board's suite, which everybody has.
     Suite,
-    /// The scores on the owner's hidden suite, which all entries have.
+    /// The entries are ranked by the scores on the owner's hidden suite, which all entries have.
     Holdout,
 }
 
 /// Entries under the same conditions, best first.
 #[derive(Clone, Debug)]
 pub struct Board {
-    /// Where they are listed.
+    /// The division in which the entries are listed.
     pub division: Division,
-    /// By which results they are ranked.
+    /// The results by which the entries are ranked.
     pub ranked_by: RankedBy,
     /// The entries, at least one.
     pub entries: Vec<Ranked>,
@@ -36,9 +36,10 @@ pub struct Ranked {
     pub entry: Entry,
     /// One more than the number of entries that are better for certain than the first of this rank.
     pub rank: usize,
-    /// Whether others share the rank.
+    /// Whether other entries share the rank.
     pub tied: bool,
-    /// Success rate less that of the first of this rank, with its interval over worlds; none for that one itself.
+    /// The success rate less that of the first entry of this rank, with its interval over worlds; `None` for that first
+    /// entry itself.
     pub behind: Option<Estimate>,
 }
 

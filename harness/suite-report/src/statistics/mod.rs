@@ -1,4 +1,4 @@
-//! What a suite holds, in figures: by world, and over all worlds of a level, a class or a density.
+//! The content of a suite in figures: by world, and over all worlds of a level, a class or a density.
 
 mod summary;
 pub mod tables;
@@ -17,16 +17,16 @@ use std::collections::BTreeMap;
 use summary::Tally;
 use vb_world::{Density, Elevation, Provenance, SoilLevel, Suite, SuiteError, Terrain, TerrainClass, World};
 
-/// Number of worlds with one choice of labels.
+/// The number of worlds with one choice of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Cell {
-    /// Elevation level.
+    /// The elevation level.
     pub elevation: Elevation,
-    /// Kind of ground.
+    /// The kind of ground.
     pub terrain: Terrain,
-    /// Obstacle density.
+    /// The obstacle density.
     pub density: Density,
-    /// Worlds so labelled.
+    /// The number of worlds with these labels.
     pub worlds: usize,
 }
 
@@ -35,15 +35,15 @@ pub struct Cell {
 pub struct Relief {
     /// The level.
     pub elevation: Elevation,
-    /// Standard deviation of height within a world, over worlds, m.
+    /// The standard deviation of the height within a world, over worlds, m.
     pub height_std: Summary,
-    /// Highest above lowest node of a world, over worlds, m.
+    /// The height of the highest above the lowest node of a world, over worlds, m.
     pub relief: Summary,
-    /// Slopes of all worlds together.
+    /// The slopes of all worlds together, degrees.
     pub slopes: Slopes,
-    /// Heights about their world's mean, all worlds together, bins in m.
+    /// The heights about their world's mean, all worlds together, with bins in m.
     pub heights: Histogram,
-    /// Slopes of all worlds together, bins in degrees.
+    /// The slopes of all worlds together, with bins in degrees.
     pub slope_histogram: Histogram,
 }
 
@@ -52,26 +52,26 @@ pub struct Relief {
 pub struct ClassFigures {
     /// The class.
     pub class: TerrainClass,
-    /// Share of the area of all worlds, 0 to 1.
+    /// The share of the area of all worlds, 0 to 1.
     pub fraction: f64,
-    /// Worlds in which it occurs.
+    /// The number of worlds in which the class occurs.
     pub worlds: usize,
-    /// Friction, weighted by area; none where the ground yields.
+    /// The friction, weighted by area; `None` where the ground yields.
     pub friction: Option<Weighted>,
-    /// Worlds in which it is soft, medium, hard; none where it is rigid.
+    /// The numbers of worlds in which the class is soft, medium and hard; `None` where it is rigid.
     pub soil: Option<[usize; 3]>,
 }
 
 /// A value over an area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Weighted {
-    /// Mean over the area.
+    /// The mean over the area.
     pub mean: f64,
-    /// Standard deviation over the area.
+    /// The standard deviation over the area.
     pub std: f64,
-    /// The least.
+    /// The least value.
     pub min: f64,
-    /// The greatest.
+    /// The greatest value.
     pub max: f64,
 }
 
@@ -80,72 +80,72 @@ pub struct Weighted {
 pub struct ObstacleFigures {
     /// The density.
     pub density: Density,
-    /// Worlds of this density.
+    /// The number of worlds of this density.
     pub worlds: usize,
-    /// All obstacles of them.
+    /// The numbers of all obstacles in these worlds, by kind.
     pub kinds: Kinds,
-    /// Obstacles in a world.
+    /// The number of obstacles in a world.
     pub per_world: Summary,
-    /// Greater horizontal extent of a boulder or box, m; none without them.
+    /// The greater horizontal extent of a boulder or box, m; `None` if there are none.
     pub width: Option<Summary>,
-    /// Height of a boulder or box above the ground at its centre, m; none without them.
+    /// The height of a boulder or box above the ground at its centre, m; `None` if there are none.
     pub height: Option<Summary>,
-    /// Share of the area under obstacles, over worlds, 0 to 1.
+    /// The share of the area under obstacles, over worlds, 0 to 1.
     pub covered: Summary,
 }
 
 /// The tasks of some worlds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskFigures {
-    /// Straight distance from start to goal, m.
+    /// The straight distance from start to goal, m.
     pub straight: Summary,
-    /// Length of the path, m.
+    /// The length of the path, m.
     pub length: Summary,
-    /// Length over straight distance.
+    /// The length over the straight distance.
     pub ratio: Summary,
-    /// Least distance from a path to an obstacle, m; none without obstacles.
+    /// The least distance from a path to an obstacle, m; `None` if there are no obstacles.
     pub clearance: Option<Summary>,
-    /// Sum of all rises along a path, m.
+    /// The sum of all rises along a path, m.
     pub ascent: Summary,
-    /// Greatest grade along a path, degrees.
+    /// The greatest grade along a path, degrees.
     pub steepest: Summary,
-    /// Lengths, bins in m.
+    /// The lengths of the paths, with bins in m.
     pub lengths: Histogram,
 }
 
-/// What a suite holds.
+/// The figures of a suite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuiteStatistics {
-    /// Short name.
+    /// The short name of the suite.
     pub name: String,
-    /// Version, free text.
+    /// The version of the suite, as free text.
     pub version: String,
-    /// What it is, for people.
+    /// A description of the suite, for people.
     pub description: String,
-    /// Where it comes from, for people.
+    /// The origin of the suite, for people.
     pub provenance: String,
-    /// Content hash.
+    /// The content hash of the suite.
     pub hash: String,
-    /// Number of worlds.
+    /// The number of worlds.
     pub world_count: usize,
-    /// Number of tasks.
+    /// The number of tasks.
     pub task_count: usize,
-    /// Every choice of labels, those without a world too: elevation, then terrain, then density.
+    /// Every choice of labels, those without a world included: by elevation, then terrain, then density.
     pub cells: Vec<Cell>,
-    /// By elevation level, those that occur.
+    /// The reliefs of the elevation levels that occur.
     pub relief: Vec<Relief>,
     /// The classes that occur, in label order.
     pub classes: Vec<ClassFigures>,
-    /// By density, those that occur.
+    /// The obstacles of the densities that occur.
     pub obstacles: Vec<ObstacleFigures>,
-    /// Over all tasks; none without tasks.
+    /// The figures over all tasks; `None` without tasks.
     pub tasks: Option<TaskFigures>,
-    /// By density, those that occur and have tasks.
+    /// The figures of tasks by density, for the densities that occur and have tasks.
     pub tasks_by_density: Vec<(Density, TaskFigures)>,
-    /// Who has proven tasks, for people; none without a proof.
+    /// A text on who has proven tasks, for people; `None` without a proof.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proof: Option<String>,
-    /// Each world, in the suite's order.
+    /// The figures of each world, in the suite's order.
     #[serde(skip)]
     pub worlds: Vec<WorldStatistics>,
 }
@@ -154,7 +154,7 @@ impl SuiteStatistics {
     /// Reads every world of a suite and measures it.
     ///
     /// # Errors
-    /// If a world cannot be read, has a flaw or another hash.
+    /// Returns an error if a world cannot be read, has a flaw, or has another hash than the index states.
     pub fn of(suite: &Suite) -> Result<Self, SuiteError> {
         let mut survey = Survey::default();
         for info in suite.worlds() {
@@ -164,7 +164,7 @@ impl SuiteStatistics {
     }
 }
 
-/// Takes the figures of a suite world by world, so that only one need be in memory.
+/// A collector of the figures of a suite, world by world, so that only one need be in memory.
 #[derive(Debug, Default)]
 pub struct Survey {
     worlds: Vec<WorldStatistics>,
@@ -177,7 +177,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Measures a world and takes its figures into those of the suite.
+    /// Measures a world, takes its figures into those of the suite and returns them.
     pub fn add(&mut self, world: &World) -> &WorldStatistics {
         let (statistics, samples) = WorldStatistics::with_samples(world);
         merge(&mut self.slopes, world.elevation, samples.slopes);

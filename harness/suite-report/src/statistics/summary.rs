@@ -3,25 +3,25 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Least, mean, high percentile and greatest of some values.
+/// The least, the mean, high percentiles and the greatest of some values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Number of values.
+    /// The number of values.
     pub count: usize,
-    /// The least.
+    /// The least value.
     pub min: f64,
-    /// Arithmetic mean.
+    /// The arithmetic mean.
     pub mean: f64,
-    /// Median.
+    /// The median.
     pub p50: f64,
-    /// 95th percentile, by linear interpolation between order statistics.
+    /// The 95th percentile, by linear interpolation between order statistics.
     pub p95: f64,
-    /// The greatest.
+    /// The greatest value.
     pub max: f64,
 }
 
 impl Summary {
-    /// Of some finite values; none of no values.
+    /// The summary of some finite values; `None` if there are no values.
     #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
@@ -112,14 +112,14 @@ impl Tally {
     }
 }
 
-/// How values are distributed: the share of them in each bin.
+/// The distribution of values: the share of them in each bin.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Histogram {
-    /// Lower edge of the first bin.
+    /// The lower edge of the first bin.
     pub low: f64,
-    /// Width of a bin.
+    /// The width of a bin.
     pub width: f64,
-    /// Share of all values in each bin, 0 to 1.
+    /// The share of all values in each bin, 0 to 1.
     pub fraction: Vec<f64>,
 }
 

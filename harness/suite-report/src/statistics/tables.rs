@@ -3,19 +3,19 @@
 use super::{SuiteStatistics, Summary, TaskFigures, WorldStatistics};
 use vb_world::{Density, Elevation, Terrain};
 
-/// What stands where there is nothing.
+/// The text of a cell that has no value.
 pub const EMPTY: &str = "–";
 
 /// A table of text: the first column names the row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// What it shows.
+    /// The title of the table.
     pub title: &'static str,
-    /// How its figures are meant.
+    /// A text on how its figures are meant.
     pub about: &'static str,
-    /// Heads of the columns, with units.
+    /// The heads of the columns, with units.
     pub head: Vec<&'static str>,
-    /// Rows of as many cells.
+    /// The rows, each with as many cells.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -49,7 +49,7 @@ impl SuiteStatistics {
         tables
     }
 
-    /// One row a world.
+    /// The table of the worlds, with one row for each.
     #[must_use]
     pub fn world_table(&self) -> Table {
         Table {

@@ -14,16 +14,16 @@ const SLOPE_BIN: f64 = 0.01;
 /// Width of the bins that heights are counted in, m.
 const HEIGHT_BIN: f64 = 0.01;
 
-/// Slopes over 1 m, degrees.
+/// The slopes of the ground over 1 m, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Slopes {
-    /// Median.
+    /// The median.
     pub p50: f64,
-    /// 95th percentile.
+    /// The 95th percentile.
     pub p95: f64,
-    /// 99th percentile.
+    /// The 99th percentile.
     pub p99: f64,
-    /// The steepest.
+    /// The steepest slope.
     pub max: f64,
 }
 
@@ -35,19 +35,19 @@ impl Slopes {
     }
 }
 
-/// Part of a world's ground that is of one class.
+/// The part of a world's ground that is of one class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClassShare {
     /// The class.
     pub class: TerrainClass,
-    /// Share of the area, 0 to 1.
+    /// The share of the area, 0 to 1.
     pub fraction: f64,
-    /// How firm it is, where it yields.
+    /// The level of the soil, where it yields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soil: Option<SoilLevel>,
 }
 
-/// Number of obstacles of each kind.
+/// The number of obstacles of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[allow(missing_docs, reason = "the kinds of obstacles")]
 pub struct Kinds {
@@ -57,7 +57,7 @@ pub struct Kinds {
 }
 
 impl Kinds {
-    /// Counts obstacles.
+    /// Counts the obstacles of each kind.
     #[must_use]
     pub fn of(obstacles: &[Obstacle]) -> Self {
         let mut kinds = Self::default();
@@ -71,7 +71,7 @@ impl Kinds {
         kinds
     }
 
-    /// All of them.
+    /// The number of all obstacles.
     #[must_use]
     pub fn total(&self) -> usize {
         self.boulders + self.boxes + self.trunks
@@ -81,21 +81,21 @@ impl Kinds {
 /// The figures of one task and its path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskStatistics {
-    /// Its id within the world.
+    /// The id of the task within the world.
     pub id: String,
-    /// Straight distance from start to goal, m.
+    /// The straight distance from start to goal, m.
     pub straight: f64,
-    /// Length of the global path, m.
+    /// The length of the global path, m.
     pub length: f64,
-    /// Length over straight distance, 1 or more.
+    /// The length over the straight distance, 1 or more.
     pub ratio: f64,
-    /// Least distance from the path to an obstacle, m; none in a world without obstacles.
+    /// The least distance from the path to an obstacle, m; `None` in a world without obstacles.
     pub clearance: Option<f64>,
-    /// Sum of all rises along the path, from waypoint to waypoint, m.
+    /// The sum of all rises along the path, from waypoint to waypoint, m.
     pub ascent: f64,
-    /// Greatest grade up or down between two waypoints, degrees.
+    /// The greatest grade up or down between two waypoints, degrees.
     pub steepest: f64,
-    /// Whether somebody has done it; none where the suite has no proof.
+    /// Whether somebody has done the task; `None` where the suite has no proof.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proven: Option<bool>,
 }
@@ -129,33 +129,33 @@ impl TaskStatistics {
 /// The figures of one world.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorldStatistics {
-    /// Its id within the suite.
+    /// The id of the world within the suite.
     pub id: String,
-    /// Elevation level.
+    /// The elevation level.
     pub elevation: Elevation,
-    /// Kind of ground.
+    /// The kind of ground.
     pub terrain: Terrain,
-    /// Obstacle density.
+    /// The obstacle density.
     pub density: Density,
-    /// Extent from west to east and from south to north, m.
+    /// The extent from west to east and from south to north, m.
     pub extent: [f64; 2],
-    /// Distance between nodes, m.
+    /// The distance between nodes, m.
     pub resolution: f64,
-    /// Mean height of the nodes, m.
+    /// The mean height of the nodes, m.
     pub height_mean: f64,
-    /// Standard deviation of the nodes' height, m.
+    /// The standard deviation of the nodes' height, m.
     pub height_std: f64,
-    /// Height of the highest node above the lowest, m.
+    /// The height of the highest node above the lowest, m.
     pub relief: f64,
-    /// Slopes over 1 m.
+    /// The slopes of the ground over 1 m, degrees.
     pub slopes: Slopes,
     /// The classes that occur, in label order.
     pub classes: Vec<ClassShare>,
-    /// Friction of the rigid patches, each of which has the same area; none where all ground yields.
+    /// The friction of the rigid patches, each of which has the same area; `None` where all ground yields.
     pub friction: Option<Summary>,
-    /// Obstacles.
+    /// The numbers of obstacles.
     pub obstacles: Kinds,
-    /// Share of the area under obstacles, 0 to 1; where footprints overlap, both count.
+    /// The share of the area under obstacles, 0 to 1; where footprints overlap, both count.
     pub covered: f64,
     /// The tasks in order.
     pub tasks: Vec<TaskStatistics>,

@@ -6,9 +6,9 @@ use vb_world::{Heightfield, Pose2};
 /// A vehicle seen from above: a rectangle about its reference point, in lengths of the full-size world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
-    /// Length of what collides, m.
+    /// The length of what collides, m.
     pub length: f64,
-    /// Width of what collides, m.
+    /// The width of what collides, m.
     pub width: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Whether a suite is fit to be driven: every finding on one line, with what to do.
+//! Checks whether a suite is fit to be driven: every finding is one line, with what to do.
 //!
 //! The format, its values and the hashes are errors, as is a start, a goal or a path on which no vehicle could be; what
 //! can be driven but is odd – a path too near to an obstacle, a label that the relief belies – is a warning.
@@ -21,18 +21,18 @@ use std::path::Path;
 use vb_suite::generate::GeneratorParams;
 use vb_world::{Part, Suite, SuiteError, SuiteMeta, World};
 
-/// How much a finding matters.
+/// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The suite cannot or must not be driven.
     Error,
-    /// It can be driven, but something is odd.
+    /// The suite can be driven, but something is odd.
     Warning,
 }
 
 impl Severity {
-    /// The name in lower case.
+    /// The name of the severity, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,26 +42,26 @@ impl Severity {
     }
 }
 
-/// What is checked.
+/// The rule that is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rule {
-    /// Files that can be read, values that make sense, hashes and index that agree with the files.
+    /// Files can be read, values make sense, and hashes and index agree with the files.
     Format,
-    /// Worlds and tasks that are there, once, and listed.
+    /// Worlds and tasks are there, once, and listed.
     Content,
-    /// Starts and goals on ground where the vehicle can stand, clear of obstacles, within the world.
+    /// Starts and goals lie on ground where the vehicle can stand, clear of obstacles, within the world.
     Ends,
-    /// Paths clear of obstacles and edges, with close waypoints, not too steep.
+    /// Paths are clear of obstacles and edges, have close waypoints, and are not too steep.
     Path,
-    /// Obstacles apart from each other and in the ground.
+    /// Obstacles stand apart from each other and in the ground.
     Obstacles,
-    /// Labels that agree with relief and number of obstacles.
+    /// Labels agree with the relief and the number of obstacles.
     Labels,
 }
 
 impl Rule {
-    /// The name in lower case.
+    /// The name of the rule, in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -75,40 +75,41 @@ impl Rule {
     }
 }
 
-/// One thing that was found.
+/// A finding of the checks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// How much it matters.
+    /// The severity of the finding.
     pub severity: Severity,
-    /// What was checked.
+    /// The rule that was checked.
     pub rule: Rule,
-    /// The world; none where the suite as a whole is meant.
+    /// The world that is meant; `None` where it is the suite as a whole.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<String>,
-    /// One line: where, what, what to do.
+    /// One line: where, what, and what to do.
     pub text: String,
 }
 
-/// What is still fine. Lengths in metres, angles in degrees.
+/// The limits of what is still fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// The vehicle that must have room.
     pub vehicle: Vehicle,
-    /// Distance from a path to obstacles below which it is warned of.
+    /// The distance from a path to obstacles below which there is a warning, m.
     pub clearance: f64,
-    /// Distance between two waypoints above which it is warned of.
+    /// The distance between two waypoints above which there is a warning, m.
     pub spacing: f64,
-    /// Tilt of the ground under the vehicle at start and goal above which it is warned of.
+    /// The tilt of the ground under the vehicle at start and goal above which there is a warning, degrees.
     pub end_tilt: f64,
-    /// Tilt of the ground under the vehicle above which it is warned of along the path, and an error at start and goal.
+    /// The tilt of the ground under the vehicle above which there is a warning along the path, and an error at start
+    /// and goal, degrees.
     pub tilt: f64,
-    /// Rules of the generator, whose spread of heights and numbers of obstacles say what labels mean.
+    /// The rules of the generator, whose spread of heights and numbers of obstacles say what labels mean.
     pub rules: GeneratorParams,
 }
 
 impl Limits {
-    /// For a vehicle, clearance and spacing of the generator's rules. Tilts: 31°, the 60 % grade that the HMMWV is rated
-    /// for, and 45°, beyond which no friction below 1 holds a vehicle.
+    /// The limits for a vehicle, with the clearance and the spacing of the generator's rules. The tilts are 31°, the 60
+    /// % grade that the HMMWV is rated for, and 45°, beyond which no friction below 1 holds a vehicle.
     #[must_use]
     pub fn of(vehicle: Vehicle) -> Self {
         let rules = GeneratorParams::default();
@@ -178,8 +179,8 @@ impl<'a> Findings<'a> {
     }
 }
 
-/// Checks a suite world by world. `told` hears of each world's findings once it is checked, with its id, and at last of
-/// those about the suite as a whole, without one.
+/// Checks a suite world by world. `told` hears of each world's findings, with the world's id, once it is checked, and
+/// at last of those about the suite as a whole, without an id.
 pub fn validate(
     suite: &Suite,
     limits: &Limits,

@@ -1,4 +1,4 @@
-//! The seeded world generator: same seed, rules and terrain model, same bytes.
+//! The seeded world generator: the same seed, rules and terrain model give the same bytes.
 //!
 //! Heights are drawn from a learned model of terrain (`vb-terrain`). Rules for ground, obstacles, starts and goals
 //! follow the original's generator (envs/gen-VertiBench.py, envs/utils/asset_utils.py). All rules are data:
@@ -32,28 +32,28 @@ use vb_world::{
     SuiteWriter, Task, World, WorldInfo,
 };
 
-/// Why no suite was generated.
+/// The reason why no suite was generated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
     /// The terrain model can't draw such a surface.
     #[error("{grid} or elevation: {source}")]
     Surface {
-        /// What the rules call nodes and the distance between them.
+        /// The rules' name for the nodes and the distance between them.
         grid: &'static str,
-        /// Why.
+        /// The reason that the terrain model gives.
         source: vb_terrain::GenerateError,
     },
-    /// There is no ground for a start.
+    /// No ground is fit for a start and a goal.
     #[error(
         "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: raise {stand}.tilt or {stand}.unevenness, thin out the obstacles, or take another place"
     )]
     NoStart {
-        /// The world.
+        /// The name of the world.
         world: String,
-        /// Between start and goal, m.
+        /// The distance between start and goal, m.
         distance: f64,
-        /// What the rules call the ground at starts and goals.
+        /// The rules' name for the ground at starts and goals.
         stand: &'static str,
     },
     /// The rules leave no room for the obstacles.
@@ -61,31 +61,31 @@ pub enum GenerateError {
         "{world}: obstacle {index} found no place in {attempts} draws: lower obstacles.boulders, obstacles.spacing or obstacles.task_clearance, or raise obstacles.attempts"
     )]
     NoRoom {
-        /// The world.
+        /// The name of the world.
         world: String,
-        /// Index of the obstacle.
+        /// The index of the obstacle.
         index: usize,
-        /// Draws made.
+        /// The number of draws that were made.
         attempts: usize,
     },
     /// The obstacles leave no way, however often they are drawn.
     #[error("{world}/{task}: {source} (obstacles were drawn {layouts} times)")]
     NoWay {
-        /// The world.
+        /// The name of the world.
         world: String,
-        /// The task.
+        /// The name of the task.
         task: String,
-        /// Layouts tried.
+        /// The number of layouts that were tried.
         layouts: usize,
-        /// Why the last one failed.
+        /// The reason why the last one failed.
         source: PathError,
     },
     /// The rules contradict each other in a way that only the world shows.
     #[error("{world}: {flaw}: change the rule that causes it")]
     World {
-        /// The world.
+        /// The name of the world.
         world: String,
-        /// What is wrong with it.
+        /// The flaw of the world.
         flaw: Flaw,
     },
     /// The suite could not be written.
@@ -106,7 +106,7 @@ const VERSION: u32 = 4;
 /// What the generator's rules call what surfaces follow from.
 pub(crate) const FIELDS: Fields = Fields { grid: "grid", stand: "tasks.stand" };
 
-/// What a suite of generated worlds follows from.
+/// The things that a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]
 pub struct Generator<'a> {
     /// The rules.
@@ -115,12 +115,12 @@ pub struct Generator<'a> {
     pub model: &'a Model,
     /// The seed.
     pub seed: u64,
-    /// Number of worlds.
+    /// The number of worlds.
     pub worlds: usize,
 }
 
 impl Generator<'_> {
-    /// What the suite says about itself.
+    /// The metadata of the suite, under this name and version.
     #[must_use]
     pub fn meta(&self, name: &str, version: &str) -> SuiteMeta {
         let (rules, seed) = (self.rules, self.seed);
@@ -141,7 +141,7 @@ impl Generator<'_> {
     /// written. Worlds are made side by side on all processors and written in order.
     ///
     /// # Errors
-    /// If the rules leave no room or no way, or the suite cannot be written.
+    /// Returns an error if the rules leave no room or no way, or the suite cannot be written.
     pub fn write(
         &self,
         dir: impl AsRef<Path>,
@@ -188,7 +188,7 @@ impl Generator<'_> {
     /// follow each other in the order that the rules give, again and again, and so do levels of soil.
     ///
     /// # Errors
-    /// If the rules leave no room or no way.
+    /// Returns an error if the rules leave no room or no way.
     pub fn world(&self, index: usize) -> Result<World, GenerateError> {
         let rules = self.rules;
         let id = format!("w{:03}", index + 1);
@@ -249,7 +249,7 @@ pub(crate) fn provenance(builder: impl Display, rules: &str, model: &str, seed: 
 /// Draws obstacles until there is a path from every start to its goal, and gives the world its tasks.
 ///
 /// # Errors
-/// If the rules leave no room or no way.
+/// Returns an error if the rules leave no room or no way.
 pub(crate) fn furnish(
     world: &mut World,
     params: &ObstacleParams,
@@ -276,7 +276,7 @@ pub(crate) fn furnish(
 /// Gives a world with its obstacles tasks from every start to its goal.
 ///
 /// # Errors
-/// If there is no way.
+/// Returns an error if there is no way.
 pub(crate) fn plan_tasks(
     world: &mut World,
     path: &PathParams,

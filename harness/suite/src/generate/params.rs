@@ -9,11 +9,11 @@ use vb_world::{Density, Elevation, Terrain, TerrainClass};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByElevation {
-    /// Low worlds.
+    /// The value for low worlds.
     pub low: f64,
-    /// Medium worlds.
+    /// The value for medium worlds.
     pub medium: f64,
-    /// High worlds.
+    /// The value for high worlds.
     pub high: f64,
 }
 
@@ -33,11 +33,11 @@ impl ByElevation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByDensity {
-    /// Sparse worlds.
+    /// The number for sparse worlds.
     pub sparse: usize,
-    /// Medium worlds.
+    /// The number for medium worlds.
     pub medium: usize,
-    /// Dense worlds.
+    /// The number for dense worlds.
     pub dense: usize,
 }
 
@@ -63,11 +63,11 @@ impl ByDensity {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByGround<T> {
-    /// Rigid worlds.
+    /// The value for rigid worlds.
     pub rigid: T,
-    /// Deformable worlds.
+    /// The value for deformable worlds.
     pub deformable: T,
-    /// Mixed worlds.
+    /// The value for mixed worlds.
     pub mixed: T,
 }
 
@@ -83,26 +83,27 @@ impl<T: Copy> ByGround<T> {
     }
 }
 
-/// The surface's nodes.
+/// The nodes of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GridParams {
-    /// Nodes along each side.
+    /// The number of nodes along each side.
     pub nodes: usize,
-    /// Distance between nodes, m.
+    /// The distance between nodes, m.
     #[serde(alias = "pitch")]
     pub resolution: f64,
 }
 
-/// Heights.
+/// The heights of the surface.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElevationParams {
     /// The terrain model: the name of one in `tasks/terrain`, or a file.
     pub model: String,
-    /// Standard deviation of height, m: mean over many worlds of a level.
+    /// The standard deviation of the height, m: the mean over many worlds of a level.
     pub std: ByElevation,
-    /// Standard deviation of its logarithm between worlds, but for what the model draws differently anyway.
+    /// The standard deviation of the logarithm of `std` between worlds, without what the model draws differently
+    /// anyway.
     pub std_spread: f64,
 }
 
@@ -110,36 +111,36 @@ pub struct ElevationParams {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Normal {
-    /// Mean.
+    /// The mean of the distribution.
     pub mean: f64,
-    /// Standard deviation.
+    /// The standard deviation of the distribution.
     pub std: f64,
 }
 
-/// Coulomb friction of the rigid classes.
+/// The Coulomb friction of the rigid classes.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionParams {
-    /// Least and largest value.
+    /// The least and the largest value.
     pub clip: [f64; 2],
-    /// Clay.
+    /// The distribution on clay.
     pub clay: Normal,
-    /// Concrete.
+    /// The distribution on concrete.
     pub concrete: Normal,
-    /// Dirt.
+    /// The distribution on dirt.
     pub dirt: Normal,
-    /// Grass.
+    /// The distribution on grass.
     pub grass: Normal,
-    /// Gravel.
+    /// The distribution on gravel.
     pub gravel: Normal,
-    /// Rock.
+    /// The distribution on rock.
     pub rock: Normal,
-    /// Wood.
+    /// The distribution on wood.
     pub wood: Normal,
 }
 
 impl FrictionParams {
-    /// The distribution of a class; none where the ground yields.
+    /// The distribution of a class; `None` where the ground yields.
     #[must_use]
     pub fn get(&self, class: TerrainClass) -> Option<Normal> {
         Some(match class {
@@ -155,49 +156,49 @@ impl FrictionParams {
     }
 }
 
-/// Semantic patches.
+/// The semantic patches of the ground.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundParams {
-    /// Grounds of consecutive worlds, again and again.
+    /// The grounds of consecutive worlds, which are repeated in this order.
     pub order: Vec<Terrain>,
-    /// Patches along each side.
+    /// The number of patches along each side.
     pub patches: usize,
-    /// Least and largest number of clusters.
+    /// The least and the largest number of clusters.
     pub clusters: ByGround<[usize; 2]>,
-    /// Standard deviation of a cluster's centre about the middle, as a share of the side.
+    /// The standard deviation of a cluster's centre about the middle, as a share of the side.
     pub centre_spread: f64,
-    /// Friction of the rigid classes.
+    /// The friction of the rigid classes.
     pub friction: FrictionParams,
 }
 
-/// Obstacles.
+/// The obstacles of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleParams {
-    /// Number of boulders.
+    /// The number of boulders.
     pub boulders: ByDensity,
-    /// Number of trees.
+    /// The number of trees.
     pub trees: ByDensity,
-    /// Extents of a boulder of scale 1, m.
+    /// The extents of a boulder of scale 1, m.
     pub boulder_size: [f64; 3],
-    /// Least and largest scale of a boulder.
+    /// The least and the largest scale of a boulder.
     pub boulder_scale: [f64; 2],
-    /// Least and largest factor by which each extent of a boulder differs besides.
+    /// The least and the largest factor by which each extent of a boulder differs besides.
     pub boulder_stretch: [f64; 2],
-    /// Least and largest radius of a trunk, m.
+    /// The least and the largest radius of a trunk, m.
     pub trunk_radius: [f64; 2],
-    /// Least and largest length of a trunk, m.
+    /// The least and the largest length of a trunk, m.
     pub trunk_height: [f64; 2],
-    /// Share of the height that is below the ground.
+    /// The share of the height that is below the ground.
     pub buried: f64,
-    /// Largest distance of a centre from the middle along x and y, m.
+    /// The largest distance of a centre from the middle along x and y, m.
     pub extent: f64,
-    /// Least distance between two centres, m.
+    /// The least distance between two centres, m.
     pub spacing: f64,
-    /// Least distance of a centre from every start and goal, m.
+    /// The least distance of a centre from every start and goal, m.
     pub task_clearance: f64,
-    /// Draws for one obstacle.
+    /// The number of draws for one obstacle.
     pub attempts: usize,
 }
 
@@ -208,56 +209,57 @@ impl ObstacleParams {
     }
 }
 
-/// Starts and goals.
+/// The starts and goals of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskParams {
-    /// Tasks a world.
+    /// The number of tasks in a world.
     pub count: usize,
-    /// Radius of the circle that starts and goals lie on, m.
+    /// The radius of the circle that starts and goals lie on, m.
     pub radius: f64,
-    /// The ground at starts and goals.
+    /// The conditions of the ground at starts and goals.
     pub stand: StandParams,
 }
 
-/// Ground that a vehicle can stand on, on a disc about a start or goal, and start from, under its wheels.
+/// The conditions of ground that a vehicle can stand on, on a disc about a start or goal, and start from, under its
+/// wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StandParams {
-    /// Radius of the disc, m.
+    /// The radius of the disc, m.
     pub reach: f64,
-    /// Greatest tilt of the plane that fits it best, degrees.
+    /// The greatest tilt of the plane that fits the ground best, degrees.
     pub tilt: f64,
-    /// Greatest height of the ground above or below that plane, m.
+    /// The greatest height of the ground above or below that plane, m.
     pub unevenness: f64,
-    /// Length and width of the rectangle of wheels that heads from the start to the goal, m.
+    /// The length and the width of the rectangle of wheels that heads from the start to the goal, m.
     pub wheels: [f64; 2],
-    /// Steepest rise at a start from the rear wheels to the front wheels, degrees.
+    /// The steepest rise at a start from the rear wheels to the front wheels, degrees.
     pub climb: f64,
-    /// Greatest height at a start by which one pair of diagonal wheels stands above the other, m.
+    /// The greatest height at a start by which one pair of diagonal wheels stands above the other, m.
     pub twist: f64,
-    /// Greatest share of the friction that the slope under the wheels takes at a start.
+    /// The greatest share of the friction that the slope under the wheels takes at a start.
     pub grip: f64,
 }
 
-/// Every rule of the generator.
+/// All rules of the generator.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeneratorParams {
     schema: u32,
-    /// Name of this set of rules.
+    /// The name of this set of rules.
     pub name: String,
-    /// The surface's nodes.
+    /// The nodes of the surface.
     pub grid: GridParams,
-    /// Heights.
+    /// The heights of the surface.
     pub elevation: ElevationParams,
-    /// Patches.
+    /// The semantic patches of the ground.
     pub ground: GroundParams,
-    /// Obstacles.
+    /// The obstacles.
     pub obstacles: ObstacleParams,
-    /// Starts and goals.
+    /// The starts and goals.
     pub tasks: TaskParams,
-    /// The global planner.
+    /// The parameters of the global planner.
     pub path: PathParams,
 }
 
@@ -275,7 +277,7 @@ impl GeneratorParams {
     /// Reads and checks rules.
     ///
     /// # Errors
-    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
         rules::parse(text)
     }

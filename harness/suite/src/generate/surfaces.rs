@@ -41,7 +41,7 @@ impl Surfaces<'_> {
     /// Draws surfaces until one has starts and goals all around, and takes it with these.
     ///
     /// # Errors
-    /// If the model can't draw such a surface, or none of many has such ground.
+    /// Returns an error if the model can't draw such a surface, or none of many has such ground.
     pub(crate) fn with_ends(
         &self,
         world: &str,

@@ -18,11 +18,11 @@ use vb_world::{
     Terrain, TerrainClass, World, yaml,
 };
 
-/// Why data could not be imported. Each message names the place and what to do.
+/// The reason why data could not be imported. Each message names the place and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The directory does not hold the original's layout.
+    /// The directory does not have the original's layout.
     #[error("{}: no world found: name the original's BenchMaps folder, one that holds sampled_maps/Worlds and sampled_maps/Configs/Final", dir.display())]
     NothingFound {
         /// The directory.
@@ -31,37 +31,37 @@ pub enum ImportError {
     /// A file or directory could not be read.
     #[error("{}: cannot read: {source}; each world needs Worlds/ID.bmp, Configs/Final/configID_LEVEL.yaml and labelsID_LEVEL.npy", path.display())]
     Read {
-        /// The file.
+        /// The path of the file or directory.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The content of a file is not what it must be.
     #[error("{}: {field}: {problem}", file.display())]
     Invalid {
-        /// The file.
+        /// The path of the file.
         file: PathBuf,
-        /// The field.
+        /// The field in the file.
         field: String,
-        /// The value and what would be right.
+        /// The value, and what would be right.
         problem: String,
     },
     /// A task has no path.
     #[error("{}: positions[{index}]: {source}", file.display())]
     Path {
-        /// The config.
+        /// The path of the config.
         file: PathBuf,
-        /// Index of the pair.
+        /// The index of the pair of start and goal.
         index: usize,
-        /// Why.
+        /// The reason why there is no path.
         source: PathError,
     },
     /// The world that the files describe cannot be.
     #[error("{}: the imported world is not valid: {flaw}", file.display())]
     World {
-        /// The config.
+        /// The path of the config.
         file: PathBuf,
-        /// What is wrong, in the terms of our format.
+        /// The flaw, in the terms of our format.
         flaw: Flaw,
     },
 }
@@ -70,25 +70,25 @@ fn invalid(file: &Path, field: impl Into<String>, problem: impl Into<String>) ->
     ImportError::Invalid { file: file.into(), field: field.into(), problem: problem.into() }
 }
 
-/// Which ground and obstacles are made of the original's files.
+/// The ground and obstacles that are made of the original's files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ground {
-    /// As paper and labels describe it: each patch has its own class and friction, obstacles stand on the ground (their
-    /// stored z was looked up at a wrong place), trees are round trunks.
+    /// The ground is as paper and labels describe it: each patch has its own class and friction, obstacles stand on the
+    /// ground (their stored z was looked up at a wrong place), and trees are round trunks.
     #[default]
     AsDescribed,
-    /// As the original's simulator builds it: rigid patches merged into sections with the friction of one of their
-    /// patches, soil in bands (deformable worlds) or one rectangle a class (mixed worlds), obstacles as boxes centred at
-    /// their stored z, which may leave them in the air or under the ground (envs/utils/asset_utils.py looks heights up
-    /// in a raster of the wrong width).
+    /// The ground is as the original's simulator builds it: rigid patches are merged into sections with the friction of
+    /// one of their patches, soil lies in bands (deformable worlds) or in one rectangle for each class (mixed worlds),
+    /// and obstacles are boxes centred at their stored z, which may leave them in the air or under the ground
+    /// (envs/utils/asset_utils.py looks heights up in a raster of the wrong width).
     AsSimulated,
 }
 
 impl Ground {
-    /// All, in order.
+    /// All choices, in order.
     pub const ALL: [Self; 2] = [Self::AsDescribed, Self::AsSimulated];
 
-    /// The name on the command line and in the suite.
+    /// The name of the choice on the command line and in the suite.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -98,7 +98,8 @@ impl Ground {
     }
 }
 
-/// The original's data: which worlds there are. Worlds are read one by one, so that a caller can show progress.
+/// The original's data, with the list of the worlds that there are. Worlds are read one by one, so that a caller can
+/// show progress.
 #[derive(Clone, Debug)]
 pub struct Source {
     maps: PathBuf,
@@ -119,7 +120,7 @@ impl Source {
     /// Finds the worlds below `dir`: the original's `BenchMaps` folder, one of its parents, or `sampled_maps`.
     ///
     /// # Errors
-    /// If there is none, or two configs claim the same world.
+    /// Returns an error if there is no such world, or if two configs claim the same one.
     pub fn find(dir: impl AsRef<Path>) -> Result<Self, ImportError> {
         let dir = dir.as_ref();
         let nothing = || ImportError::NothingFound { dir: dir.into() };
@@ -150,7 +151,7 @@ impl Source {
         }
     }
 
-    /// The same data, made into worlds with this ground.
+    /// The same data, to be made into worlds with this ground.
     #[must_use]
     pub fn ground(self, ground: Ground) -> Self {
         Self { ground, ..self }
@@ -161,7 +162,7 @@ impl Source {
         self.configs.keys().copied()
     }
 
-    /// What the imported suite says about itself.
+    /// The metadata of the imported suite.
     #[must_use]
     pub fn meta(&self) -> SuiteMeta {
         let count = self.configs.len();
@@ -190,10 +191,10 @@ impl Source {
     /// Imports one world and plans the paths of its tasks.
     ///
     /// # Errors
-    /// If a file is missing or not as the original's are, or a task has no path.
+    /// Returns an error if a file is missing or not as the original's are, or a task has no path.
     ///
     /// # Panics
-    /// If `id` is not one of [`Source::ids`].
+    /// Panics if `id` is not one of [`Source::ids`].
     pub fn world(&self, id: u32) -> Result<World, ImportError> {
         let file = &self.configs[&id];
         let text = vb_files::read_text(file, vb_files::DOCUMENT)
@@ -239,7 +240,7 @@ impl Source {
 /// Imports all worlds that are there; see [`Source`] for one at a time.
 ///
 /// # Errors
-/// See [`Source::find`] and [`Source::world`].
+/// Returns the errors of [`Source::find`] and [`Source::world`].
 pub fn import(dir: impl AsRef<Path>) -> Result<(SuiteMeta, Vec<World>), ImportError> {
     let source = Source::find(dir)?;
     let worlds = source.ids().map(|id| source.world(id)).collect::<Result<_, _>>()?;

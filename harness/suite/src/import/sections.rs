@@ -98,7 +98,7 @@ fn largest_rectangle(
 /// original ran on such a CPython.
 ///
 /// # Panics
-/// If there are no pairs.
+/// Panics if there are no pairs.
 pub(crate) fn last_of_set(pairs: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
     let mut table: Vec<Option<(usize, usize)>> = vec![None; 8];
     for (k, pair) in pairs.enumerate() {

@@ -10,8 +10,8 @@ use vb_world::{Heightfield, Obstacle, ObstacleKind, Semantics, Terrain, TerrainC
 /// of `side` × `side` pixels.
 ///
 /// # Errors
-/// If a deformable class of a mixed world is not one rectangle: the simulator keeps one rectangle a class and would
-/// leave a hole in place of the rest.
+/// Returns an error if a deformable class of a mixed world is not one rectangle: the simulator keeps one rectangle a
+/// class and would leave a hole in place of the rest.
 pub(crate) fn semantics(
     file: &Path,
     ground: Terrain,

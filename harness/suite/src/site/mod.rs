@@ -15,74 +15,74 @@ use crate::generate::{self, GenerateError, GeneratorParams, ObstacleParams};
 use crate::surface::counted_from_lowest;
 use survey::{Layout, extents};
 
-/// What is known of a place.
+/// The data that are known of a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Survey<'a> {
-    /// Heights, m.
+    /// The heights, m.
     pub heights: &'a ElevationImage,
-    /// Distance between their samples, m.
+    /// The distance between the samples of the heights, m.
     pub resolution: f64,
-    /// Labels of the ground over the same rectangle, at any number of samples.
+    /// The labels of the ground over the same rectangle, at any number of samples.
     pub labels: Option<&'a ElevationImage>,
-    /// Obstacles, from the middle of the raster; none: they are drawn.
+    /// The obstacles, with positions from the middle of the raster; `None` if they are to be drawn.
     pub obstacles: Option<&'a [Obstacle]>,
 }
 
-/// Which part of a survey becomes worlds.
+/// The part of a survey that becomes worlds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// One world about a point, x east and y north of the raster's middle, m.
+    /// One world about a point (x, y), m, with x east and y north of the raster's middle.
     At([f64; 2]),
     /// As many worlds side by side as fit, about the middle.
     Tiles,
 }
 
-/// Why a survey became no suite.
+/// The reason why a survey became no suite.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SiteError {
-    /// A world doesn't fit.
+    /// A world doesn't fit into the survey.
     #[error(
         "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take a smaller `side`, or another place",
         at[0], at[1], extents[0], extents[1]
     )]
     Outside {
-        /// Its middle, m.
+        /// The middle (x, y) of the world, m.
         at: [f64; 2],
-        /// Its side, m.
+        /// The side of the world, m.
         side: f64,
-        /// Of the survey along x and y, m.
+        /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// There is a place that was not measured.
+    /// The height of a place was not measured.
     #[error(
         "no height is known at ({:.1}, {:.1}) m from the survey's middle: fill the hole, or take another place (--at)", at[0], at[1]
     )]
     Hole {
-        /// Where, m.
+        /// The place (x, y), m from the survey's middle.
         at: [f64; 2],
     },
-    /// A label that the legend doesn't have.
+    /// The legend doesn't have a label.
     #[error(
         "label {label} at ({:.1}, {:.1}) m from the survey's middle is not in ground.legend: add it with its class", at[0], at[1]
     )]
     Label {
-        /// The label.
+        /// The value of the label.
         label: f64,
-        /// Where, m.
+        /// The place (x, y) of the label, m from the survey's middle.
         at: [f64; 2],
     },
-    /// The labels cover another rectangle.
+    /// The labels cover another rectangle than the heights.
     #[error(
         "labels of {} by {} samples can't cover the survey's {} m by {} m with square ones: cut them to the same rectangle", samples[0], samples[1], extents[0], extents[1]
     )]
     Labels {
-        /// Samples of the labels along x and y.
+        /// The numbers of samples of the labels along x and y.
         samples: [usize; 2],
-        /// Of the survey along x and y, m.
+        /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// Starts, obstacles or paths found no place.
+    /// The starts, obstacles or paths found no place.
     #[error(transparent)]
     Generate(#[from] GenerateError),
 }
@@ -93,11 +93,11 @@ const MARGIN: f64 = 4.0;
 /// Makes the worlds of a survey. Friction, obstacles, tasks and paths follow the generator's rules; what is drawn follows
 /// from the seed.
 ///
-/// Heights are counted from the lowest place of each world. Numbers of obstacles are those of the generator's world, by
-/// area.
+/// Heights are counted from the lowest place of each world. The numbers of obstacles are those of the generator's
+/// world, in proportion to the area.
 ///
 /// # Errors
-/// If the survey has a hole there, is too small, or leaves no room for tasks.
+/// Returns an error if the survey has a hole there, is too small, or leaves no room for tasks.
 pub fn worlds(
     survey: &Survey<'_>,
     cut: Cut,

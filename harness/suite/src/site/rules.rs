@@ -1,4 +1,4 @@
-//! How a survey becomes worlds, as data: `tasks/generator/site.yaml` and files like it.
+//! The rules by which a survey becomes worlds, as data: `tasks/generator/site.yaml` and files like it.
 
 use std::collections::BTreeMap;
 
@@ -7,34 +7,34 @@ use vb_world::{SoilLevels, TerrainClass};
 
 use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw};
 
-/// The rules.
+/// The rules by which a survey becomes worlds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteParams {
-    /// Version of the file's format.
+    /// The version of the file's format.
     pub schema: u32,
-    /// Name of the rules.
+    /// The name of the rules.
     pub name: String,
-    /// Distance between the nodes of a world, m.
+    /// The distance between the nodes of a world, m.
     #[serde(alias = "pitch")]
     pub resolution: f64,
-    /// Side of a patch of ground, m.
+    /// The side of a patch of ground, m.
     pub patch: f64,
-    /// Side of a world, m.
+    /// The side of a world, m.
     pub side: f64,
-    /// What the ground is made of.
+    /// The rules for the material of the ground.
     pub ground: SiteGround,
 }
 
-/// What the ground of a site is made of.
+/// The rules for the material of a site's ground.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteGround {
-    /// By slope and height; the first rule that holds decides.
+    /// The rules by slope and height; the first one that holds decides.
     pub rules: Vec<GroundRule>,
     /// The class of each value of a label raster.
     pub legend: BTreeMap<u16, TerrainClass>,
-    /// Level of each deformable class.
+    /// The level of each deformable class.
     pub soil: SoilLevels,
 }
 
@@ -42,12 +42,12 @@ pub struct SiteGround {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundRule {
-    /// The class.
+    /// The class of such ground.
     pub class: TerrainClass,
-    /// Least and greatest slope, degrees.
+    /// The least and the greatest slope, degrees.
     #[serde(default = "always")]
     pub slope: [f64; 2],
-    /// Least and greatest height above the lowest place of the world, m.
+    /// The least and the greatest height above the lowest place of the world, m.
     #[serde(default = "always")]
     pub height: [f64; 2],
 }
@@ -77,7 +77,7 @@ impl SiteParams {
     /// Reads rules from YAML.
     ///
     /// # Errors
-    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
         rules::parse(text)
     }

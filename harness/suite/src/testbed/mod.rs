@@ -21,7 +21,7 @@ const VERSION: u32 = 1;
 /// What the rules of beds call what surfaces follow from.
 const FIELDS: Fields = Fields { grid: "bed", stand: "stand" };
 
-/// What a suite of beds follows from.
+/// The things that a suite of beds follows from.
 #[derive(Clone, Copy, Debug)]
 pub struct Testbed<'a> {
     /// The rules.
@@ -33,7 +33,7 @@ pub struct Testbed<'a> {
 }
 
 impl Testbed<'_> {
-    /// What the suite says about itself.
+    /// The metadata of the suite, under this name and version.
     #[must_use]
     pub fn meta(&self, name: &str, version: &str) -> SuiteMeta {
         let (rules, seed) = (self.rules, self.seed);
@@ -55,7 +55,8 @@ impl Testbed<'_> {
     /// Makes the beds, one for each level of the rules, in their order: `w001` and so on.
     ///
     /// # Errors
-    /// If the terrain model can't draw such a surface, or none has ground for start and goal.
+    /// Returns an error if the terrain model can't draw such a surface, or if none that it draws has ground for start
+    /// and goal.
     pub fn worlds(&self) -> Result<Vec<World>, GenerateError> {
         (0..self.rules.elevation.beds.len()).map(|index| self.world(index)).collect()
     }

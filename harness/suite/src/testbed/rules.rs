@@ -9,41 +9,41 @@ use crate::generate::{
 use crate::path::PathParams;
 use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw, within};
 
-/// The rules.
+/// The rules of a bed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestbedParams {
     schema: u32,
-    /// Name of the rules.
+    /// The name of the rules.
     pub name: String,
-    /// Size of the bed.
+    /// The size of the bed.
     pub bed: BedParams,
-    /// Heights.
+    /// The heights of the beds.
     pub elevation: BedElevation,
-    /// What it is covered with.
+    /// The materials that the bed is covered with.
     pub materials: Materials,
     /// The task and its repetitions.
     pub trials: TrialParams,
-    /// The ground at start and goal.
+    /// The conditions of the ground at start and goal.
     pub stand: StandParams,
-    /// The global planner.
+    /// The parameters of the global planner.
     pub path: PathParams,
 }
 
-/// Size of a bed, which is square.
+/// The size of a bed, which is square.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedParams {
-    /// Its side, m.
+    /// The side of the bed, m.
     pub side: f64,
-    /// Distance between its nodes, m.
+    /// The distance between the bed's nodes, m.
     #[serde(alias = "pitch")]
     pub resolution: f64,
-    /// Side of a patch of one material, m.
+    /// The side of a patch of one material, m.
     pub patch: f64,
 }
 
-/// Heights of the beds.
+/// The heights of the beds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedElevation {
@@ -53,23 +53,23 @@ pub struct BedElevation {
     pub beds: Vec<BedLevel>,
 }
 
-/// One bed.
+/// The heights of one bed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedLevel {
-    /// What it is called.
+    /// The level by which the bed is called.
     pub level: Elevation,
-    /// Standard deviation of height over many beds of the level, m.
+    /// The standard deviation of the height over many beds of the level, m.
     pub std: f64,
 }
 
-/// What beds are covered with.
+/// The materials that beds are covered with.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Materials {
-    /// Least and largest friction of a patch.
+    /// The least and the largest friction of a patch.
     pub clip: [f64; 2],
-    /// Each covers as many patches as every other, or one more.
+    /// The materials, each of which covers as many patches as every other, or one more.
     pub all: Vec<Material>,
 }
 
@@ -77,13 +77,13 @@ pub struct Materials {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Name for people.
+    /// The name of the material, for people.
     pub name: String,
     /// The class that planners are told, a rigid one.
     pub class: TerrainClass,
-    /// Mean of a patch's Coulomb friction.
+    /// The mean of a patch's Coulomb friction.
     pub mean: f64,
-    /// Its standard deviation.
+    /// The standard deviation of a patch's Coulomb friction.
     pub std: f64,
 }
 
@@ -98,21 +98,21 @@ impl Material {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialParams {
-    /// Trials on a bed.
+    /// The number of trials on a bed.
     pub count: usize,
-    /// From start to goal, m.
+    /// The distance from start to goal, m.
     pub distance: f64,
-    /// What differs between the starts.
+    /// The noise by which the starts differ.
     pub noise: StartNoise,
 }
 
-/// Standard deviations by which starts differ from the planned one, clipped at two.
+/// The standard deviations by which starts differ from the planned one; the differences are clipped at two of them.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartNoise {
-    /// Along x and along y, m.
+    /// The standard deviation along x and along y, m.
     pub position: f64,
-    /// Degrees.
+    /// The standard deviation of the heading, degrees.
     pub heading: f64,
 }
 
@@ -130,7 +130,7 @@ impl TestbedParams {
     /// Reads rules from YAML.
     ///
     /// # Errors
-    /// The first flaw: an unknown, missing or mistyped field, or a value out of its range.
+    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
     pub fn parse(text: &str) -> Result<Self, ParamsError> {
         rules::parse(text)
     }

@@ -1,4 +1,4 @@
-//! Two wheels on a rigid beam: two coordinates, the travels of its ends.
+//! Two wheels on a rigid beam, whose two coordinates are the travels of its ends.
 //!
 //! The beam's pose over both travels is tabulated; hubs and struts follow from it in closed form, so that their rates
 //! are exactly those of the interpolated pose.
@@ -28,38 +28,38 @@ pub struct BeamAxle {
     knuckles: Option<KnuckleTable>,
 }
 
-/// A wheel of a beam, in the chassis frame relative to the axle's reference point; rates are over the travels of the left
-/// and the right wheel.
+/// A wheel of a beam, in the chassis frame relative to the axle's reference point. Its rates are over the travels of
+/// the left and the right wheel, in this order.
 #[derive(Clone, Copy, Debug)]
 pub struct BeamWheel {
-    /// Wheel centre, m.
+    /// The wheel's centre, m.
     pub hub: V3,
-    /// ∂hub/∂travel.
+    /// ∂hub/∂travel, m/m.
     pub hub_rates: [V3; 2],
     /// ∂hub/∂command of the steering, m.
     pub hub_steer_rate: V3,
-    /// Σᵢⱼ ∂²hub/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ, m/s².
+    /// The acceleration Σᵢⱼ ∂²hub/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ of the centre over the travels q, m/s².
     pub bend: V3,
-    /// Direction of the wheel's axle, to the left.
+    /// The direction of the wheel's axle, a unit vector to the left.
     pub axis: V3,
-    /// Rotation of the wheel's axle per travel, its component across the axle, rad/m.
+    /// The rotation of the wheel's axle over each travel, its component across the axle, rad/m.
     pub tilt_rates: [V3; 2],
-    /// Lengths of the struts, m.
+    /// The lengths of the struts, m.
     pub struts: [f64; 2],
-    /// ∂strut/∂travel as `[strut][travel]`.
+    /// ∂strut/∂travel as `[strut][travel]`, m/m.
     pub strut_rates: [[f64; 2]; 2],
 }
 
-/// A beam with its wheels.
+/// The pose of a beam, with its wheels.
 #[derive(Clone, Copy, Debug)]
 pub struct BeamPose {
-    /// Left and right.
+    /// The left and the right wheel.
     pub wheels: [BeamWheel; 2],
-    /// Middle of the beam in the chassis frame relative to the axle's reference point, m.
+    /// The middle of the beam in the chassis frame, relative to the axle's reference point, m.
     pub middle: V3,
-    /// ∂middle/∂travel.
+    /// ∂middle/∂travel, over the left and the right travel, m/m.
     pub middle_rates: [V3; 2],
-    /// Σᵢⱼ ∂²middle/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ, m/s².
+    /// The acceleration Σᵢⱼ ∂²middle/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ of the middle over the travels q, m/s².
     pub middle_bend: V3,
 }
 
@@ -164,7 +164,8 @@ impl BeamAxle {
         Ok(Self { table: BeamTable::new(low, step, &nodes), middle, spindle, struts, knuckles })
     }
 
-    /// The beam at travels of its ends (m) that change with `rates` (m/s), and a steering command in [-1, 1].
+    /// The pose of the beam at the travels of its ends (left, right, m; compression positive), which change with
+    /// `rates` (m/s), and at a steering command in [-1, 1].
     #[must_use]
     #[inline]
     pub fn at(&self, travels: [f64; 2], rates: [f64; 2], command: f64) -> BeamPose {

@@ -1,4 +1,4 @@
-//! Forces of springs, dampers and stops along a strut.
+//! The forces of springs, dampers and stops along a strut.
 
 use crate::suspension::{Damper, Spring, Stops, Strut, StrutStops, Suspension};
 
@@ -14,7 +14,7 @@ fn line(points: &[[f64; 2]], x: f64) -> f64 {
 }
 
 impl Spring {
-    /// Force that pushes the ends apart at a length (m), N.
+    /// The force with which the spring pushes the ends apart at a length (m), N.
     #[must_use]
     #[inline]
     pub fn force(&self, length: f64) -> f64 {
@@ -30,8 +30,8 @@ impl Spring {
 }
 
 impl Damper {
-    /// Force over rate, N s/m, at a rate of the length (m/s, positive extending); never negative. Taken times the rate
-    /// at the end of a step, it dissipates at any step.
+    /// The force over the rate, N s/m, at a rate of the length (m/s, positive when extending); it is never negative.
+    /// Multiplied by the rate at the end of a step, it dissipates energy whatever the step.
     #[must_use]
     #[inline]
     pub fn resistance(&self, rate: f64) -> f64 {
@@ -66,7 +66,7 @@ fn stop(stiffness: f64, table: &[[f64; 2]], depth: f64) -> f64 {
 }
 
 impl StrutStops {
-    /// Force that pushes the ends apart at a length (m), N.
+    /// The force with which the stops push the ends apart at a length (m), N; negative where they pull them together.
     #[must_use]
     #[inline]
     pub fn force(&self, length: f64) -> f64 {
@@ -81,7 +81,8 @@ impl StrutStops {
 }
 
 impl Stops {
-    /// Force that pushes the wheel down at a travel (m), N.
+    /// The force with which the stops push the wheel down at a travel (m, compression positive), N; negative where they
+    /// pull it up.
     #[must_use]
     #[inline]
     pub fn force(&self, travel: f64) -> f64 {
@@ -95,7 +96,7 @@ impl Stops {
     }
 }
 
-/// What acts along one strut or about an arm.
+/// The spring, the damper and the stops that act along one strut or about an arm.
 #[derive(Clone, Debug, Default)]
 pub struct Element {
     spring: Option<Spring>,
@@ -104,7 +105,7 @@ pub struct Element {
 }
 
 impl Element {
-    /// Force of spring and stops at a length (m), N; positive pushes the ends apart.
+    /// The force of the spring and the stops at a length (m), N; positive pushes the ends apart.
     #[inline]
     #[must_use]
     pub fn force(&self, length: f64) -> f64 {
@@ -112,7 +113,7 @@ impl Element {
         spring + self.stops.as_ref().map_or(0.0, |s| s.force(length))
     }
 
-    /// Resistance of the damper at a rate of length (m/s), N s/m.
+    /// The resistance of the damper at a rate of the length (m/s, positive when extending), N s/m.
     #[inline]
     #[must_use]
     pub fn resistance(&self, rate: f64) -> f64 {
@@ -126,8 +127,8 @@ impl From<&Strut> for Element {
     }
 }
 
-/// The elements in the order in which the tables hold their lengths: a torsion bar comes first, with the arm's angle,
-/// taken negative, for its length.
+/// The elements of a suspension in the order in which the tables hold their lengths. A torsion bar comes first; its
+/// length is the arm's angle (rad), taken negative.
 #[must_use]
 pub fn elements(suspension: &Suspension) -> Vec<Element> {
     let torsion = suspension.linkage.torsion().map(|t| Element {

@@ -30,27 +30,27 @@ pub use table::WheelPose;
 /// A side of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// y > 0.
+    /// The left side, where y > 0.
     Left,
-    /// y < 0.
+    /// The right side, where y < 0.
     Right,
 }
 
 impl Side {
-    /// 0 left, 1 right.
+    /// The index of the side: 0 for the left, 1 for the right.
     #[must_use]
     pub fn index(self) -> usize {
         usize::from(self == Self::Right)
     }
 
-    /// 1 left, −1 right.
+    /// The sign of y on this side: 1 for the left, −1 for the right.
     #[must_use]
     pub fn sign(self) -> f64 {
         if self == Self::Left { 1.0 } else { -1.0 }
     }
 }
 
-/// Why a linkage can't be used.
+/// The reason why a linkage can't be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkageError {
@@ -60,48 +60,48 @@ pub enum LinkageError {
          correct its points or narrow the range"
     )]
     Locked {
-        /// m.
+        /// The travel at which it locks, m, compression positive.
         travel: f64,
-        /// In [-1, 1].
+        /// The steering command at which it locks, in [-1, 1].
         command: f64,
     },
-    /// The rods of a beam lock.
+    /// The rods of a beam lock before the end of its range.
     #[error(
         "the beam's rods do not close at travels {:.3} m left, {:.3} m right; correct their points or narrow the range",
         travels[0], travels[1]
     )]
     BeamLocked {
-        /// Left and right, m.
+        /// The travels of the left and the right wheel at which they lock, m, compression positive.
         travels: [f64; 2],
     },
-    /// The steering gear locks.
+    /// The steering gear locks before the end of its range.
     #[error(
         "the steering gear does not close at command {command:.2}; correct its points or reduce its angle"
     )]
     SteeringLocked {
-        /// In [-1, 1].
+        /// The steering command at which it locks, in [-1, 1].
         command: f64,
     },
-    /// Drag link, tie rods and knuckles lock.
+    /// The drag link, the tie rods and the knuckles of a beam lock before the end of their range.
     #[error(
         "the steering of the beam does not close at command {command:.2}, travels {:.3} m left, {:.3} m right; \
          correct its points, reduce the gear's travel or narrow the range",
         travels[0], travels[1]
     )]
     KnucklesLocked {
-        /// Left and right, m.
+        /// The travels of the left and the right wheel at which they lock, m, compression positive.
         travels: [f64; 2],
-        /// In [-1, 1].
+        /// The steering command at which they lock, in [-1, 1].
         command: f64,
     },
-    /// A spring would push the wheel up.
+    /// A strut does not shorten as the wheel rises, so that its spring would push the wheel up.
     #[error(
         "struts[{strut}] does not shorten in compression at travel {travel:.3} m; correct its ends or narrow the range"
     )]
     Lengthens {
-        /// Number of the strut.
+        /// The number of the strut.
         strut: usize,
-        /// m.
+        /// The travel at which it does so, m, compression positive.
         travel: f64,
     },
 }
@@ -129,10 +129,10 @@ fn unit(v: V3) -> UnitVector3<f64> {
 }
 
 impl AxleKinematics {
-    /// Solves the linkage of an axle for all travels and, if it is steered, all commands.
+    /// Solves the linkage of an axle for all travels and, if the axle is steered, for all commands.
     ///
     /// # Errors
-    /// Where the linkage or its steering doesn't close, or a strut would work the wrong way.
+    /// Returns an error where the linkage or its steering doesn't close, or where a strut would work the wrong way.
     pub fn solve(axle: &Axle) -> Result<Self, LinkageError> {
         let suspension = &axle.suspension;
         let linkage = &suspension.linkage;
@@ -170,10 +170,10 @@ impl AxleKinematics {
         Ok(Self { guide: Guide::Independent([Arc::new(left), Arc::new(right)]) })
     }
 
-    /// Pose of a wheel at the travels of the axle's left and right wheel (m, compression positive) and a steering
-    /// command in [-1, 1]; rates are over the wheel's own travel. A wheel that is guided independently doesn't heed the
-    /// other's travel. Beyond the tabulated travels an independent wheel keeps its direction and a beam's pose goes on
-    /// in a straight line.
+    /// The pose of a wheel at the travels of the axle's left and right wheel (m, compression positive) and at a
+    /// steering command in [-1, 1]. Its rates are over the wheel's own travel. The pose of a wheel that is guided
+    /// independently doesn't depend on the other's travel. Beyond the tabulated travels an independent wheel keeps its
+    /// direction, and a beam's pose goes on in a straight line.
     #[must_use]
     pub fn wheel(&self, side: Side, travels: [f64; 2], command: f64) -> WheelPose {
         let i = side.index();
@@ -199,7 +199,7 @@ impl AxleKinematics {
         }
     }
 
-    /// The table of a wheel that is guided independently.
+    /// The table of a wheel that is guided independently; `None` for a wheel on a beam.
     #[must_use]
     pub fn corner(&self, side: Side) -> Option<Arc<CornerTable>> {
         match &self.guide {
@@ -208,7 +208,7 @@ impl AxleKinematics {
         }
     }
 
-    /// The beam of a solid axle.
+    /// The beam of a solid axle; `None` for other axles.
     #[must_use]
     pub fn beam(&self) -> Option<Arc<BeamAxle>> {
         match &self.guide {
@@ -218,7 +218,7 @@ impl AxleKinematics {
     }
 }
 
-/// Whether the wheels of a linkage can move.
+/// Tells whether the wheels of a linkage can move.
 #[must_use]
 pub fn moves(linkage: &Linkage) -> bool {
     !matches!(linkage, Linkage::Rigid(_))

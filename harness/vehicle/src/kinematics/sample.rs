@@ -1,4 +1,4 @@
-//! The tables as numbers for plots and checks.
+//! The tables of linkages as numbers, for plots and checks.
 
 use super::WheelPose;
 use super::{AxleKinematics, Side, elements};
@@ -6,52 +6,53 @@ use crate::V3;
 use crate::suspension::{AntiRoll, Linkage, Suspension};
 use vb_math::{asin, atan2};
 
-/// How the two wheels of an axle move while it is sampled.
+/// The way in which the two wheels of an axle move while it is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Both alike: heave.
+    /// Both wheels move alike: heave.
     Parallel,
-    /// One up, the other as far down: roll.
+    /// One wheel moves up and the other as far down: roll.
     Opposite,
 }
 
-/// A wheel at one travel and steering command.
+/// A wheel at one travel and one steering command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSample {
-    /// Its side.
+    /// The side of the vehicle on which the wheel is.
     pub side: Side,
-    /// m, compression positive.
+    /// The travel, m, compression positive.
     pub travel: f64,
-    /// In [-1, 1].
+    /// The steering command, in [-1, 1], positive to the left.
     pub command: f64,
-    /// Wheel centre in the chassis frame, relative to the axle's reference point, m.
+    /// The wheel's centre in the chassis frame, relative to the axle's reference point, m.
     pub hub: V3,
-    /// Angle of the wheel's plane from straight ahead, positive to the left, rad.
+    /// The angle of the wheel's plane from straight ahead, positive to the left, rad.
     pub toe: f64,
-    /// Tilt of the wheel's plane, positive with the top away from the vehicle, rad.
+    /// The tilt of the wheel's plane, positive with the top away from the vehicle, rad.
     pub camber: f64,
-    /// Lengths of the struts, m; for a torsion bar the arm's angle, rad, taken negative. 0 for a missing one.
+    /// The lengths of the struts, m; for a torsion bar the arm's angle, rad, taken negative. The length of a missing
+    /// strut is 0.
     pub struts: [f64; 2],
-    /// How much a strut shortens as the wheel rises in this motion, m/m (rad/m for a torsion bar).
+    /// The shortening of each strut per rise of the wheel in this motion, m/m (rad/m for a torsion bar).
     pub motion_ratios: [f64; 2],
-    /// Force with which springs, stops and the anti-roll bar push the wheel down, N: what carries the vehicle. In
-    /// opposite motion half the difference between the two wheels, which is what resists roll.
+    /// The force with which springs, stops and the anti-roll bar push the wheel down, N: the force that carries the
+    /// vehicle. In opposite motion it is half the difference between the two wheels, which resists the roll.
     pub force: f64,
-    /// Change of that force over travel in this motion, N/m.
+    /// The change of that force over the travel in this motion, N/m.
     pub wheel_rate: f64,
 }
 
-/// Steering axis of a wheel in the design position.
+/// The steering axis of a left wheel in the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteeringAxis {
-    /// Tilt to the rear at the top, rad.
+    /// The tilt of the axis to the rear at its top, rad.
     pub caster: f64,
-    /// Tilt to the vehicle's middle at the top, rad.
+    /// The tilt of the axis towards the vehicle's middle at its top, rad.
     pub inclination: f64,
 }
 
 impl Suspension {
-    /// The axis about which the left wheel is steered, where the linkage has one in a part of its own.
+    /// The axis about which the left wheel is steered; `None` where no part of the linkage has such an axis.
     #[must_use]
     pub fn steering_axis(&self) -> Option<SteeringAxis> {
         let (lower, upper) = match &self.linkage {
@@ -66,8 +67,9 @@ impl Suspension {
 }
 
 impl AxleKinematics {
-    /// Both wheels over `travels` values of the range and `commands` values in [-1, 1] (one: straight ahead); left
-    /// before right, then by command, then by travel. `suspension` is the one that was solved.
+    /// Samples both wheels at `travels` values over the suspension's range and at `commands` values over [-1, 1]; one
+    /// value alone means travel 0 or straight ahead. The samples of the left wheel come before those of the right one;
+    /// within a side they are ordered by command, then by travel. `suspension` must be the one that was solved.
     #[must_use]
     pub fn sample(
         &self,

@@ -12,32 +12,34 @@ pub(super) const NODES: usize = TRAVELS + 2 * PAD;
 pub(super) const COLUMNS: usize = 7;
 pub(super) type Row = [f64; COLUMNS];
 
-/// Where a wheel is in the chassis frame relative to the axle's reference point, with its change over travel.
+/// The place of a wheel in the chassis frame, relative to the axle's reference point, with its change over the wheel's
+/// travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelPose {
-    /// Wheel centre, m.
+    /// The wheel's centre, m.
     pub hub: V3,
-    /// ∂hub/∂travel.
+    /// ∂hub/∂travel, m/m.
     pub hub_rate: V3,
     /// ∂²hub/∂travel², 1/m.
     pub hub_curvature: V3,
     /// ∂hub/∂command of the steering, m.
     pub hub_steer_rate: V3,
-    /// Direction of the axle, to the left.
+    /// The direction of the wheel's axle, a unit vector to the left.
     pub axis: V3,
-    /// Rotation of the upright per travel, rad/m, its component across the axle.
+    /// The rotation of the upright over the travel, its component across the axle, rad/m.
     pub tilt_rate: V3,
-    /// Lengths of the struts, m; for a torsion bar the arm's angle, rad, taken negative.
+    /// The lengths of the struts, m; for a torsion bar the arm's angle, rad, taken negative.
     pub struts: [f64; 2],
-    /// ∂strut/∂travel; the motion ratios with their sign.
+    /// ∂strut/∂travel, m/m (rad/m for a torsion bar): the motion ratios with their sign, negative where a strut
+    /// shortens as the wheel rises.
     pub strut_rates: [f64; 2],
-    /// Angle of this side's arm of the anti-roll bar, rad; the travel where there is no such arm.
+    /// The angle of this side's arm of the anti-roll bar, rad; the travel (m) where there is no such arm.
     pub bar: f64,
-    /// ∂bar/∂travel.
+    /// ∂bar/∂travel, rad/m; m/m where there is no such arm.
     pub bar_rate: f64,
 }
 
-/// One wheel over travel and steering command.
+/// The solved linkage of one wheel over its travel and the steering command.
 #[derive(Clone, Debug)]
 pub struct CornerTable {
     side: f64,
@@ -93,7 +95,7 @@ impl CornerTable {
         Self { side: -self.side, rows, ..*self }
     }
 
-    /// The wheel's pose at a travel and a steering command in [-1, 1].
+    /// The wheel's pose at a travel (m, compression positive) and a steering command in [-1, 1].
     #[inline]
     #[must_use]
     pub fn at(&self, travel: f64, command: f64) -> WheelPose {

@@ -1,4 +1,4 @@
-//! What a torque converter passes from the engine to its turbine.
+//! The torque that a torque converter passes from the engine to its turbine.
 //!
 //! The impeller takes T = (ω_e/K(r))² with r = ω_t/ω_e, the turbine gives R(r)·T (characteristic curves as in Wong,
 //! Theory of Ground Vehicles, 2008, section 3.3.2). When the turbine overruns the engine the two
@@ -10,16 +10,16 @@ use crate::table::interpolate;
 
 /// Range of the speed ratio next to 1 in which the torque falls to zero. Ours: narrow beside the tables' spacing.
 const SYNCHRONOUS: f64 = 0.02;
-/// Torque between impeller and turbine, its slopes and how it is multiplied.
+/// The torque between impeller and turbine, with its slopes and its multiplication.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConverterTorque {
-    /// Taken from the engine, N m.
+    /// The torque that is taken from the engine, N m; negative where the turbine drives the engine.
     pub torque: f64,
     /// ∂torque/∂(engine speed), N m s.
     pub by_engine: f64,
     /// −∂torque/∂(turbine speed), N m s.
     pub by_turbine: f64,
-    /// The turbine's torque over it.
+    /// The turbine's torque over the engine's.
     pub multiplied: f64,
 }
 
@@ -33,7 +33,7 @@ impl Converter {
         if fade >= 1.0 { (c, c_slope) } else { (c * fade, c_slope * fade - c / SYNCHRONOUS) }
     }
 
-    /// The torque at the speeds of engine and turbine, rad/s.
+    /// The torque at the speeds of engine and turbine (rad/s).
     #[inline]
     #[must_use]
     pub fn flow(&self, engine: f64, turbine: f64) -> ConverterTorque {

@@ -1,4 +1,4 @@
-//! Torque of engines over speed and throttle.
+//! The torque of engines over speed and throttle.
 
 use super::Engine;
 use crate::table::interpolate;
@@ -7,10 +7,10 @@ use crate::table::interpolate;
 /// chatters.
 const CUT_OFF: f64 = 0.01;
 
-/// Torque of an engine and how it changes.
+/// The torque of an engine and how it changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EngineTorque {
-    /// N m; negative is drag.
+    /// The torque, N m; negative is drag.
     pub torque: f64,
     /// ∂torque/∂speed, N m s.
     pub by_speed: f64,
@@ -19,13 +19,13 @@ pub struct EngineTorque {
 }
 
 impl Engine {
-    /// Torque at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1], N m.
+    /// The torque at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1], N m.
     #[must_use]
     pub fn torque(&self, speed: f64, throttle: f64) -> f64 {
         self.torque_and_slopes(speed, throttle).torque
     }
 
-    /// Inertia at engine speed, kg m².
+    /// The inertia of the engine, at its own speed, kg m².
     #[must_use]
     #[inline]
     pub fn inertia(&self) -> f64 {
@@ -36,7 +36,7 @@ impl Engine {
         }
     }
 
-    /// Torque and its slopes at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1].
+    /// The torque and its slopes at an engine speed (rad/s, ≥ 0) and a throttle in [0, 1].
     #[inline]
     #[must_use]
     pub fn torque_and_slopes(&self, speed: f64, throttle: f64) -> EngineTorque {

@@ -1,47 +1,47 @@
-//! What can go wrong with a suite on disk.
+//! The errors of a suite on disk.
 
 use super::SCHEMA;
 use crate::Flaw;
 use std::path::{Path, PathBuf};
 
-/// Why a suite could not be read or written. Each message names the place and what to do.
+/// The reason why a suite could not be read or written. Each message names the place and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SuiteError {
     /// A file or directory could not be read.
     #[error("{}: cannot read: {source}; {hint}", path.display())]
     Read {
-        /// The file.
+        /// The path of the file or directory.
         path: PathBuf,
-        /// What to do.
+        /// A hint on what to do.
         hint: &'static str,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A file or directory could not be written.
     #[error("{}: cannot write: {source}; check that the place is writable and the disk is not full", path.display())]
     Write {
-        /// The file.
+        /// The path of the file or directory.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The content of a file is not what it must be.
     #[error("{}: {field}: {problem}", file.display())]
     Invalid {
-        /// The file.
+        /// The path of the file.
         file: PathBuf,
         /// The field, e.g. `tasks[2].goal`.
         field: String,
-        /// The value and what would be right.
+        /// The value, and what would be right.
         problem: String,
     },
     /// The file is of another version of the format.
     #[error("{}: schema: version {found} is not supported, this build reads version {SCHEMA}; use a harness of the suite's age or make the suite anew", file.display())]
     Schema {
-        /// The file.
+        /// The path of the file.
         file: PathBuf,
-        /// The version it states.
+        /// The version that the file states.
         found: u32,
     },
     /// A world's files are not those that the suite was made with.
@@ -53,15 +53,15 @@ pub enum SuiteError {
         world: String,
         /// The hash in the suite file.
         stated: String,
-        /// The hash of the files.
+        /// The hash of the world's files.
         found: String,
     },
-    /// No such world.
+    /// The suite has no world of this id.
     #[error("{}: no world is called {world:?}; there are {}", file.display(), known)]
     UnknownWorld {
         /// The suite file.
         file: PathBuf,
-        /// The id asked for.
+        /// The id that was asked for.
         world: String,
         /// The ids that exist.
         known: String,

@@ -14,7 +14,8 @@ pub use suite::{Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
 /// Reads a file of obstacles in the form of a world's `obstacles.yaml`.
 ///
 /// # Errors
-/// If it can't be read or isn't of that form. Whether they lie in a world is for [`crate::World::check`] to say.
+/// Returns an error if the file can't be read or isn't of that form. Whether the obstacles lie in a world is for
+/// [`crate::World::check`] to say.
 pub fn read_obstacles(file: &std::path::Path) -> Result<Vec<crate::Obstacle>, SuiteError> {
     let yaml = vb_files::read_text(file, vb_files::DOCUMENT).map_err(|source| SuiteError::Read {
         path: file.to_owned(),

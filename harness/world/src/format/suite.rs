@@ -12,25 +12,25 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use vb_files::Hash;
 
-/// Where the worlds of a suite come from.
+/// The origin of the worlds of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Provenance {
-    /// Made by a generator: the same generator, seed and parameters make the same bytes again.
+    /// The worlds were made by a generator: the same generator, seed and parameters make the same bytes again.
     Generated {
-        /// Name and version of the generator.
+        /// The name and the version of the generator.
         generator: String,
-        /// Its seed.
+        /// The seed of the generator.
         seed: u64,
     },
-    /// Read from data of another format.
+    /// The worlds were read from data of another format.
     Imported {
-        /// What was imported.
+        /// The data that were imported.
         source: String,
     },
-    /// Made by hand.
+    /// The worlds were made by hand.
     Authored {
-        /// By whom or how.
+        /// The people who made them, or the way in which they did.
         by: String,
     },
 }
@@ -38,13 +38,13 @@ pub enum Provenance {
 /// What a suite says about itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SuiteMeta {
-    /// Short name.
+    /// The short name of the suite.
     pub name: String,
-    /// Version of the suite, free text.
+    /// The version of the suite, as free text.
     pub version: String,
-    /// What it is, for people.
+    /// A description of the suite, for people.
     pub description: String,
-    /// Where it comes from.
+    /// The origin of the suite's worlds.
     pub provenance: Provenance,
 }
 
@@ -52,17 +52,17 @@ pub struct SuiteMeta {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldInfo {
-    /// Name, and that of its folder.
+    /// The name of the world, which is also that of its folder.
     pub id: String,
-    /// Elevation level.
+    /// The elevation level of the world.
     pub elevation: Elevation,
-    /// Kind of ground.
+    /// The kind of ground of the world.
     pub terrain: Terrain,
-    /// Obstacle density.
+    /// The obstacle density of the world.
     pub density: Density,
-    /// Names of its tasks in order.
+    /// The names of the world's tasks, in order.
     pub tasks: Vec<String>,
-    /// Content hash: SHA-256 over all files of the world.
+    /// The content hash: the SHA-256 over all files of the world.
     pub sha256: String,
 }
 
@@ -78,7 +78,7 @@ struct SuiteDocument {
     worlds: Vec<WorldInfo>,
 }
 
-/// An opened suite: its index. Worlds are read when asked for.
+/// An opened suite: its index. Worlds are read when they are asked for.
 #[derive(Clone, Debug)]
 pub struct Suite {
     dir: PathBuf,
@@ -92,7 +92,7 @@ impl Suite {
     /// Reads the index of the suite in `dir`.
     ///
     /// # Errors
-    /// If `suite.yaml` is missing, unreadable, of another schema version, or invalid.
+    /// Returns an error if `suite.yaml` is missing, unreadable, of another schema version, or invalid.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, SuiteError> {
         let dir = dir.as_ref().to_path_buf();
         let file = dir.join(INDEX);
@@ -110,7 +110,7 @@ impl Suite {
     /// Writes a suite into `dir`, which must not exist or be empty, and opens it.
     ///
     /// # Errors
-    /// If the directory holds something, cannot be written, or a world has a flaw.
+    /// Returns an error if the directory holds something, cannot be written, or a world has a flaw.
     pub fn write<'a>(
         dir: impl AsRef<Path>,
         meta: &SuiteMeta,
@@ -123,7 +123,7 @@ impl Suite {
         writer.finish()
     }
 
-    /// The folder.
+    /// The folder of the suite.
     #[must_use]
     pub fn dir(&self) -> &Path {
         &self.dir
@@ -141,7 +141,7 @@ impl Suite {
         world_folder(&self.dir, id)
     }
 
-    /// The index, in order.
+    /// The worlds of the index, in order.
     #[must_use]
     pub fn worlds(&self) -> &[WorldInfo] {
         &self.worlds
@@ -150,7 +150,7 @@ impl Suite {
     /// What the index says about a world.
     ///
     /// # Errors
-    /// If there is no such world.
+    /// Returns an error if there is no such world.
     pub fn world_info(&self, id: &str) -> Result<&WorldInfo, SuiteError> {
         self.worlds.iter().find(|w| w.id == id).ok_or_else(|| SuiteError::UnknownWorld {
             file: self.dir.join(INDEX),
@@ -159,16 +159,17 @@ impl Suite {
         })
     }
 
-    /// Number of tasks in all worlds.
+    /// The number of tasks in all worlds.
     #[must_use]
     pub fn task_count(&self) -> usize {
         self.worlds.iter().map(|w| w.tasks.len()).sum()
     }
 
-    /// Reads a world, checks its content hash and every value.
+    /// Reads a world and checks its content hash and every value.
     ///
     /// # Errors
-    /// If there is no such world, a file is missing or invalid, or the files are not those of the index.
+    /// Returns an error if there is no such world, a file is missing or invalid, or the files are not those of the
+    /// index.
     pub fn load_world(&self, id: &str) -> Result<World, SuiteError> {
         let info = self.world_info(id)?;
         let folder = world_folder(&self.dir, id);
@@ -179,11 +180,11 @@ impl Suite {
         Ok(world)
     }
 
-    /// Reads a world for all that is wrong with it, where [`Suite::load_world`] stops at the first error. The world comes
-    /// with the errors if each of its values makes sense, though it is not the one that the index states.
+    /// Reads a world for all that is wrong with it, where [`Suite::load_world`] stops at the first error. The world is
+    /// returned with the errors if each of its values makes sense, even if it is not the one that the index states.
     ///
     /// # Errors
-    /// If there is no such world in the index.
+    /// Returns an error if there is no such world in the index.
     pub fn examine_world(&self, id: &str) -> Result<(Option<World>, Vec<SuiteError>), SuiteError> {
         let info = self.world_info(id)?;
         let folder = world_folder(&self.dir, id);
@@ -224,15 +225,15 @@ impl Suite {
     /// Checks by their hash that a world's files are those of the index, which is much faster than to read it.
     ///
     /// # Errors
-    /// As [`Suite::load_world`], which is asked what is wrong if the hashes differ.
+    /// Returns the error of [`Suite::load_world`], which is asked what is wrong if the hashes differ.
     pub fn verify_world(&self, id: &str) -> Result<(), SuiteError> {
         let info = self.world_info(id)?;
         let files = WorldFiles::read(&world_folder(&self.dir, id))?;
         if files.hash() == info.sha256 { Ok(()) } else { self.load_world(id).map(drop) }
     }
 
-    /// Content hash of the suite: SHA-256, in hexadecimal, over schema version and the ids and content hashes of all
-    /// worlds in order. It depends on neither path nor system, name nor description.
+    /// The content hash of the suite: the SHA-256, in hexadecimal, over the schema version and over the ids and content
+    /// hashes of all worlds in order. It depends on neither path nor system, name nor description.
     #[must_use]
     pub fn hash(&self) -> String {
         let mut hasher = Hash::new();
@@ -244,7 +245,7 @@ impl Suite {
     }
 }
 
-/// Writes a suite world by world, the index last: an interrupted writer leaves no suite that looks whole.
+/// A writer of a suite, world by world, with the index last: an interrupted writer leaves no suite that looks whole.
 #[derive(Debug)]
 pub struct SuiteWriter {
     suite: Suite,
@@ -254,7 +255,7 @@ impl SuiteWriter {
     /// Prepares `dir`, which must not exist or be empty.
     ///
     /// # Errors
-    /// If the directory holds something or cannot be made.
+    /// Returns an error if the directory holds something or cannot be made.
     pub fn create(dir: impl AsRef<Path>, meta: SuiteMeta) -> Result<Self, SuiteError> {
         let dir = dir.as_ref().to_path_buf();
         std::fs::create_dir_all(&dir).map_err(|e| SuiteError::write(&dir, e))?;
@@ -265,10 +266,10 @@ impl SuiteWriter {
         Ok(Self { suite: Suite { dir, meta, worlds: Vec::new() } })
     }
 
-    /// Adds a world.
+    /// Adds a world to the suite.
     ///
     /// # Errors
-    /// If it has a flaw, its id is taken, or it cannot be written.
+    /// Returns an error if the world has a flaw, its id is taken, or it cannot be written.
     pub fn add(&mut self, world: &World) -> Result<&WorldInfo, SuiteError> {
         let folder = world_folder(&self.suite.dir, &world.id);
         let files = WorldFiles::from_world(world).map_err(|f| SuiteError::flaw(&folder, f))?;
@@ -280,10 +281,10 @@ impl SuiteWriter {
         Ok(&worlds[worlds.len() - 1])
     }
 
-    /// Writes the index.
+    /// Writes the index and opens the suite.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// Returns an error if the index cannot be written.
     pub fn finish(self) -> Result<Suite, SuiteError> {
         let file = self.suite.dir.join(INDEX);
         std::fs::write(&file, index(&self.suite)).map_err(|e| SuiteError::write(&file, e))?;
