@@ -57,6 +57,28 @@ impl<'a> Bench<'a> {
     }
 }
 
+/// The vehicles of which an event says something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vehicles {
+    /// All vehicles.
+    All,
+    /// Vehicles on wheels: the event is of tyres, of single wheels, or of wheels that roll without slip about one centre.
+    Wheeled,
+    /// Vehicles on tracks.
+    Tracked,
+}
+
+/// What the vehicle is on in an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Rigid ground.
+    Rigid,
+    /// Soil. There the set-up of a reference may be another than on rigid ground.
+    Soil,
+    /// A stand: a plate or a single wheel is on soil, not the vehicle.
+    Stand,
+}
+
 /// A standard event.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
@@ -66,11 +88,25 @@ pub struct Event {
     pub title: &'static str,
     /// What is driven, and what is asked of the vehicle.
     pub about: &'static str,
+    /// The vehicles of which it says something.
+    pub vehicles: Vehicles,
+    /// What the vehicle is on.
+    pub place: Place,
     /// Drives it.
     pub(crate) run: fn(&Bench<'_>) -> Result<Outcome, SimError>,
 }
 
 impl Event {
+    /// Whether it says something of a vehicle.
+    #[must_use]
+    pub fn fits(&self, spec: &VehicleSpec) -> bool {
+        match self.vehicles {
+            Vehicles::All => true,
+            Vehicles::Wheeled => spec.tracks.is_none(),
+            Vehicles::Tracked => spec.tracks.is_some(),
+        }
+    }
+
     /// Drives the event.
     ///
     /// # Errors

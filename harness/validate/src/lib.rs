@@ -28,7 +28,7 @@ mod theory;
 
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use error::ValidateError;
-pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Plot, Series};
+pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};
 pub use events::{event, events};
 pub use reference::{Curve, References};
 pub use report::{Counts, Report, expected, number};

@@ -2,8 +2,8 @@
 
 use crate::check::{Check, Kind};
 use crate::error::ValidateError;
-use crate::event::{Bench, Event, LineKind, Outcome};
-use crate::events::{event, events, fits, on_soil};
+use crate::event::{Bench, Event, LineKind, Outcome, Place};
+use crate::events::{event, events};
 use crate::reference::References;
 use crate::report::Report;
 use crate::result::{EventResult, InSetup};
@@ -47,7 +47,7 @@ pub fn run(
         return Err(ValidateError::Step { step: options.step });
     }
     for name in &options.events {
-        if !fits(event(name)?, spec) {
+        if !event(name)?.fits(spec) {
             let kind = if spec.tracks.is_some() { "wheeled" } else { "tracked" };
             let vehicle = spec.name.clone();
             return Err(ValidateError::NotForVehicle { name: name.clone(), kind, vehicle });
@@ -61,7 +61,7 @@ pub fn run(
     }
     let wanted: Vec<&'static Event> = events()
         .iter()
-        .filter(|e| fits(e, spec))
+        .filter(|e| e.fits(spec))
         .filter(|e| options.events.is_empty() || options.events.iter().any(|n| n == e.name))
         .collect();
     let next = AtomicUsize::new(0);
@@ -104,7 +104,7 @@ fn drive(
     let (mut outcome, failure) = driven(bench);
     let mut setups = Vec::new();
     for (kind, ground, soil) in others.iter().filter(|o| references.concern(event.name, o.0)) {
-        let (outcome, failure) = driven(if on_soil(event) { soil } else { ground });
+        let (outcome, failure) = driven(if event.place == Place::Soil { soil } else { ground });
         setups.push(InSetup { kind: *kind, outcome, failure });
     }
     let known = references.expectations.get(event.name).into_iter().flatten();

@@ -2,7 +2,7 @@
 
 use super::{cornering, grades, longitudinal, vertical};
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Plot, Series};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
 use vb_sim::SimError;
 
 pub(super) const CONVERGENCE: Event = Event {
@@ -10,6 +10,8 @@ pub(super) const CONVERGENCE: Event = Event {
     title: "Convergence over the step",
     about: "Canonical figures at a quarter of the step, at half, at the step, at twice and at four times it. At the step and at \
             half of it they must agree within 2 %.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: convergence,
 };
 

@@ -1,7 +1,7 @@
 //! Cornering on level ground.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::{PARKED, speed};
 use crate::rig::Drive;
@@ -15,6 +15,8 @@ pub(super) const CORNERING: Event = Event {
     title: "Constant steering",
     about: "Fixed steering from rest to 4 m/s under the speed controller, 20 s; means of the last 10 s. Also to the right, at \
             μ 0.5, at 2 and at 8 m/s.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: cornering,
 };
 
@@ -156,6 +158,8 @@ pub(super) const STEP_STEER: Event = Event {
     name: "step-steer",
     title: "Step steer at 8 m/s",
     about: "Straight at 8 m/s for 9 s, then a step of the steering command; speed controller on.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: step_steer,
 };
 
@@ -213,6 +217,8 @@ pub(super) const BODY_ROLL: Event = Event {
     title: "Body roll in a corner and on a tilt table",
     about: "Steady corners at 8 m/s, and the vehicle standing on a table tilted until gravity has the same component along \
             the ground: by the equivalence principle the body must lean by the same angle.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: body_roll,
 };
 

@@ -1,7 +1,7 @@
 //! What nature conserves.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, profile};
 use crate::pace::{COASTING, PARKED};
 use crate::rig::Drive;
@@ -13,6 +13,8 @@ pub(super) const FREE_FALL: Event = Event {
     name: "free-fall",
     title: "Free fall",
     about: "Let go 5 m above the ground for 0.8 s, with wheels that move in their springs: the centre of mass falls as a stone.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: free_fall,
 };
 
@@ -60,6 +62,8 @@ pub(super) const ENERGY: Event = Event {
     title: "Energy never grows",
     about: "Let go on the side of a valley 3 m deep, nothing pressed, for 40 s: it swings to and fro, and kinetic energy and \
             energy of height together never exceed what they were.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: energy,
 };
 

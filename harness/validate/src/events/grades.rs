@@ -1,7 +1,7 @@
 //! Straight up planes of growing steepness.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot, Series};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::plane;
 use crate::pace::{PARKED, controls, speed};
 use crate::rig::{Drive, largest};
@@ -78,6 +78,8 @@ pub(super) const GRADE_HELD: Event = Event {
     title: "Steepest grade under the speed controller",
     about: "The original's 4 m/s controller and pursuit law, straight up planes: the steepest on which it gets 20 m far within \
             20 s.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: grade_held,
 };
 
@@ -104,6 +106,8 @@ pub(super) const GRADE_FULL: Event = Event {
     title: "Steepest grade with full throttle",
     about: "3 s on the brakes, then full throttle for 12 s, heading held: the steepest plane on which it gets 5 m far and still \
             climbs at the end. Spinning wheels give less than holding ones.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: grade_full,
 };
 
@@ -127,6 +131,8 @@ pub(super) const GRADE_PUBLISHED: Event = Event {
     name: "grade-60-percent",
     title: "60 % grade",
     about: "The grade of the data sheet (60 %, 31°) at μ 0.8 under the 4 m/s controller for 15 s.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: grade_published,
 };
 

@@ -1,6 +1,6 @@
 //! What the suspension does to the wheels, from its tables.
 
-use crate::event::{Bench, Event, LineKind, Outcome, Plot, Series};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use vb_math::angle::degrees;
 use vb_math::{asin, atan, tan};
 use vb_sim::SimError;
@@ -10,6 +10,8 @@ pub(super) const SUSPENSION: Event = Event {
     title: "Suspension and steering",
     about: "Toe, camber and motion ratio over wheel travel, and the angles of the steered wheels over the command, beside \
             the angles with which all wheels would roll about one centre.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: suspension,
 };
 

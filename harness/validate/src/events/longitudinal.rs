@@ -1,7 +1,7 @@
 //! Along a straight line on level ground.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::{COASTING, controls, speed};
 use crate::rig::{Drive, SAMPLE};
@@ -13,6 +13,8 @@ pub(super) const ACCELERATION: Event = Event {
     name: "acceleration",
     title: "Acceleration and top speed",
     about: "Throttle step from rest on level ground, heading held by the pursuit law, 60 s (30 s at μ 0.5).",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: acceleration,
 };
 
@@ -164,6 +166,8 @@ pub(super) const BRAKING: Event = Event {
     title: "Braking",
     about: "From 15, 8 and 4 m/s with full brakes, from 15 m/s with half and a quarter, and from 15 m/s at μ 0.5; throttle \
             closed, heading held.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: braking,
 };
 
@@ -262,6 +266,8 @@ pub(super) const COAST_DOWN: Event = Event {
     name: "coast-down",
     title: "Coast-down",
     about: "Throttle closed and brakes off from 15 and from 5 m/s until it stands, 90 s at most.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: coast_down,
 };
 
@@ -340,6 +346,8 @@ pub(super) const ROLLING: Event = Event {
     name: "rolling",
     title: "Rolling without slip",
     about: "It coasts straight at 5 m/s: all wheels must turn at the speed of the ground.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: rolling,
 };
 

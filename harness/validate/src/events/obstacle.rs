@@ -13,7 +13,7 @@
 //! of angular momentum about the edge, 1 − (h/r) m/(m + k).
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Series};
+use crate::event::{Bench, Event, Outcome, Place, Series, Vehicles};
 use crate::rig::largest;
 use vb_math::angle::{degrees, radians};
 use vb_math::{acos, atan, cos, sin, tan};
@@ -28,6 +28,8 @@ pub(super) const OBSTACLES: Event = Event {
             steepest facet that it climbs from rest, the torque that spins it in a corner of floor and facet, the push that \
             lifts it up a facet of 80°. Free and hard: rolling down a facet, and the energy that it loses at steps, at a facet and \
             over a ridge.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: obstacles,
 };
 

@@ -1,7 +1,7 @@
 //! Standing still.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, plane};
 use crate::pace::{COASTING, PARKED as BRAKES};
 use crate::rig::Drive;
@@ -12,6 +12,8 @@ pub(super) const STATIC: Event = Event {
     name: "static",
     title: "Wheel loads and ride height",
     about: "The vehicle stands on level ground, brakes on, for 5 s after it has settled.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: standing,
 };
 
@@ -70,6 +72,8 @@ pub(super) const PARKED: Event = Event {
     title: "Rest for 60 s",
     about: "With brakes on, up, across and down a slope of 20° at μ 0.9 and of 10° at μ 0.5, and with nothing pressed on level \
             ground. What has settled, for 5 s with brakes on and for 65 s with nothing pressed, must stay where it is for 60 s.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: parked,
 };
 

@@ -1,7 +1,7 @@
 //! Across slopes.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, plane};
 use crate::pace::PARKED;
 use crate::rig::Drive;
@@ -19,6 +19,8 @@ pub(super) const SIDE_SLOPE: Event = Event {
     title: "40 % side slope",
     about: "Across the side slope of the data sheet (40 %, 21.8°) at μ 0.8: standing with brakes on for 10 s, and driving along \
             it at 4 m/s for 15 s on the pursuit law.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: side_slope,
 };
 
@@ -71,6 +73,8 @@ pub(super) const TILT_TABLE: Event = Event {
     title: "Tilt table",
     about: "Brakes on, gravity turns about the long axis: to the angle at which the vehicle slides (μ 0.9 and 0.5), and with \
             tyres that do not slide to the angle at which it tips, as it is and on hard tyres with its wheels fixed to the chassis.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: tilt_table,
 };
 

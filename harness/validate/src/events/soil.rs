@@ -1,7 +1,7 @@
 //! The vehicle on soil.
 
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::soil;
 use crate::pace::{COASTING, PARKED, controls};
 use crate::rig::{Drive, largest};
@@ -35,6 +35,8 @@ pub(super) const REST: Event = Event {
     name: "soil-rest",
     title: "Sinkage at rest",
     about: "The vehicle is set down on level soil and left for 5 s, nothing pressed; soils of the original.",
+    vehicles: Vehicles::All,
+    place: Place::Soil,
     run: rest,
 };
 
@@ -66,6 +68,8 @@ pub(super) const ACCELERATION: Event = Event {
     name: "soil-acceleration",
     title: "Acceleration on soil",
     about: "2 s at rest, then a throttle step for 10 s on level soil, heading held; soils of the original.",
+    vehicles: Vehicles::All,
+    place: Place::Soil,
     run: acceleration,
 };
 
@@ -136,6 +140,8 @@ pub(super) const GRADE: Event = Event {
     title: "Steepest grade on soil",
     about: "The original's 4 m/s controller and pursuit law, straight up slopes of soil: the steepest on which it gets 20 m far \
             within 20 s and still moves up at 2 m/s; soils of the original.",
+    vehicles: Vehicles::All,
+    place: Place::Soil,
     run: grade,
 };
 
@@ -177,6 +183,8 @@ pub(super) const GRID: Event = Event {
     title: "Convergence over the soil's grid",
     about: "Sinkage at rest and speed after 10 s at throttle 0.6, with soil remembered in cells twice as wide, \
             as wide as it is by default, half and a quarter as wide; soils of the original. The middle two must agree within 5 %.",
+    vehicles: Vehicles::All,
+    place: Place::Soil,
     run: grid,
 };
 

@@ -1,7 +1,7 @@
 //! Plates and single wheels on soil, against the closed forms of terramechanics.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot, Series};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::rigid_wheel::{Carried, RigidWheel};
 use vb_math::{exp, pow, tan};
 use vb_sim::{
@@ -32,6 +32,8 @@ pub(super) const PLATE: Event = Event {
     name: "plate",
     title: "Plate on soil",
     about: "Plates 0.1 and 0.3 m wide pressed into every soil: the law's pressure at ten depths against Bekker's formula.",
+    vehicles: Vehicles::All,
+    place: Place::Stand,
     run: plate,
 };
 
@@ -146,6 +148,8 @@ pub(super) const WHEEL: Event = Event {
             Bekker's law and Wong's unloading line, integrated over the rim, and drawbar pull of a rough one over slip. Theory of the \
             smooth rim ends where it sinks in beyond its radius, that of the pull at a fifth of the diameter; beyond, it is shown and \
             not judged, or there is none.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Stand,
     run: wheel,
 };
 
@@ -221,6 +225,8 @@ pub(super) const SECOND_PASS: Event = Event {
     name: "second-pass",
     title: "Second pass",
     about: "The same wheel at 20 % slip over fresh soil and once more in its own rut: soil that was pressed once yields less.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Stand,
     run: second_pass,
 };
 

@@ -2,7 +2,7 @@
 
 use super::slopes::{TIP_FRICTION, sticky, stiff};
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Plot};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, relief};
 use crate::pace::{PARKED, controls};
 use crate::rig::{Drive, largest};
@@ -20,6 +20,8 @@ pub(super) const TIP_OVER: Event = Event {
             on hard wheels and as it is; the side slope at which it tips as it drives along it; the lateral acceleration at which \
             it lifts its inner wheels on a circle. On its own tyres a step of the steering and a fishhook at up to 15 m/s, at μ 0.9 and where \
             grip is too little to lift wheels.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: tip_over,
 };
 
@@ -320,6 +322,8 @@ pub(super) const OVERTURNED: Event = Event {
     about: "Put down 5 cm above level ground at μ 0.5, on its right flank and on its roof: where it comes to rest, with what roll \
             rate and energy, the same at half the step, and how far it slides on its roof from 5 m/s. Over a boulder under the left wheels at 5 m/s: \
             its greatest roll at the step and at half of it.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: overturned,
 };
 

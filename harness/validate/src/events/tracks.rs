@@ -1,7 +1,7 @@
 //! What tracks do that wheels don't: turning by drag, pulling along their whole length, bridging trenches.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, profile, soil};
 use crate::pace::controls;
 use crate::rig::{Drive, largest};
@@ -64,6 +64,8 @@ pub(super) const TURNING: Event = Event {
     title: "Turning against the drag of the tracks",
     about: "Steering commands from 0.1 to 1 at 3 m/s on level ground, 15 s: radius, and the moment with which the ground resists \
             the turn, from the brake that steers.",
+    vehicles: Vehicles::Tracked,
+    place: Place::Rigid,
     run: turning,
 };
 
@@ -119,6 +121,8 @@ pub(super) const PULL: Event = Event {
     title: "Drawbar pull",
     about: "The vehicle pulls loads of growing weight over level soil, dry sand, sandy loam and LETE sand of Wong's table with pressure \
             normal to the belt: slip over pull, and the greatest pull, against the closed form of a track under an even pressure.",
+    vehicles: Vehicles::Tracked,
+    place: Place::Soil,
     run: pull,
 };
 
@@ -213,6 +217,8 @@ pub(super) const TRENCH: Event = Event {
     name: "trench",
     title: "Trench",
     about: "A trench of growing width, 3 m deep, at μ 0.8, driven over at 2 m/s: the widest that it bridges.",
+    vehicles: Vehicles::Tracked,
+    place: Place::Rigid,
     run: trench,
 };
 

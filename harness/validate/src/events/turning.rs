@@ -1,6 +1,6 @@
 //! The smallest circle.
 
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::speed;
 use crate::rig::Drive;
@@ -14,6 +14,8 @@ pub(super) const TURNING_CIRCLE: Event = Event {
     title: "Turning circle",
     about: "Full lock at 2 m/s: radius of the reference point, of the outermost tyre edge (curb to curb) and of the \
             outermost point of the body (wall to wall), beside that of wheels that roll without slip.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: turning_circle,
 };
 

@@ -1,7 +1,7 @@
 //! Wheels at different heights, and with different grip.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{relief, split};
 use crate::pace::{PARKED, controls};
 use crate::rig::{Drive, largest};
@@ -18,6 +18,8 @@ pub(super) const TWIST: Event = Event {
     about: "At rest with a front wheel and the rear one diagonally across from it on blocks of 0.1, 0.2 and 0.3 m, with one \
             front wheel and with all left wheels on 0.2 m: loads, travels and roll beside statics. The height at which the diagonal \
             lifts a wheel.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: twist,
 };
 
@@ -192,6 +194,8 @@ pub(super) const SPLIT_GRIP: Event = Event {
     title: "Pull with one wheel of each axle without grip",
     about: "Throttle 0.5 on level ground with μ 0.01 under the left wheels, as good as hanging, and 0.9 under the right: the mean \
             pull from the first to the second second beside what the differentials pass.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: split_grip,
 };
 

@@ -1,7 +1,7 @@
 //! The tyres' steady curves.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Plot, Series};
+use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use vb_math::{atan, hypot, tan};
 use vb_sim::{SimError, tyre::Tyre};
 use vb_vehicle::{TyreSpec, tyre::FialaTyre};
@@ -11,6 +11,8 @@ pub(super) const TYRES: Event = Event {
     title: "Tyre curves",
     about: "Steady forces at friction 0.9, sampled from the very models that are driven: of the fitted tyre at four loads \
             and in combined slip, and of all the vehicle's tyres at the mean static load.",
+    vehicles: Vehicles::Wheeled,
+    place: Place::Rigid,
     run: tyres,
 };
 

@@ -1,7 +1,7 @@
 //! Up and down: bumps, drops, steps.
 
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Plot, Series};
+use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::{bump, flat, step};
 use crate::pace::{COASTING, controls};
 use crate::rig::{Drive, largest};
@@ -14,6 +14,8 @@ pub(super) const BUMP: Event = Event {
     title: "Half-sine bump",
     about: "A bump 0.2 m high over the whole width, 1, 2 and 4 m long at 5 m/s and 2 m at 3 m/s, under the speed controller. \
             Vertical acceleration of the reference point as a mean over 50 ms.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: bumps,
 };
 
@@ -133,6 +135,8 @@ pub(super) const DROP: Event = Event {
     name: "drop",
     title: "Drop from 0.5 m",
     about: "Level, wheels at design height and 0.5 m above level ground, let go; nothing pressed.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: drop,
 };
 
@@ -212,6 +216,8 @@ pub(super) const STEP_CLIMB: Event = Event {
     title: "Vertical step",
     about: "A step of growing height at μ 0.9, driven at from 6 m with the controller set to 2 m/s, no brake: the highest onto \
             which all wheels get within 20 s.",
+    vehicles: Vehicles::All,
+    place: Place::Rigid,
     run: step_climb,
 };
 
