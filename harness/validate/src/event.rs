@@ -22,7 +22,7 @@ impl<'a> Bench<'a> {
     /// For a vehicle, the sets of soils to put it on and a step, s.
     ///
     /// # Errors
-    /// [`SimError::VehicleInvalid`] for a vehicle whose suspension doesn't close.
+    /// [`SimError::Vehicle`] for a vehicle whose suspension doesn't close.
     pub fn new(spec: &'a VehicleSpec, soils: &'a [SoilSet], step: f64) -> Result<Self, SimError> {
         let options = SimOptions { step, ..SimOptions::default() };
         let model = VehicleModel::new(spec.clone())?;
