@@ -6,8 +6,8 @@ use std::fmt;
 
 /// A tyre: `model: rigid | brush | fiala | tmeasy`, which is the first key, followed by that model's own fields.
 ///
-/// All models share the enveloping contact ([`crate::Envelope`]) and the dynamics of the contact patch
-/// ([`crate::Patch`]); they differ in the radial force and in the force that a steady slip gives.
+/// All models share the enveloping contact (`vb_sim::tyre::Envelope`) and the dynamics of the contact patch
+/// (`vb_sim::tyre::Patch`); they differ in the radial force and in the force that a steady slip gives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "model", rename_all = "lowercase")]
 pub enum TyreSpec {

@@ -1,7 +1,7 @@
 //! Tyres: where a wheel meets the ground, and the forces there.
 //!
 //! A contact is found by the [`Envelope`] (or, with an obstacle, by the collision module), whatever the model. The model
-//! gives the radial force of its depth and, through the [`Patch`], the forces in its plane; see [`Tyre::react`].
+//! gives the radial force of its depth and, through the [`Patch`], the forces in its plane; see `Tyre::react`.
 
 mod brush;
 mod envelope;
