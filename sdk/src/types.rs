@@ -420,7 +420,9 @@ pub struct Command {
     pub brake: f64,
     /// The direction of travel. A change between forward and reverse waits until the vehicle is slower than
     /// `direction_change_speed`, with the throttle closed; brake to bring that about.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub gear: Gear,
     /// Series that are recorded beside the trajectory and drawn by `vb_harness replay`. Leave this empty in normal runs.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub debug: Vec<Series>,
 }

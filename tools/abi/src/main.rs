@@ -5,8 +5,11 @@
 
 mod c_header;
 mod c_layout;
+mod docs;
 mod model;
+mod python;
 mod rust_types;
+mod wasm;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,6 +31,14 @@ fn outputs() -> Result<Vec<(&'static str, String)>, String> {
     Ok(vec![
         ("sdk/src/types.rs", rust_types::write(&model)),
         ("sdk/src/c/layout.rs", c_layout::write(&model)?),
+        ("sdk/src/wasm/convert.rs", wasm::guest(&model)?),
+        ("harness/host/src/wasm/v0_2/convert.rs", wasm::host(&model)?),
+        ("sdk/python/src/vertibench_planner/_data.py", python::write(&model)?),
+        ("docs/abi.md", between_marks("docs/abi.md", &[("data", docs::tables(&model)?)])?),
+        (
+            "docs/worker-protocol.md",
+            between_marks("docs/worker-protocol.md", &[("data", docs::wire(&model)?)])?,
+        ),
         ("sdk/c/vb_planner.h", between_marks("sdk/c/vb_planner.h", &[("data", c_header::write(&model)?)])?),
     ])
 }
