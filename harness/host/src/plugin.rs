@@ -300,15 +300,14 @@ fn finite(command: Command) -> Result<Command, FaultCause> {
 /// The command with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was out of range.
 #[must_use]
 pub fn clamp(command: Command) -> (Command, bool) {
+    let Command { steering, throttle, brake, .. } = command;
     let limited = Command {
-        steering: command.steering.clamp(-1.0, 1.0),
-        throttle: command.throttle.clamp(0.0, 1.0),
-        brake: command.brake.clamp(0.0, 1.0),
-        debug: command.debug,
+        steering: steering.clamp(-1.0, 1.0),
+        throttle: throttle.clamp(0.0, 1.0),
+        brake: brake.clamp(0.0, 1.0),
+        ..command
     };
-    let changed = limited.steering != command.steering
-        || limited.throttle != command.throttle
-        || limited.brake != command.brake;
+    let changed = (limited.steering, limited.throttle, limited.brake) != (steering, throttle, brake);
     (limited, changed)
 }
 

@@ -116,7 +116,7 @@ impl Planner for Eh {
         }
         let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
-            elevation: task.elevation.clone(),
+            elevation: task.elevation()?.clone(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             region: task.param_positive("region")? * scale,
@@ -132,17 +132,18 @@ impl Planner for Eh {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        let pose = Pose2 { x: o.position.x, y: o.position.y, yaw: o.yaw };
+        let seen = o.pose()?;
+        let pose = Pose2 { x: seen.position.x, y: seen.position.y, yaw: seen.yaw };
         self.follower.update(pose.x, pose.y);
         let goal = self.follower.look_ahead(self.lookahead);
-        let to_goal = math::turn(o.yaw, math::atan2(goal.y - pose.y, goal.x - pose.x));
+        let to_goal = math::turn(seen.yaw, math::atan2(goal.y - pose.y, goal.x - pose.x));
         let scores = self.scores(pose);
         let chosen = best(&scores);
         let to_region = math::atan2(self.lateral(chosen), self.region);
         // Beyond the edge of the map there is nothing to choose from.
         let terrain = if scores[chosen].is_finite() { self.terrain } else { 0.0 };
         let error = (1.0 - terrain) * to_goal + terrain * to_region;
-        let (throttle, brake) = self.speed.update(self.target_speed, o.linear_velocity.x, self.period);
+        let (throttle, brake) = self.speed.update(self.target_speed, seen.linear_velocity.x, self.period);
         let debug = if self.explain {
             let series = |name: &str, values: Vec<f32>| Series { name: name.into(), values };
             vec![
@@ -153,7 +154,7 @@ impl Planner for Eh {
         } else {
             Vec::new()
         };
-        Ok(Command { steering: (self.kp * error).clamp(-1.0, 1.0), throttle, brake, debug })
+        Ok(Command { steering: (self.kp * error).clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })
     }
 }
 

@@ -54,7 +54,7 @@ pub struct PidRelease {
 
 impl Planner for PidRelease {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        let frame = task.elevation.frame;
+        let frame = task.elevation()?.frame;
         if frame.rows != frame.cols {
             let (rows, cols) = (frame.rows, frame.cols);
             return Err(format!("a world of {rows} x {cols} samples: this planner knows square ones").into());
@@ -62,7 +62,7 @@ impl Planner for PidRelease {
         let mut grid = Grid::new(frame.rows as usize, frame.resolution);
         let squares = task.param("obstacles").unwrap_or_default();
         if squares.is_empty() {
-            grid.block_occupied(&task.occupancy);
+            grid.block_occupied(task.occupancy()?);
         } else {
             grid.block_squares(squares)?;
         }
@@ -82,7 +82,8 @@ impl Planner for PidRelease {
     }
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
-        let (x, y, yaw) = (observation.position.x, observation.position.y, observation.yaw);
+        let pose = observation.pose()?;
+        let (x, y, yaw) = (pose.position.x, pose.position.y, pose.yaw);
         // Half a step of slack: times are sums of steps.
         if observation.time + 0.5 * self.period > self.next_plan {
             self.next_plan += PLAN_PERIOD;
@@ -99,7 +100,7 @@ impl Planner for PidRelease {
         let error = math::turn(yaw, bearing);
         self.steering += (error - self.steering).clamp(-STEERING_STEP, STEERING_STEP);
         let (throttle, brake) =
-            self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
+            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         let steering = self.steering.clamp(-1.0, 1.0);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }

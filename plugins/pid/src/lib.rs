@@ -79,13 +79,14 @@ impl Planner for Pid {
     }
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
-        let (x, y) = (observation.position.x, observation.position.y);
+        let pose = observation.pose()?;
+        let (x, y) = (pose.position.x, pose.position.y);
         self.follower.update(x, y);
         let goal = self.follower.look_ahead(self.lookahead);
-        let error = math::turn(observation.yaw, math::atan2(goal.y - y, goal.x - x));
+        let error = math::turn(pose.yaw, math::atan2(goal.y - y, goal.x - x));
         let steering = self.steering.update(error, self.period);
         let (throttle, brake) =
-            self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
+            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }
