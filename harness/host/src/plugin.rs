@@ -332,7 +332,7 @@ mod tests {
     use vb_sdk::metadata::ParamSpec;
 
     fn command(steering: f64, throttle: f64, brake: f64) -> Command {
-        Command { steering, throttle, brake, debug: Vec::new() }
+        Command { steering, throttle, brake, ..Command::default() }
     }
 
     #[test]
@@ -362,6 +362,7 @@ mod tests {
             about: String::new(),
             control_period: 0.1,
             params: vec![spec("speed", "3.0"), spec("kp", "1.0")],
+            needs: Vec::new(),
         };
         let given =
             |l: &[(&str, &str)]| l.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect::<Vec<_>>();

@@ -162,7 +162,7 @@ impl Planner for Eh {
 mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
-    use vb_sdk::{GridFrame, Param, Point2, Vec3, Vehicle};
+    use vb_sdk::{GridFrame, Param, Point2, Pose, Vec3, Vehicle};
 
     const DEFAULTS: [(&str, &str); 8] = [
         ("speed", "3"),
@@ -182,7 +182,7 @@ mod tests {
             (0..81 * 81).map(|i| z(f64::from(i % 81) - 40.0, f64::from(i / 81) - 40.0) as f32).collect();
         let value = |k: &str, d: &str| params.iter().find(|p| p.0 == k).map_or(d, |p| p.1).to_owned();
         Task {
-            elevation: Map { frame, data },
+            elevation: Some(Map { frame, data }),
             path: (0..=60).map(|i| Point2 { x: f64::from(i), y: 0.0 }).collect(),
             vehicle: Vehicle { scale: 1.0, ..Vehicle::default() },
             control_period: 0.1,
@@ -192,7 +192,7 @@ mod tests {
     }
 
     fn command(task: &Task, x: f64, y: f64, yaw: f64) -> Command {
-        let o = Observation { position: Vec3 { x, y, z: 0.0 }, yaw, ..Observation::default() };
+        let o = Observation::of(Pose { position: Vec3 { x, y, z: 0.0 }, yaw, ..Pose::default() });
         Eh::init(task).unwrap().step(&o).unwrap()
     }
 
@@ -249,11 +249,12 @@ mod tests {
         let mut t =
             task(|x, y| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) }, &[]);
         t.vehicle.scale = 0.1;
-        t.elevation.frame =
-            GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..t.elevation.frame };
+        let elevation = t.elevation.as_mut().unwrap();
+        elevation.frame =
+            GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..elevation.frame };
         let at = |i: i32| 0.1 * f64::from(i) - 4.0;
         let z = |x: f64, y: f64| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) };
-        t.elevation.data = (0..81 * 81).map(|i| z(at(i % 81), at(i / 81)) as f32).collect();
+        elevation.data = (0..81 * 81).map(|i| z(at(i % 81), at(i / 81)) as f32).collect();
         assert_eq!(chosen(&command(&t, 0.0, 0.0, 0.0)), 1.0);
     }
 

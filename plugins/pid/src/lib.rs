@@ -95,7 +95,7 @@ impl Planner for Pid {
 mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, PI};
-    use vb_sdk::{Param, Point2, Vec3, Vehicle};
+    use vb_sdk::{Param, Point2, Pose, Vec3, Vehicle};
 
     /// Angles of right triangles with legs 1:5 and 1:2, rad.
     const ATAN_FIFTH: f64 = 0.197_395_559_849_880_75;
@@ -123,7 +123,7 @@ mod tests {
 
     fn at(x: f64, y: f64, yaw: f64, speed: f64) -> Observation {
         let linear_velocity = Vec3 { x: speed, ..Vec3::default() };
-        Observation { position: Vec3 { x, y, z: 0.0 }, yaw, linear_velocity, ..Observation::default() }
+        Observation::of(Pose { position: Vec3 { x, y, z: 0.0 }, yaw, linear_velocity, ..Pose::default() })
     }
 
     fn steering(task: &Task, observation: &Observation) -> f64 {
