@@ -2,7 +2,7 @@
 
 use vb_math::angle::wrap;
 use vb_math::{atan2, hypot};
-use vb_sim::{Controls, VehicleState};
+use vb_sim::{Controls, Gear, VehicleState};
 use vb_vehicle::VehicleSpec;
 
 /// What the driver wants.
@@ -11,13 +11,15 @@ pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
         steering: steering.clamp(-1.0, 1.0),
         throttle: throttle.clamp(0.0, 1.0),
         brake: brake.clamp(0.0, 1.0),
+        gear: Gear::Forward,
     }
 }
 
 /// Brakes on, no throttle, wheels straight.
-pub(crate) const PARKED: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 1.0 };
+pub(crate) const PARKED: Controls = Controls { brake: 1.0, ..COASTING };
 /// Nothing pressed, wheels straight.
-pub(crate) const COASTING: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 0.0 };
+pub(crate) const COASTING: Controls =
+    Controls { steering: 0.0, throttle: 0.0, brake: 0.0, gear: Gear::Forward };
 
 /// How the lengths, speeds and times of an event carry over to a vehicle of another scale: lengths with the scale, speeds
 /// and times with its square root, by which gravity and so accelerations stay what they are (Froude's rule). Events are

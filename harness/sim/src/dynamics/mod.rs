@@ -271,6 +271,11 @@ impl Vehicle {
         self.drive.state()
     }
 
+    /// The direction that is in.
+    pub(crate) fn gear(&self) -> crate::Gear {
+        self.drive.gear()
+    }
+
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
@@ -307,7 +312,7 @@ impl Vehicle {
         self.tracks.iter_mut().for_each(Track::reset);
     }
 
-    /// Gives the wheels speeds and travels, and puts steering and gear as they are told.
+    /// Gives the wheels speeds and travels, and puts steering, engine and gear as they are told.
     pub(crate) fn put_wheels(&mut self, state: &VehicleState, gear: usize) {
         for (c, wheel) in self.corners.iter_mut().zip(&state.wheels) {
             (c.travel, c.spin) = (wheel.deflection, wheel.speed / c.gearing);
@@ -315,7 +320,7 @@ impl Vehicle {
             (c.ground_depth, c.obstacle_depth) = (f64::MAX, f64::MAX);
         }
         self.steering = state.steering;
-        self.drive.engage(gear);
+        self.drive.engage(state.gear, gear, state.engine_speed);
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

@@ -2,15 +2,18 @@
 
 use super::Vehicle;
 use crate::V3;
-use crate::powertrain::Wheels;
-use crate::state::Controls;
+use crate::powertrain::{Demand, Wheels};
+use crate::state::{Controls, Gear};
 use vb_vehicle::MAX_WHEELS;
 
 impl Vehicle {
-    /// What a governor leaves of a throttle.
-    pub(super) fn governed(&self, throttle: f64) -> f64 {
+    /// What the driver asks of the powertrain, with what a governor leaves of the throttle. In reverse the governor looks at
+    /// the speed backwards.
+    pub(super) fn demand(&self, controls: &Controls) -> Demand {
         let speed = self.v.dot(&(self.q * V3::x()));
-        self.governor.map_or(throttle, |g| throttle.min(g.ceiling(speed)))
+        let ahead = if self.drive.gear() == Gear::Reverse { -speed } else { speed };
+        let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(ahead)));
+        Demand { throttle, gear: controls.gear, speed }
     }
 
     /// Advances the spins; returns the torque of driveline and brake on each wheel, which the chassis reacts.
@@ -29,8 +32,8 @@ impl Vehicle {
             brakes: &brakes[..n],
             torques: &mut torques[..n],
         };
-        let throttle = self.governed(controls.throttle);
-        self.drive.advance(throttle, &mut wheels, dt);
+        let demand = self.demand(&controls);
+        self.drive.advance(&demand, &mut wheels, dt);
         for (c, spin) in self.corners.iter_mut().zip(spins) {
             c.spin = spin;
         }
