@@ -2,6 +2,7 @@
 
 mod driveline;
 mod engine;
+mod reverse;
 
 use super::*;
 use vb_vehicle::powertrain::{Converter, Differential, DrivenAxle, Engine, LockUp};
