@@ -159,8 +159,8 @@ impl Drive {
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
         let neutral = self.shifter.direction() == Gear::Neutral;
-        let interrupts = neutral || self.shifter.interrupts();
-        // While a shift interrupts the torque the throttle is closed.
+        let interrupts = self.shifter.interrupts();
+        // While a shift interrupts the torque the throttle is closed; in neutral nothing is shifted under load.
         let pressed = if interrupts && !neutral { 0.0 } else { throttle };
         let (coupling, friction, engine_torque) = match &mut self.free {
             Some(free) if neutral => (Coupling::default(), 0.0, free.turn_alone(&self.engine, pressed, dt)),
