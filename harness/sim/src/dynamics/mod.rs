@@ -146,6 +146,8 @@ pub(crate) struct Vehicle {
     bars: Vec<Bar>,
     drive: Drive,
     governor: Option<Governor>,
+    /// The vehicle's reference point relative to the chassis' centre of mass, body axes.
+    reference: V3,
     forces: Vec<Forces>,
     /// World axes, m/s².
     pub(crate) gravity: V3,
@@ -229,6 +231,7 @@ impl Vehicle {
             bars,
             drive,
             governor: spec.powertrain.governor,
+            reference: -com,
             gravity: V3::new(0.0, 0.0, -GRAVITY),
             x: V3::zeros(),
             q: Quat::identity(),

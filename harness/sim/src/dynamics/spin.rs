@@ -8,12 +8,14 @@ use vb_vehicle::MAX_WHEELS;
 
 impl Vehicle {
     /// What the driver asks of the powertrain, with what a governor leaves of the throttle. In reverse the governor looks at
-    /// the speed backwards.
+    /// the speed backwards. The gearbox goes by the speed of the reference point, which is what a driver is told.
     pub(super) fn demand(&self, controls: &Controls) -> Demand {
-        let speed = self.v.dot(&(self.q * V3::x()));
+        let forward = self.q * V3::x();
+        let speed = self.v.dot(&forward);
         let ahead = if self.drive.gear() == Gear::Reverse { -speed } else { speed };
         let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(ahead)));
-        Demand { throttle, gear: controls.gear, speed }
+        let turning = self.w.cross(&(self.q * self.reference)).dot(&forward);
+        Demand { throttle, gear: controls.gear, speed: speed + turning }
     }
 
     /// Advances the spins; returns the torque of driveline and brake on each wheel, which the chassis reacts.
