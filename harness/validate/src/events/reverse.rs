@@ -170,7 +170,8 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let ahead = circle("forwards", &|s| pace.hold_speed(s, 1.0, steering))?;
         let back = circle("backwards", &|s| pace.hold_speed_back(s, 1.0, steering))?;
         o.figure(format!("steering {steering}: radius forwards"), ahead, "m");
-        // Wheels that an axle turns alike slip, each with its load, and the engine's pull moves load to the other axle.
+        // Wheels that an axle turns alike slip and resist the turn. The steered axle pushes sideways against that, which
+        // loads its outer wheel forwards and its inner one backwards, and those point to different centres.
         let (expected, source) = if bench.winds_up() {
             (Expected::AtLeast(f64::MIN_POSITIVE), "it turns about the same side both ways")
         } else {
