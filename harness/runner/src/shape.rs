@@ -117,7 +117,8 @@ fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
     let period = 10;
     for _ in 0..800 {
         let e = 3.0 - sim.state().velocity.x;
-        let controls = Controls { steering, throttle: e.clamp(0.0, 1.0), brake: (-e).clamp(0.0, 1.0) };
+        let (throttle, brake) = (e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
+        let controls = Controls { steering, throttle, brake, ..Controls::default() };
         sim.advance(controls, period)?;
     }
     let s = sim.state();

@@ -281,7 +281,7 @@ impl Trial<'_> {
                 ledger.debug.push(state.time, &series.name, &series.values);
             }
         }
-        Ok(Controls { steering, throttle, brake })
+        Ok(Controls { steering, throttle, brake, ..Controls::default() })
     }
 
     /// Shows the rules and the recorder the state; true when there is a verdict.
