@@ -28,6 +28,7 @@ Tasks:
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
   examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
                         npm into ~/.cache/verti-bench [default DIR: target/plugins]
+  abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         ["suites"] => build_harness().and_then(|()| suites::write()),
         ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
+        ["abi"] => abi(),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),
@@ -183,6 +185,10 @@ fn say_skipped(list: &str) {
         let names: Vec<&str> = tests.into_iter().collect();
         step(&format!("skipped {}, {reason}: {}", names.len(), names.join(", ")));
     }
+}
+
+fn abi() -> Result<(), Failure> {
+    cargo(&["run", "--quiet", "--package", "vb-abi"])
 }
 
 fn lint() -> Result<(), Failure> {

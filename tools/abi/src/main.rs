@@ -88,3 +88,33 @@ fn main() -> ExitCode {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_files_in_the_repository_are_those_that_follow_from_the_text() {
+        for (path, text) in outputs().unwrap() {
+            let found = std::fs::read_to_string(root().join(path)).unwrap();
+            assert!(found == text, "{path} is not what follows from {NEWEST}; run `cargo xtask abi`");
+        }
+    }
+
+    #[test]
+    fn what_has_no_output_yet_is_refused_by_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |body: &str| {
+            let text = format!("package a:b@0.9.0;\ninterface types {{\n{body}\n}}\n");
+            std::fs::write(folder.path().join("a.wit"), text).unwrap();
+            Model::read(folder.path()).unwrap_err()
+        };
+        assert_eq!(
+            refused("/// A.\nrecord a-b { /// C.\n c: s64 }"),
+            "a-b.c: no outputs yet for the type S64"
+        );
+        assert_eq!(refused("/// A.\nrecord a-b { c: f64 }"), "`a-b.c` has no description");
+        assert_eq!(refused("record a-b { /// C.\n c: f64 }"), "`a-b` has no description");
+        assert!(refused("/// A.\nflags a-b { c }").contains("`a-b` is a flags"));
+    }
+}
