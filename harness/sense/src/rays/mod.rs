@@ -1,0 +1,132 @@
+//! The nearest hit of a ray with the ground, with obstacles and with the ruts on soft soil.
+//!
+//! The ground is the triangulated surface of [`vb_world::Heightfield`], and an obstacle is the convex hull of
+//! [`vb_world::Obstacle::hull`]; both are hit exactly, but for rounding. Nothing is hit beyond the edge of the world,
+//! where no heights are known. Ruts are explained at [`Ruts`].
+
+mod ground;
+mod ruts;
+mod solid;
+
+pub use ruts::Ruts;
+
+pub(crate) use solid::Solid;
+
+use crate::V3;
+use ground::Ground;
+use std::sync::{Arc, OnceLock};
+use vb_world::World;
+
+/// What a ray hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// The ground.
+    Ground,
+    /// The obstacle with this index in [`World::obstacles`].
+    Obstacle(usize),
+}
+
+/// The nearest place at which a ray hits something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The distance from the ray's origin, m.
+    pub distance: f64,
+    /// What is hit there.
+    pub surface: Surface,
+}
+
+/// A world as rays meet it. A scene is made once for a world and shared by all who look at it; what rays need beyond the
+/// world itself is made at the first ray, so a scene that nobody looks at costs nothing.
+#[derive(Debug)]
+pub struct Scene {
+    world: Arc<World>,
+    shapes: OnceLock<Shapes>,
+}
+
+/// What rays need of a world.
+#[derive(Debug)]
+struct Shapes {
+    ground: Ground,
+    solids: Vec<Solid>,
+}
+
+/// Rays from one origin that lie in one plane, such as those of a column of a lidar's scan or of a camera's image: the
+/// obstacles that the plane misses are left out for all of them at once.
+#[derive(Clone, Debug)]
+pub struct Fan<'a> {
+    scene: &'a Scene,
+    shapes: &'a Shapes,
+    origin: V3,
+    reach: f64,
+    /// Indices of the obstacles that the plane meets.
+    solids: Vec<usize>,
+}
+
+impl Scene {
+    /// The scene of a world.
+    #[must_use]
+    pub fn new(world: Arc<World>) -> Self {
+        Self { world, shapes: OnceLock::new() }
+    }
+
+    /// The world itself.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    fn shapes(&self) -> &Shapes {
+        self.shapes.get_or_init(|| Shapes {
+            ground: Ground::new(&self.world.heightfield),
+            solids: self.world.obstacles.iter().map(|o| Solid::of(o, &self.world.heightfield)).collect(),
+        })
+    }
+
+    /// The nearest hit of a ray within `reach` (m) of its origin; `None` if there is none. `origin` is in the world
+    /// frame, m, and `direction` is a unit vector in world axes. An origin inside an obstacle hits it where the ray
+    /// leaves it; an origin below the ground hits the ground from below.
+    #[must_use]
+    pub fn cast(&self, origin: &V3, direction: &V3, reach: f64, ruts: Option<&dyn Ruts>) -> Option<Hit> {
+        let shapes = self.shapes();
+        let all = (0..shapes.solids.len()).collect();
+        Fan { scene: self, shapes, origin: *origin, reach, solids: all }.cast(direction, ruts)
+    }
+
+    /// The rays from `origin` that lie in the plane with the unit normal `normal` and on the side of `forward`, both in
+    /// world axes, and that end at the distance `reach`, m.
+    #[must_use]
+    pub fn fan(&self, origin: &V3, normal: &V3, forward: &V3, reach: f64) -> Fan<'_> {
+        let shapes = self.shapes();
+        let meets = |s: &Solid| {
+            let (to, r) = (s.centre - origin, s.radius);
+            to.dot(normal).abs() <= r && to.dot(forward) >= -r && to.norm_squared() <= (reach + r) * (reach + r)
+        };
+        let solids = shapes.solids.iter().enumerate().filter(|(_, s)| meets(s)).map(|(k, _)| k).collect();
+        Fan { scene: self, shapes, origin: *origin, reach, solids }
+    }
+}
+
+impl Fan<'_> {
+    /// The nearest hit of the ray along `direction`, a unit vector in world axes; `None` if there is none within the
+    /// fan's reach.
+    #[must_use]
+    pub fn cast(&self, direction: &V3, ruts: Option<&dyn Ruts>) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        let mut reach = self.reach;
+        for &k in &self.solids {
+            if let Some(distance) = self.shapes.solids[k].cast(&self.origin, direction, reach) {
+                reach = distance;
+                nearest = Some(Hit { distance, surface: Surface::Obstacle(k) });
+            }
+        }
+        let field = &self.scene.world.heightfield;
+        let distance = match ruts {
+            Some(ruts) => ruts::cast(&self.shapes.ground, field, ruts, &self.origin, direction, reach),
+            None => self.shapes.ground.cast(field, &self.origin, direction, reach),
+        };
+        match distance {
+            Some(distance) => Some(Hit { distance, surface: Surface::Ground }),
+            None => nearest,
+        }
+    }
+}
