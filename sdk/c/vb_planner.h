@@ -1,4 +1,4 @@
-/* The planner interface of Verti-Bench in Rust for C and C++, version 0.1.
+/* The planner interface of Verti-Bench in Rust for C and C++, version 0.2.
  *
  * A planner is a shared library that exports one symbol, `vb_planner_entry`, and carries its metadata as text in the
  * section `.vb.planner`. The macros VB_PLANNER_METADATA and VB_PLANNER_EXPORT make both. docs/abi.md is the reference;
@@ -8,10 +8,10 @@
  * - SI units, angles in radians. World frame: origin at the world's centre, x east, y north, z up. Body frame
  *   (ISO 8855): x forward, y left, z up.
  * - Everything that the harness hands over is read-only, and valid during the call only. Text is UTF-8 and ends with 0.
- * - All functions are called from one thread. They return 0 for success; anything else ends the task, with the text
+ * - All functions are called from one thread. They return VB_OK for success; anything else ends the task, with the text
  *   that they put into the error. No C++ exception may leave them.
- * - Every struct that may grow begins with its size in bytes, as the side that fills it knows it. A later minor version
- *   may add fields at the end: read those only if `size` covers them. Until 1.0 both numbers of the version must agree.
+ * - A pointer may be NULL where the description says that something may be absent, and where a length beside it is 0.
+ * - The structs are those of one version of the interface: both numbers of the version must agree.
  * - The library runs in a process of its own without files, network, threads or signal handlers, with the memory that
  *   the harness's limits give it. Link what is not part of the system statically.
  */
@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 #define VB_ABI_MAJOR 0
-#define VB_ABI_MINOR 1
+#define VB_ABI_MINOR 2
 
 /* Room for the text of an error, with the 0 at its end. */
 #define VB_ERROR_BYTES 1024
@@ -38,7 +38,16 @@ enum {
     VB_LOG_DEBUG = 3
 };
 
-/* Values of vb_labels in vb_task.semantics. */
+/* What init and step return. */
+enum {
+    VB_OK = 0,
+    /* The planner gives up. */
+    VB_FAILED = 1,
+    /* The planner has a defect: an exception that nobody expected, say. */
+    VB_PANICKED = 2
+};
+
+/* Values of the labels in vb_task.semantics. */
 enum {
     VB_CLAY = 0,
     VB_CONCRETE = 1,
@@ -52,132 +61,372 @@ enum {
     VB_SNOW = 9
 };
 
-typedef struct vb_point2 {
-    double x;
-    double y;
-} vb_point2;
+/* made: data (by cargo xtask abi, from sdk/wit; edit that instead) */
 
-typedef struct vb_pose2 {
-    double x;
-    double y;
-    double yaw; /* counter-clockwise from east */
-} vb_pose2;
+/* The direction of travel that the gearbox is in. */
+enum {
+    /* One of the forward gears; the gearbox chooses which. */
+    VB_GEAR_FORWARD = 0,
+    /* The engine is uncoupled. */
+    VB_GEAR_NEUTRAL = 1,
+    /* The reverse gear. */
+    VB_GEAR_REVERSE = 2
+};
 
+/* A vector in three dimensions. */
 typedef struct vb_vec3 {
+    /* The component along x. */
     double x;
+    /* The component along y. */
     double y;
+    /* The component along z. */
     double z;
 } vb_vec3;
 
-/* Sample (row, col) lies at x = origin_x + col * resolution, y = origin_y + row * resolution, and is
- * data[row * cols + col]; row 0 is the southernmost. */
+/* A point of the horizontal plane of the world frame. */
+typedef struct vb_point2 {
+    /* The coordinate towards the east, m. */
+    double x;
+    /* The coordinate towards the north, m. */
+    double y;
+} vb_point2;
+
+/* A pose in the horizontal plane of the world frame. */
+typedef struct vb_pose2 {
+    /* The coordinate towards the east, m. */
+    double x;
+    /* The coordinate towards the north, m. */
+    double y;
+    /* The heading, rad, counter-clockwise from east. */
+    double yaw;
+} vb_pose2;
+
+/* The vehicle to be driven. */
+typedef struct vb_vehicle {
+    /* The name of the vehicle, e.g. hmmwv. */
+    const char *name;
+    /* The size of the world over that of the full-size original: 1, 1/6 or 1/10. */
+    double scale;
+    /* The mass of the whole vehicle, kg. */
+    double mass;
+    /* The length of what collides, hull and tyres, m. */
+    double length;
+    /* The width of what collides, hull and tyres with the wheels straight ahead but without mirrors, m. Half of it
+     * lies to each side of the centre line. */
+    double width;
+    /* The height of what collides above flat ground, m. */
+    double height;
+    /* The distance between the first and the last axle, m. */
+    double wheelbase;
+    /* The distance between the two wheels of an axle, m. */
+    double track;
+    /* The radius of the wheels, m. */
+    double wheel_radius;
+    /* The number of wheels. Wheel data come from front to back, left before right. */
+    uint32_t wheels;
+    /* The height of the belly above flat ground, m. */
+    double ground_clearance;
+    /* The road-wheel angle at steering command 1, rad: the mean of both sides. */
+    double max_steer_angle;
+    /* The greatest rate of the steering command, 1/s. */
+    double max_steer_rate;
+    /* The turning radius of the reference point at full lock on flat ground, m. */
+    double min_turn_radius;
+    /* The top speed on flat ground, m/s. */
+    double max_speed;
+    /* The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear. */
+    double max_reverse_speed;
+    /* The speed below which the gearbox changes between forward and reverse, m/s. */
+    double direction_change_speed;
+    /* The time that such a change takes, during which no torque reaches the wheels, s. */
+    double direction_change_time;
+} vb_vehicle;
+
+/* The places at which the samples of a map lie: sample (row, col) is at x = origin_x + col·resolution, y = origin_y
+ * + row·resolution; row 0 is the southernmost. */
 typedef struct vb_grid_frame {
+    /* The number of rows, which go from south to north. */
     uint32_t rows;
+    /* The number of columns, which go from west to east. */
     uint32_t cols;
+    /* The distance between neighbouring samples, m. */
     double resolution;
+    /* The x coordinate of column 0, m. */
     double origin_x;
+    /* The y coordinate of row 0, m. */
     double origin_y;
 } vb_grid_frame;
 
-typedef struct vb_heights {
+/* Heights on a square grid. */
+typedef struct vb_height_map {
+    /* The places at which the samples lie. */
     vb_grid_frame frame;
+    /* The rows · cols heights of the ground in the world frame, m, row-major with row 0 in the south; NaN where the
+     * height is unknown. */
     const float *data;
-} vb_heights;
+    size_t data_len;
+} vb_height_map;
 
-typedef struct vb_labels {
+/* Labels on a square grid. */
+typedef struct vb_label_map {
+    /* The places at which the samples lie. */
     vb_grid_frame frame;
+    /* The rows · cols labels, row-major with row 0 in the south; 255 where the label is unknown. */
     const uint8_t *data;
-} vb_labels;
+    size_t data_len;
+} vb_label_map;
 
+/* A parameter of a planner. */
 typedef struct vb_param {
+    /* The name of the parameter. */
     const char *key;
-    const char *value; /* as the user wrote it */
+    /* The value of the parameter, as the user wrote it. */
+    const char *value;
 } vb_param;
 
-typedef struct vb_vehicle {
-    size_t size;
-    const char *name;
-    double scale; /* 1, 1/6 or 1/10 */
-    double mass;
-    double length; /* of what collides, hull and tyres; so are width and height */
-    double width;  /* wheels straight ahead, without mirrors; half of it to each side of the centre line */
-    double height;
-    double wheelbase; /* between the first and the last axle */
-    double track;
-    double wheel_radius;
-    uint32_t wheels; /* front to back, left before right */
-    double ground_clearance;
-    double max_steer_angle; /* of the road wheels at steering 1, mean of both sides */
-    double max_steer_rate;  /* of the steering command, 1/s */
-    double min_turn_radius;
-    double max_speed;
-} vb_vehicle;
+/* The place and the attitude of a sensor on the vehicle. */
+typedef struct vb_mount {
+    /* The position of the sensor in the body frame, m. */
+    vb_vec3 position;
+    /* The roll of the sensor against the body, rad. */
+    double roll;
+    /* The pitch of the sensor against the body, rad, positive when it looks down. */
+    double pitch;
+    /* The yaw of the sensor against the body, rad, positive when it looks to the left. */
+    double yaw;
+} vb_mount;
 
+/* The spinning lidar of the vehicle. */
+typedef struct vb_lidar_info {
+    /* The time of one turn, which is that between two scans, s. */
+    double period;
+    /* The number of beams, which are the rows of a scan, lowest first. */
+    uint32_t rows;
+    /* The number of directions of a turn, which are the columns of a scan: column c looks at the azimuth −π + (c +
+     * 1/2) · 2π / cols in the sensor's frame, counter-clockwise from straight ahead. */
+    uint32_t cols;
+    /* The elevation angle of the lowest beam over the sensor's horizon, rad. */
+    double lowest;
+    /* The elevation angle of the highest beam, rad. The others lie at equal angles between the two. */
+    double highest;
+    /* The least distance that it measures, m. */
+    double min_range;
+    /* The greatest distance that it measures, m. */
+    double max_range;
+    /* The place of the sensor on the vehicle. */
+    vb_mount mount;
+} vb_lidar_info;
+
+/* The depth camera of the vehicle, a pinhole camera with square pixels. */
+typedef struct vb_depth_info {
+    /* The time between two images, s. */
+    double period;
+    /* The number of rows of an image, topmost first. */
+    uint32_t rows;
+    /* The number of columns of an image, leftmost first. */
+    uint32_t cols;
+    /* The angle between the left and the right edge of an image, rad. */
+    double field_of_view;
+    /* The least depth that it measures, m. */
+    double min_depth;
+    /* The greatest depth that it measures, m. */
+    double max_depth;
+    /* Whether the images have a label for each pixel. */
+    uint8_t labels;
+    /* The place of the sensor on the vehicle. */
+    vb_mount mount;
+} vb_depth_info;
+
+/* What a planner is told at the start of a task. */
 typedef struct vb_task {
-    size_t size;
-    const char *id; /* e.g. "w003/t07" */
-    const vb_vehicle *vehicle;
-    vb_heights elevation;
-    vb_labels semantics;
-    vb_labels occupancy; /* 1 where an obstacle covers any part of the sample's square */
-    const vb_point2 *path; /* the global path, start to goal */
+    /* The name of the task within the suite, e.g. w003/t07. */
+    const char *id;
+    /* The vehicle to be driven. */
+    vb_vehicle vehicle;
+    /* The heights of the ground, m, as far as the perception profile gives them; absent if it gives none. NULL
+     * where it is absent. */
+    const vb_height_map *elevation;
+    /* The kinds of ground, as far as the perception profile gives them: 0 clay, 1 concrete, 2 dirt, 3 grass, 4
+     * gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it gives none. NULL where it is absent. */
+    const vb_label_map *semantics;
+    /* The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is
+     * covered by an obstacle, else 0; absent if it gives none. NULL where it is absent. */
+    const vb_label_map *occupancy;
+    /* Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y. */
+    vb_point2 half_extent;
+    /* The global path, from the start to the goal. */
+    const vb_point2 *path;
     size_t path_len;
+    /* The pose from which the vehicle starts, at rest. */
     vb_pose2 start;
+    /* The point to which the vehicle must go. */
     vb_point2 goal;
+    /* The distance from the goal within which the task is done, m. */
     double goal_radius;
+    /* The time limit, s. */
     double time_limit;
-    double control_period; /* between two calls of step */
-    uint64_t seed;         /* for the planner's own randomness */
-    const vb_param *params; /* every parameter of the metadata */
+    /* The time between two calls of step, s. */
+    double control_period;
+    /* The seed for the planner's own randomness: the same in every run of this task with the same run seed. */
+    uint64_t seed;
+    /* All parameters that the planner declares, with the user's values or the defaults. */
+    const vb_param *params;
     size_t params_len;
+    /* The name of the perception profile, e.g. oracle. */
+    const char *perception;
+    /* The lidar; absent if the planner doesn't ask for it. NULL where it is absent. */
+    const vb_lidar_info *lidar;
+    /* The depth camera; absent if the planner doesn't ask for it. NULL where it is absent. */
+    const vb_depth_info *depth;
 } vb_task;
 
+/* An estimate of the vehicle's state, as the perception profile lets it be: the truth under oracle. */
+typedef struct vb_pose {
+    /* The position of the vehicle's reference point in the world frame, m. */
+    vb_vec3 position;
+    /* The roll, rad, positive with the right side down. */
+    double roll;
+    /* The pitch, rad, positive with the nose down. */
+    double pitch;
+    /* The heading, rad, counter-clockwise from east. */
+    double yaw;
+    /* The velocity of the reference point in body axes, m/s. */
+    vb_vec3 linear_velocity;
+    /* The angular velocity in body axes, rad/s. */
+    vb_vec3 angular_velocity;
+} vb_pose;
+
+/* The state of one wheel, as its sensors measure it. */
 typedef struct vb_wheel {
-    double speed;      /* rad/s, positive when rolling forward */
-    double deflection; /* suspension travel, m, positive in compression */
+    /* The angular velocity of the wheel about its axle, rad/s, positive when rolling forward. */
+    double spin;
+    /* The suspension travel from the design position, m, positive in compression. */
+    double travel;
 } vb_wheel;
 
-typedef struct vb_observation {
-    size_t size;
-    double time; /* simulated, since the start */
+/* One measurement of the inertial measurement unit. */
+typedef struct vb_imu_sample {
+    /* The simulated time of the measurement, s. */
+    double time;
+    /* The specific force at the vehicle's reference point in body axes, m/s²: the acceleration less that of
+     * gravity, so +9.81 along z at rest. */
+    vb_vec3 specific_force;
+    /* The angular velocity in body axes, rad/s. */
+    vb_vec3 angular_velocity;
+} vb_imu_sample;
+
+/* A position from satellites. */
+typedef struct vb_gnss_fix {
+    /* The simulated time of the measurement, s. */
+    double time;
+    /* The measured position of the vehicle's reference point in the world frame, m. */
     vb_vec3 position;
-    double roll;  /* positive with the right side down */
-    double pitch; /* positive with the nose down */
-    double yaw;
-    vb_vec3 linear_velocity;  /* body axes */
-    vb_vec3 angular_velocity; /* body axes */
+} vb_gnss_fix;
+
+/* One turn of the lidar. */
+typedef struct vb_lidar_scan {
+    /* The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / cols) · period before,
+     * while the vehicle moved. */
+    double time;
+    /* The rows · cols measured distances, m, row-major; 0 where nothing came back. */
+    const float *ranges;
+    size_t ranges_len;
+} vb_lidar_scan;
+
+/* One image of the depth camera. */
+typedef struct vb_depth_image {
+    /* The simulated time of the image, s. */
+    double time;
+    /* The rows · cols depths along the camera's axis, m, row-major; 0 where nothing was measured. */
+    const float *depths;
+    size_t depths_len;
+    /* The kinds of ground that the pixels are recognised as, with the numbers of the task's semantics, 10 for an
+     * obstacle, and 255 where nothing was measured; empty if the camera has no labels. */
+    const uint8_t *labels;
+    size_t labels_len;
+} vb_depth_image;
+
+/* The map of the vehicle's surroundings that is built from lidar and depth camera at the estimated pose. Its axes
+ * are those of the world frame as far as the estimate is right, and the vehicle is in its middle. */
+typedef struct vb_local_map {
+    /* The simulated time at which the map was last brought up to date, s. */
+    double time;
+    /* The heights of the ground, m; NaN where it has not been seen. */
+    vb_height_map elevation;
+    /* The kinds of ground, with the numbers of the task's semantics; 255 where it has not been seen, or isn't
+     * known. */
+    vb_label_map semantics;
+    /* 1 where an obstacle was seen, 0 where ground was seen, and 255 where nothing was. */
+    vb_label_map occupancy;
+} vb_local_map;
+
+/* What a planner sees every control period: what its sensors have measured since the last one. A sensor that the
+ * planner doesn't ask for, or that has measured nothing since, is absent. */
+typedef struct vb_observation {
+    /* The simulated time since the start, s. */
+    double time;
+    /* The estimate of the vehicle's state (pose). NULL where it is absent. */
+    const vb_pose *pose;
+    /* The wheels (wheel_odometry), from front to back, left before right. */
     const vb_wheel *wheels;
     size_t wheels_len;
-    double last_steering; /* the commands applied until now */
+    /* The measurements of the inertial measurement unit (imu), oldest first. */
+    const vb_imu_sample *imu;
+    size_t imu_len;
+    /* The last position from satellites (gnss). NULL where it is absent. */
+    const vb_gnss_fix *gnss;
+    /* The last turn of the lidar (lidar). NULL where it is absent. */
+    const vb_lidar_scan *lidar;
+    /* The last image of the depth camera (depth). NULL where it is absent. */
+    const vb_depth_image *depth;
+    /* The map of the surroundings (local_map). NULL where it is absent. */
+    const vb_local_map *local_map;
+    /* The gear that is in: neutral while a change of direction takes its time. One of VB_GEAR_…. */
+    uint32_t gear;
+    /* The speed of the engine, rad/s. */
+    double engine_speed;
+    /* The steering command applied until now, after clamping; 0 at first. */
+    double last_steering;
+    /* The throttle command applied until now, after clamping; 0 at first. */
     double last_throttle;
+    /* The brake command applied until now, after clamping; 0 at first. */
     double last_brake;
 } vb_observation;
 
-/* Numbers that the harness records beside the trajectory. */
+/* Numbers that the harness records beside the trajectory, e.g. a sampled trajectory or a cost. */
 typedef struct vb_series {
+    /* The name of the series, which stays the same over a task. */
     const char *name;
+    /* The values of the series. */
     const float *values;
     size_t values_len;
 } vb_series;
 
-/* All zero when step is called. */
+/* The command that holds until the next step. */
 typedef struct vb_command {
-    size_t size;
-    double steering; /* [-1, 1], positive to the left */
-    double throttle; /* [0, 1] */
-    double brake;    /* [0, 1] */
-    const vb_series *debug; /* may be NULL; must stay valid until the next call */
+    /* The steering, in [-1, 1], positive to the left. */
+    double steering;
+    /* The throttle, in [0, 1]. */
+    double throttle;
+    /* The brake, in [0, 1]. */
+    double brake;
+    /* The direction of travel. A change between forward and reverse waits until the vehicle is slower than
+     * direction_change_speed, with the throttle closed; brake to bring that about. One of VB_GEAR_…. */
+    uint32_t gear;
+    /* Series that are recorded beside the trajectory and drawn by vb_harness replay. Leave this empty in normal
+     * runs. */
+    const vb_series *debug;
     size_t debug_len;
 } vb_command;
 
+/* end of data */
+
 typedef struct vb_error {
-    size_t size;
     char message[VB_ERROR_BYTES];
 } vb_error;
 
 /* What the harness offers during a call. */
 typedef struct vb_host {
-    size_t size;
     void *context;
     /* Appends a line to the task's log; `context` is the one above. */
     void (*log)(void *context, uint32_t level, const char *message);
@@ -189,7 +438,8 @@ typedef struct vb_planner_functions {
     uint32_t abi_minor;
     /* Makes a planner for a task. */
     int32_t (*init)(const vb_task *task, const vb_host *host, void **planner, vb_error *error);
-    /* One step of it. After a failure only `free` is called. */
+    /* One step of it. The command is all zero when it is called, and what it points to must stay valid until the next call.
+     * After a failure only `free` is called. */
     int32_t (*step)(void *planner, const vb_observation *observation, const vb_host *host, vb_command *command,
                     vb_error *error);
     /* Ends it; called once for every init that succeeded. */

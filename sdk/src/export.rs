@@ -19,7 +19,9 @@
 /// ```
 ///
 /// `name` may hold `a-z`, `0-9`, `-` and `_`; `control_period` is in seconds, a multiple of 0.001; `params` may be
-/// left out. Version and authors are those of the crate. Invoke it once in a crate.
+/// left out. `needs: { pose, lidar: 10, local_map: 5 }` after them asks for sensors and says how many times a second they
+/// are to be read (a rate that divides 100); a planner that asks for nothing gets pose and wheels at every step. Version and
+/// authors are those of the crate. Invoke it once in a crate.
 #[macro_export]
 macro_rules! export_planner {
     (
@@ -27,7 +29,8 @@ macro_rules! export_planner {
         name: $name:literal,
         about: $about:literal,
         control_period: $period:literal
-        $(, params: { $($key:ident : $default:literal => $help:literal),* $(,)? })? $(,)?
+        $(, params: { $($key:ident : $default:literal => $help:literal),* $(,)? })?
+        $(, needs: { $($need:ident $(: $rate:literal)?),* $(,)? })? $(,)?
     ) => {
         const _: () = {
             const FIELDS: &[(&str, &str)] = &[
@@ -42,6 +45,7 @@ macro_rules! export_planner {
                     ("default", concat!($default)),
                     ("help", $help),
                 )*)?
+                $($(("need", concat!(stringify!($need) $(, " ", $rate)?)),)*)?
             ];
             const _: () = {
                 assert!($crate::metadata::is_name($name), "name: only a-z, 0-9, - and _");

@@ -11,6 +11,10 @@
 //! IEEE 754; everything else (`sin`, `exp`, …) must come from [`math`], since the standard library calls the
 //! platform's own functions.
 
+#[cfg(feature = "serde")]
+mod bytes;
+#[cfg(not(target_family = "wasm"))]
+pub mod c;
 pub mod crop;
 mod export;
 pub mod log;
@@ -24,6 +28,7 @@ pub mod path;
 mod planner;
 pub mod rng;
 pub mod speed;
+#[rustfmt::skip]
 mod types;
 #[cfg(target_family = "wasm")]
 #[doc(hidden)]
@@ -34,7 +39,7 @@ pub use planner::{Planner, PlannerError};
 pub use types::*;
 
 /// The version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
-pub const ABI_VERSION: &str = "0.1";
+pub const ABI_VERSION: &str = "0.2";
 
 // What `export_planner!` names in the crate of the planner.
 #[cfg(not(target_family = "wasm"))]

@@ -1,6 +1,21 @@
 //! Looking up values in maps. Places are given in the world frame: x east, y north, in m.
 
-use crate::{GridFrame, Map};
+use crate::GridFrame;
+
+/// Samples on a square grid, row-major.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: crate::bytes::Sample")
+)]
+pub struct Map<T> {
+    /// The places at which the samples lie.
+    pub frame: GridFrame,
+    /// The `rows * cols` samples, row-major, with row 0 in the south.
+    #[cfg_attr(feature = "serde", serde(with = "crate::bytes"))]
+    pub data: Vec<T>,
+}
 
 /// The ground at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,7 +3,8 @@
 //! [`export_planner!`](crate::export_planner) puts a text into a section of the file: the custom section
 //! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8, one
 //! `key: value` a line, with `\\`, `\n` and `\r` escaped by a backslash. `param` begins a parameter, to which the
-//! `default` and `help` that follow belong. Unknown keys are ignored, so later versions may add some.
+//! `default` and `help` that follow belong. `need` names a sensor and may say how often it is to be read, in Hz: `need: lidar
+//! 10`; a planner without a need gets [`Need::DEFAULT`]. Unknown keys are ignored, so later versions may add some.
 
 use std::fmt;
 
@@ -31,6 +32,116 @@ pub struct Metadata {
     pub control_period: f64,
     /// The parameters that a user may set.
     pub params: Vec<ParamSpec>,
+    /// The sensors that the planner asks for, as it declares them. It is empty for planners that want the default, as
+    /// [`Metadata::needs`] gives it.
+    pub needs: Vec<Need>,
+}
+
+macro_rules! sensors {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal;)*) => {
+        /// A sensor that a planner may ask for. What it measures is described with the field of
+        /// [`Observation`](crate::Observation) of its name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Sensor {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Sensor {
+            /// All sensors.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// The name of the sensor in metadata, messages and profiles.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+    };
+}
+
+sensors! {
+    /// The estimate of position, attitude and velocities.
+    Pose = "pose";
+    /// The inertial measurement unit.
+    Imu = "imu";
+    /// The spins and travels of the wheels.
+    WheelOdometry = "wheel-odometry";
+    /// The position from satellites.
+    Gnss = "gnss";
+    /// The spinning lidar.
+    Lidar = "lidar";
+    /// The depth camera.
+    Depth = "depth";
+    /// The map of the surroundings, built from lidar and depth camera.
+    LocalMap = "local-map";
+}
+
+impl Sensor {
+    /// The sensor of this name; `None` if there is none.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|sensor| sensor.name() == name)
+    }
+}
+
+/// A sensor that a planner asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Need {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// How often it is to be read, Hz; `None` for as often as the profile says, or at every step of the planner for pose
+    /// and wheels.
+    pub rate: Option<f64>,
+}
+
+impl Need {
+    /// What a planner gets that declares no need.
+    pub const DEFAULT: &[Self] =
+        &[Self { sensor: Sensor::Pose, rate: None }, Self { sensor: Sensor::WheelOdometry, rate: None }];
+
+    /// Reads `lidar` or `lidar 10`. Underscores may stand for hyphens, since names in Rust have none.
+    ///
+    /// # Errors
+    /// Returns a text that says what is wrong and what there is.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (name, rate) = text.split_once(' ').map_or((text, None), |(name, rate)| (name, Some(rate)));
+        let sensor = Sensor::find(&name.replace('_', "-")).ok_or_else(|| {
+            let known: Vec<&str> = Sensor::ALL.iter().map(|s| s.name()).collect();
+            format!("there is no sensor `{name}`; there are {}", known.join(", "))
+        })?;
+        let rate = match rate.map(str::trim) {
+            None => None,
+            Some(text) => match text.parse() {
+                Ok(rate) if is_rate(rate) => Some(rate),
+                _ => {
+                    return Err(format!(
+                        "{name} can't be read {text} times a second; want a rate that divides 100, e.g. 100, 20, 10 or 5"
+                    ));
+                }
+            },
+        };
+        Ok(Self { sensor, rate })
+    }
+}
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.rate {
+            Some(rate) => write!(f, "{} {rate}", self.sensor.name()),
+            None => f.write_str(self.sensor.name()),
+        }
+    }
+}
+
+/// Tells whether a sensor can be read at this rate, Hz: the period must be a multiple of the 10 ms between the samples of a
+/// trial.
+#[must_use]
+pub fn is_rate(rate: f64) -> bool {
+    let samples = 100.0 / rate;
+    let nearest = samples.round();
+    nearest >= 1.0 && nearest < 1e6 && (samples - nearest).abs() < 1e-6
 }
 
 /// A parameter that a planner declares.
@@ -56,6 +167,13 @@ pub enum MetadataError {
         /// The line as it stands in the text.
         text: String,
     },
+    /// The planner asks for a sensor that there isn't, or too often, or twice.
+    BadNeed {
+        /// The number of the line, counted from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
     /// A key that must be there is missing.
     Missing {
         /// The name of the missing key.
@@ -68,6 +186,7 @@ impl fmt::Display for MetadataError {
         match self {
             Self::NotUtf8 => write!(f, "it is not UTF-8"),
             Self::BadLine { line, text } => write!(f, "line {line} is `{text}`"),
+            Self::BadNeed { line, reason } => write!(f, "line {line} asks for a sensor: {reason}"),
             Self::Missing { key } => write!(f, "`{key}` is missing"),
         }
     }
@@ -95,7 +214,16 @@ impl Metadata {
             line("default", &param.default);
             line("help", &param.help);
         }
+        for need in &self.needs {
+            line("need", &need.to_string());
+        }
         text
+    }
+
+    /// The sensors that the planner gets.
+    #[must_use]
+    pub fn needs(&self) -> &[Need] {
+        if self.needs.is_empty() { Need::DEFAULT } else { &self.needs }
     }
 
     /// Reads the text of the section.
@@ -106,6 +234,7 @@ impl Metadata {
         let text = std::str::from_utf8(bytes).map_err(|_| MetadataError::NotUtf8)?;
         let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
         let (mut authors, mut about, mut params) = (Vec::new(), String::new(), Vec::<ParamSpec>::new());
+        let mut needs = Vec::<Need>::new();
         for (number, line) in text.lines().enumerate() {
             let bad = || MetadataError::BadLine { line: number + 1, text: line.to_owned() };
             let (key, value) = line.split_once(": ").ok_or_else(bad)?;
@@ -126,6 +255,14 @@ impl Metadata {
                 "param" => params.push(ParamSpec { key: value, default: String::new(), help: String::new() }),
                 "default" => params.last_mut().ok_or_else(bad)?.default = value,
                 "help" => params.last_mut().ok_or_else(bad)?.help = value,
+                "need" => {
+                    let bad_need = |reason| MetadataError::BadNeed { line: number + 1, reason };
+                    let need = Need::parse(&value).map_err(bad_need)?;
+                    if needs.iter().any(|n| n.sensor == need.sensor) {
+                        return Err(bad_need(format!("{} is asked for twice", need.sensor.name())));
+                    }
+                    needs.push(need);
+                }
                 _ => {}
             }
         }
@@ -138,6 +275,7 @@ impl Metadata {
             about,
             control_period: period.ok_or(missing("control-period"))?,
             params,
+            needs,
         })
     }
 }
@@ -286,6 +424,31 @@ mod tests {
             let text = format!("control-period: {period}");
             assert!(matches!(parse(text.as_bytes()), MetadataError::BadLine { .. }), "{period}");
         }
+    }
+
+    #[test]
+    fn needs_are_read_and_written() {
+        let head = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\n";
+        let parse = |needs: &str| Metadata::parse(format!("{head}{needs}").as_bytes());
+        let m = parse("need: local_map 5\nneed: imu\n").unwrap();
+        let expected = [
+            Need { sensor: Sensor::LocalMap, rate: Some(5.0) },
+            Need { sensor: Sensor::Imu, rate: None },
+        ];
+        assert_eq!(m.needs(), expected);
+        assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
+        assert_eq!(parse("").unwrap().needs(), Need::DEFAULT);
+        let reason = |needs: &str| parse(needs).unwrap_err().to_string();
+        assert_eq!(
+            reason("need: radar\n"),
+            "line 5 asks for a sensor: there is no sensor `radar`; there are pose, imu, wheel-odometry, gnss, lidar, depth, \
+             local-map"
+        );
+        for rate in ["30", "0", "-1", "200", "nan", "often"] {
+            let text = reason(&format!("need: lidar {rate}\n"));
+            assert!(text.contains(&format!("lidar can't be read {rate} times a second")), "{text}");
+        }
+        assert_eq!(reason("need: imu\nneed: imu 10\n"), "line 6 asks for a sensor: imu is asked for twice");
     }
 
     #[test]

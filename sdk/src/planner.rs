@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::{Command, Observation, Task};
+use crate::{Command, HeightMap, LabelMap, LocalMap, Observation, Pose, Task};
 
 /// A planner for one task. Implement this trait and export the planner by [`export_planner!`](crate::export_planner).
 ///
@@ -55,7 +55,55 @@ impl From<&str> for PlannerError {
     }
 }
 
+impl Observation {
+    /// The estimate of the vehicle's state.
+    ///
+    /// # Errors
+    /// Returns an error if there is none: the planner doesn't ask for it, or asks for it less often than it is called.
+    pub fn pose(&self) -> Result<&Pose, PlannerError> {
+        self.pose.as_ref().ok_or_else(|| "this observation has no pose; ask for `pose` in every step".into())
+    }
+
+    /// The map of the surroundings.
+    ///
+    /// # Errors
+    /// Returns an error if there is none: the planner doesn't ask for it, or asks for it less often than it is called.
+    pub fn local_map(&self) -> Result<&LocalMap, PlannerError> {
+        self.local_map
+            .as_ref()
+            .ok_or_else(|| "this observation has no local map; ask for `local-map` in every step".into())
+    }
+}
+
 impl Task {
+    /// The map of heights.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile gives none.
+    pub fn elevation(&self) -> Result<&HeightMap, PlannerError> {
+        self.elevation.as_ref().ok_or_else(|| self.lacks("map of heights"))
+    }
+
+    /// The map of the kinds of ground.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile gives none.
+    pub fn semantics(&self) -> Result<&LabelMap, PlannerError> {
+        self.semantics.as_ref().ok_or_else(|| self.lacks("map of the kinds of ground"))
+    }
+
+    /// The map of obstacles.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile gives none.
+    pub fn occupancy(&self) -> Result<&LabelMap, PlannerError> {
+        self.occupancy.as_ref().ok_or_else(|| self.lacks("map of obstacles"))
+    }
+
+    fn lacks(&self, map: &str) -> PlannerError {
+        PlannerError(format!("the perception profile `{}` gives no {map}", self.perception))
+    }
+
     /// The value of a parameter as text, or `None` if the planner doesn't declare it.
     #[must_use]
     pub fn param(&self, key: &str) -> Option<&str> {

@@ -232,6 +232,8 @@ pub struct Task {
     /// The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is covered by
     /// an obstacle, else 0; absent if it gives none.
     pub occupancy: Option<LabelMap>,
+    /// Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y.
+    pub half_extent: Point2,
     /// The global path, from the start to the goal.
     pub path: Vec<Point2>,
     /// The pose from which the vehicle starts, at rest.
@@ -418,7 +420,9 @@ pub struct Command {
     pub brake: f64,
     /// The direction of travel. A change between forward and reverse waits until the vehicle is slower than
     /// `direction_change_speed`, with the throttle closed; brake to bring that about.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub gear: Gear,
     /// Series that are recorded beside the trajectory and drawn by `vb_harness replay`. Leave this empty in normal runs.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub debug: Vec<Series>,
 }

@@ -1,7 +1,7 @@
 //! The kinematic bicycle: steering and speed follow their commands at limited rates.
 
 use super::{LANES, Lanes, Model};
-use crate::{Observation, Vehicle, math};
+use crate::{Pose, Vehicle, math};
 
 /// The states of [`LANES`] bicycles in the plane, in the world frame. The reference point lies halfway between the
 /// axles.
@@ -22,18 +22,18 @@ pub struct BicycleState {
 }
 
 impl BicycleState {
-    /// The states in which every bicycle is where the vehicle is.
+    /// The states in which every bicycle is where the vehicle is, with its steering at this command.
     #[must_use]
-    pub fn of(o: &Observation) -> Self {
-        let (sin, cos) = math::sin_cos(o.yaw);
+    pub fn of(pose: &Pose, steering: f64) -> Self {
+        let (sin, cos) = math::sin_cos(pose.yaw);
         let all = |v: f64| [v as f32; LANES];
         Self {
-            x: all(o.position.x),
-            y: all(o.position.y),
+            x: all(pose.position.x),
+            y: all(pose.position.y),
             cos: all(cos),
             sin: all(sin),
-            speed: all(o.linear_velocity.x),
-            steering: all(o.last_steering),
+            speed: all(pose.linear_velocity.x),
+            steering: all(steering),
         }
     }
 }

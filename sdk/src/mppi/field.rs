@@ -34,10 +34,11 @@ impl Field {
     }
 
     /// The distance to the nearest obstacle or to the edge of the world, whichever is less, cut off at `reach`, m; it
-    /// is negative beyond the edge. It returns `None` if the occupancy map has fewer than 2 × 2 samples.
+    /// is negative beyond the edge. It returns `None` if the occupancy map has fewer than 2 × 2 samples, or if the task has
+    /// no map of obstacles or heights.
     #[must_use]
     pub fn clearance(task: &Task, reach: f64) -> Option<Self> {
-        let (occupied, ground) = (&task.occupancy, task.elevation.frame);
+        let (occupied, ground) = (task.occupancy.as_ref()?, task.elevation.as_ref()?.frame);
         let frame = occupied.frame;
         let (low, high) =
             (ground.position(0, 0), ground.position(ground.rows.max(1) - 1, ground.cols.max(1) - 1));

@@ -198,8 +198,8 @@ fn clearance_is_the_distance_to_obstacles_and_to_the_edge() {
     data[10 * 20 + 10] = 1;
     let ground = GridFrame { rows: 11, cols: 11, resolution: 1.0, origin_x: -5.0, origin_y: -5.0 };
     let task = Task {
-        occupancy: Map { frame, data },
-        elevation: Map { frame: ground, data: vec![0.0; 121] },
+        occupancy: Some(Map { frame, data }),
+        elevation: Some(Map { frame: ground, data: vec![0.0; 121] }),
         ..Task::default()
     };
     let field = Field::clearance(&task, 3.0).unwrap();

@@ -3,8 +3,13 @@
 //!
 //! `cargo xtask abi` runs it. A test holds that the files in the repository are those that it writes.
 
+mod c_header;
+mod c_layout;
+mod docs;
 mod model;
+mod python;
 mod rust_types;
+mod wasm;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -23,7 +28,46 @@ fn root() -> PathBuf {
 /// All files that follow from the text: their paths and contents.
 fn outputs() -> Result<Vec<(&'static str, String)>, String> {
     let model = Model::read(&root().join(NEWEST))?;
-    Ok(vec![("sdk/src/types.rs", rust_types::write(&model))])
+    Ok(vec![
+        ("sdk/src/types.rs", rust_types::write(&model)),
+        ("sdk/src/c/layout.rs", c_layout::write(&model)?),
+        ("sdk/src/wasm/convert.rs", wasm::guest(&model)?),
+        ("harness/host/src/wasm/v0_2/convert.rs", wasm::host(&model)?),
+        ("sdk/python/src/vertibench_planner/_data.py", python::write(&model)?),
+        ("docs/abi.md", between_marks("docs/abi.md", &[("data", docs::tables(&model)?)])?),
+        (
+            "docs/worker-protocol.md",
+            between_marks("docs/worker-protocol.md", &[("data", docs::wire(&model)?)])?,
+        ),
+        ("sdk/c/vb_planner.h", between_marks("sdk/c/vb_planner.h", &[("data", c_header::write(&model)?)])?),
+    ])
+}
+
+/// A file that people write, with what lies between its marks replaced: `made: NAME` and `end of NAME`, each on a line of
+/// its own with whatever makes a comment of it.
+fn between_marks(path: &str, parts: &[(&str, String)]) -> Result<String, String> {
+    let file = root().join(path);
+    let text = std::fs::read_to_string(&file).map_err(|e| format!("can't read {}: {e}", file.display()))?;
+    let mut out = String::new();
+    let mut skipped: Option<&str> = None;
+    for line in text.split_inclusive('\n') {
+        if let Some(name) = skipped {
+            if !line.contains(&format!("end of {name}")) {
+                continue;
+            }
+            skipped = None;
+        }
+        out.push_str(line);
+        if let Some((name, part)) = parts.iter().find(|(name, _)| line.contains(&format!("made: {name}"))) {
+            out.push('\n');
+            out.push_str(part);
+            skipped = Some(*name);
+        }
+    }
+    match skipped {
+        Some(name) => Err(format!("{path}: there is no line with `end of {name}`")),
+        None => Ok(out),
+    }
 }
 
 fn run() -> Result<(), String> {

@@ -78,7 +78,10 @@ fn record(out: &mut String, model: &Model, r: &Record) {
         {
             out.push_str("    #[cfg_attr(feature = \"serde\", serde(with = \"crate::bytes\"))]\n");
         }
-        // What a later version added may be missing in what an earlier one wrote.
+        // What planners of the first version don't send.
+        if r.name == "command" && matches!(f.ty, Type::Enum(_) | Type::List(_)) {
+            out.push_str("    #[cfg_attr(feature = \"serde\", serde(default))]\n");
+        }
         let _ = writeln!(out, "    pub {}: {},", snake(&f.name), rust(&f.ty));
     }
     out.push_str("}\n");

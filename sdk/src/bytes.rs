@@ -1,0 +1,65 @@
+//! Samples as bytes, least significant first, so that any language reads a map or a scan at once.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::ser::Serializer;
+
+/// A kind of sample.
+pub(crate) trait Sample: Copy + for<'de> Deserialize<'de> {
+    /// The bytes of these samples.
+    fn to_bytes(samples: &[Self]) -> Vec<u8>;
+    /// The samples of these bytes; what is left at the end is dropped.
+    fn from_bytes(bytes: &[u8]) -> Vec<Self>;
+}
+
+impl Sample for u8 {
+    fn to_bytes(samples: &[Self]) -> Vec<u8> {
+        samples.to_vec()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Vec<Self> {
+        bytes.to_vec()
+    }
+}
+
+impl Sample for f32 {
+    fn to_bytes(samples: &[Self]) -> Vec<u8> {
+        samples.iter().flat_map(|x| x.to_le_bytes()).collect()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Vec<Self> {
+        bytes.as_chunks::<4>().0.iter().map(|x| Self::from_le_bytes(*x)).collect()
+    }
+}
+
+pub(crate) fn serialize<T: Sample, S: Serializer>(samples: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bytes(&T::to_bytes(samples))
+}
+
+/// Reads bytes, or a list of numbers, which is easier to write in other languages.
+pub(crate) fn deserialize<'de, T: Sample, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    struct Samples<T>(PhantomData<T>);
+    impl<'de, T: Sample> Visitor<'de> for Samples<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("samples, as bytes or as a list of numbers")
+        }
+
+        fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Vec<T>, E> {
+            Ok(T::from_bytes(bytes))
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+            // A length that is claimed is not believed: memory is taken as numbers come.
+            let mut samples = Vec::new();
+            while let Some(sample) = list.next_element()? {
+                samples.push(sample);
+            }
+            Ok(samples)
+        }
+    }
+    deserializer.deserialize_any(Samples(PhantomData))
+}
