@@ -1,25 +1,40 @@
 //! Rays against the triangles of a heightfield.
 //!
-//! Above the cells lies a pyramid of greatest heights: a square of level k covers 2^k × 2^k cells. A ray from above goes
-//! through the squares of its way and looks at the finer ones only where it comes below the highest of the coarser (Tevs,
-//! Ihrke and Seidel, "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering", Symposium on
-//! Interactive 3D Graphics and Games 2008). Within a cell the height under the ray is linear up to the diagonal and after
-//! it, so its crossing is found in closed form. A ray that starts below the ground goes through all cells on its way.
+//! Above the cells lie coarser grids with the greatest height in each square. A ray from above goes through the squares of
+//! its way and looks at the finer ones only where it comes below the highest place of the coarser (Tevs, Ihrke and Seidel,
+//! "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering", Symposium on Interactive 3D Graphics
+//! and Games 2008; here each grid is four times as coarse as the next, since few long steps are foreseen better by the
+//! processor than many turns between levels). From square to square it goes as Amanatides and Woo ("A fast voxel
+//! traversal algorithm for ray tracing", Eurographics 1987) do. Within a cell the height under the ray is linear up to the
+//! diagonal and after it, so its crossing is found in closed form. A ray that starts below the ground looks at all cells on
+//! its way.
 
 use crate::V3;
 use vb_world::Heightfield;
 
-/// The pyramid of greatest heights above a heightfield's cells.
+/// How many squares of a grid make one of the next along a side.
+const STEP: usize = 4;
+/// The number of grids.
+const GRIDS: usize = 3;
+/// The least number of squares along a side of a grid that is worth a look: below it, most of its squares are higher than
+/// the rays of a vehicle anyway.
+const WORTH: i32 = 32;
+
+/// The greatest heights above a heightfield's cells, the finest grid first.
 #[derive(Clone, Debug)]
 pub(crate) struct Ground {
-    levels: Vec<Level>,
+    grids: [Grid; GRIDS],
+    /// Whether rays start on the coarsest grid, and not on the next.
+    large: bool,
+    per_metre: f64,
     /// Heights of the lowest and the highest node, m.
     range: (f64, f64),
 }
 
 #[derive(Clone, Debug)]
-struct Level {
-    cols: usize,
+struct Grid {
+    rows: i32,
+    cols: i32,
     /// Greatest height in each square, rounded up, m.
     most: Vec<f32>,
 }
@@ -30,9 +45,9 @@ fn up(z: f64) -> f32 {
     if f64::from(near) < z { near.next_up() } else { near }
 }
 
-impl Ground {
-    pub(crate) fn new(field: &Heightfield) -> Self {
-        let (mut rows, mut cols) = (field.rows() - 1, field.cols() - 1);
+impl Grid {
+    fn finest(field: &Heightfield) -> Self {
+        let (rows, cols) = (field.rows() - 1, field.cols() - 1);
         let mut most = Vec::with_capacity(rows * cols);
         for row in 0..rows {
             for col in 0..cols {
@@ -41,213 +56,220 @@ impl Ground {
                 most.push(up(south.max(north)));
             }
         }
-        let mut levels = vec![Level { cols, most }];
-        while rows > 1 || cols > 1 {
-            let finer = &levels[levels.len() - 1];
-            let (fine_rows, fine_cols) = (rows, cols);
-            (rows, cols) = (rows.div_ceil(2), cols.div_ceil(2));
-            let mut most = Vec::with_capacity(rows * cols);
-            for row in 0..rows {
-                for col in 0..cols {
-                    let mut top = f32::NEG_INFINITY;
-                    for r in 2 * row..(2 * row + 2).min(fine_rows) {
-                        for c in 2 * col..(2 * col + 2).min(fine_cols) {
-                            top = top.max(finer.most[r * fine_cols + c]);
-                        }
-                    }
-                    most.push(top);
-                }
+        Self { rows: rows as i32, cols: cols as i32, most }
+    }
+
+    fn coarser(&self) -> Self {
+        let (fine_rows, fine_cols) = (self.rows as usize, self.cols as usize);
+        let (rows, cols) = (fine_rows.div_ceil(STEP), fine_cols.div_ceil(STEP));
+        let mut most = vec![f32::NEG_INFINITY; rows * cols];
+        for row in 0..fine_rows {
+            for col in 0..fine_cols {
+                let top = &mut most[row / STEP * cols + col / STEP];
+                *top = top.max(self.most[row * fine_cols + col]);
             }
-            levels.push(Level { cols, most });
         }
-        Self { levels, range: field.range() }
+        Self { rows: rows as i32, cols: cols as i32, most }
+    }
+}
+
+/// Where rays begin, against a heightfield.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    /// In cells from the south-western corner.
+    at: [f64; 2],
+    /// m.
+    z: f64,
+    /// Height over the surface, m; none beyond its edge.
+    gap: Option<f64>,
+}
+
+impl Origin {
+    pub(crate) fn new(field: &Heightfield, p: &V3) -> Self {
+        let per_metre = 1.0 / field.resolution();
+        Self {
+            at: [(p.x + field.half_x()) * per_metre, (p.y + field.half_y()) * per_metre],
+            z: p.z,
+            gap: field.contains(p.x, p.y).then(|| p.z - field.height(p.x, p.y)),
+        }
+    }
+}
+
+impl Ground {
+    pub(crate) fn new(field: &Heightfield) -> Self {
+        let finest = Grid::finest(field);
+        let coarse = finest.coarser();
+        let coarsest = coarse.coarser();
+        Self {
+            large: coarsest.rows.max(coarsest.cols) >= WORTH,
+            per_metre: 1.0 / field.resolution(),
+            grids: [finest, coarse, coarsest],
+            range: field.range(),
+        }
     }
 
     /// The distance at which a ray meets the surface, m; none if it doesn't within `reach`.
-    pub(crate) fn cast(&self, field: &Heightfield, origin: &V3, direction: &V3, reach: f64) -> Option<f64> {
-        let mut walk = Walk::new(field, origin, direction, reach)?;
-        // The part of the way that is outside the heights that there are.
+    #[inline]
+    pub(crate) fn cast(
+        &self,
+        field: &Heightfield,
+        origin: &Origin,
+        direction: &V3,
+        reach: f64,
+    ) -> Option<f64> {
         let (low, high) = self.range;
         if origin.z > high && direction.z >= 0.0 {
             return None;
         }
-        let start = walk.gap_at(walk.from);
+        let mut ray = Ray::new(self, field, origin, direction, reach);
+        let start = match origin.gap {
+            Some(gap) => gap,
+            None => ray.clip(field)?,
+        };
         if start == 0.0 {
-            return Some(walk.from);
+            return Some(ray.from);
         }
         if start < 0.0 {
-            return walk.through_all_cells(start);
+            ray.side = -1.0;
+            return ray.march::<0>(ray.from, ray.to);
         }
+        // The part of the way on which the ground can be, with some room for rounding.
+        let inverse = 1.0 / direction.z;
+        let room = 1e-9 * (1.0 + reach);
         if direction.z > 0.0 {
-            walk.to = walk.to.min((high - origin.z) / direction.z);
+            ray.to = ray.to.min((high - origin.z) * inverse + room);
         } else if direction.z < 0.0 {
-            // Rounding must not end the way before it comes to the lowest place.
-            walk.to = walk.to.min((low - origin.z) / direction.z * (1.0 + 1e-9) + 1e-9);
-            walk.skip_to((high - origin.z) / direction.z * (1.0 - 1e-9) - 1e-9);
+            ray.to = ray.to.min((low - origin.z) * inverse + room);
+            ray.from = ray.from.max((high - origin.z) * inverse - room);
         }
-        walk.down_the_pyramid(&self.levels)
+        if self.large { ray.march::<2>(ray.from, ray.to) } else { ray.march::<1>(ray.from, ray.to) }
     }
 }
 
-/// A ray on its way through the cells. Places are measured in cells from the south-western corner, distances along the
-/// ray in m.
-struct Walk<'a> {
+/// A ray on its way. Places are measured in cells from the south-western corner, distances along the ray in m.
+struct Ray<'a> {
+    grids: &'a [Grid; GRIDS],
     heights: &'a [f64],
     /// Nodes in a row.
     stride: usize,
-    /// The last column and row of cells.
-    last: [i32; 2],
-    /// The ray: origin and rate in cells, origin and rate of the height.
     origin: [f64; 2],
     rate: [f64; 2],
+    /// 1 / rate; 0 where there is none.
     inverse: [f64; 2],
+    /// What is added to distances to the sides of squares: infinity along an axis on which the ray doesn't move.
+    never: [f64; 2],
     z: f64,
     dz: f64,
     from: f64,
     to: f64,
-    /// The cell at `from`.
-    cell: [i32; 2],
+    /// 1 for a ray above the surface, -1 below.
+    side: f64,
 }
 
-impl<'a> Walk<'a> {
-    /// None if the ray doesn't come over the surface.
+impl<'a> Ray<'a> {
     #[inline]
-    fn new(field: &'a Heightfield, origin: &V3, direction: &V3, reach: f64) -> Option<Self> {
-        let per_metre = 1.0 / field.resolution();
-        let half = [field.half_x(), field.half_y()];
-        let start = [(origin.x + half[0]) * per_metre, (origin.y + half[1]) * per_metre];
-        let rate = [direction.x * per_metre, direction.y * per_metre];
-        let inverse = rate.map(|r| 1.0 / r);
+    fn new(ground: &'a Ground, field: &'a Heightfield, origin: &Origin, d: &V3, reach: f64) -> Self {
+        let rate = [d.x * ground.per_metre, d.y * ground.per_metre];
+        let moves = rate.map(|r| r != 0.0);
+        Self {
+            grids: &ground.grids,
+            heights: field.heights(),
+            stride: field.cols(),
+            origin: origin.at,
+            rate,
+            inverse: [0, 1].map(|k| if moves[k] { 1.0 / rate[k] } else { 0.0 }),
+            never: moves.map(|m| if m { 0.0 } else { f64::INFINITY }),
+            z: origin.z,
+            dz: d.z,
+            from: 0.0,
+            to: reach,
+            side: 1.0,
+        }
+    }
+
+    /// Leaves out the way to the surface's edge; the height over the surface there, m. None if it never comes there.
+    #[cold]
+    fn clip(&mut self, field: &Heightfield) -> Option<f64> {
         let count = [(field.cols() - 1) as f64, (field.rows() - 1) as f64];
-        let (mut from, mut to) = (0.0_f64, reach);
         for k in 0..2 {
-            if rate[k] == 0.0 {
-                if start[k] < 0.0 || start[k] > count[k] {
+            if self.rate[k] == 0.0 {
+                if self.origin[k] < 0.0 || self.origin[k] > count[k] {
                     return None;
                 }
                 continue;
             }
-            let (a, b) = (-start[k] * inverse[k], (count[k] - start[k]) * inverse[k]);
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
+            let (a, b) = (-self.origin[k] * self.inverse[k], (count[k] - self.origin[k]) * self.inverse[k]);
+            self.from = self.from.max(a.min(b));
+            self.to = self.to.min(a.max(b));
         }
-        let inside = from <= to;
-        let mut walk = Self {
-            heights: field.heights(),
-            stride: field.cols(),
-            last: [field.cols() as i32 - 2, field.rows() as i32 - 2],
-            origin: start,
-            rate,
-            inverse,
-            z: origin.z,
-            dz: direction.z,
-            from,
-            to,
-            cell: [0; 2],
-        };
-        walk.find_cell();
-        inside.then_some(walk)
+        if self.from > self.to {
+            return None;
+        }
+        let place = [0, 1].map(|k| self.origin[k] + self.rate[k] * self.from);
+        let cell = [0, 1].map(|k| (place[k].max(0.0) as i32).min(count[k] as i32 - 1));
+        Some(Cell::of(self, cell).gap(self, self.from))
     }
 
+    /// The first hit between two distances, in the squares of grid K. The surface ends at the grid's edge.
     #[inline]
-    fn find_cell(&mut self) {
-        self.cell = [0, 1].map(|k| self.index(k, self.from));
-    }
-
-    /// Column (`k` = 0) or row of the cell at a distance.
-    #[inline]
-    fn index(&self, k: usize, t: f64) -> i32 {
+    fn march<const K: usize>(&self, from: f64, to: f64) -> Option<f64> {
+        let grid = &self.grids[K];
+        let size = const { STEP.pow(K as u32) as f64 };
+        let per_size = 1.0 / size;
         // A cast rounds towards zero, which is down from 0 on.
-        ((self.origin[k] + self.rate[k] * t) as i32).clamp(0, self.last[k])
-    }
-
-    /// Leaves out the way up to a distance.
-    #[inline]
-    fn skip_to(&mut self, t: f64) {
-        if t > self.from {
-            self.from = t;
-            self.find_cell();
-        }
-    }
-
-    /// Height of the ray over the surface at a distance, m.
-    fn gap_at(&self, t: f64) -> f64 {
-        let cell = [0, 1].map(|k| self.index(k, t));
-        Cell::at(self, cell).gap(self, t)
-    }
-
-    /// The distance at which the ray leaves a square of 2^level cells, and the axis across whose side it does.
-    #[inline]
-    fn exit(&self, level: u32) -> (f64, usize) {
-        let side = |k: usize| {
-            let square = self.cell[k] >> level;
-            let bound = (square + i32::from(self.rate[k] > 0.0)) << level;
-            (f64::from(bound) - self.origin[k]) * self.inverse[k]
+        let square = |k: usize, last: i32| {
+            (((self.origin[k] + self.rate[k] * from) * per_size) as i32).clamp(0, last)
         };
-        // Along an axis that it doesn't move on, it never does: ±infinity, or not a number on the very side.
-        let never = |k: usize, t: f64| if self.rate[k] == 0.0 { f64::INFINITY } else { t };
-        let (x, y) = (never(0, side(0)), never(1, side(1)));
-        if x <= y { (x, 0) } else { (y, 1) }
-    }
-
-    /// Moves on to the square beyond the side of `axis`, at the distance `t`; false beyond the last.
-    #[inline]
-    fn enter_next(&mut self, level: u32, t: f64, axis: usize) -> bool {
-        let (square, other) = (self.cell[axis] >> level, 1 - axis);
-        let forward = self.rate[axis] > 0.0;
-        self.cell[axis] = if forward { (square + 1) << level } else { (square << level) - 1 };
-        // Along the other axis it is still in the same square, whatever rounding says.
-        let low = (self.cell[other] >> level) << level;
-        let high = (low + (1 << level) - 1).min(self.last[other]);
-        self.cell[other] = self.index(other, t).clamp(low, high);
-        self.from = self.from.max(t);
-        self.cell[axis] >= 0 && self.cell[axis] <= self.last[axis]
-    }
-
-    /// The first hit of a ray that starts above the surface.
-    #[inline]
-    fn down_the_pyramid(mut self, levels: &[Level]) -> Option<f64> {
-        let top = levels.len() as u32 - 1;
-        let mut level = top.min(2);
-        while self.from <= self.to {
-            let (exit, axis) = self.exit(level);
-            let end = exit.min(self.to);
-            let lowest = self.z + self.dz * if self.dz < 0.0 { end } else { self.from };
-            let l = &levels[level as usize];
-            let square = (self.cell[1] >> level) as usize * l.cols + (self.cell[0] >> level) as usize;
-            if lowest <= f64::from(l.most[square]) {
-                if level > 0 {
-                    level -= 1;
-                    continue;
-                }
-                if let Some(t) = Cell::at(&self, self.cell).enter(&self, end, 1.0) {
-                    return Some(t);
+        let (mut x, mut y) = (square(0, grid.cols - 1), square(1, grid.rows - 1));
+        let (ahead_x, ahead_y) = (i32::from(self.rate[0] > 0.0), i32::from(self.rate[1] > 0.0));
+        let (step_x, step_y) = (2 * ahead_x - 1, 2 * ahead_y - 1);
+        let side = |k: usize, bound: i32| {
+            (f64::from(bound) * size - self.origin[k]) * self.inverse[k] + self.never[k]
+        };
+        let (mut next_x, mut next_y) = (side(0, x + ahead_x), side(1, y + ahead_y));
+        let (long_x, long_y) = (size * self.inverse[0].abs(), size * self.inverse[1].abs());
+        let mut t = from;
+        loop {
+            let along_x = next_x <= next_y;
+            let exit = if along_x { next_x } else { next_y };
+            let end = exit.min(to).max(t);
+            let lowest = self.z + self.dz * if self.dz < 0.0 { end } else { t };
+            let most = f64::from(grid.most[(y * grid.cols + x) as usize]);
+            if lowest <= most || self.side < 0.0 {
+                let hit = if K == 0 {
+                    Cell::of(self, [x, y]).enter(self, t, end)
+                } else {
+                    self.finer::<K>(t, end)
+                };
+                if hit.is_some() {
+                    return hit;
                 }
             }
-            if exit >= self.to {
+            if exit >= to {
                 return None;
             }
-            let before = self.cell[axis] >> (level + 1);
-            if !self.enter_next(level, exit, axis) {
-                return None;
+            t = end;
+            if along_x {
+                x += step_x;
+                next_x += long_x;
+            } else {
+                y += step_y;
+                next_y += long_y;
             }
-            if self.cell[axis] >> (level + 1) != before && level < top {
-                level += 1;
+            let inside = (x as u32) < (grid.cols as u32) && (y as u32) < (grid.rows as u32);
+            if !inside {
+                return None;
             }
         }
-        None
     }
 
-    /// The first hit of a ray that starts below the surface, by `start` (m, negative).
-    fn through_all_cells(mut self, start: f64) -> Option<f64> {
-        while self.from <= self.to {
-            let (exit, axis) = self.exit(0);
-            let hit = Cell::at(&self, self.cell).enter(&self, exit.min(self.to), start.signum());
-            if hit.is_some() || exit >= self.to || !self.enter_next(0, exit, axis) {
-                return hit;
-            }
+    /// The same in the squares of the next finer grid.
+    #[inline]
+    fn finer<const K: usize>(&self, from: f64, to: f64) -> Option<f64> {
+        match K {
+            2 => self.march::<1>(from, to),
+            _ => self.march::<0>(from, to),
         }
-        None
     }
 }
 
@@ -260,44 +282,45 @@ struct Cell {
 
 impl Cell {
     #[inline]
-    fn at(walk: &Walk<'_>, [col, row]: [i32; 2]) -> Self {
-        let i = row as usize * walk.stride + col as usize;
-        let (south, north) = (&walk.heights[i..i + 2], &walk.heights[i + walk.stride..i + walk.stride + 2]);
+    fn of(ray: &Ray<'_>, [col, row]: [i32; 2]) -> Self {
+        let i = row as usize * ray.stride + col as usize;
+        let (south, north) = (&ray.heights[i..i + 2], &ray.heights[i + ray.stride..i + ray.stride + 2]);
         Self { at: [f64::from(col), f64::from(row)], corners: [south[0], south[1], north[0], north[1]] }
     }
 
     /// Height of the ray over the surface at a distance, m.
     #[inline]
-    fn gap(&self, walk: &Walk<'_>, t: f64) -> f64 {
-        let u = walk.origin[0] + walk.rate[0] * t - self.at[0];
-        let v = walk.origin[1] + walk.rate[1] * t - self.at[1];
+    fn gap(&self, ray: &Ray<'_>, t: f64) -> f64 {
+        let u = ray.origin[0] + ray.rate[0] * t - self.at[0];
+        let v = ray.origin[1] + ray.rate[1] * t - self.at[1];
         let [sw, se, nw, ne] = self.corners;
-        let rise = if v >= u { [ne - nw, nw - sw] } else { [se - sw, ne - se] };
-        walk.z + walk.dz * t - (sw + rise[0] * u + rise[1] * v)
+        // On the north-western triangle, v ≥ u, the surface rises by ne - nw along u and by nw - sw along v.
+        let (along_u, along_v) = if v >= u { (ne - nw, nw - sw) } else { (se - sw, ne - se) };
+        ray.z + ray.dz * t - (sw + along_u * u + along_v * v)
     }
 
-    /// The distance at which the ray, which has been on the side `side` of the surface (1 above, -1 below), comes to the
-    /// other one between `walk.from` and `to`. It counts as hit at the beginning if it is on the other side already, which
-    /// happens by rounding alone.
+    /// The distance at which the ray comes to the other side of the surface between two distances. It counts as hit at the
+    /// first if it is on the other side already, which happens by rounding alone.
     #[inline]
-    fn enter(&self, walk: &Walk<'_>, to: f64, side: f64) -> Option<f64> {
-        let from = walk.from;
-        let mut last = (from, side * self.gap(walk, from));
-        if last.1 <= 0.0 {
+    fn enter(&self, ray: &Ray<'_>, from: f64, to: f64) -> Option<f64> {
+        let first = ray.side * self.gap(ray, from);
+        if first <= 0.0 {
             return Some(from);
         }
-        // Where the way crosses the diagonal of the cell, if it does.
-        let apart = walk.rate[0] - walk.rate[1];
-        let offset = (walk.origin[0] - self.at[0]) - (walk.origin[1] - self.at[1]);
+        let between = |a: (f64, f64), b: (f64, f64)| a.0 + (b.0 - a.0) * (a.1 / (a.1 - b.1));
+        // Where the way crosses the cell's diagonal, if it does.
+        let apart = ray.rate[0] - ray.rate[1];
+        let offset = (ray.origin[0] - self.at[0]) - (ray.origin[1] - self.at[1]);
         let diagonal = -offset / apart;
-        let between = diagonal > from && diagonal < to;
-        for t in [if between { diagonal } else { to }, to] {
-            let gap = side * self.gap(walk, t);
+        let mut last = (from, first);
+        if diagonal > from && diagonal < to {
+            let gap = ray.side * self.gap(ray, diagonal);
             if gap <= 0.0 {
-                return Some(last.0 + (t - last.0) * (last.1 / (last.1 - gap)));
+                return Some(between(last, (diagonal, gap)));
             }
-            last = (t, gap);
+            last = (diagonal, gap);
         }
-        None
+        let gap = ray.side * self.gap(ray, to);
+        (gap <= 0.0).then(|| between(last, (to, gap)))
     }
 }

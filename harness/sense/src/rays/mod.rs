@@ -13,7 +13,7 @@ pub use ruts::Ruts;
 pub(crate) use solid::Solid;
 
 use crate::V3;
-use ground::Ground;
+use ground::{Ground, Origin};
 use std::sync::{Arc, OnceLock};
 use vb_world::World;
 
@@ -57,6 +57,7 @@ pub struct Fan<'a> {
     scene: &'a Scene,
     shapes: &'a Shapes,
     origin: V3,
+    over: Origin,
     reach: f64,
     /// Indices of the obstacles that the plane meets.
     solids: Vec<usize>,
@@ -89,7 +90,7 @@ impl Scene {
     pub fn cast(&self, origin: &V3, direction: &V3, reach: f64, ruts: Option<&dyn Ruts>) -> Option<Hit> {
         let shapes = self.shapes();
         let all = (0..shapes.solids.len()).collect();
-        Fan { scene: self, shapes, origin: *origin, reach, solids: all }.cast(direction, ruts)
+        self.fan_of(origin, reach, all).cast(direction, ruts)
     }
 
     /// The rays from `origin` that lie in the plane with the unit normal `normal` and on the side of `forward`, both in
@@ -102,7 +103,12 @@ impl Scene {
             to.dot(normal).abs() <= r && to.dot(forward) >= -r && to.norm_squared() <= (reach + r) * (reach + r)
         };
         let solids = shapes.solids.iter().enumerate().filter(|(_, s)| meets(s)).map(|(k, _)| k).collect();
-        Fan { scene: self, shapes, origin: *origin, reach, solids }
+        self.fan_of(origin, reach, solids)
+    }
+
+    fn fan_of(&self, origin: &V3, reach: f64, solids: Vec<usize>) -> Fan<'_> {
+        let over = Origin::new(&self.world.heightfield, origin);
+        Fan { scene: self, shapes: self.shapes(), origin: *origin, over, reach, solids }
     }
 }
 
@@ -111,22 +117,20 @@ impl Fan<'_> {
     /// fan's reach.
     #[must_use]
     pub fn cast(&self, direction: &V3, ruts: Option<&dyn Ruts>) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
-        let mut reach = self.reach;
+        let field = &self.scene.world.heightfield;
+        let distance = match ruts {
+            Some(ruts) => {
+                ruts::cast(&self.shapes.ground, field, ruts, (&self.origin, &self.over), direction, self.reach)
+            }
+            None => self.shapes.ground.cast(field, &self.over, direction, self.reach),
+        };
+        let mut nearest = distance.map(|distance| Hit { distance, surface: Surface::Ground });
         for &k in &self.solids {
+            let reach = nearest.map_or(self.reach, |h| h.distance);
             if let Some(distance) = self.shapes.solids[k].cast(&self.origin, direction, reach) {
-                reach = distance;
                 nearest = Some(Hit { distance, surface: Surface::Obstacle(k) });
             }
         }
-        let field = &self.scene.world.heightfield;
-        let distance = match ruts {
-            Some(ruts) => ruts::cast(&self.shapes.ground, field, ruts, &self.origin, direction, reach),
-            None => self.shapes.ground.cast(field, &self.origin, direction, reach),
-        };
-        match distance {
-            Some(distance) => Some(Hit { distance, surface: Surface::Ground }),
-            None => nearest,
-        }
+        nearest
     }
 }

@@ -1,6 +1,6 @@
 //! Rays against ground that wheels have changed.
 
-use super::ground::Ground;
+use super::ground::{Ground, Origin};
 use crate::V3;
 use vb_sim::Simulation;
 use vb_world::Heightfield;
@@ -41,13 +41,13 @@ pub(super) fn cast(
     ground: &Ground,
     field: &Heightfield,
     ruts: &dyn Ruts,
-    origin: &V3,
+    (origin, over): (&V3, &Origin),
     direction: &V3,
     reach: f64,
 ) -> Option<f64> {
     let side = ruts.cell();
     // A rut lets a ray go farther than the unchanged ground does.
-    let plain = ground.cast(field, origin, direction, reach)?;
+    let plain = ground.cast(field, over, direction, reach)?;
     let from = (plain - BEFORE * side).max(0.0);
     let known = |t: f64| ruts.change(origin.x + direction.x * t, origin.y + direction.y * t);
     if known(plain).is_none() && known(from).is_none() {

@@ -58,7 +58,7 @@ impl Solid {
         // Past it, or too far beside it.
         let across = to.norm_squared() - along * along;
         let outside = across > self.radius * self.radius * (1.0 + 1e-9);
-        if outside || (along > self.radius) {
+        if outside || along > self.radius || -along - self.radius > reach {
             return None;
         }
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -69,6 +69,9 @@ impl Solid {
             } else if rate > 0.0 {
                 leave = leave.min(-gap / rate);
             } else if gap > 0.0 {
+                return None;
+            }
+            if enter > leave || enter > reach {
                 return None;
             }
         }
