@@ -72,8 +72,11 @@ fn scan(c: &mut Criterion) {
     let bare = Arc::new(World { obstacles: Vec::new(), ..(*world).clone() });
     let origin = V3::new(3.3, -7.7, world.heightfield.height(3.3, -7.7) + 2.0);
     let rays = directions();
-    let cases: [(&str, &Arc<World>, Option<&dyn Ruts>); 3] =
-        [("ground", &bare, None), ("ground and obstacles", &world, None), ("also soil", &world, Some(&Untouched))];
+    let cases: [(&str, &Arc<World>, Option<&dyn Ruts>); 3] = [
+        ("ground", &bare, None),
+        ("ground and obstacles", &world, None),
+        ("also soil", &world, Some(&Untouched)),
+    ];
     for (name, world, ruts) in cases {
         let scene = Scene::new(world.clone());
         group.bench_function(name, |b| {
@@ -81,7 +84,8 @@ fn scan(c: &mut Criterion) {
                 let mut sum = 0.0;
                 for column in rays.chunks_exact(ROWS) {
                     let (low, high) = (&column[0], &column[ROWS - 1]);
-                    let fan = scene.fan(&origin, &low.cross(high).normalize(), &(low + high).normalize(), REACH);
+                    let fan =
+                        scene.fan(&origin, &low.cross(high).normalize(), &(low + high).normalize(), REACH);
                     for ray in column {
                         sum += fan.cast(ray, ruts).map_or(0.0, |h| h.distance);
                     }

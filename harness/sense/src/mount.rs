@@ -31,7 +31,11 @@ impl Bodywork {
         let hull = |part: &Vec<[f64; 3]>| Solid::hull(&part.iter().map(|p| V3::from(*p)).collect::<Vec<_>>());
         let parts = spec.chassis.hull.iter().map(hull).collect();
         // A vehicle without a hull has its sensors as high as it is.
-        if top.is_finite() { Self { parts, top, along } } else { Self { parts, top: spec.height, along: [0.0; 2] } }
+        if top.is_finite() {
+            Self { parts, top, along }
+        } else {
+            Self { parts, top: spec.height, along: [0.0; 2] }
+        }
     }
 
     /// Whether a ray in the body frame ends on the vehicle within `reach`, m.

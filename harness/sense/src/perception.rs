@@ -16,9 +16,7 @@ use crate::sensors::wheels::Wheels;
 use crate::sensors::{SAMPLE_RATE, View};
 use std::sync::Arc;
 use vb_sdk::metadata::{Need, Sensor, is_rate};
-use vb_sdk::{
-    DepthImage, DepthInfo, GnssFix, ImuSample, LidarInfo, LidarScan, LocalMap, Pose, Wheel,
-};
+use vb_sdk::{DepthImage, DepthInfo, GnssFix, ImuSample, LidarInfo, LidarScan, LocalMap, Pose, Wheel};
 use vb_sim::VehicleState;
 use vb_vehicle::VehicleSpec;
 

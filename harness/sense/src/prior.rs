@@ -34,13 +34,7 @@ impl PriorMaps {
 }
 
 fn frame(rows: usize, cols: usize, resolution: f64, origin: [f64; 2]) -> GridFrame {
-    GridFrame {
-        rows: rows as u32,
-        cols: cols as u32,
-        resolution,
-        origin_x: origin[0],
-        origin_y: origin[1],
-    }
+    GridFrame { rows: rows as u32, cols: cols as u32, resolution, origin_x: origin[0], origin_y: origin[1] }
 }
 
 /// How many squares of a side cover a length: a hair less than the quotient, which rounding may have made too great.
@@ -51,7 +45,8 @@ fn squares(length: f64, side: f64) -> usize {
 fn elevation(prior: &PriorElevation, world: &World, seed: &Seed) -> HeightMap {
     let h = &world.heightfield;
     let corner = [-h.half_x(), -h.half_y()];
-    let PriorElevation::Coarse { resolution_m, smoothing_m, error_std_m, error_correlation_m } = *prior else {
+    let PriorElevation::Coarse { resolution_m, smoothing_m, error_std_m, error_correlation_m } = *prior
+    else {
         return Map {
             frame: frame(h.rows(), h.cols(), h.resolution(), corner),
             data: h.heights().iter().map(|&z| z as f32).collect(),
@@ -62,9 +57,8 @@ fn elevation(prior: &PriorElevation, world: &World, seed: &Seed) -> HeightMap {
     let (rows, cols) = (nodes(h.half_y()), nodes(h.half_x()));
     let half = 0.5 * smoothing_m * world.scale;
     // Beyond the edge there is no ground to be averaged; the nearest counts instead.
-    let height = |x: f64, y: f64| {
-        h.height(x.clamp(-h.half_x(), h.half_x()), y.clamp(-h.half_y(), h.half_y()))
-    };
+    let height =
+        |x: f64, y: f64| h.height(x.clamp(-h.half_x(), h.half_x()), y.clamp(-h.half_y(), h.half_y()));
     let steps = (half / h.resolution()).ceil() as i32;
     let mean = |x: f64, y: f64| {
         let (mut sum, mut count) = (0.0, 0.0);

@@ -37,7 +37,9 @@ fn within(field: &str, value: f64, low: f64, high: f64) -> Checked {
 
 /// The same for several fields of one part.
 fn all_within(part: &str, fields: &[(&str, f64, f64, f64)]) -> Checked {
-    fields.iter().try_for_each(|&(name, value, low, high)| within(&format!("{part}.{name}"), value, low, high))
+    fields
+        .iter()
+        .try_for_each(|&(name, value, low, high)| within(&format!("{part}.{name}"), value, low, high))
 }
 
 fn rate(field: &str, value: f64) -> Checked {
@@ -57,7 +59,10 @@ fn ordered(part: &str, low: (&str, f64), high: (&str, f64)) -> Checked {
 fn spells(part: &str, s: &Spells) -> Checked {
     all_within(
         part,
-        &[("mean_interval_s", s.mean_interval_s, 0.01, 1e6), ("mean_duration_s", s.mean_duration_s, 0.01, 1e6)],
+        &[
+            ("mean_interval_s", s.mean_interval_s, 0.01, 1e6),
+            ("mean_duration_s", s.mean_duration_s, 0.01, 1e6),
+        ],
     )
 }
 
@@ -67,7 +72,10 @@ fn confusions(part: &str, c: &Confusions) -> Checked {
         for (seen, p) in others {
             within(&format!("{field}.{}", format!("{seen:?}").to_lowercase()), *p, 0.0, 1.0)?;
             if seen == truth {
-                return flaw(field, "a class can't be taken for itself: what is left over is that it is recognised");
+                return flaw(
+                    field,
+                    "a class can't be taken for itself: what is left over is that it is recognised",
+                );
             }
         }
         let sum: f64 = others.values().sum();
@@ -104,9 +112,10 @@ fn gnss_error(part: &str, e: &GnssError) -> Checked {
 
 fn mount(part: &str, m: &MountModel) -> Checked {
     match m {
-        MountModel::Roof { above_m, pitch_deg } => {
-            all_within(&format!("{part}.roof"), &[("above_m", *above_m, 0.0, 10.0), ("pitch_deg", *pitch_deg, -90.0, 90.0)])
-        }
+        MountModel::Roof { above_m, pitch_deg } => all_within(
+            &format!("{part}.roof"),
+            &[("above_m", *above_m, 0.0, 10.0), ("pitch_deg", *pitch_deg, -90.0, 90.0)],
+        ),
         MountModel::RoofFront { above_m, pitch_deg } => all_within(
             &format!("{part}.roof_front"),
             &[("above_m", *above_m, 0.0, 10.0), ("pitch_deg", *pitch_deg, -90.0, 90.0)],
@@ -134,7 +143,10 @@ fn rays(part: &str, rows: u32, cols: u32) -> Checked {
     }
     let all = u64::from(rows) * u64::from(cols);
     if all > MOST_RAYS {
-        return flaw(format!("{part}.cols"), format!("{rows} x {cols} are {all} rays, of which there may be {MOST_RAYS}"));
+        return flaw(
+            format!("{part}.cols"),
+            format!("{rows} x {cols} are {all} rays, of which there may be {MOST_RAYS}"),
+        );
     }
     Ok(())
 }
@@ -277,7 +289,10 @@ pub(super) fn check(p: &ProfileData) -> Checked {
             return flaw("local_map", "a map is built at an estimated pose, and the profile has no pose");
         }
         if p.lidar.is_none() && p.depth.is_none() {
-            return flaw("local_map", "a map is built from a lidar or a depth camera, and the profile has neither");
+            return flaw(
+                "local_map",
+                "a map is built from a lidar or a depth camera, and the profile has neither",
+            );
         }
     }
     Ok(())

@@ -382,7 +382,8 @@ impl Profile {
     /// # Errors
     /// Returns [`SenseError::Flaw`] with the first field that isn't as it should be.
     pub fn parse(text: &str, file: &str) -> Result<Self, SenseError> {
-        let flaw = |field: String, problem: String| SenseError::Flaw { file: file.to_owned(), field, problem };
+        let flaw =
+            |field: String, problem: String| SenseError::Flaw { file: file.to_owned(), field, problem };
         let data: ProfileData = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
         check::check(&data).map_err(|e| flaw(e.field, e.problem))?;
         Ok(Self { data, sha256: vb_files::sha256(text.as_bytes()) })

@@ -217,9 +217,8 @@ impl<'a> Ray<'a> {
         let size = const { STEP.pow(K as u32) as f64 };
         let per_size = 1.0 / size;
         // A cast rounds towards zero, which is down from 0 on.
-        let square = |k: usize, last: i32| {
-            (((self.origin[k] + self.rate[k] * from) * per_size) as i32).clamp(0, last)
-        };
+        let square =
+            |k: usize, last: i32| (((self.origin[k] + self.rate[k] * from) * per_size) as i32).clamp(0, last);
         let (mut x, mut y) = (square(0, grid.cols - 1), square(1, grid.rows - 1));
         let (ahead_x, ahead_y) = (i32::from(self.rate[0] > 0.0), i32::from(self.rate[1] > 0.0));
         let (step_x, step_y) = (2 * ahead_x - 1, 2 * ahead_y - 1);
@@ -236,11 +235,8 @@ impl<'a> Ray<'a> {
             let lowest = self.z + self.dz * if self.dz < 0.0 { end } else { t };
             let most = f64::from(grid.most[(y * grid.cols + x) as usize]);
             if lowest <= most || self.side < 0.0 {
-                let hit = if K == 0 {
-                    Cell::of(self, [x, y]).enter(self, t, end)
-                } else {
-                    self.finer::<K>(t, end)
-                };
+                let hit =
+                    if K == 0 { Cell::of(self, [x, y]).enter(self, t, end) } else { self.finer::<K>(t, end) };
                 if hit.is_some() {
                     return hit;
                 }

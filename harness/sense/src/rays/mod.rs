@@ -100,7 +100,9 @@ impl Scene {
         let shapes = self.shapes();
         let meets = |s: &Solid| {
             let (to, r) = (s.centre - origin, s.radius);
-            to.dot(normal).abs() <= r && to.dot(forward) >= -r && to.norm_squared() <= (reach + r) * (reach + r)
+            to.dot(normal).abs() <= r
+                && to.dot(forward) >= -r
+                && to.norm_squared() <= (reach + r) * (reach + r)
         };
         let solids = shapes.solids.iter().enumerate().filter(|(_, s)| meets(s)).map(|(k, _)| k).collect();
         self.fan_of(origin, reach, solids)
@@ -119,9 +121,14 @@ impl Fan<'_> {
     pub fn cast(&self, direction: &V3, ruts: Option<&dyn Ruts>) -> Option<Hit> {
         let field = &self.scene.world.heightfield;
         let distance = match ruts {
-            Some(ruts) => {
-                ruts::cast(&self.shapes.ground, field, ruts, (&self.origin, &self.over), direction, self.reach)
-            }
+            Some(ruts) => ruts::cast(
+                &self.shapes.ground,
+                field,
+                ruts,
+                (&self.origin, &self.over),
+                direction,
+                self.reach,
+            ),
             None => self.shapes.ground.cast(field, &self.over, direction, self.reach),
         };
         let mut nearest = distance.map(|distance| Hit { distance, surface: Surface::Ground });

@@ -24,11 +24,13 @@ impl Solid {
         let most = points.iter().fold(V3::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
         let centre = 0.5 * (least + most);
         // About the middle, so that the places of planes are small numbers.
-        let about: Vec<Vector> = points.iter().map(|p| p - centre).map(|p| Vector::new(p.x, p.y, p.z)).collect();
+        let about: Vec<Vector> =
+            points.iter().map(|p| p - centre).map(|p| Vector::new(p.x, p.y, p.z)).collect();
         let (corners, triangles) = parry3d_f64::transformation::convex_hull(&about);
         let mut planes: Vec<(V3, f64)> = Vec::new();
         for t in triangles {
-            let [a, b, c] = t.map(|k| V3::new(corners[k as usize].x, corners[k as usize].y, corners[k as usize].z));
+            let [a, b, c] =
+                t.map(|k| V3::new(corners[k as usize].x, corners[k as usize].y, corners[k as usize].z));
             let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
             if planes.iter().all(|(n, _)| (n - normal).norm() > SAME_FACE) {
                 // No point may lie outside, so the farthest decides.

@@ -28,9 +28,9 @@ impl Gnss {
                 White::new(e.white_std_m * scale, stream("white")),
             )
         };
-        let outage = model.outages.map(|s| {
-            Outage::new(s.mean_interval_s, s.mean_duration_s, DT, seed.stream("gnss", "outages"))
-        });
+        let outage = model
+            .outages
+            .map(|s| Outage::new(s.mean_interval_s, s.mean_duration_s, DT, seed.stream("gnss", "outages")));
         Self {
             every,
             axes: [axis("x", &model.horizontal), axis("y", &model.horizontal), axis("z", &model.vertical)],

@@ -56,7 +56,8 @@ impl Lidar {
             mount: body.mount(&model.mount, scale),
         };
         let place = mount::frame(&info.mount);
-        let between = if info.rows > 1 { (info.highest - info.lowest) / f64::from(info.rows - 1) } else { 0.0 };
+        let between =
+            if info.rows > 1 { (info.highest - info.lowest) / f64::from(info.rows - 1) } else { 0.0 };
         let rows: Vec<(f64, f64)> =
             (0..info.rows).map(|r| vb_math::sin_cos(info.lowest + f64::from(r) * between)).collect();
         let mut hidden = Vec::with_capacity(rows.len() * info.cols as usize);
@@ -99,9 +100,7 @@ impl Lidar {
         let plain = near + (far - near) * share * share;
         match &self.dust {
             // There and back, by the law of Beer and Lambert.
-            Some(d) if d.spells.is_out() => {
-                1.0 - (1.0 - plain) * vb_math::exp(-2.0 * d.extinction * range)
-            }
+            Some(d) if d.spells.is_out() => 1.0 - (1.0 - plain) * vb_math::exp(-2.0 * d.extinction * range),
             _ => plain,
         }
     }
@@ -153,7 +152,8 @@ impl Lidar {
         let (low, high) = (self.info.min_range, self.info.max_range);
         // The column's plane, seen from above in the sensor's frame.
         let (s, c) = azimuth;
-        let fan = view.scene.fan(&sensor.at, &(turn * V3::new(-s, c, 0.0)), &(turn * V3::new(c, s, 0.0)), high);
+        let fan =
+            view.scene.fan(&sensor.at, &(turn * V3::new(-s, c, 0.0)), &(turn * V3::new(c, s, 0.0)), high);
         let noisy = self.range_std > 0.0 || self.dropout != [0.0; 2] || self.dust.is_some();
         for row in 0..self.rows.len() {
             let direction = beam(self.rows[row], azimuth);
