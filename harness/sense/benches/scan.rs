@@ -7,7 +7,11 @@ use parry3d_f64::shape::HeightField;
 use parry3d_f64::utils::Array2;
 use std::hint::black_box;
 use std::sync::Arc;
+use vb_sdk::metadata::Need;
 use vb_sense::rays::{Ruts, Scene};
+use vb_sense::{Perception, Profile, Seed, Truth};
+use vb_sim::{VehicleState, WheelState};
+use vb_vehicle::VehicleSpec;
 use vb_world::{Heightfield, Obstacle, ObstacleKind, TerrainClass, World};
 
 type V3 = nalgebra::Vector3<f64>;
@@ -108,5 +112,37 @@ fn scan(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, scan);
+/// What sensors cost a trial for 0.1 s, in which each of those that look around measures once.
+fn sensors(c: &mut Criterion) {
+    let mut group = c.benchmark_group("0.1 s of onboard");
+    let spec =
+        VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").expect("valid");
+    let onboard = Profile::built_in("onboard").expect("shipped");
+    let scene = Arc::new(Scene::new(Arc::new(hills())));
+    let state = VehicleState {
+        time: 0.0,
+        position: V3::new(3.3, -7.7, scene.world().heightfield.height(3.3, -7.7) + 0.6),
+        attitude: nalgebra::UnitQuaternion::from_euler_angles(0.08, -0.05, 0.3),
+        velocity: V3::zeros(),
+        angular_velocity: V3::zeros(),
+        wheels: vec![WheelState::default(); 4],
+        steering: 0.0,
+    };
+    let seed = Seed { run: 1, task: "w001/t01".to_owned() };
+    for names in [&["pose", "wheel-odometry", "imu", "gnss"][..], &["lidar"], &["depth"], &["local-map"]] {
+        let needs: Vec<Need> = names.iter().map(|n| Need::parse(n).expect("a sensor")).collect();
+        let mut p = Perception::new(&onboard, &needs, &scene, &spec, &seed).expect("offered");
+        group.bench_function(names.join(" "), |b| {
+            b.iter(|| {
+                for _ in 0..10 {
+                    p.sample(Truth { state: &state, ruts: None });
+                }
+                black_box(p.read(&state))
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, scan, sensors);
 criterion_main!(benches);

@@ -14,6 +14,8 @@ use crate::sensors::local_map::Mapper;
 use crate::sensors::pose::Estimator;
 use crate::sensors::wheels::Wheels;
 use crate::sensors::{SAMPLE_RATE, View};
+use std::cell::LazyCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use vb_sdk::metadata::{Need, Sensor, is_rate};
 use vb_sdk::{DepthImage, DepthInfo, GnssFix, ImuSample, LidarInfo, LidarScan, LocalMap, Pose, Wheel};
@@ -100,11 +102,9 @@ fn asked(profile: &Profile, need: &Need) -> Result<Option<u64>, SenseError> {
     let p = profile.data();
     let Some(most) = offered(p, need.sensor) else {
         let there = Sensor::ALL.iter().filter(|s| offered(p, **s).is_some()).map(|s| s.name());
-        return Err(SenseError::NotOffered {
-            profile: p.name.clone(),
-            sensor: need.sensor,
-            offered: there.collect::<Vec<_>>().join(", "),
-        });
+        let there = there.collect::<Vec<_>>().join(", ");
+        let offered = if there.is_empty() { "nothing".to_owned() } else { there };
+        return Err(SenseError::NotOffered { profile: p.name.clone(), sensor: need.sensor, offered });
     };
     match need.rate {
         None => Ok(None),
@@ -137,7 +137,7 @@ impl Perception {
         let p = profile.data();
         let scale = scene.world().scale;
         let needs = if needs.is_empty() { Need::DEFAULT } else { needs };
-        let mut every = std::collections::BTreeMap::new();
+        let mut every = BTreeMap::new();
         for need in needs {
             every.insert(need.sensor, asked(profile, need)?);
         }
@@ -145,7 +145,8 @@ impl Perception {
         let open = |sensor: Sensor| every.get(&sensor).copied();
         let fixed = |sensor: Sensor, rate: f64| open(sensor).map(|n| n.unwrap_or(period(rate)));
         let with_map = open(Sensor::LocalMap).is_some();
-        let body = Bodywork::of(vehicle);
+        // Made for what looks around only.
+        let body = LazyCell::new(|| Bodywork::of(vehicle));
         let scanners = |own: Option<u64>, rate: f64| -> Vec<(u64, bool, bool)> {
             let map = with_map.then_some(period(rate));
             let mut all: Vec<(u64, bool, bool)> = own.map(|n| (n, true, map == own)).into_iter().collect();

@@ -12,7 +12,7 @@ const SCHEMA: u32 = 1;
 const MOST_RAYS: u64 = 1 << 20;
 /// The most cells along the side of a local map.
 const MOST_CELLS: f64 = 1024.0;
-/// The most samples of a prior map that a world of 4097 nodes could have.
+/// The least resolution of a prior map at full scale, m, which bounds its memory in the largest worlds.
 const LEAST_RESOLUTION: f64 = 0.05;
 
 /// A flaw: the field, and its value with what would be right.
@@ -280,7 +280,7 @@ pub(super) fn check(p: &ProfileData) -> Checked {
             ],
         )?;
         let cells = m.side_m / m.resolution_m;
-        if cells > MOST_CELLS || cells < 2.0 || (cells - cells.round()).abs() > 1e-6 {
+        if !(2.0..=MOST_CELLS).contains(&cells) || (cells - cells.round()).abs() > 1e-6 {
             let problem =
                 format!("{} must divide side_m, {}, into 2 to {MOST_CELLS} cells", m.resolution_m, m.side_m);
             return flaw("local_map.resolution_m", problem);

@@ -20,6 +20,10 @@ const GRIDS: usize = 3;
 /// the rays of a vehicle anyway.
 const WORTH: i32 = 32;
 
+/// The part of a direction along x or y below which a ray is taken to be parallel to the other axis: over a kilometre it
+/// moves by a nanometre.
+const PARALLEL: f64 = 1e-12;
+
 /// The greatest heights above a heightfield's cells, the finest grid first.
 #[derive(Clone, Debug)]
 pub(crate) struct Ground {
@@ -169,8 +173,9 @@ struct Ray<'a> {
 impl<'a> Ray<'a> {
     #[inline]
     fn new(ground: &'a Ground, field: &'a Heightfield, origin: &Origin, d: &V3, reach: f64) -> Self {
-        let rate = [d.x * ground.per_metre, d.y * ground.per_metre];
-        let moves = rate.map(|r| r != 0.0);
+        // A ray along the edge of the world must not leave it by rounding of its direction.
+        let moves = [d.x.abs() > PARALLEL, d.y.abs() > PARALLEL];
+        let rate = [0, 1].map(|k| if moves[k] { d[k] * ground.per_metre } else { 0.0 });
         Self {
             grids: &ground.grids,
             heights: field.heights(),
@@ -191,14 +196,14 @@ impl<'a> Ray<'a> {
     #[cold]
     fn clip(&mut self, field: &Heightfield) -> Option<f64> {
         let count = [(field.cols() - 1) as f64, (field.rows() - 1) as f64];
-        for k in 0..2 {
+        for (k, last) in count.into_iter().enumerate() {
             if self.rate[k] == 0.0 {
-                if self.origin[k] < 0.0 || self.origin[k] > count[k] {
+                if self.origin[k] < 0.0 || self.origin[k] > last {
                     return None;
                 }
                 continue;
             }
-            let (a, b) = (-self.origin[k] * self.inverse[k], (count[k] - self.origin[k]) * self.inverse[k]);
+            let (a, b) = (-self.origin[k] * self.inverse[k], (last - self.origin[k]) * self.inverse[k]);
             self.from = self.from.max(a.min(b));
             self.to = self.to.min(a.max(b));
         }

@@ -1,5 +1,5 @@
 //! The depth camera: a pinhole with square pixels, which measures depths along its axis by two views, so that the error
-//! grows with the depth squared (Gallup et al., "Variable baseline/resolution stereo", CVPR 2008, equation 3).
+//! grows with the depth squared (Gallup et al., "Variable baseline/resolution stereo", CVPR 2008).
 
 use super::{DT, Return, View};
 use crate::V3;

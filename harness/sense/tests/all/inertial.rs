@@ -71,7 +71,7 @@ fn at_rest(lines: &[(&str, &str)], samples: u64) -> [Vec<f64>; 6] {
     })
 }
 
-/// The Allan deviation over clusters of m samples (IEEE Std 952-1997, C.1.1), and its relative standard error 1/√(2(n/m − 1)).
+/// The Allan deviation over clusters of m samples (IEEE Std 952-1997, annex C), and its relative standard error 1/√(2(n/m − 1)).
 fn allan(x: &[f64], m: usize) -> (f64, f64) {
     let means: Vec<f64> = x.chunks_exact(m).map(|c| c.iter().sum::<f64>() / m as f64).collect();
     let sum: f64 = means.windows(2).map(|w| (w[1] - w[0]) * (w[1] - w[0])).sum();
@@ -120,10 +120,12 @@ fn the_bias_has_its_highest_deviation_at_the_bias_instability() {
     let all = at_rest(&changes, 200_000);
     // A first-order Gauss–Markov process has it at 1.89 correlation times, 0.945 s.
     assert_allan(&all, 94, 0.005);
-    // Far from there it is lower: at 0.05 s it rises as that of a walk with the rate σ√(2/T), at 10 s it falls as that of
-    // white noise of the density σ√(2T), with σ = 0.005/0.617.
-    assert_allan(&all, 5, 0.005 / 0.617 * (2.0 / 0.5 * 0.05 / 3.0_f64).sqrt());
-    assert_allan(&all, 1000, 0.005 / 0.617 * (2.0 * 0.5 / 10.0_f64).sqrt());
+    // σ²(τ) = 2σ²T/τ·(1 − T/(2τ)·(3 − 4 exp(−τ/T) + exp(−2τ/T))) (IEEE Std 952-1997, annex C, exponentially correlated noise), which is lower before and after.
+    for m in [20, 300, 1000] {
+        let (std, r) = (0.005 / 0.617, 0.01 * m as f64 / 0.5);
+        let bracket = 3.0 - 4.0 * vb_math::exp(-r) + vb_math::exp(-2.0 * r);
+        assert_allan(&all, m, std * (2.0 / r * (1.0 - bracket / (2.0 * r))).sqrt());
+    }
 }
 
 #[test]

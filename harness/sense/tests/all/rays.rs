@@ -89,9 +89,9 @@ fn a_box_on_a_plane_is_hit_where_its_nearest_face_is() {
     assert_distance(&s, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], 9.0);
     assert_distance(&s, [10.0, 0.5, 8.0], [0.0, 0.0, -1.0], 6.0);
     assert_distance(&s, [0.0, 1.49, 1.0], [1.0, 0.0, 0.0], 9.0);
-    // Just beside it and just above it, on to the ground: nothing at 0.1 m a metre for 9 m and 20 m.
+    // Just beside it and just above it, on to the ground.
     assert_distance(&s, [0.0, 1.51, 1.0], [1.0, 0.0, -0.05], 20.0 * 1.0025_f64.sqrt());
-    assert_distance(&s, [0.0, 0.0, 3.0], [1.0, 0.0, -0.05], 20.0 * 1.0025_f64.sqrt());
+    assert_distance(&s, [0.0, 0.0, 3.0], [1.0, 0.0, -0.08], 37.5 * 1.0064_f64.sqrt());
     // From within it, where it ends.
     assert_distance(&s, [10.0, 0.0, 1.0], [1.0, 0.0, 0.0], 1.0);
     let hit = s.cast(&V3::new(0.0, 0.0, 1.0), &V3::x(), 100.0, None).unwrap();

@@ -68,24 +68,38 @@ fn the_wheels_of_a_vehicle_leave_ruts_that_its_lidar_sees() {
     let mut sim = Simulation::new(world.clone(), &model, &soils, start, SimOptions::default()).unwrap();
     let oracle = Profile::built_in("oracle").unwrap();
     let scene = Arc::new(Scene::new(world));
-    let mut p = perceive(&oracle, &["local-map"], &scene, &seed(1, "t"));
-    p.sample(Truth { state: &sim.state(), ruts: Some(&sim) });
+    let mut sees = perceive(&oracle, &["lidar"], &scene, &seed(1, "t"));
+    let mut ignores = perceive(&oracle, &["lidar"], &scene, &seed(1, "t"));
+    let mut sample = |sim: &Simulation| {
+        let state = sim.state();
+        sees.sample(Truth { state: &state, ruts: Some(sim) });
+        ignores.sample(Truth { state: &state, ruts: None });
+    };
+    sample(&sim);
     for _ in 0..600 {
         let throttle = (3.0 - sim.state().velocity.x).clamp(0.0, 1.0);
         sim.advance(Controls { throttle, ..Controls::default() }, 10).unwrap();
-        let state = sim.state();
-        p.sample(Truth { state: &state, ruts: Some(&sim) });
+        sample(&sim);
     }
     let state = sim.state();
-    let m = p.read(&state).local_map.unwrap();
-    let x = state.position.x - 6.0;
-    assert!(x > -15.0, "it drove {x}");
     // The wheels run 0.91 m to the left and to the right.
-    let rut = sim.soil_change(x, state.position.y + 0.91).unwrap();
+    let (x, y) = (state.position.x - 6.0, state.position.y + 0.91);
+    assert!(x > -15.0, "it drove to {x}");
+    let rut = sim.soil_change(x, y).unwrap();
     assert!(rut < -0.02, "{rut} m");
-    let lowest = (0..12).map(|k| m.elevation.nearest(x + 0.25 * f64::from(k) - 1.5, state.position.y + 0.91));
-    let lowest = lowest.filter(|z| !z.is_nan()).fold(f32::INFINITY, f32::min);
-    assert!(f64::from(lowest) < 0.4 * rut, "{lowest} m in a rut of {rut} m");
-    let beside = m.elevation.nearest(x, state.position.y + 4.0);
-    assert!(beside.abs() < 1e-4, "{beside} m");
+    let down = scene.cast(&V3::new(x, y, 3.0), &-V3::z(), 10.0, Some(&sim)).unwrap();
+    assert!((down.distance - (3.0 - rut)).abs() < 1e-9, "{down:?} in a rut of {rut} m");
+    let (with, without) = (sees.read(&state).lidar.unwrap(), ignores.read(&state).lidar.unwrap());
+    let changed = with.ranges.iter().zip(&without.ranges).filter(|(a, b)| a != b);
+    // Behind the vehicle two ruts of some 0.3 m run through the beams of rows that reach the ground, and the first beams
+    // come down 6 m behind it.
+    let (mut longer, mut most) = (0, 0.0_f32);
+    for (a, b) in changed {
+        longer += u32::from(a > b);
+        most = most.max(a - b);
+    }
+    assert!(longer > 20 && f64::from(most) > -rut, "{longer} beams are longer, by up to {most} m");
+    // Ahead, where no wheel has been, nothing has changed.
+    let ahead = |r: &[f32]| r.iter().skip(256 - 20).step_by(512).copied().collect::<Vec<_>>();
+    assert_eq!(ahead(&with.ranges), ahead(&without.ranges));
 }
