@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-VB_PLANNER_METADATA("pursuit-cpp", "0.1.0", "The Verti-Bench in Rust developers",
+VB_PLANNER_METADATA("pursuit-cpp", "0.2.0", "The Verti-Bench in Rust developers",
                     "Drives the circle through a point ahead on the global path, in C++", "0.1",
                     VB_PARAM("speed", "4.0", "target speed, m/s")
                     VB_PARAM("ahead", "6.0", "distance of the point ahead, m at full scale"));
@@ -89,19 +89,21 @@ double param(const vb_task *task, const char *key) {
 
 struct Pursuit {
     explicit Pursuit(const vb_task *task)
-        : wheelbase(task->vehicle->wheelbase), max_steer_angle(task->vehicle->max_steer_angle),
-          speed(param(task, "speed")), ahead(param(task, "ahead") * task->vehicle->scale),
+        : wheelbase(task->vehicle.wheelbase), max_steer_angle(task->vehicle.max_steer_angle),
+          speed(param(task, "speed")), ahead(param(task, "ahead") * task->vehicle.scale),
           follower(task->path, task->path_len, 2.0 * ahead) {}
 
     void step(const vb_observation *o, vb_command *command) {
-        follower.update(o->position.x, o->position.y);
+        if (o->pose == nullptr) throw std::runtime_error("there is no pose");
+        const vb_pose &pose = *o->pose;
+        follower.update(pose.position.x, pose.position.y);
         const vb_point2 goal = follower.look_ahead(ahead);
-        const double dx = goal.x - o->position.x, dy = goal.y - o->position.y;
-        const double angle = std::atan2(dy, dx) - o->yaw;
+        const double dx = goal.x - pose.position.x, dy = goal.y - pose.position.y;
+        const double angle = std::atan2(dy, dx) - pose.yaw;
         const double curvature = 2.0 * std::sin(angle) / std::max(std::hypot(dx, dy), 0.1);
         command->steering = std::clamp(std::atan(wheelbase * curvature) / max_steer_angle, -1.0, 1.0);
         // The speed controller of Verti-Bench: 1 per m/s of error.
-        const double wanted = std::clamp(speed - o->linear_velocity.x, -1.0, 1.0);
+        const double wanted = std::clamp(speed - pose.linear_velocity.x, -1.0, 1.0);
         command->throttle = std::max(wanted, 0.0);
         command->brake = std::max(-wanted, 0.0);
     }
@@ -114,13 +116,13 @@ struct Pursuit {
 template <typename Code> int32_t guarded(vb_error *error, Code code) {
     try {
         code();
-        return 0;
+        return VB_OK;
     } catch (const std::exception &e) {
         std::snprintf(error->message, sizeof error->message, "%s", e.what());
     } catch (...) {
         std::snprintf(error->message, sizeof error->message, "unknown exception");
     }
-    return 1;
+    return VB_FAILED;
 }
 
 int32_t init(const vb_task *task, const vb_host *, void **planner, vb_error *error) {

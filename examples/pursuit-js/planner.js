@@ -124,9 +124,11 @@ class Planner {
   }
 
   step(o) {
-    const { x, y } = o.position;
+    if (!o.pose) throw new Error('there is no pose');
+    const { yaw, linearVelocity } = o.pose;
+    const { x, y } = o.pose.position;
     // No vehicle has such numbers. NaN is not below anything, so it is refused too.
-    const seen = [x, y, o.yaw, o.linearVelocity.x];
+    const seen = [x, y, yaw, linearVelocity.x];
     if (!seen.every((value) => Math.abs(value) < 1e9)) {
       throw new Error(`position, heading or speed makes no sense: ${seen.join(', ')}`);
     }
@@ -134,11 +136,11 @@ class Planner {
     this.arc = this.path.closestBetween(x, y, this.arc, this.arc + 2 * this.ahead);
     const goal = this.path.pointAt(this.arc + this.ahead);
     const [dx, dy] = [goal.x - x, goal.y - y];
-    const angle = turn(o.yaw, Math.atan2(dy, dx));
+    const angle = turn(yaw, Math.atan2(dy, dx));
     const curvature = (2 * Math.sin(angle)) / Math.max(hypot(dx, dy), 0.1);
     const steering = Math.atan(this.wheelbase * curvature) / this.maxSteerAngle;
-    const [throttle, brake] = throttleAndBrake(this.speed, o.linearVelocity.x);
-    return { steering: clamp(steering, -1, 1), throttle, brake, debug: [] };
+    const [throttle, brake] = throttleAndBrake(this.speed, linearVelocity.x);
+    return { steering: clamp(steering, -1, 1), throttle, brake, gear: 'forward', debug: [] };
   }
 }
 

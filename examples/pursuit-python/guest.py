@@ -6,7 +6,7 @@ import wit_world.exports.guest
 from componentize_py_types import Err
 from faults import reported
 from following import Follower, Path, clamp, hypot, throttle_and_brake, turn
-from wit_world.imports.types import Command, Observation, Task
+from wit_world.imports.types import Command, Gear, Observation, Task
 
 
 def number(task: Task, key: str) -> float:
@@ -41,15 +41,18 @@ class Planner(wit_world.exports.guest.Planner):
 
     @reported
     def step(self, o: Observation) -> Command:
+        if o.pose is None:
+            raise Err("there is no pose")
+        pose = o.pose
         # No vehicle has such numbers. NaN is not below anything, so it is refused too.
-        seen = (o.position.x, o.position.y, o.yaw, o.linear_velocity.x)
+        seen = (pose.position.x, pose.position.y, pose.yaw, pose.linear_velocity.x)
         if not all(abs(value) < 1e9 for value in seen):
             raise Err(f"position, heading or speed makes no sense: {seen}")
-        self.follower.update(o.position.x, o.position.y)
+        self.follower.update(pose.position.x, pose.position.y)
         x, y = self.follower.look_ahead(self.ahead)
-        dx, dy = x - o.position.x, y - o.position.y
-        angle = turn(o.yaw, atan2(dy, dx))
+        dx, dy = x - pose.position.x, y - pose.position.y
+        angle = turn(pose.yaw, atan2(dy, dx))
         curvature = 2.0 * sin(angle) / max(hypot(dx, dy), 0.1)
         steering = atan(self.wheelbase * curvature) / self.max_steer_angle
-        throttle, brake = throttle_and_brake(self.speed, o.linear_velocity.x)
-        return Command(clamp(steering, -1.0, 1.0), throttle, brake, [])
+        throttle, brake = throttle_and_brake(self.speed, pose.linear_velocity.x)
+        return Command(clamp(steering, -1.0, 1.0), throttle, brake, Gear.FORWARD, [])

@@ -56,6 +56,12 @@ impl From<&str> for PlannerError {
 }
 
 impl Observation {
+    /// An observation of this pose and nothing else, for tests of planners.
+    #[must_use]
+    pub fn of(pose: Pose) -> Self {
+        Self { pose: Some(pose), ..Self::default() }
+    }
+
     /// The estimate of the vehicle's state.
     ///
     /// # Errors

@@ -27,18 +27,19 @@ impl Planner for Pursuit {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        let pose = o.pose()?;
         // No vehicle has such numbers. NaN is not below anything, so it is refused too.
-        let seen = [o.position.x, o.position.y, o.yaw, o.linear_velocity.x];
+        let seen = [pose.position.x, pose.position.y, pose.yaw, pose.linear_velocity.x];
         if !seen.iter().all(|value| value.abs() < 1e9) {
             return Err(PlannerError::new(format!("position, heading or speed makes no sense: {seen:?}")));
         }
-        self.follower.update(o.position.x, o.position.y);
+        self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.ahead);
-        let (dx, dy) = (goal.x - o.position.x, goal.y - o.position.y);
-        let angle = math::turn(o.yaw, math::atan2(dy, dx));
+        let (dx, dy) = (goal.x - pose.position.x, goal.y - pose.position.y);
+        let angle = math::turn(pose.yaw, math::atan2(dy, dx));
         let curvature = 2.0 * math::sin(angle) / math::hypot(dx, dy).max(0.1);
         let steering = math::atan(self.vehicle.wheelbase * curvature) / self.vehicle.max_steer_angle;
-        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, o.linear_velocity.x, 0.1);
+        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
         Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, ..Command::default() })
     }
 }

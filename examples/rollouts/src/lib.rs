@@ -99,10 +99,11 @@ impl Planner for Rollouts {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        self.follower.update(o.position.x, o.position.y);
+        let pose = o.pose()?;
+        self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(AHEAD * self.vehicle.scale);
-        let (sin, cos) = (math::sin(o.yaw), math::cos(o.yaw));
-        let (dx, dy) = (goal.x - o.position.x, goal.y - o.position.y);
+        let (sin, cos) = (math::sin(pose.yaw), math::cos(pose.yaw));
+        let (dx, dy) = (goal.x - pose.position.x, goal.y - pose.position.y);
         // In the vehicle's frame.
         let goal = [(cos * dx + sin * dy) as f32, (cos * dy - sin * dx) as f32];
         self.sample();
@@ -110,7 +111,7 @@ impl Planner for Rollouts {
         let mut costs = Vec::with_capacity(self.blocks * BLOCK);
         for block in 0..self.blocks {
             let noise = &self.noise[block * horizon..(block + 1) * horizon];
-            costs.extend(self.roll_out(noise, o.linear_velocity.x as f32, goal));
+            costs.extend(self.roll_out(noise, pose.linear_velocity.x as f32, goal));
         }
         self.update(&costs);
         let steering = f64::from(self.plan[0]);
@@ -119,7 +120,7 @@ impl Planner for Rollouts {
         if let [.., before, last] = &mut self.plan[..] {
             *last = *before;
         }
-        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, o.linear_velocity.x, 0.1);
+        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }

@@ -8,7 +8,7 @@
 
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::rng::Rng;
-use vb_sdk::{Command, Observation, Planner, PlannerError, Task, math};
+use vb_sdk::{Command, Observation, Planner, PlannerError, Pose, Task, math};
 
 vb_sdk::export_planner! {
     planner: Wild,
@@ -69,11 +69,11 @@ impl Wild {
         }
     }
 
-    fn along_the_path(&mut self, observation: &Observation) -> f64 {
-        let (x, y) = (observation.position.x, observation.position.y);
+    fn along_the_path(&mut self, pose: &Pose) -> f64 {
+        let (x, y) = (pose.position.x, pose.position.y);
         self.follower.update(x, y);
         let goal = self.follower.look_ahead(self.lookahead);
-        2.0 * math::turn(observation.yaw, math::atan2(goal.y - y, goal.x - x))
+        2.0 * math::turn(pose.yaw, math::atan2(goal.y - y, goal.x - x))
     }
 }
 
@@ -98,7 +98,7 @@ impl Planner for Wild {
         }
         let mut command = match self.phase.clone() {
             Phase::Follow { throttle } => {
-                let steering = self.along_the_path(observation).clamp(-1.0, 1.0);
+                let steering = self.along_the_path(observation.pose()?).clamp(-1.0, 1.0);
                 Command { steering, throttle, ..Command::default() }
             }
             Phase::Hold(command) => command,

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use vb_host::{Limits, LogSink, Plugin};
-use vb_sdk::{GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle, Wheel};
+use vb_sdk::{GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle, Wheel};
 
 /// Tries of what is quick.
 const TRIES: usize = 20;
@@ -96,9 +96,9 @@ fn task(plugin: &Plugin) -> Result<Task> {
     Ok(Task {
         id: "w001/t01".into(),
         vehicle: Vehicle { scale: 1.0, wheelbase: 3.3, max_steer_angle: 0.6, ..Vehicle::default() },
-        elevation: Map { frame, data: vec![0.0; samples] },
-        semantics: Map { frame, data: vec![3; samples] },
-        occupancy: Map { frame, data: vec![0; samples] },
+        elevation: Some(Map { frame, data: vec![0.0; samples] }),
+        semantics: Some(Map { frame, data: vec![3; samples] }),
+        occupancy: Some(Map { frame, data: vec![0; samples] }),
         path: (0..200).map(|i| Point2 { x: 0.5 * f64::from(i), y: 0.0 }).collect(),
         time_limit: 60.0,
         control_period: 0.1,
@@ -111,9 +111,11 @@ fn task(plugin: &Plugin) -> Result<Task> {
 fn observation(step: f64) -> Observation {
     Observation {
         time: 0.1 * step,
-        position: Vec3 { x: 20.0, y: 0.3, z: 0.4 },
-        linear_velocity: Vec3 { x: 1.0, y: 0.0, z: 0.0 },
-        wheels: vec![Wheel { speed: 2.0, deflection: 0.01 }; 4],
-        ..Observation::default()
+        wheels: vec![Wheel { spin: 2.0, travel: 0.01 }; 4],
+        ..Observation::of(Pose {
+            position: Vec3 { x: 20.0, y: 0.3, z: 0.4 },
+            linear_velocity: Vec3 { x: 1.0, y: 0.0, z: 0.0 },
+            ..Pose::default()
+        })
     }
 }

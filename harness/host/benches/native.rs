@@ -8,7 +8,7 @@ use std::process::Command;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use vb_host::{Limits, LogSink, Plugin, ProcessOptions};
-use vb_sdk::{Observation, Task, Wheel};
+use vb_sdk::{Observation, Pose, Task, Wheel};
 
 fn step(c: &mut Criterion) {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -24,8 +24,8 @@ fn step(c: &mut Criterion) {
     let plugin = Plugin::load_with(&library, &Limits::default(), None, &options).unwrap();
     let task = Task { params: plugin.params(&[]).unwrap(), ..Task::default() };
     let mut session = plugin.start(&task, LogSink::discard()).unwrap();
-    let wheels = vec![Wheel { speed: 1.0, deflection: 0.01 }; 4];
-    let observation = Observation { time: 0.5, yaw: 1.25, wheels, ..Observation::default() };
+    let wheels = vec![Wheel { spin: 1.0, travel: 0.01 }; 4];
+    let observation = Observation { time: 0.5, wheels, ..Observation::of(Pose { yaw: 1.25, ..Pose::default() }) };
     c.bench_function("native step", |b| b.iter(|| session.step(&observation).unwrap()));
     drop(session);
     c.bench_function("native task in a process that is there", |b| {

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use vb_host::{Limits, LogSink, Plugin, ProcessOptions, Session};
-use vb_sdk::{GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle};
+use vb_sdk::{GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle};
 
 /// Steps of each kind.
 const STEPS: u32 = 200;
@@ -109,9 +109,9 @@ fn start(file: &Path, params: &[(&str, &str)]) -> Result<Session> {
         path,
         vehicle,
         params,
-        elevation,
-        occupancy,
-        semantics,
+        elevation: Some(elevation),
+        occupancy: Some(occupancy),
+        semantics: Some(semantics),
         control_period: 0.1,
         seed: 1,
         ..Task::default()
@@ -122,9 +122,11 @@ fn start(file: &Path, params: &[(&str, &str)]) -> Result<Session> {
 fn observation(i: f64) -> Observation {
     Observation {
         time: 0.1 * i,
-        position: Vec3 { x: 0.4 * i, y: 1.0, z: 0.5 },
-        linear_velocity: Vec3 { x: 4.0, ..Vec3::default() },
-        ..Observation::default()
+        ..Observation::of(Pose {
+            position: Vec3 { x: 0.4 * i, y: 1.0, z: 0.5 },
+            linear_velocity: Vec3 { x: 4.0, ..Vec3::default() },
+            ..Pose::default()
+        })
     }
 }
 

@@ -10,19 +10,22 @@ use std::fmt;
 pub enum AbiVersion {
     /// The first version, `sdk/wit/v0_1`.
     V0_1,
+    /// One list of fields, sensors, and a reverse gear, `sdk/wit/v0_2`.
+    V0_2,
 }
 
 impl AbiVersion {
     /// The window: all versions that are hosted, oldest first.
-    pub const SUPPORTED: &'static [Self] = &[Self::V0_1];
+    pub const SUPPORTED: &'static [Self] = &[Self::V0_1, Self::V0_2];
     /// The version that new planners are built for.
-    pub const NEWEST: Self = Self::V0_1;
+    pub const NEWEST: Self = Self::V0_2;
 
     /// The name of the version, which plugins are stamped with: its major and minor number.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::V0_1 => "0.1",
+            Self::V0_2 => "0.2",
         }
     }
 
@@ -30,6 +33,7 @@ impl AbiVersion {
     pub(crate) const fn host_interface(self) -> &'static str {
         match self {
             Self::V0_1 => "vertibench:planner/host@0.1.0",
+            Self::V0_2 => "vertibench:planner/host@0.2.0",
         }
     }
 
@@ -112,11 +116,11 @@ mod tests {
 
     #[test]
     fn who_has_a_newer_plugin_may_use_a_newer_harness() {
-        assert_eq!(advice("0.0"), "Rebuild it with vb-sdk 0.1");
-        assert_eq!(advice("soon"), "Rebuild it with vb-sdk 0.1");
+        assert_eq!(advice("0.0"), "Rebuild it with vb-sdk 0.2");
+        assert_eq!(advice("soon"), "Rebuild it with vb-sdk 0.2");
         // Numbers, not texts: 0.10 is after 0.9.
-        for newer in ["0.2", "0.10", "1.0"] {
-            assert_eq!(advice(newer), "Rebuild it with vb-sdk 0.1, or use a newer harness");
+        for newer in ["0.3", "0.10", "1.0"] {
+            assert_eq!(advice(newer), "Rebuild it with vb-sdk 0.2, or use a newer harness");
         }
     }
 

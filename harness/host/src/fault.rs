@@ -104,6 +104,12 @@ pub enum FaultCause {
         /// The planner's text.
         message: String,
     },
+    /// The planner's command holds a value that there isn't.
+    #[error("{message}")]
+    BadCommand {
+        /// The field, its value, and what there is.
+        message: String,
+    },
     /// A number of the planner's command is not finite.
     #[error("{field} is {value}; a command must be finite")]
     InvalidOutput {
@@ -197,7 +203,9 @@ impl FaultCause {
             Self::Panic { .. } => FaultCode::Panic,
             Self::Error { .. } => FaultCode::Error,
             Self::InitFailed { .. } => FaultCode::InitFailed,
-            Self::InvalidOutput { .. } | Self::OutputTooLarge { .. } => FaultCode::InvalidOutput,
+            Self::BadCommand { .. } | Self::InvalidOutput { .. } | Self::OutputTooLarge { .. } => {
+                FaultCode::InvalidOutput
+            },
             Self::ImportDenied { .. } => FaultCode::ImportDenied,
             Self::AbiMismatch { .. } => FaultCode::AbiMismatch,
             Self::Crashed { .. } => FaultCode::Crashed,
@@ -229,6 +237,7 @@ impl FaultCause {
             Self::Trap { .. } => "look at the functions named; --debug shows more of them",
             Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",
+            Self::BadCommand { .. } => "start from a command that is all zero, and set its fields",
             Self::InvalidOutput { .. } => "look for a division by zero",
             Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (--limits)",
             Self::ImportDenied { .. } => "planners get no files, network or processes; do without",

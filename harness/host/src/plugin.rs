@@ -300,15 +300,14 @@ fn finite(command: Command) -> Result<Command, FaultCause> {
 /// The command with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was out of range.
 #[must_use]
 pub fn clamp(command: Command) -> (Command, bool) {
+    let Command { steering, throttle, brake, .. } = command;
     let limited = Command {
-        steering: command.steering.clamp(-1.0, 1.0),
-        throttle: command.throttle.clamp(0.0, 1.0),
-        brake: command.brake.clamp(0.0, 1.0),
-        debug: command.debug,
+        steering: steering.clamp(-1.0, 1.0),
+        throttle: throttle.clamp(0.0, 1.0),
+        brake: brake.clamp(0.0, 1.0),
+        ..command
     };
-    let changed = limited.steering != command.steering
-        || limited.throttle != command.throttle
-        || limited.brake != command.brake;
+    let changed = (limited.steering, limited.throttle, limited.brake) != (steering, throttle, brake);
     (limited, changed)
 }
 
@@ -333,7 +332,7 @@ mod tests {
     use vb_sdk::metadata::ParamSpec;
 
     fn command(steering: f64, throttle: f64, brake: f64) -> Command {
-        Command { steering, throttle, brake, debug: Vec::new() }
+        Command { steering, throttle, brake, ..Command::default() }
     }
 
     #[test]
@@ -363,6 +362,7 @@ mod tests {
             about: String::new(),
             control_period: 0.1,
             params: vec![spec("speed", "3.0"), spec("kp", "1.0")],
+            needs: Vec::new(),
         };
         let given =
             |l: &[(&str, &str)]| l.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect::<Vec<_>>();

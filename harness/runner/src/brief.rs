@@ -30,6 +30,7 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
         max_steer_rate: spec.steering.rate,
         min_turn_radius: shape.min_turn_radius,
         max_speed: spec.max_speed,
+        ..vb_sdk::Vehicle::default()
     }
 }
 
@@ -56,22 +57,24 @@ pub fn planner_task(
     vb_sdk::Task {
         id: format!("{}/{}", world.id, task.id),
         vehicle,
-        elevation: Map {
+        elevation: Some(Map {
             frame: frame(h.rows(), h.cols(), h.resolution(), [-h.half_x(), -h.half_y()]),
             data: h.heights().iter().map(|&z| z as f32).collect(),
-        },
-        semantics: Map {
+        }),
+        semantics: Some(Map {
             frame: frame(s.rows, s.cols, s.patch, [centre(s.cols), centre(s.rows)]),
             data: s.classes.iter().map(|c| c.label()).collect(),
-        },
-        occupancy: Map {
+        }),
+        occupancy: Some(Map {
             frame: frame(occupancy.rows, occupancy.cols, occupancy.resolution, occupancy.origin),
             data: occupancy.data,
-        },
+        }),
+        half_extent: Point2 { x: h.half_x(), y: h.half_y() },
         path: task.path.iter().map(|p| Point2 { x: p[0], y: p[1] }).collect(),
         start: Pose2 { x: task.start.x, y: task.start.y, yaw: task.start.yaw },
         goal: Point2 { x: task.goal[0], y: task.goal[1] },
         params,
+        perception: "oracle".into(),
         ..vb_sdk::Task::default()
     }
 }

@@ -9,7 +9,7 @@ use vb_record::{
     DebugSeries, LogMode, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample,
 };
 use vb_score::{Fault, FuelUse, Outcome, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
-use vb_sdk::{Command, Observation, Vec3, Wheel};
+use vb_sdk::{Command, Observation, Pose, Vec3, Wheel};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleState};
 use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
@@ -273,7 +273,7 @@ impl Trial<'_> {
         let state = sim.state();
         let command = session.step(&observation(&state, last));
         ledger.planner_steps += 1;
-        let (Command { steering, throttle, brake, debug }, clamped) =
+        let (Command { steering, throttle, brake, debug, .. }, clamped) =
             clamp(command.map_err(|f| Failure::session(self, &f))?);
         ledger.clamped += u64::from(clamped);
         if self.trace != TraceMode::None {
@@ -329,15 +329,18 @@ fn observation(state: &VehicleState, last: Controls) -> Observation {
     let vec3 = |v: &nalgebra::Vector3<f64>| Vec3 { x: v.x, y: v.y, z: v.z };
     Observation {
         time: state.time,
-        position: vec3(&state.position),
-        roll,
-        pitch,
-        yaw,
-        linear_velocity: vec3(&state.velocity),
-        angular_velocity: vec3(&state.angular_velocity),
-        wheels: state.wheels.iter().map(|w| Wheel { speed: w.speed, deflection: w.deflection }).collect(),
+        pose: Some(Pose {
+            position: vec3(&state.position),
+            roll,
+            pitch,
+            yaw,
+            linear_velocity: vec3(&state.velocity),
+            angular_velocity: vec3(&state.angular_velocity),
+        }),
+        wheels: state.wheels.iter().map(|w| Wheel { spin: w.speed, travel: w.deflection }).collect(),
         last_steering: last.steering,
         last_throttle: last.throttle,
         last_brake: last.brake,
+        ..Observation::default()
     }
 }

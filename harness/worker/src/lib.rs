@@ -6,14 +6,14 @@
 //! their own (`docs/worker-protocol.md`).
 
 #[cfg(unix)]
-pub mod c_abi;
+mod calls;
 #[cfg(unix)]
 mod library;
 pub mod protocol;
 pub mod sandbox;
 #[cfg(unix)]
 mod serve;
-pub mod wire;
+pub mod v0_1;
 
 #[cfg(unix)]
 pub use serve::serve;

@@ -8,21 +8,44 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 
 use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
+use abi_stable::library::LibHeader;
 use abi_stable::std_types::{RErr, ROk, RResult, RStr};
 use vb_files::Hash;
-use vb_sdk::native::{Fault, LogCallback, NativeObservation, NativeTask, PlannerModuleRef};
+use vb_sdk::c::ENTRY;
+use vb_sdk::native::PlannerModuleRef;
 use vb_sdk::{Command, LogLevel, Observation, Task};
+use vb_sdk_v0_1::native as old;
 
-use crate::c_abi::{CFunctions, CPlanner, ENTRY, level_of};
+use crate::calls::Functions;
 use crate::protocol::{Failure, FailureKind};
+use crate::v0_1;
+
+/// A version of the interface that libraries may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Abi {
+    V0_1,
+    V0_2,
+}
+
+impl Abi {
+    pub(crate) fn find(name: &str) -> Option<Self> {
+        match name {
+            "0.1" => Some(Self::V0_1),
+            vb_sdk::ABI_VERSION => Some(Self::V0_2),
+            _ => None,
+        }
+    }
+}
 
 /// An open library.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Library {
-    /// With an `abi_stable` root module.
-    Rust(PlannerModuleRef),
-    /// With `vb_planner_entry`.
-    C(CPlanner),
+    /// Of the newest version, in any language.
+    Newest(Functions),
+    /// Of version 0.1 with an `abi_stable` root module.
+    OldRust(old::PlannerModuleRef),
+    /// Of version 0.1 with `vb_planner_entry`.
+    OldC(v0_1::c_abi::CPlanner),
 }
 
 /// What a file holds, and which file it is.
@@ -64,23 +87,33 @@ fn which(m: &Metadata) -> [i64; 5] {
 }
 
 /// Opens a library and checks its layout. It stays open as long as the process.
-pub(crate) fn open(path: &Path) -> Result<Library, Failure> {
+pub(crate) fn open(path: &Path, abi: Abi) -> Result<Library, Failure> {
     resolve(path)?;
     // Stays open from here: looking for one interface and then the other must not load it twice.
     let raw = Box::leak(Box::new(RawLibrary::load_at(path).map_err(|e| explain(&e))?));
     match lib_header_from_path(path) {
-        Ok(header) => {
-            header.init_root_module::<PlannerModuleRef>().map(Library::Rust).map_err(|e| explain(&e))
-        }
+        Ok(header) => of_rust(header, abi).map_err(|e| explain(&e)),
         Err(error @ LibraryError::GetSymbolError { .. }) => {
             // SAFETY: the symbol is a struct, so its address is what the pointer takes.
-            let entry = unsafe { raw.get::<*const CFunctions>(ENTRY) }.map_err(|_| explain(&error))?;
+            let entry = unsafe { raw.get::<*const ()>(ENTRY) }.map_err(|_| explain(&error))?;
             // SAFETY: it is the address of the symbol, and the library is never closed.
-            let planner = unsafe { CPlanner::new(*entry) };
-            planner.map(Library::C).map_err(|message| Failure { kind: FailureKind::LayoutMismatch, message })
+            let library = unsafe {
+                match abi {
+                    Abi::V0_1 => v0_1::c_abi::CPlanner::new(entry.cast()).map(Library::OldC),
+                    Abi::V0_2 => Functions::of_entry(entry.cast()).map(Library::Newest),
+                }
+            };
+            library.map_err(|message| Failure { kind: FailureKind::LayoutMismatch, message })
         }
         Err(error) => Err(explain(&error)),
     }
+}
+
+fn of_rust(header: &'static LibHeader, abi: Abi) -> Result<Library, LibraryError> {
+    Ok(match abi {
+        Abi::V0_1 => Library::OldRust(header.init_root_module::<old::PlannerModuleRef>()?),
+        Abi::V0_2 => Library::Newest(Functions::of_module(header.init_root_module::<PlannerModuleRef>()?)),
+    })
 }
 
 /// Opens a library with all that it wants from others, once and for all: a function that is missing would otherwise end
@@ -164,24 +197,32 @@ pub(crate) struct Planner {
 impl Planner {
     pub(crate) fn init(library: Library, task: &Task, mut log: Log<'_>) -> Result<Self, Failure> {
         let state = match library {
-            Library::Rust(module) => outcome(module.init()(&NativeTask::from(task), callback(&mut log)))?,
-            Library::C(planner) => planner.init(task, log).map_err(error)?.cast(),
+            Library::Newest(functions) => functions.init(task, log)?.cast(),
+            Library::OldRust(module) => {
+                let task = v0_1::task(task);
+                outcome(module.init()(&old::NativeTask::from(&task), callback(&mut log)))?
+            }
+            Library::OldC(planner) => planner.init(&v0_1::task(task), log).map_err(error)?.cast(),
         };
         Ok(Self { library, state })
     }
 
     pub(crate) fn step(&mut self, observation: &Observation, mut log: Log<'_>) -> Result<Command, Failure> {
         match self.library {
-            Library::Rust(module) => {
-                let observation = NativeObservation::from(observation);
-                // SAFETY: the state comes from this module's `init`, and `&mut self` keeps others away.
-                let result = unsafe { module.step()(self.state, &observation, callback(&mut log)) };
-                outcome(result).map(Command::from)
-            }
-            Library::C(planner) => {
+            // SAFETY: the state comes from these functions' `init`, and `&mut self` keeps others away.
+            Library::Newest(functions) => unsafe { functions.step(self.state.cast(), observation, log) },
+            Library::OldRust(module) => {
+                let observation = v0_1::observation(observation);
+                let observation = old::NativeObservation::from(&observation);
                 // SAFETY: as above.
-                let result = unsafe { planner.step(self.state.cast(), observation, log) };
-                result.map_err(error)
+                let result = unsafe { module.step()(self.state, &observation, callback(&mut log)) };
+                outcome(result).map(|command| v0_1::command(command.into()))
+            }
+            Library::OldC(planner) => {
+                // SAFETY: as above.
+                let result =
+                    unsafe { planner.step(self.state.cast(), &v0_1::observation(observation), log) };
+                result.map(v0_1::command).map_err(error)
             }
         }
     }
@@ -190,10 +231,12 @@ impl Planner {
 impl Drop for Planner {
     fn drop(&mut self) {
         match self.library {
-            // SAFETY: the state comes from this module's `init` and is used no more.
-            Library::Rust(module) => unsafe { module.free()(self.state) },
+            // SAFETY: the state comes from these functions' `init` and is used no more.
+            Library::Newest(functions) => unsafe { functions.free(self.state.cast()) },
             // SAFETY: as above.
-            Library::C(planner) => unsafe { planner.free(self.state.cast()) },
+            Library::OldRust(module) => unsafe { module.free()(self.state) },
+            // SAFETY: as above.
+            Library::OldC(planner) => unsafe { planner.free(self.state.cast()) },
         }
     }
 }
@@ -202,7 +245,7 @@ fn error(message: String) -> Failure {
     Failure { kind: FailureKind::Error, message }
 }
 
-fn outcome<T>(result: RResult<T, Fault>) -> Result<T, Failure> {
+fn outcome<T>(result: RResult<T, old::Fault>) -> Result<T, Failure> {
     match result {
         ROk(value) => Ok(value),
         RErr(fault) => {
@@ -212,14 +255,24 @@ fn outcome<T>(result: RResult<T, Fault>) -> Result<T, Failure> {
     }
 }
 
-fn callback(log: &mut Log<'_>) -> LogCallback {
-    LogCallback { context: std::ptr::from_mut(log).cast(), write }
+fn callback(log: &mut Log<'_>) -> old::LogCallback {
+    old::LogCallback { context: std::ptr::from_mut(log).cast(), write }
 }
 
 unsafe extern "C" fn write(context: *mut (), level: u8, message: RStr<'_>) {
     // SAFETY: `context` is the one that `callback` made, alive and unused by others during the call.
     let log = unsafe { &mut *context.cast::<Log<'_>>() };
     log(level_of(u32::from(level)), &message);
+}
+
+/// The level of a number: 0 error, 1 warn, 2 info, else debug.
+pub(crate) fn level_of(level: u32) -> LogLevel {
+    match level {
+        0 => LogLevel::Error,
+        1 => LogLevel::Warn,
+        2 => LogLevel::Info,
+        _ => LogLevel::Debug,
+    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::sandbox::SandboxReport;
-use crate::wire::{WireCommand, WireObservation, WireTask};
+use vb_sdk::{Command, Observation, Task};
 
 /// Version of the protocol. A message or field that an old peer can't ignore is a new version.
 pub const PROTOCOL: u32 = 1;
@@ -28,9 +28,9 @@ pub enum Request {
     /// Comes first and is answered by [`Reply::Hello`].
     Hello(Greeting),
     /// Starts a planner on a task; answered by [`Reply::Ready`].
-    Init(Box<WireTask>),
+    Init(Box<Task>),
     /// Asks for a command; answered by [`Reply::Command`].
-    Step(WireObservation),
+    Step(Observation),
     /// Ends the task: the planner forgets it; answered by [`Reply::Dropped`]. Another task may follow.
     Drop(Empty),
     /// The end: the process leaves.
@@ -46,7 +46,7 @@ pub enum Reply {
     /// The planner is ready for the first step.
     Ready(Empty),
     /// What the planner wants done.
-    Command(WireCommand),
+    Command(Command),
     /// The task is forgotten.
     Dropped(Empty),
     /// The request failed. After a failed `init` or `step` the task is over.
@@ -120,6 +120,8 @@ pub struct Introduction {
     pub control_period: f64,
     /// Parameters that a user may set.
     pub params: Vec<WireParamSpec>,
+    /// Sensors that the planner asks for, e.g. `lidar 10`.
+    pub needs: Vec<String>,
     /// How the process is confined; the harness's own worker only.
     pub sandbox: Option<SandboxReport>,
 }
@@ -153,6 +155,8 @@ pub enum FailureKind {
     Error,
     /// The planner panicked, or left an exception uncaught.
     Panic,
+    /// The planner's command holds a value that there isn't.
+    InvalidOutput,
     /// The planner used something that it doesn't get; the message is the number of the system call.
     Denied,
     /// The library exports no planner.
@@ -261,7 +265,7 @@ pub fn decode<T: DeserializeOwned>(mut payload: &[u8]) -> Result<T, FrameError> 
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use vb_sdk::{Command, Observation, Series, Wheel};
+    use vb_sdk::{Command, Gear, Observation, Series, Wheel};
 
     fn through<T: Serialize + DeserializeOwned>(message: &T) -> T {
         let mut frame = Vec::new();
@@ -279,20 +283,18 @@ mod tests {
             let observation = Observation {
                 time: x,
                 last_brake: x,
-                wheels: vec![Wheel { speed: x, deflection: -x }],
+                wheels: vec![Wheel { spin: x, travel: -x }],
                 ..Observation::default()
             };
-            let Request::Step(back) = through(&Request::Step((&observation).into())) else { panic!() };
-            let back = Observation::from(back);
+            let Request::Step(back) = through(&Request::Step(observation.clone())) else { panic!() };
             let numbers = |o: &Observation| {
-                [o.time, o.last_brake, o.wheels[0].speed, o.wheels[0].deflection].map(f64::to_bits)
+                [o.time, o.last_brake, o.wheels[0].spin, o.wheels[0].travel].map(f64::to_bits)
             };
             assert_eq!(numbers(&back), numbers(&observation));
             let narrow = f32::from_bits((bits >> 32) as u32 | 1);
             let debug = vec![Series { name: "s".into(), values: vec![narrow] }];
-            let command = Command { steering: x, throttle: -x, brake: x, debug };
-            let Reply::Command(back) = through(&Reply::Command(command.clone().into())) else { panic!() };
-            let back = Command::from(back);
+            let command = Command { steering: x, throttle: -x, brake: x, gear: Gear::Reverse, debug };
+            let Reply::Command(back) = through(&Reply::Command(command.clone())) else { panic!() };
             let numbers = |c: &Command| [c.steering, c.throttle, c.brake].map(f64::to_bits);
             assert_eq!(numbers(&back), numbers(&command));
             assert_eq!(back.debug[0].values[0].to_bits(), narrow.to_bits());
@@ -317,7 +319,7 @@ mod tests {
             b"\x81\xa7command\x84\xa8steering\xff\xa8throttle\x01\xa5brake\xcb\0\0\0\0\0\0\0\0\xa4more\xc0";
         let Reply::Command(command) = decode::<Reply>(text).unwrap() else { panic!() };
         let expected = Command { steering: -1.0, throttle: 1.0, ..Command::default() };
-        assert_eq!(Command::from(command), expected);
+        assert_eq!(command, expected);
     }
 
     #[test]

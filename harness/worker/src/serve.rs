@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use serde::Serialize;
-use vb_sdk::{LogLevel, Task};
+use vb_sdk::LogLevel;
 
 use crate::library::{self, Library, Planner};
 use crate::protocol::{
@@ -51,7 +51,6 @@ fn run() -> io::Result<()> {
         let reply = match request {
             Request::Init(task) => {
                 planner = None;
-                let task = Task::from(*task);
                 match Planner::init(library, &task, &mut channel.log()) {
                     Ok(new) => {
                         planner = Some(new);
@@ -61,8 +60,8 @@ fn run() -> io::Result<()> {
                 }
             }
             Request::Step(observation) => match &mut planner {
-                Some(planner) => match planner.step(&observation.into(), &mut channel.log()) {
-                    Ok(command) => Reply::Command(command.into()),
+                Some(planner) => match planner.step(&observation, &mut channel.log()) {
+                    Ok(command) => Reply::Command(command),
                     Err(failure) => Reply::Error(failure),
                 },
                 None => return Err(io::Error::other("a step without a task")),
@@ -84,14 +83,14 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
     let Some(wanted) = &greeting.library else {
         return Err(unloadable("the harness named no library".into()));
     };
-    if (greeting.protocol, greeting.abi.as_str()) != (PROTOCOL, vb_sdk::ABI_VERSION) {
+    let (Some(abi), PROTOCOL) = (library::Abi::find(&greeting.abi), greeting.protocol) else {
         return Err(unloadable(format!(
-            "the worker speaks protocol {PROTOCOL} and ABI {}, the harness {} and {}",
+            "the worker speaks protocol {PROTOCOL} and ABI {} at most, the harness {} and {}",
             vb_sdk::ABI_VERSION,
             greeting.protocol,
             greeting.abi
         )));
-    }
+    };
     let path = Path::new(&wanted.path);
     let identity = library::Identity::of(path).map_err(|e| unloadable(format!("can't read it: {e}")))?;
     if identity.sha256 != wanted.sha256 {
@@ -104,7 +103,7 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
         let message = format!("this system can't confine it by {}", missing.join(" and "));
         return Err(Failure { kind: FailureKind::Sandbox, message });
     }
-    let library = library::open(path)?;
+    let library = library::open(path, abi)?;
     if !identity.is_still(path) {
         return Err(unloadable("its file changed while it was opened".into()));
     }

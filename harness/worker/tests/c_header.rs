@@ -7,8 +7,7 @@ use std::mem::{offset_of, size_of};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use vb_sdk::{GridFrame, Point2, Pose2, Vec3, Wheel};
-use vb_worker::c_abi::*;
+use vb_sdk::c::*;
 
 fn header_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/c")
@@ -49,24 +48,9 @@ fn structs_have_the_sizes_and_offsets_of_the_c_compiler() {
             )*
         };
     }
-    same!("vb_point2", Point2: x, y);
-    same!("vb_pose2", Pose2: x, y, yaw);
-    same!("vb_vec3", Vec3: x, y, z);
-    same!("vb_wheel", Wheel: speed, deflection);
-    same!("vb_grid_frame", GridFrame: rows, cols, resolution, origin_x, origin_y);
-    same!("vb_heights", CHeights: frame, data);
-    same!("vb_labels", CLabels: frame, data);
-    same!("vb_param", CParam: key, value);
-    same!("vb_vehicle", CVehicle: size, name, scale, mass, length, width, height, wheelbase, track, wheel_radius,
-        wheels, ground_clearance, max_steer_angle, max_steer_rate, min_turn_radius, max_speed);
-    same!("vb_task", CTask: size, id, vehicle, elevation, semantics, occupancy, path, path_len, start, goal,
-        goal_radius, time_limit, control_period, seed, params, params_len);
-    same!("vb_observation", CObservation: size, time, position, roll, pitch, yaw, linear_velocity, angular_velocity,
-        wheels, wheels_len, last_steering, last_throttle, last_brake);
-    same!("vb_series", CSeries: name, values, values_len);
-    same!("vb_command", CCommand: size, steering, throttle, brake, debug, debug_len);
-    same!("vb_error", CError: size, message);
-    same!("vb_host", CHost: size, context, log);
+    include!("c_header_fields.in");
+    same!("vb_error", CError: message);
+    same!("vb_host", CHost: context, log);
     same!("vb_planner_functions", CFunctions: size, abi_major, abi_minor, init, step, free);
     if let Some(found) = c_program(&body, "cc", "c") {
         assert_eq!(found, expected);
@@ -75,8 +59,8 @@ fn structs_have_the_sizes_and_offsets_of_the_c_compiler() {
 
 #[test]
 fn constants_agree_and_the_header_compiles_as_c_and_cpp_without_a_warning() {
-    let body = "printf(\"%d %d %d\\n\", VB_ABI_MAJOR, VB_ABI_MINOR, VB_ERROR_BYTES);";
-    let expected = format!("{} {} {ERROR_BYTES}\n", ABI.0, ABI.1);
+    let body = "printf(\"%d %d %d %d %d\\n\", VB_ABI_MAJOR, VB_ABI_MINOR, VB_ERROR_BYTES, VB_FAILED, VB_PANICKED);";
+    let expected = format!("{} {} {ERROR_BYTES} {FAILED} {PANICKED}\n", ABI.0, ABI.1);
     assert_eq!(format!("{}.{}", ABI.0, ABI.1), vb_sdk::ABI_VERSION);
     for (compiler, extension) in [("cc", "c"), ("c++", "cpp")] {
         if let Some(found) = c_program(body, compiler, extension) {

@@ -116,7 +116,7 @@ impl Planner for Eh {
         }
         let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
-            elevation: task.elevation.clone(),
+            elevation: task.elevation()?.clone(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             region: task.param_positive("region")? * scale,
@@ -132,17 +132,18 @@ impl Planner for Eh {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        let pose = Pose2 { x: o.position.x, y: o.position.y, yaw: o.yaw };
+        let seen = o.pose()?;
+        let pose = Pose2 { x: seen.position.x, y: seen.position.y, yaw: seen.yaw };
         self.follower.update(pose.x, pose.y);
         let goal = self.follower.look_ahead(self.lookahead);
-        let to_goal = math::turn(o.yaw, math::atan2(goal.y - pose.y, goal.x - pose.x));
+        let to_goal = math::turn(seen.yaw, math::atan2(goal.y - pose.y, goal.x - pose.x));
         let scores = self.scores(pose);
         let chosen = best(&scores);
         let to_region = math::atan2(self.lateral(chosen), self.region);
         // Beyond the edge of the map there is nothing to choose from.
         let terrain = if scores[chosen].is_finite() { self.terrain } else { 0.0 };
         let error = (1.0 - terrain) * to_goal + terrain * to_region;
-        let (throttle, brake) = self.speed.update(self.target_speed, o.linear_velocity.x, self.period);
+        let (throttle, brake) = self.speed.update(self.target_speed, seen.linear_velocity.x, self.period);
         let debug = if self.explain {
             let series = |name: &str, values: Vec<f32>| Series { name: name.into(), values };
             vec![
@@ -153,7 +154,7 @@ impl Planner for Eh {
         } else {
             Vec::new()
         };
-        Ok(Command { steering: (self.kp * error).clamp(-1.0, 1.0), throttle, brake, debug })
+        Ok(Command { steering: (self.kp * error).clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })
     }
 }
 
@@ -161,7 +162,7 @@ impl Planner for Eh {
 mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
-    use vb_sdk::{GridFrame, Param, Point2, Vec3, Vehicle};
+    use vb_sdk::{GridFrame, Param, Point2, Pose, Vec3, Vehicle};
 
     const DEFAULTS: [(&str, &str); 8] = [
         ("speed", "3"),
@@ -181,7 +182,7 @@ mod tests {
             (0..81 * 81).map(|i| z(f64::from(i % 81) - 40.0, f64::from(i / 81) - 40.0) as f32).collect();
         let value = |k: &str, d: &str| params.iter().find(|p| p.0 == k).map_or(d, |p| p.1).to_owned();
         Task {
-            elevation: Map { frame, data },
+            elevation: Some(Map { frame, data }),
             path: (0..=60).map(|i| Point2 { x: f64::from(i), y: 0.0 }).collect(),
             vehicle: Vehicle { scale: 1.0, ..Vehicle::default() },
             control_period: 0.1,
@@ -191,7 +192,7 @@ mod tests {
     }
 
     fn command(task: &Task, x: f64, y: f64, yaw: f64) -> Command {
-        let o = Observation { position: Vec3 { x, y, z: 0.0 }, yaw, ..Observation::default() };
+        let o = Observation::of(Pose { position: Vec3 { x, y, z: 0.0 }, yaw, ..Pose::default() });
         Eh::init(task).unwrap().step(&o).unwrap()
     }
 
@@ -248,11 +249,12 @@ mod tests {
         let mut t =
             task(|x, y| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) }, &[]);
         t.vehicle.scale = 0.1;
-        t.elevation.frame =
-            GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..t.elevation.frame };
+        let elevation = t.elevation.as_mut().unwrap();
+        elevation.frame =
+            GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..elevation.frame };
         let at = |i: i32| 0.1 * f64::from(i) - 4.0;
         let z = |x: f64, y: f64| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) };
-        t.elevation.data = (0..81 * 81).map(|i| z(at(i % 81), at(i / 81)) as f32).collect();
+        elevation.data = (0..81 * 81).map(|i| z(at(i % 81), at(i / 81)) as f32).collect();
         assert_eq!(chosen(&command(&t, 0.0, 0.0, 0.0)), 1.0);
     }
 

@@ -1,7 +1,7 @@
 //! What it costs a vehicle to stand at a place with a heading.
 
 use vb_sdk::rng::Rng;
-use vb_sdk::{GridFrame, Task, math};
+use vb_sdk::{GridFrame, LabelMap, PlannerError, Task, math};
 
 /// Directions that a way is made of: the neighbours on the grid and the knight's moves between them, counter-clockwise
 /// from east, (columns, rows).
@@ -38,9 +38,10 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    pub(crate) fn new(task: &Task, caution: f64) -> Self {
-        let frame = task.elevation.frame;
-        let clearance = clearance(task);
+    pub(crate) fn new(task: &Task, caution: f64) -> Result<Self, PlannerError> {
+        let (elevation, semantics) = (task.elevation()?, task.semantics()?);
+        let frame = elevation.frame;
+        let clearance = clearance(task, frame, task.occupancy()?);
         let v = &task.vehicle;
         let (front, side) = (0.5 * v.wheelbase, 0.5 * v.track);
         let mut cost = Vec::with_capacity(clearance.len() * HEADINGS.len());
@@ -48,11 +49,11 @@ impl Ground {
             for col in 0..frame.cols {
                 let (x, y) = frame.position(row, col);
                 let gap = clearance[(row * frame.cols + col) as usize];
-                let class = usize::from(task.semantics.nearest(x, y)).min(9);
+                let class = usize::from(semantics.nearest(x, y)).min(9);
                 for (dx, dy) in HEADINGS {
                     let length = f64::from(dx * dx + dy * dy).sqrt();
                     let (c, s) = (f64::from(dx) / length, f64::from(dy) / length);
-                    let z = |u: f64, w: f64| task.elevation.bilinear(x + c * u - s * w, y + s * u + c * w);
+                    let z = |u: f64, w: f64| elevation.bilinear(x + c * u - s * w, y + s * u + c * w);
                     let [fl, fr, rl, rr] = [(front, side), (front, -side), (-front, side), (-front, -side)]
                         .map(|(u, w)| z(u, w));
                     let rise = 0.5 * (fl + fr - rl - rr) / v.wheelbase;
@@ -83,7 +84,7 @@ impl Ground {
                 }
             }
         }
-        Self { frame, cost }
+        Ok(Self { frame, cost })
     }
 
     /// Cost of a metre there.
@@ -107,8 +108,7 @@ impl Ground {
 }
 
 /// Distance from each node of the elevation map to the nearest obstacle or the edge of the world, as far as it matters, m.
-fn clearance(task: &Task) -> Vec<f64> {
-    let (frame, occupied) = (task.elevation.frame, &task.occupancy);
+fn clearance(task: &Task, frame: GridFrame, occupied: &LabelMap) -> Vec<f64> {
     let reach = 2.0 * task.vehicle.width;
     let mut distance = vec![reach; (frame.rows * frame.cols) as usize];
     let edge = |i: u32, n: u32| f64::from(i.min(n - 1 - i)) * frame.resolution;

@@ -52,7 +52,7 @@ impl Planner for Expert {
         let scale = task.vehicle.scale;
         let caution = task.param_positive("caution")?;
         let variant: u64 = task.param_as("variant")?;
-        let mut ground = Ground::new(task, caution);
+        let mut ground = Ground::new(task, caution)?;
         if variant > 0 {
             ground.perturb(&mut Rng::new(task.seed ^ variant), SPREAD);
         }
@@ -71,11 +71,12 @@ impl Planner for Expert {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        let (x, y) = (o.position.x, o.position.y);
+        let pose = o.pose()?;
+        let (x, y) = (pose.position.x, pose.position.y);
         self.follower.update(x, y);
         let goal = self.follower.look_ahead(self.lookahead);
         let (dx, dy) = (goal.x - x, goal.y - y);
-        let bearing = math::turn(o.yaw, math::atan2(dy, dx));
+        let bearing = math::turn(pose.yaw, math::atan2(dy, dx));
         // Pure pursuit (Coulter 1992): the arc through the point, on a bicycle.
         let distance = math::hypot(dx, dy).max(0.1 * self.lookahead);
         let angle = math::atan(2.0 * self.vehicle.wheelbase * math::sin(bearing) / distance);
@@ -94,7 +95,7 @@ impl Planner for Expert {
         }
         // Slower in bends.
         let target = self.target * (1.0 - 0.4 * steering.abs());
-        let (throttle, brake) = self.speed.update(target, o.linear_velocity.x, self.period);
+        let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }

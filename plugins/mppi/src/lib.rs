@@ -120,17 +120,18 @@ impl Planner for MppiPlanner {
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        self.follower.update(o.position.x, o.position.y);
+        let pose = o.pose()?;
+        self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
         // In single precision differences near the vehicle are finer than differences of positions in the world.
         self.objective.goal = [goal.x as f32, goal.y as f32];
-        let start = BicycleState::of(o);
+        let start = BicycleState::of(pose, o.last_steering);
         let weighing = self.mppi.improve(&self.model, &self.objective, &start);
         let [steering, target] = self.mppi.command(0.0);
         let debug = if self.explain > 0 { self.explanation(&start, weighing.effective) } else { Vec::new() };
         self.mppi.advance(self.period);
-        let (throttle, brake) = self.speed.update(target, o.linear_velocity.x, self.period);
-        Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, debug })
+        let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
+        Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })
     }
 }
 

@@ -54,7 +54,7 @@ pub struct PidRelease {
 
 impl Planner for PidRelease {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        let frame = task.elevation.frame;
+        let frame = task.elevation()?.frame;
         if frame.rows != frame.cols {
             let (rows, cols) = (frame.rows, frame.cols);
             return Err(format!("a world of {rows} x {cols} samples: this planner knows square ones").into());
@@ -62,7 +62,7 @@ impl Planner for PidRelease {
         let mut grid = Grid::new(frame.rows as usize, frame.resolution);
         let squares = task.param("obstacles").unwrap_or_default();
         if squares.is_empty() {
-            grid.block_occupied(&task.occupancy);
+            grid.block_occupied(task.occupancy()?);
         } else {
             grid.block_squares(squares)?;
         }
@@ -82,7 +82,8 @@ impl Planner for PidRelease {
     }
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
-        let (x, y, yaw) = (observation.position.x, observation.position.y, observation.yaw);
+        let pose = observation.pose()?;
+        let (x, y, yaw) = (pose.position.x, pose.position.y, pose.yaw);
         // Half a step of slack: times are sums of steps.
         if observation.time + 0.5 * self.period > self.next_plan {
             self.next_plan += PLAN_PERIOD;
@@ -99,7 +100,7 @@ impl Planner for PidRelease {
         let error = math::turn(yaw, bearing);
         self.steering += (error - self.steering).clamp(-STEERING_STEP, STEERING_STEP);
         let (throttle, brake) =
-            self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
+            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         let steering = self.steering.clamp(-1.0, 1.0);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
@@ -126,7 +127,7 @@ impl PidRelease {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_sdk::{GridFrame, Map, Param, Point2, Vec3};
+    use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Vec3};
 
     /// A world of 129 × 129 pixels of 1 m without obstacles; from east to west.
     fn task(params: &[(&str, &str)]) -> Task {
@@ -134,8 +135,8 @@ mod tests {
         let frame = GridFrame { rows: 129, cols: 129, resolution: 1.0, origin_x: -64.0, origin_y: -64.0 };
         let half = GridFrame { rows: 256, cols: 256, resolution: 0.5, origin_x: -63.75, origin_y: -63.75 };
         Task {
-            elevation: Map { frame, data: vec![0.0; 129 * 129] },
-            occupancy: Map { frame: half, data: vec![0; 256 * 256] },
+            elevation: Some(Map { frame, data: vec![0.0; 129 * 129] }),
+            occupancy: Some(Map { frame: half, data: vec![0; 256 * 256] }),
             goal: Point2 { x: -60.0, y: 0.0 },
             control_period: 0.005,
             params: [("speed", "4.0"), ("first_plan", "0.1"), ("obstacles", "")]
@@ -148,7 +149,8 @@ mod tests {
 
     fn at(time: f64, x: f64, y: f64, yaw: f64, speed: f64) -> Observation {
         let (position, linear_velocity) = (Vec3 { x, y, z: 0.0 }, Vec3 { x: speed, ..Vec3::default() });
-        Observation { time, position, yaw, linear_velocity, ..Observation::default() }
+        let pose = Pose { position, yaw, linear_velocity, ..Pose::default() };
+        Observation { time, ..Observation::of(pose) }
     }
 
     #[test]
@@ -197,7 +199,7 @@ mod tests {
         let mut map = task(&[]);
         // The square of 0.5 m around the centre of pixel (64, 64), which is (-0.5, 0.5).
         for (row, col) in [(128, 126), (128, 127), (129, 126), (129, 127)] {
-            map.occupancy.data[row * 256 + col] = 1;
+            map.occupancy.as_mut().unwrap().data[row * 256 + col] = 1;
         }
         let seen = PidRelease::init(&map).unwrap();
         assert!(way(&seen).iter().all(|c| c.0.abs_diff(64) > 4 || c.1.abs_diff(64) > 4));

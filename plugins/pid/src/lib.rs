@@ -79,13 +79,14 @@ impl Planner for Pid {
     }
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
-        let (x, y) = (observation.position.x, observation.position.y);
+        let pose = observation.pose()?;
+        let (x, y) = (pose.position.x, pose.position.y);
         self.follower.update(x, y);
         let goal = self.follower.look_ahead(self.lookahead);
-        let error = math::turn(observation.yaw, math::atan2(goal.y - y, goal.x - x));
+        let error = math::turn(pose.yaw, math::atan2(goal.y - y, goal.x - x));
         let steering = self.steering.update(error, self.period);
         let (throttle, brake) =
-            self.speed.update(self.target_speed, observation.linear_velocity.x, self.period);
+            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }
@@ -94,7 +95,7 @@ impl Planner for Pid {
 mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, PI};
-    use vb_sdk::{Param, Point2, Vec3, Vehicle};
+    use vb_sdk::{Param, Point2, Pose, Vec3, Vehicle};
 
     /// Angles of right triangles with legs 1:5 and 1:2, rad.
     const ATAN_FIFTH: f64 = 0.197_395_559_849_880_75;
@@ -122,7 +123,7 @@ mod tests {
 
     fn at(x: f64, y: f64, yaw: f64, speed: f64) -> Observation {
         let linear_velocity = Vec3 { x: speed, ..Vec3::default() };
-        Observation { position: Vec3 { x, y, z: 0.0 }, yaw, linear_velocity, ..Observation::default() }
+        Observation::of(Pose { position: Vec3 { x, y, z: 0.0 }, yaw, linear_velocity, ..Pose::default() })
     }
 
     fn steering(task: &Task, observation: &Observation) -> f64 {

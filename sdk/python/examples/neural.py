@@ -23,12 +23,13 @@ class Neural(Planner):
         self.weights = np.load(Path(__file__).with_name("neural_weights.npz"))
 
     def step(self, obs):
-        self.follower.update(obs.position[0], obs.position[1])
-        turn = np.array([[np.cos(obs.yaw), np.sin(obs.yaw)], [-np.sin(obs.yaw), np.cos(obs.yaw)]])
-        points = [turn @ (self.follower.look_ahead(d * self.scale) - obs.position[:2]) for d in AHEAD]
+        pose = obs.pose
+        self.follower.update(pose.position[0], pose.position[1])
+        turn = np.array([[np.cos(pose.yaw), np.sin(pose.yaw)], [-np.sin(pose.yaw), np.cos(pose.yaw)]])
+        points = [turn @ (self.follower.look_ahead(d * self.scale) - pose.position[:2]) for d in AHEAD]
         curvature = network(self.weights, np.concatenate(points) / self.scale / 10.0) / self.scale
         steering = np.arctan(self.wheelbase * curvature) / self.max_steer_angle
-        return Command.for_speed(steering, self.speed, obs.linear_velocity[0])
+        return Command.for_speed(steering, self.speed, pose.linear_velocity[0])
 
 
 def network(w, x):

@@ -15,11 +15,12 @@ class Pursuit(Planner):
         self.follower = Follower(task.path, 2.0 * self.ahead)
 
     def step(self, obs):
-        self.follower.update(obs.position[0], obs.position[1])
-        dx, dy = self.follower.look_ahead(self.ahead) - obs.position[:2]
-        curvature = 2.0 * np.sin(np.arctan2(dy, dx) - obs.yaw) / max(np.hypot(dx, dy), 0.1)
+        pose = obs.pose
+        self.follower.update(pose.position[0], pose.position[1])
+        dx, dy = self.follower.look_ahead(self.ahead) - pose.position[:2]
+        curvature = 2.0 * np.sin(np.arctan2(dy, dx) - pose.yaw) / max(np.hypot(dx, dy), 0.1)
         steering = np.arctan(self.vehicle.wheelbase * curvature) / self.vehicle.max_steer_angle
-        return Command.for_speed(steering, self.speed, obs.linear_velocity[0])
+        return Command.for_speed(steering, self.speed, pose.linear_velocity[0])
 
 
 main(Pursuit)

@@ -21,24 +21,35 @@ def frame(kind, fields):
 
 def grid(data):
     rows, cols = data.shape
-    return {"rows": rows, "cols": cols, "resolution": 0.5, "origin_x": -1.0, "origin_y": 2.0, "data": data.tobytes()}
+    frame = {"rows": rows, "cols": cols, "resolution": 0.5, "origin_x": -1.0, "origin_y": 2.0}
+    return {"frame": frame, "data": data.tobytes()}
 
 
 VEHICLE = {
     "name": "v", "scale": 1.0, "mass": 1.0, "length": 1.0, "width": 1.0, "height": 1.0, "wheelbase": 3.0, "track": 1.0,
     "wheel_radius": 0.5, "wheels": 4, "ground_clearance": 0.3, "max_steer_angle": 0.5, "max_steer_rate": 1.0,
-    "min_turn_radius": 7.0, "max_speed": 30.0, "later": "ignored",
+    "min_turn_radius": 7.0, "max_speed": 30.0, "max_reverse_speed": 5.0, "direction_change_speed": 0.5,
+    "direction_change_time": 0.6, "later": "ignored",
 }  # fmt: skip
 TASK = {
     "id": "w001/t00", "vehicle": VEHICLE, "elevation": grid(np.array([[0, 1, 2], [3, 4, 5]], "<f4")),
     "semantics": grid(np.zeros((2, 3), "u1")), "occupancy": grid(np.eye(2, 3, dtype="u1")),
     "path": [[0.0, 0.0], [10.0, 0.0]], "start": [0.0, 0.0, 0.5], "goal": [10.0, 0.0], "goal_radius": 8.0,
-    "time_limit": 60.0, "control_period": 0.1, "seed": 2**64 - 1, "params": [["speed", "2"]], "later": 1,
+    "time_limit": 60.0, "control_period": 0.1, "seed": 2**64 - 1, "half_extent": [64.0, 64.0],
+    "params": [{"key": "speed", "value": "2"}], "perception": "oracle", "depth": None,
+    "lidar": {
+        "period": 0.1, "rows": 2, "cols": 4, "lowest": 0.0, "highest": 0.5, "min_range": 0.5, "max_range": 50.0,
+        "mount": {"position": [0.5, 0.0, 2.0], "roll": 0.0, "pitch": 0.0, "yaw": np.pi / 2},
+    }, "later": 1,
 }  # fmt: skip
 OBSERVATION = {
-    "time": 0.1, "position": [1.0, 2.0, 3.0], "roll": 0.0, "pitch": 0.0, "yaw": 0.25, "linear_velocity": [1.0, 0.0, 0.0],
-    "angular_velocity": [0.0, 0.0, 0.0], "wheels": [{"speed": 2.0, "deflection": 0.01}] * 4, "last_steering": 0.0,
-    "last_throttle": 0.0, "last_brake": 0.0,
+    "time": 0.1, "wheels": [{"spin": 2.0, "travel": 0.01}] * 4, "imu": [], "gnss": None, "depth": None, "local_map": None,
+    "pose": {
+        "position": [1.0, 2.0, 3.0], "roll": 0.0, "pitch": 0.0, "yaw": 0.25, "linear_velocity": [1.0, 0.0, 0.0],
+        "angular_velocity": [0.0, 0.0, 0.0],
+    },
+    "lidar": {"time": 0.1, "ranges": np.array([0, 0, 2, 0, 0, 0, 0, 0], "<f4").tobytes()},
+    "gear": "forward", "engine_speed": 80.0, "last_steering": 0.0, "last_throttle": 0.0, "last_brake": 0.0,
 }  # fmt: skip
 
 
@@ -64,20 +75,26 @@ class Probe(Planner):
     def step(self, obs):
         if obs.time > 1.0:
             raise RuntimeError("too late")
-        return Command(obs.yaw, np.float32(self.speed), 0, debug={"wheels": obs.wheel_speeds})
+        spins = [wheel.spin for wheel in obs.wheels]
+        points = self.task.lidar.points(obs.lidar)
+        return Command(obs.pose.yaw, np.float32(self.speed), 0, "reverse", debug={"wheels": spins, "points": points})
 
 
 def test_a_conversation_from_hello_to_bye():
     late = dict(OBSERVATION, time=2.0)
     replies = talk(
-        Probe, ("hello", {"protocol": 1, "abi": "0.1"}), ("init", TASK), ("step", OBSERVATION), ("step", late),
+        Probe, ("hello", {"protocol": 1, "abi": "0.2"}), ("init", TASK), ("step", OBSERVATION), ("step", late),
         ("drop", {}), ("init", TASK), ("bye", {}), ("hello", {}),
     )  # fmt: skip
     hello = replies[0][1]
-    assert (hello["protocol"], hello["abi"], hello["name"], hello["control_period"]) == (1, "0.1", "probe", 0.1)
+    assert (hello["protocol"], hello["abi"], hello["name"], hello["control_period"]) == (1, "0.2", "probe", 0.1)
     assert hello["params"] == [{"key": "speed", "default": "3.0", "help": "m/s"}]
     log = ("log", {"level": "info", "message": "started"})
-    command = {"steering": 0.25, "throttle": 2.0, "brake": 0.0, "debug": [{"name": "wheels", "values": [2.0] * 4}]}
+    # Column 2 of 4 looks 45 degrees to the left of the sensor's x axis, which is turned to the left by 90 degrees.
+    (wheels, points) = replies[3][1].pop("debug")
+    assert wheels == {"name": "wheels", "values": [2.0] * 4}
+    assert points["values"] == pytest.approx([0.5 - 2.0**0.5, 2.0**0.5, 2.0])
+    command = {"steering": 0.25, "throttle": 2.0, "brake": 0.0, "gear": "reverse"}
     assert replies[1:4] == [log, ("ready", {}), ("command", command)]
     kind, error = replies[4]
     assert kind == "error" and error["kind"] == "error"
@@ -109,12 +126,12 @@ def test_half_a_cell_goes_up():
 def test_every_bit_of_a_number_crosses():
     odd = np.array([-0.0, 5e-324, np.inf, 1.0 + 2.0**-52])
     for x in odd:
-        out = talk(Probe, ("init", TASK), ("step", dict(OBSERVATION, yaw=float(x))))
+        out = talk(Probe, ("init", TASK), ("step", dict(OBSERVATION, pose=dict(OBSERVATION["pose"], yaw=float(x)))))
         assert struct.pack("<d", out[-1][1]["steering"]) == struct.pack("<d", x)
 
 
 def test_a_parameter_that_is_no_number_is_an_error():
-    kind, error = talk(Probe, ("init", dict(TASK, params=[["speed", "nan"]])))[-1]
+    kind, error = talk(Probe, ("init", dict(TASK, params=[{"key": "speed", "value": "nan"}])))[-1]
     assert kind == "error" and "parameter `speed`: `nan` is not a number" in error["message"]
 
 
@@ -132,7 +149,7 @@ def test_parameters_without_a_help_text_say_how_to_declare_them():
     class Numbers(Probe):
         params = {"speed": 4.0}
 
-    kind, error = talk(Numbers, ("hello", {"protocol": 1, "abi": "0.1"}))[-1]
+    kind, error = talk(Numbers, ("hello", {"protocol": 1, "abi": "0.2"}))[-1]
     wanted = 'TypeError: params["speed"] is 4.0; write {"speed": (4.0, "what it is for")}'
     assert (kind, error["message"]) == ("error", wanted)
 
@@ -151,9 +168,13 @@ def test_a_step_that_returns_no_command_is_told_so(answer):
 def test_a_field_of_a_command_that_is_no_number_is_named():
     class Words(Probe):
         def step(self, obs):
-            return Command("left") if obs.time < 1.0 else Command(debug={"cost": "high"})
+            bad = [Command("left"), Command(debug={"cost": "high"}), Command(gear="sideways")]
+            return bad[int(obs.time)]
 
-    replies = talk(Words, ("init", TASK), ("step", OBSERVATION), ("step", dict(OBSERVATION, time=2.0)))
+    later = [("step", dict(OBSERVATION, time=t)) for t in (1.0, 2.0)]
+    replies = talk(Words, ("init", TASK), ("step", OBSERVATION), *later)
+    told = "ValueError: the command's gear is 'sideways'; it must be one of forward, neutral, reverse"
+    assert replies.pop()[1]["message"] == told
     assert replies[-2][1]["message"] == "TypeError: the command's steering is 'left'; it must be a number"
     assert replies[-1][1]["message"] == "TypeError: the command's debug[\"cost\"] is 'high'; it must be numbers"
 

@@ -1,6 +1,6 @@
 //! Messages of a planner's process.
 
-use vb_sdk::{Command, Observation, Task, Wheel};
+use vb_sdk::{Command, Observation, Wheel};
 use vb_worker::protocol::{
     Empty, Failure, FailureKind, Introduction, LogLine, Reply, Request, WireLevel, decode, encode, payload,
 };
@@ -12,13 +12,9 @@ pub(crate) fn run(data: &[u8]) {
     while let Ok(Some(bytes)) = payload(rest, LIMIT) {
         let (reply, request) = (decode::<Reply>(bytes), decode::<Request>(bytes));
         match reply {
-            Ok(Reply::Command(command)) => drop(Command::from(command)),
             Ok(_) => {}
-            Err(_) => match request {
-                Ok(Request::Init(task)) => drop(Task::from(*task)),
-                Ok(Request::Step(observation)) => drop(Observation::from(observation)),
-                _ => return,
-            },
+            Err(_) if request.is_ok() => {}
+            Err(_) => return,
         }
         rest = &rest[4 + bytes.len()..];
     }
@@ -31,21 +27,20 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     };
     let line = LogLine { level: WireLevel::Info, message: "a line".into() };
     let debug = vec![vb_sdk::Series { name: "s".into(), values: vec![1.0, 2.0] }];
-    let command = Command { steering: 0.5, throttle: 1.0, brake: 0.0, debug };
+    let command = Command { steering: 0.5, throttle: 1.0, brake: 0.0, debug, ..Command::default() };
     let observation = Observation { wheels: vec![Wheel::default(); 4], ..Observation::default() };
     let failure = Failure { kind: FailureKind::Error, message: "no path".into() };
     let replies = [
         Reply::Hello(Introduction { name: "x".into(), ..Introduction::default() }),
         Reply::Ready(Empty {}),
         Reply::Log(line),
-        Reply::Command(command.into()),
+        Reply::Command(command),
         Reply::Dropped(Empty {}),
         Reply::Error(failure),
     ];
     let mut seeds: Vec<Vec<u8>> = replies.iter().map(frame).collect();
     seeds.push(seeds.concat());
-    for request in [Request::Init(Box::new((&Task::default()).into())), Request::Step((&observation).into())]
-    {
+    for request in [Request::Init(Box::default()), Request::Step(observation)] {
         let mut out = Vec::new();
         if encode(&request, &mut out).is_ok() {
             seeds.push(out);

@@ -18,7 +18,7 @@ fn a_submission_is_small_says_what_was_run_and_verifies() {
     let pid = pid();
     mini.submit(&pid, "s", &["--entrant", "A team", "--note", "First try"]);
     let manifest = mini.bench.json("s/submission.json");
-    assert_eq!((&manifest["division"], &manifest["abi"]), (&"ranked".into(), &"0.1".into()));
+    assert_eq!((&manifest["division"], &manifest["abi"]), (&"ranked".into(), &"0.2".into()));
     assert_eq!(manifest["run"]["suite"]["name"], "mini");
     assert_eq!(manifest["tasks"].as_object().map(serde_json::Map::len), Some(20));
     // The run stays where runs are, with all its traces; the submission has those of a few tasks.

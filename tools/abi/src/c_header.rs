@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::c_layout::used;
-use crate::model::{Model, Record, Type, snake, with_names};
+use crate::HEADER;
+use crate::model::{Model, Record, Type, camel, snake, with_names};
 
 pub(crate) fn write(model: &Model) -> Result<String, String> {
     let mut out = String::new();
@@ -21,6 +22,24 @@ pub(crate) fn write(model: &Model) -> Result<String, String> {
     for record in used(model, &["task", "observation", "command"])? {
         structure(&mut out, record);
     }
+    Ok(out)
+}
+
+/// For the test that compares both: every struct with its fields, as calls of a macro in a block.
+pub(crate) fn fields(model: &Model) -> Result<String, String> {
+    let mut out = format!("// {HEADER}\n{{\n");
+    for record in used(model, &["task", "observation", "command"])? {
+        let mut names = Vec::new();
+        for f in &record.fields {
+            names.push(snake(&f.name));
+            if matches!(f.ty, Type::List(_)) {
+                names.push(format!("{}_len", snake(&f.name)));
+            }
+        }
+        let (c, rust) = (snake(&record.name), camel(&record.name));
+        let _ = writeln!(out, "    same!(\"vb_{c}\", C{rust}: {});", names.join(", "));
+    }
+    out.push_str("}\n");
     Ok(out)
 }
 

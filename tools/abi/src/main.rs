@@ -39,6 +39,7 @@ fn outputs() -> Result<Vec<(&'static str, String)>, String> {
             "docs/worker-protocol.md",
             between_marks("docs/worker-protocol.md", &[("data", docs::wire(&model)?)])?,
         ),
+        ("harness/worker/tests/c_header_fields.in", c_header::fields(&model)?),
         ("sdk/c/vb_planner.h", between_marks("sdk/c/vb_planner.h", &[("data", c_header::write(&model)?)])?),
     ])
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use vb_sdk::metadata::{self, Metadata, ParamSpec};
+use vb_sdk::metadata::{self, Metadata, Need, ParamSpec};
 
 use crate::error::CliError;
 
@@ -21,6 +21,9 @@ struct Document {
     control_period: f64,
     #[serde(default)]
     params: Vec<Param>,
+    /// Sensors and how often they are to be read, e.g. `lidar 10`.
+    #[serde(default)]
+    needs: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -42,7 +45,7 @@ pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
 
 fn parse(text: &str) -> Result<Metadata, String> {
     let document: Document = vb_world::yaml::parse(text).map_err(|e| e.to_string())?;
-    let Document { name, version, authors, about, control_period, params } = document;
+    let Document { name, version, authors, about, control_period, params, needs: wanted } = document;
     if !metadata::is_name(&name) {
         return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
     }
@@ -65,10 +68,18 @@ fn parse(text: &str) -> Result<Metadata, String> {
             return Err(format!("params[{i}].name: {:?} is declared twice", param.name));
         }
     }
+    let mut needs: Vec<Need> = Vec::new();
+    for (i, text) in wanted.iter().enumerate() {
+        let need = Need::parse(text).map_err(|reason| format!("needs[{i}]: {reason}"))?;
+        if needs.iter().any(|n| n.sensor == need.sensor) {
+            return Err(format!("needs[{i}]: {} is asked for twice", need.sensor.name()));
+        }
+        needs.push(need);
+    }
     let spec = |p: Param| ParamSpec { key: p.name, default: p.default, help: p.help };
     let params = params.into_iter().map(spec).collect();
     let abi = vb_sdk::ABI_VERSION.to_owned();
-    Ok(Metadata { abi, name, version, authors, about, control_period, params })
+    Ok(Metadata { abi, name, version, authors, about, control_period, params, needs })
 }
 
 #[cfg(test)]
@@ -89,7 +100,7 @@ params:
     #[test]
     fn a_description_becomes_metadata_of_this_abi() {
         let m = parse(WHOLE).unwrap();
-        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("0.1", "drive-c", "0.1.0"));
+        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("0.2", "drive-c", "0.1.0"));
         assert_eq!((m.authors, m.about.as_str()), (vec!["A B <a@b>".into(), "C".into()], "Drives: well"));
         assert_eq!(m.control_period, 0.05);
         let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };
@@ -110,6 +121,9 @@ params:
             ("name: mode", "name: speed", "params[1].name: \"speed\" is declared twice"),
             ("name: mode", "name: 'a=b'", "params[1].name: \"a=b\""),
             ("about:", "abuot:", "abuot"),
+            ("about:", "needs: [radar]\nabout:", "needs[0]: there is no sensor `radar`"),
+            ("about:", "needs: [imu 30]\nabout:", "needs[0]: imu can't be read 30 times a second"),
+            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is asked for twice"),
         ] {
             let e = changed(from, to);
             assert!(e.contains(says) && e.lines().count() == 1, "{to}: {e}");

@@ -9,14 +9,16 @@ use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command as OsCommand, ExitCode};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-use vb_sdk::metadata::{Metadata, ParamSpec, is_control_period, is_name};
+use serde::Serialize;
+use vb_sdk::metadata::{Metadata, Need, ParamSpec, is_control_period, is_name};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
     Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
+use vb_worker::v0_1;
 use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
 
 use crate::abi::AbiVersion;
@@ -75,6 +77,8 @@ struct Shared {
     kind: Kind,
     /// What its processes are greeted with.
     abi: AbiVersion,
+    /// The version that a command has said it speaks.
+    spoken: OnceLock<AbiVersion>,
     memory_bytes: u64,
     max_message: usize,
     /// How long a process may take until it has introduced itself.
@@ -153,6 +157,7 @@ impl ProcessPlugin {
         match plugin.spawn() {
             Ok((process, introduction)) => {
                 let (abi, metadata) = metadata(&path, introduction)?;
+                plugin.0.spoken.get_or_init(|| abi);
                 plugin.put_back(process);
                 Ok((plugin, abi, metadata))
             }
@@ -178,11 +183,17 @@ impl ProcessPlugin {
         Self(Arc::new(Shared {
             kind,
             abi,
+            spoken: OnceLock::new(),
             hello,
             memory_bytes: limits.memory_bytes as u64,
             max_message: limits.output_bytes.saturating_add(MESSAGE),
             idle: Mutex::default(),
         }))
+    }
+
+    /// The version that a command speaks.
+    fn spoken(&self) -> AbiVersion {
+        self.0.spoken.get().copied().unwrap_or(self.0.abi)
     }
 
     /// A process that has introduced itself.
@@ -310,7 +321,7 @@ impl ProcessPlugin {
             log: Log::new(sink, limits.log_bytes),
             limit: Duration::from_millis(limits.watchdog_ms),
         };
-        match session.ask(&Request::Init(Box::new(task.into())))? {
+        match session.init(task)? {
             Reply::Ready(_) => Ok(session),
             other => Err(session.fail(unexpected(other.name(), "ready"))),
         }
@@ -339,15 +350,38 @@ pub(crate) struct ProcessSession {
 }
 
 impl ProcessSession {
+    /// The version in which the process is spoken to: the harness's own worker translates by itself.
+    fn terms(&self) -> AbiVersion {
+        match self.plugin.0.kind {
+            Kind::Worker { .. } => AbiVersion::NEWEST,
+            Kind::Command { .. } => self.plugin.spoken(),
+        }
+    }
+
+    fn init(&mut self, task: &Task) -> Result<Reply, FaultCause> {
+        match self.terms() {
+            AbiVersion::V0_1 => {
+                self.ask(&v0_1::wire::Request::Init(Box::new((&v0_1::task(task)).into())))
+            }
+            AbiVersion::V0_2 => self.ask(&Request::Init(Box::new(task.clone()))),
+        }
+    }
+
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
-        match self.ask(&Request::Step(observation.into()))? {
-            Reply::Command(command) => Ok(command.into()),
+        let reply = match self.terms() {
+            AbiVersion::V0_1 => {
+                self.ask(&v0_1::wire::Request::Step((&v0_1::observation(observation)).into()))
+            }
+            AbiVersion::V0_2 => self.ask(&Request::Step(observation.clone())),
+        };
+        match reply? {
+            Reply::Command(command) => Ok(command),
             other => Err(self.fail(unexpected(other.name(), "command"))),
         }
     }
 
     /// Asks the process; after a fault there is none any more.
-    fn ask(&mut self, request: &Request) -> Result<Reply, FaultCause> {
+    fn ask(&mut self, request: &impl Serialize) -> Result<Reply, FaultCause> {
         let Some(process) = &mut self.process else {
             return Err(FaultCause::Protocol { message: "its process is gone".into() });
         };
@@ -407,6 +441,7 @@ fn refused(failure: &Failure) -> Option<FaultCause> {
     match failure.kind {
         FailureKind::Error => Some(FaultCause::Error { message }),
         FailureKind::Panic => Some(FaultCause::Panic { message }),
+        FailureKind::InvalidOutput => Some(FaultCause::BadCommand { message }),
         FailureKind::Denied => {
             let import = message.parse().map_or_else(|_| message.clone(), system_call_name);
             Some(FaultCause::ImportDenied { import })
@@ -461,6 +496,14 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
             said.control_period
         )));
     }
+    let mut needs: Vec<Need> = Vec::new();
+    for text in &said.needs {
+        let need = Need::parse(text).map_err(|reason| not_a_plugin(one_line(&reason)))?;
+        if needs.iter().any(|n| n.sensor == need.sensor) {
+            return Err(not_a_plugin(format!("it asks for {} twice", need.sensor.name())));
+        }
+        needs.push(need);
+    }
     let param =
         |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
     let metadata = Metadata {
@@ -471,6 +514,7 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
         about: said.about,
         control_period: said.control_period,
         params: said.params.into_iter().map(param).collect(),
+        needs,
     };
     Ok((abi, metadata))
 }

@@ -91,6 +91,8 @@ pub(crate) struct Process {
     limit: usize,
     /// Whether its system calls are filtered.
     is_filtered: bool,
+    /// Whether it has got a request.
+    was_asked: bool,
     /// How it ended, once that has been asked of the system: its number may be another's from then on.
     ended: Option<ProcessEnd>,
 }
@@ -122,6 +124,7 @@ impl Process {
             words: Vec::new(),
             limit,
             is_filtered: false,
+            was_asked: false,
             ended: None,
         };
         for pipe in [process.stdin.as_ref().map(|p| p.as_fd()), Some(process.stdout.as_fd())] {
@@ -134,13 +137,13 @@ impl Process {
     /// Sends a request and waits for the answer. Lines of the log are taken on the way.
     pub(crate) fn ask(
         &mut self,
-        request: &Request,
+        request: &impl Serialize,
         limit: Duration,
         log: &mut Log,
     ) -> Result<Reply, Trouble> {
         // What came after the last answer can only be lines of the log. A command may say what it is before it is
-        // asked.
-        if !matches!(request, Request::Hello(_)) {
+        // asked for the first time.
+        if std::mem::replace(&mut self.was_asked, true) {
             self.read_output()?;
         }
         if let Some(reply) = self.next_reply(log)? {

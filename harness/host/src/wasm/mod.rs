@@ -2,10 +2,12 @@
 
 mod cache;
 pub(crate) mod compile;
-mod convert;
 mod engine;
 mod guest_world;
+mod interface;
 mod session;
+mod v0_1;
+mod v0_2;
 mod wasi;
 
 use std::path::Path;
@@ -25,20 +27,14 @@ use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 
 use compile::Refusal;
-use session::State;
+use interface::Pre;
 pub(crate) use session::WasmSession;
-
-#[allow(missing_docs, unreachable_pub, clippy::all)]
-mod bindings {
-    //! The types generated from the interface's text.
-    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_1" });
-}
 
 /// A compiled and linked plugin, ready to be instantiated.
 #[derive(Clone)]
 pub(crate) struct WasmPlugin {
     engine: Engine,
-    pre: bindings::PlannerPluginPre<State>,
+    pre: Pre,
 }
 
 impl std::fmt::Debug for WasmPlugin {
@@ -89,10 +85,7 @@ impl WasmPlugin {
         session::add_host_functions(&mut linker, file.abi).map_err(unloadable)?;
         wasi::add_to_linker(&mut linker, &component, &engine).map_err(unloadable)?;
         let pre = linker.instantiate_pre(&component).map_err(unloadable)?;
-        // A version with other types gets bindings of its own here.
-        let pre = match file.abi {
-            AbiVersion::V0_1 => bindings::PlannerPluginPre::new(pre).map_err(not_a_plugin)?,
-        };
+        let pre = Pre::new(file.abi, pre).map_err(not_a_plugin)?;
         Ok(Self { engine, pre })
     }
 

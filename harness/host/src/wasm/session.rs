@@ -1,13 +1,14 @@
 //! A WASM planner at work on a task.
 
 use vb_sdk::{Command, LogLevel, Observation, Task};
-use wasmtime::component::{Linker, ResourceAny, WasmStr};
+use wasmtime::component::{Linker, WasmStr};
 use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, WasmBacktrace};
 
-use super::bindings::vertibench::planner::types;
-use super::bindings::{PlannerPlugin, PlannerPluginPre};
 use super::guest_world::Wasi;
-use super::{convert, engine, is_of_the_system};
+use super::interface::{Brief, Planner, Pre};
+// The levels of all versions are the same.
+use super::v0_2::bindings::vertibench::planner::types;
+use super::{engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
@@ -176,8 +177,7 @@ pub(super) fn add_host_functions(linker: &mut Linker<State>, abi: AbiVersion) ->
 /// A planner of a WASM plugin, in a store of its own.
 pub(crate) struct WasmSession {
     store: Store<State>,
-    plugin: PlannerPlugin,
-    planner: ResourceAny,
+    planner: Planner,
     fuel_per_step: u64,
     fuel_per_task: u64,
     /// Ticks that a call has; `None` without a watchdog.
@@ -194,7 +194,7 @@ impl std::fmt::Debug for WasmSession {
 impl WasmSession {
     pub(super) fn start(
         engine: &Engine,
-        pre: &PlannerPluginPre<State>,
+        pre: &Pre,
         task: &Task,
         sink: LogSink,
         limits: &Limits,
@@ -208,21 +208,20 @@ impl WasmSession {
             store.set_epoch_deadline(ticks);
             store.epoch_deadline_trap();
         }
-        let task = convert::task(task);
+        let task = Brief::new(pre, task);
         let budget = Budget::new(limits.fuel_init, limits.fuel_per_task);
         let mut init = || {
             store.set_fuel(budget.fuel)?;
-            let plugin = pre.instantiate(&mut store)?;
-            let planner = plugin.vertibench_planner_guest().planner().call_init(&mut store, &task)?;
-            Ok((plugin, planner, budget.fuel - store.get_fuel()?))
+            let planner = Planner::init(pre, &mut store, &task)?;
+            Ok((planner, budget.fuel - store.get_fuel()?))
         };
         let result = init();
         store.data_mut().flush_output();
-        let (plugin, planner, used) = result.map_err(|e| cause(&e, store.data(), budget))?;
+        let (planner, used) = result.map_err(|e| cause(&e, store.data(), budget))?;
         let planner = planner.map_err(|message| FaultCause::Error { message: one_line(&message) })?;
         let fuel = FuelMeter { init: used, ..FuelMeter::default() };
         let (fuel_per_step, fuel_per_task) = (limits.fuel_per_step, limits.fuel_per_task);
-        Ok(Self { store, plugin, planner, fuel_per_step, fuel_per_task, deadline, fuel })
+        Ok(Self { store, planner, fuel_per_step, fuel_per_task, deadline, fuel })
     }
 
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
@@ -236,18 +235,15 @@ impl WasmSession {
         if let Some(ticks) = self.deadline {
             store.set_epoch_deadline(ticks);
         }
-        let observation = convert::observation(observation);
-        let interface = self.plugin.vertibench_planner_guest();
-        let result = store
-            .set_fuel(budget.fuel)
-            .and_then(|()| interface.planner().call_step(&mut *store, self.planner, &observation));
+        let sight = self.planner.sight(observation);
+        let result = store.set_fuel(budget.fuel).and_then(|()| self.planner.step(&mut *store, &sight));
         store.data_mut().flush_output();
         let used = budget.fuel - store.get_fuel().unwrap_or(0);
         self.fuel.last_step = used;
         self.fuel.steps += used;
         self.fuel.max_step = self.fuel.max_step.max(used);
         match result {
-            Ok(Ok(command)) => Ok(convert::command(command)),
+            Ok(Ok(command)) => Ok(command),
             Ok(Err(message)) => Err(FaultCause::Error { message: one_line(&message) }),
             Err(e) => Err(cause(&e, store.data(), budget)),
         }

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use vb_host::{Limits, LoadError, LogSink, Plugin, PluginKind, ProcessOptions, inspect};
-use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Task, Vec3, Vehicle, Wheel, math};
+use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle, Wheel, math};
 
 /// A built planner, or a word on why the test is skipped.
 fn built(file: &str) -> Option<PathBuf> {
@@ -41,9 +41,9 @@ fn task(plugin: &Plugin, params: &[(&str, &str)]) -> Task {
     Task {
         id: "w001/t01".into(),
         vehicle: Vehicle { scale: 1.0, wheelbase: 3.3, max_steer_angle: 0.6, ..Vehicle::default() },
-        elevation: Map { frame, data: (0..81u8).map(|i| f32::from(i) * 0.1).collect() },
-        semantics: Map { frame, data: vec![3; 81] },
-        occupancy: Map { frame, data: vec![0; 81] },
+        elevation: Some(Map { frame, data: (0..81u8).map(|i| f32::from(i) * 0.1).collect() }),
+        semantics: Some(Map { frame, data: vec![3; 81] }),
+        occupancy: Some(Map { frame, data: vec![0; 81] }),
         path: (0..200)
             .map(|i| Point2 { x: f64::from(i) * 0.7, y: 8.0 * math::sin(f64::from(i) * 0.07) })
             .collect(),
@@ -62,11 +62,13 @@ fn drive(plugin: &Plugin, params: &[(&str, &str)]) -> Vec<Command> {
     for i in 0..600 {
         let observation = Observation {
             time: f64::from(i) * 0.1,
-            position: Vec3 { x, y, z: 0.4 },
-            yaw,
-            linear_velocity: Vec3 { x: speed, ..Vec3::default() },
-            wheels: vec![Wheel { speed: speed / 0.47, deflection: 0.01 }; 4],
-            ..Observation::default()
+            wheels: vec![Wheel { spin: speed / 0.47, travel: 0.01 }; 4],
+            ..Observation::of(Pose {
+                position: Vec3 { x, y, z: 0.4 },
+                yaw,
+                linear_velocity: Vec3 { x: speed, ..Vec3::default() },
+                ..Pose::default()
+            })
         };
         let (command, _) = vb_host::clamp(session.step(&observation).unwrap());
         speed += 0.1 * (4.0 * command.throttle - 6.0 * command.brake - 0.1 * speed);
@@ -104,7 +106,7 @@ fn a_planners_metadata_are_those_of_its_crate() {
     for file in ["pid.wasm", "libpid.so"] {
         let Some(path) = built(file) else { return };
         let m = inspect(&path).unwrap();
-        assert_eq!((m.name.as_str(), m.abi.as_str(), m.control_period), ("pid", "0.1", 0.1));
+        assert_eq!((m.name.as_str(), m.abi.as_str(), m.control_period), ("pid", "0.2", 0.1));
         assert_eq!(m.authors, [env!("CARGO_PKG_AUTHORS")]);
         let speed = m.params.iter().find(|p| p.key == "speed").unwrap();
         assert_eq!((speed.default.as_str(), speed.help.as_str()), ("3.0", "target speed, m/s at full scale"));

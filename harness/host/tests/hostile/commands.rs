@@ -30,7 +30,7 @@ pub fn write_messages(dir: &Path) {
         ("hello", Reply::Hello(hello)),
         ("ready", Reply::Ready(Empty {})),
         ("dropped", Reply::Dropped(Empty {})),
-        ("nan", Reply::Command(Command { brake: f64::NAN, ..Command::default() }.into())),
+        ("nan", Reply::Command(Command { brake: f64::NAN, ..Command::default() })),
         ("error", failure(FailureKind::Error)),
         ("panic", failure(FailureKind::Panic)),
         ("line", Reply::Log(LogLine { level: WireLevel::Info, message: "la".repeat(100) })),
@@ -56,7 +56,7 @@ pub fn table() -> Vec<Case> {
     // Waits until it is asked for a task, and until it is asked for a command: the former requests have come, and the
     // length of the next.
     let asked = format!("cat hello; head -c {} > /dev/null", length(Request::Hello(greeting)) + 4);
-    let init = length(Request::Init(Box::new((&task()).into())));
+    let init = length(Request::Init(Box::new(task())));
     let set_off = format!("{asked}; cat ready; head -c {init} > /dev/null");
     // The rest of what is asked is read, so that the harness can write it, and the output stays open.
     let rest = "exec cat 3>&1 > /dev/null";

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use vb_host::{FaultCode, LogSink, Plugin};
-use vb_sdk::{Observation, Param, Vec3, Wheel};
+use vb_sdk::{Observation, Param, Pose, Vec3, Wheel};
 
 use super::course::Course;
 use super::report::{Check, Verdict};
@@ -17,8 +17,11 @@ const TIMES: usize = 3;
 pub(super) fn check(course: &Course<'_>, plugin: &Plugin, params: &[Param]) -> Result<Check, KitError> {
     let brief = course.brief(0, plugin, params);
     let sound = Observation {
-        position: Vec3 { x: brief.start.x, y: brief.start.y, z: 1.0 },
-        yaw: brief.start.yaw,
+        pose: Some(Pose {
+            position: Vec3 { x: brief.start.x, y: brief.start.y, z: 1.0 },
+            yaw: brief.start.yaw,
+            ..Pose::default()
+        }),
         wheels: vec![Wheel::default(); brief.vehicle.wheels as usize],
         ..Observation::default()
     };
@@ -87,16 +90,20 @@ fn extremes(sound: &Observation) -> Vec<(&'static str, Observation)> {
         let all = Vec3 { x, y: x, z: x };
         Observation {
             time: sound.time,
-            position: all,
-            roll: x,
-            pitch: x,
-            yaw: x,
-            linear_velocity: all,
-            angular_velocity: all,
-            wheels: vec![Wheel { speed: x, deflection: x }; sound.wheels.len()],
+            pose: Some(Pose {
+                position: all,
+                roll: x,
+                pitch: x,
+                yaw: x,
+                linear_velocity: all,
+                angular_velocity: all,
+            }),
+            wheels: vec![Wheel { spin: x, travel: x }; sound.wheels.len()],
+            engine_speed: x,
             last_steering: x,
             last_throttle: x,
             last_brake: x,
+            ..sound.clone()
         }
     }
     let with = |change: &dyn Fn(&mut Observation)| {
@@ -104,6 +111,9 @@ fn extremes(sound: &Observation) -> Vec<(&'static str, Observation)> {
         change(&mut o);
         o
     };
+    fn pose(o: &mut Observation) -> &mut Pose {
+        o.pose.get_or_insert_default()
+    }
     vec![
         ("zeros", filled(sound, 0.0)),
         ("negative zeros", filled(sound, -0.0)),
@@ -113,10 +123,11 @@ fn extremes(sound: &Observation) -> Vec<(&'static str, Observation)> {
         ("the greatest numbers", filled(sound, f64::MAX)),
         ("the least numbers", filled(sound, f64::MIN)),
         ("denormal numbers", filled(sound, f64::from_bits(1))),
-        ("NaN for the position only", with(&|o| o.position.x = f64::NAN)),
-        ("NaN for the heading only", with(&|o| o.yaw = f64::NAN)),
-        ("a heading of a million turns", with(&|o| o.yaw = 6.3e6)),
-        ("a position far outside of the world", with(&|o| o.position.x = 1e9)),
+        ("NaN for the position only", with(&|o| pose(o).position.x = f64::NAN)),
+        ("NaN for the heading only", with(&|o| pose(o).yaw = f64::NAN)),
+        ("a heading of a million turns", with(&|o| pose(o).yaw = 6.3e6)),
+        ("a position far outside of the world", with(&|o| pose(o).position.x = 1e9)),
+        ("no pose", with(&|o| o.pose = None)),
         ("no wheels", with(&|o| o.wheels.clear())),
         ("a thousand wheels", with(&|o| o.wheels = vec![Wheel::default(); 1000])),
         ("a time that stands still", with(&|_| {})),

@@ -81,6 +81,7 @@ mod tests {
             about: "Drives".into(),
             control_period: 0.1,
             params: vec![param("speed"), param("ahead")],
+            needs: Vec::new(),
         }
     }
 

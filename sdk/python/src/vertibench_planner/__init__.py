@@ -15,9 +15,45 @@ A planner is a class with ``init`` and ``step``::
 z up, origin at the world's centre. Body frame: x forward, y left, z up.
 """
 
-from ._data import Command, Grid, Observation, Task, Vehicle
+from ._data import (
+    Command,
+    DepthImage,
+    DepthInfo,
+    GnssFix,
+    ImuSample,
+    LidarInfo,
+    LidarScan,
+    LocalMap,
+    Mount,
+    Observation,
+    Pose,
+    Task,
+    Vehicle,
+    Wheel,
+)
+from ._methods import Grid
 from ._path import Follower
 from ._serve import Planner, main, serve
 
-__all__ = ["Command", "Follower", "Grid", "Observation", "Planner", "Task", "Vehicle", "main", "serve"]
-__version__ = "0.1.0"
+__all__ = [
+    "Command",
+    "DepthImage",
+    "DepthInfo",
+    "Follower",
+    "GnssFix",
+    "Grid",
+    "ImuSample",
+    "LidarInfo",
+    "LidarScan",
+    "LocalMap",
+    "Mount",
+    "Observation",
+    "Planner",
+    "Pose",
+    "Task",
+    "Vehicle",
+    "Wheel",
+    "main",
+    "serve",
+]
+__version__ = "0.2.0"

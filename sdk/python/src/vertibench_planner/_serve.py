@@ -10,7 +10,7 @@ import msgpack
 from ._data import Command, Observation, Task
 
 PROTOCOL = 1
-ABI = "0.1"
+ABI = "0.2"
 
 
 class Planner:
@@ -28,6 +28,8 @@ class Planner:
     """Wanted time between two steps, s; a multiple of 0.001."""
     params = {}
     """Parameters that a user may set: name to (default, help)."""
+    needs = ()
+    """Sensors to be read, and how many times a second: ``("pose", "lidar 10")``. Pose and wheels at every step if empty."""
 
     def init(self, task):
         """Called once with the :class:`Task`. What it raises ends the task."""
@@ -124,6 +126,7 @@ def _introduction(planner):
         "params": [
             {"key": key, "default": str(default), "help": text} for key, (default, text) in planner.params.items()
         ],
+        "needs": [str(need) for need in planner.needs],
     }
 
 

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 use vb_host::{LogSink, Plugin};
-use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Pose2, Task, Vec3, Vehicle, Wheel};
+use vb_sdk::{Command, GridFrame, Map, Observation, Point2, Pose, Pose2, Task, Vec3, Vehicle, Wheel};
 
 /// A task in short, and every step of it.
 #[derive(Debug, Serialize, Deserialize)]
@@ -34,8 +34,8 @@ pub struct Transcript {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// Time; position x, y, z; roll, pitch, yaw; velocity x, y, z; rates x, y, z; last steering, throttle, brake; then
-    /// speed and deflection of each wheel.
+    /// Time; position x, y, z; roll, pitch, yaw; velocity x, y, z; angular velocity x, y, z; last steering, throttle,
+    /// brake; then spin and travel of each wheel.
     pub sees: Vec<f64>,
     /// The bits of steering, throttle and brake, hexadecimal.
     pub answers: [String; 3],
@@ -60,9 +60,9 @@ impl Transcript {
                 max_speed: 30.0,
                 ..Vehicle::default()
             },
-            elevation: Map { frame, data: (0..35u8).map(|i| f32::from(i) * 0.125).collect() },
-            semantics: Map { frame, data: (0..35).map(|i| i % 10).collect() },
-            occupancy: Map { frame, data: (0..35).map(|i| i % 2).collect() },
+            elevation: Some(Map { frame, data: (0..35u8).map(|i| f32::from(i) * 0.125).collect() }),
+            semantics: Some(Map { frame, data: (0..35).map(|i| i % 10).collect() }),
+            occupancy: Some(Map { frame, data: (0..35).map(|i| i % 2).collect() }),
             path: self.path.iter().map(point).collect(),
             start: Pose2 { x: 0.0, y: 0.0, yaw: 0.25 },
             goal: self.path.last().map(point).unwrap(),
@@ -71,6 +71,7 @@ impl Transcript {
             control_period: plugin.metadata().control_period,
             seed: 7,
             params: plugin.params(&self.params).unwrap(),
+            ..Task::default()
         }
     }
 
@@ -102,15 +103,18 @@ pub fn observation(sees: &[f64]) -> Observation {
     let vec3 = |i: usize| Vec3 { x: sees[i], y: sees[i + 1], z: sees[i + 2] };
     Observation {
         time: sees[0],
-        position: vec3(1),
-        roll: sees[4],
-        pitch: sees[5],
-        yaw: sees[6],
-        linear_velocity: vec3(7),
-        angular_velocity: vec3(10),
+        pose: Some(Pose {
+            position: vec3(1),
+            roll: sees[4],
+            pitch: sees[5],
+            yaw: sees[6],
+            linear_velocity: vec3(7),
+            angular_velocity: vec3(10),
+        }),
         last_steering: sees[13],
         last_throttle: sees[14],
         last_brake: sees[15],
-        wheels: sees[16..].chunks_exact(2).map(|w| Wheel { speed: w[0], deflection: w[1] }).collect(),
+        wheels: sees[16..].chunks_exact(2).map(|w| Wheel { spin: w[0], travel: w[1] }).collect(),
+        ..Observation::default()
     }
 }

@@ -1,153 +1,140 @@
-//! The structs of `sdk/c/vb_planner.h` as Rust lays them out, and calls through them.
-//!
-//! `tests/c_header.rs` compares sizes and offsets with those of the system's C compiler.
+//! The structs of version 0.1's `vb_planner.h` as Rust lays them out, and calls through them.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 
-use vb_sdk::{Command, GridFrame, LogLevel, Map, Observation, Point2, Pose2, Series, Task, Vec3, Wheel};
+use vb_sdk_v0_1::{Command, GridFrame, Map, Observation, Point2, Pose2, Series, Task, Vec3, Wheel};
+
+use crate::library::{Log, level_of};
 
 /// `VB_ABI_MAJOR` and `VB_ABI_MINOR`.
-pub const ABI: (u32, u32) = (0, 1);
+const ABI: (u32, u32) = (0, 1);
 /// `VB_ERROR_BYTES`.
-pub const ERROR_BYTES: usize = 1024;
-/// Name of the symbol, for the dynamic loader.
-pub const ENTRY: &[u8] = b"vb_planner_entry\0";
+const ERROR_BYTES: usize = 1024;
 
 /// `vb_heights`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CHeights {
-    pub frame: GridFrame,
-    pub data: *const f32,
+pub(crate) struct CHeights {
+    pub(crate) frame: GridFrame,
+    pub(crate) data: *const f32,
 }
 
 /// `vb_labels`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CLabels {
-    pub frame: GridFrame,
-    pub data: *const u8,
+pub(crate) struct CLabels {
+    pub(crate) frame: GridFrame,
+    pub(crate) data: *const u8,
 }
 
 /// `vb_param`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CParam {
-    pub key: *const c_char,
-    pub value: *const c_char,
+pub(crate) struct CParam {
+    pub(crate) key: *const c_char,
+    pub(crate) value: *const c_char,
 }
 
 /// `vb_vehicle`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CVehicle {
-    pub size: usize,
-    pub name: *const c_char,
-    pub scale: f64,
-    pub mass: f64,
-    pub length: f64,
-    pub width: f64,
-    pub height: f64,
-    pub wheelbase: f64,
-    pub track: f64,
-    pub wheel_radius: f64,
-    pub wheels: u32,
-    pub ground_clearance: f64,
-    pub max_steer_angle: f64,
-    pub max_steer_rate: f64,
-    pub min_turn_radius: f64,
-    pub max_speed: f64,
+pub(crate) struct CVehicle {
+    pub(crate) size: usize,
+    pub(crate) name: *const c_char,
+    pub(crate) scale: f64,
+    pub(crate) mass: f64,
+    pub(crate) length: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) wheelbase: f64,
+    pub(crate) track: f64,
+    pub(crate) wheel_radius: f64,
+    pub(crate) wheels: u32,
+    pub(crate) ground_clearance: f64,
+    pub(crate) max_steer_angle: f64,
+    pub(crate) max_steer_rate: f64,
+    pub(crate) min_turn_radius: f64,
+    pub(crate) max_speed: f64,
 }
 
 /// `vb_task`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CTask {
-    pub size: usize,
-    pub id: *const c_char,
-    pub vehicle: *const CVehicle,
-    pub elevation: CHeights,
-    pub semantics: CLabels,
-    pub occupancy: CLabels,
-    pub path: *const Point2,
-    pub path_len: usize,
-    pub start: Pose2,
-    pub goal: Point2,
-    pub goal_radius: f64,
-    pub time_limit: f64,
-    pub control_period: f64,
-    pub seed: u64,
-    pub params: *const CParam,
-    pub params_len: usize,
+pub(crate) struct CTask {
+    pub(crate) size: usize,
+    pub(crate) id: *const c_char,
+    pub(crate) vehicle: *const CVehicle,
+    pub(crate) elevation: CHeights,
+    pub(crate) semantics: CLabels,
+    pub(crate) occupancy: CLabels,
+    pub(crate) path: *const Point2,
+    pub(crate) path_len: usize,
+    pub(crate) start: Pose2,
+    pub(crate) goal: Point2,
+    pub(crate) goal_radius: f64,
+    pub(crate) time_limit: f64,
+    pub(crate) control_period: f64,
+    pub(crate) seed: u64,
+    pub(crate) params: *const CParam,
+    pub(crate) params_len: usize,
 }
 
 /// `vb_observation`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CObservation {
-    pub size: usize,
-    pub time: f64,
-    pub position: Vec3,
-    pub roll: f64,
-    pub pitch: f64,
-    pub yaw: f64,
-    pub linear_velocity: Vec3,
-    pub angular_velocity: Vec3,
-    pub wheels: *const Wheel,
-    pub wheels_len: usize,
-    pub last_steering: f64,
-    pub last_throttle: f64,
-    pub last_brake: f64,
+pub(crate) struct CObservation {
+    pub(crate) size: usize,
+    pub(crate) time: f64,
+    pub(crate) position: Vec3,
+    pub(crate) roll: f64,
+    pub(crate) pitch: f64,
+    pub(crate) yaw: f64,
+    pub(crate) linear_velocity: Vec3,
+    pub(crate) angular_velocity: Vec3,
+    pub(crate) wheels: *const Wheel,
+    pub(crate) wheels_len: usize,
+    pub(crate) last_steering: f64,
+    pub(crate) last_throttle: f64,
+    pub(crate) last_brake: f64,
 }
 
 /// `vb_series`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CSeries {
-    pub name: *const c_char,
-    pub values: *const f32,
-    pub values_len: usize,
+pub(crate) struct CSeries {
+    pub(crate) name: *const c_char,
+    pub(crate) values: *const f32,
+    pub(crate) values_len: usize,
 }
 
 /// `vb_command`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CCommand {
-    pub size: usize,
-    pub steering: f64,
-    pub throttle: f64,
-    pub brake: f64,
-    pub debug: *const CSeries,
-    pub debug_len: usize,
+pub(crate) struct CCommand {
+    pub(crate) size: usize,
+    pub(crate) steering: f64,
+    pub(crate) throttle: f64,
+    pub(crate) brake: f64,
+    pub(crate) debug: *const CSeries,
+    pub(crate) debug_len: usize,
 }
 
 /// `vb_error`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CError {
-    pub size: usize,
-    pub message: [c_char; ERROR_BYTES],
+pub(crate) struct CError {
+    pub(crate) size: usize,
+    pub(crate) message: [c_char; ERROR_BYTES],
 }
 
 /// `vb_host`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CHost {
-    pub size: usize,
-    pub context: *mut c_void,
-    pub log: unsafe extern "C" fn(*mut c_void, u32, *const c_char),
+pub(crate) struct CHost {
+    pub(crate) size: usize,
+    pub(crate) context: *mut c_void,
+    pub(crate) log: unsafe extern "C" fn(*mut c_void, u32, *const c_char),
 }
 
 /// `vb_planner_functions`.
 #[repr(C)]
-#[allow(missing_docs, reason = "described in the header")]
-pub struct CFunctions {
-    pub size: usize,
-    pub abi_major: u32,
-    pub abi_minor: u32,
-    pub init: Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
-    pub step: Option<
+pub(crate) struct CFunctions {
+    pub(crate) size: usize,
+    pub(crate) abi_major: u32,
+    pub(crate) abi_minor: u32,
+    pub(crate) init: Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
+    pub(crate) step: Option<
         unsafe extern "C" fn(
             *mut c_void,
             *const CObservation,
@@ -156,10 +143,8 @@ pub struct CFunctions {
             *mut CError,
         ) -> i32,
     >,
-    pub free: Option<unsafe extern "C" fn(*mut c_void)>,
+    pub(crate) free: Option<unsafe extern "C" fn(*mut c_void)>,
 }
-
-type Log<'a> = &'a mut dyn FnMut(LogLevel, &str);
 
 /// The functions of an open library.
 #[derive(Clone, Copy, Debug)]
@@ -374,14 +359,4 @@ unsafe extern "C" fn write(context: *mut c_void, level: u32, message: *const c_c
     // SAFETY: the header demands text that ends with 0.
     let text = unsafe { CStr::from_ptr(message) }.to_string_lossy();
     log(level_of(level), &text);
-}
-
-/// The level of a number: 0 error, 1 warn, 2 info, else debug.
-pub(crate) fn level_of(level: u32) -> LogLevel {
-    match level {
-        0 => LogLevel::Error,
-        1 => LogLevel::Warn,
-        2 => LogLevel::Info,
-        _ => LogLevel::Debug,
-    }
 }

@@ -1,9 +1,9 @@
-//! Between the SDK's data and those generated from the interface's text.
+//! Between the data of version 0.1 and those of its bindings.
 
 use super::bindings::vertibench::planner::types;
-use vb_sdk::{Command, GridFrame, Observation, Point2, Series, Task, Vec3, Vehicle};
+use vb_sdk_v0_1::{Command, GridFrame, Observation, Point2, Series, Task, Vec3, Vehicle};
 
-pub(super) fn task(t: &Task) -> types::Task {
+pub(in crate::wasm) fn task(t: &Task) -> types::Task {
     types::Task {
         id: t.id.clone(),
         vehicle: vehicle(&t.vehicle),
@@ -66,7 +66,7 @@ fn vec3(v: Vec3) -> types::Vec3 {
     types::Vec3 { x: v.x, y: v.y, z: v.z }
 }
 
-pub(super) fn observation(o: &Observation) -> types::Observation {
+pub(in crate::wasm) fn observation(o: &Observation) -> types::Observation {
     types::Observation {
         time: o.time,
         position: vec3(o.position),
@@ -82,7 +82,7 @@ pub(super) fn observation(o: &Observation) -> types::Observation {
     }
 }
 
-pub(super) fn command(c: types::Command) -> Command {
+pub(in crate::wasm) fn command(c: types::Command) -> Command {
     Command {
         steering: c.steering,
         throttle: c.throttle,
