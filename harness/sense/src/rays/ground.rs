@@ -33,6 +33,8 @@ pub(crate) struct Ground {
     per_metre: f64,
     /// Heights of the lowest and the highest node, m.
     range: (f64, f64),
+    /// Greatest slope of any triangle, m/m.
+    steepest: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -97,6 +99,11 @@ impl Origin {
             gap: field.contains(p.x, p.y).then(|| p.z - field.height(p.x, p.y)),
         }
     }
+
+    /// Whether it is above the surface, and not beyond its edge.
+    pub(crate) fn is_above(&self) -> bool {
+        self.gap.is_some_and(|gap| gap > 0.0)
+    }
 }
 
 impl Ground {
@@ -109,34 +116,43 @@ impl Ground {
             per_metre: 1.0 / field.resolution(),
             grids: [finest, coarse, coarsest],
             range: field.range(),
+            steepest: steepest(field),
         }
     }
 
-    /// The distance at which a ray meets the surface, m; none if it doesn't within `reach`.
+    /// The greatest slope of the surface, m/m.
+    pub(crate) fn steepest(&self) -> f64 {
+        self.steepest
+    }
+
+    /// The distance at which a ray meets the surface, m; if it doesn't within `reach`, how far it is known not to. `free`
+    /// is a distance up to which the caller knows that it doesn't.
     #[inline]
     pub(crate) fn cast(
         &self,
         field: &Heightfield,
         origin: &Origin,
         direction: &V3,
+        free: f64,
         reach: f64,
-    ) -> Option<f64> {
+    ) -> Result<f64, f64> {
         let (low, high) = self.range;
         if origin.z > high && direction.z >= 0.0 {
-            return None;
+            return Err(reach);
         }
         let mut ray = Ray::new(self, field, origin, direction, reach);
         let start = match origin.gap {
             Some(gap) => gap,
-            None => ray.clip(field)?,
+            None => ray.clip(field).ok_or(0.0)?,
         };
         if start == 0.0 {
-            return Some(ray.from);
+            return Ok(ray.from);
         }
         if start < 0.0 {
             ray.side = -1.0;
             return ray.march::<0>(ray.from, ray.to);
         }
+        ray.from = ray.from.max(free);
         // The part of the way on which the ground can be, with some room for rounding.
         let inverse = 1.0 / direction.z;
         let room = 1e-9 * (1.0 + reach);
@@ -146,8 +162,26 @@ impl Ground {
             ray.to = ray.to.min((low - origin.z) * inverse + room);
             ray.from = ray.from.max((high - origin.z) * inverse - room);
         }
+        if ray.from > ray.to {
+            return Err(ray.to);
+        }
         if self.large { ray.march::<2>(ray.from, ray.to) } else { ray.march::<1>(ray.from, ray.to) }
     }
+}
+
+/// The greatest slope of any triangle, m/m.
+fn steepest(field: &Heightfield) -> f64 {
+    let mut most = 0.0_f64;
+    for row in 0..field.rows() - 1 {
+        for col in 0..field.cols() - 1 {
+            let [sw, se] = [field.node(row, col), field.node(row, col + 1)];
+            let [nw, ne] = [field.node(row + 1, col), field.node(row + 1, col + 1)];
+            for [x, y] in [[ne - nw, nw - sw], [se - sw, ne - se]] {
+                most = most.max(x * x + y * y);
+            }
+        }
+    }
+    most.sqrt() / field.resolution()
 }
 
 /// A ray on its way. Places are measured in cells from the south-western corner, distances along the ray in m.
@@ -215,9 +249,10 @@ impl<'a> Ray<'a> {
         Some(Cell::of(self, cell).gap(self, self.from))
     }
 
-    /// The first hit between two distances, in the squares of grid K. The surface ends at the grid's edge.
+    /// The first hit between two distances, in the squares of grid K; if there is none, where the search ended. The surface
+    /// ends at the grid's edge.
     #[inline]
-    fn march<const K: usize>(&self, from: f64, to: f64) -> Option<f64> {
+    fn march<const K: usize>(&self, from: f64, to: f64) -> Result<f64, f64> {
         let grid = &self.grids[K];
         let size = const { STEP.pow(K as u32) as f64 };
         let per_size = 1.0 / size;
@@ -242,12 +277,12 @@ impl<'a> Ray<'a> {
             if lowest <= most || self.side < 0.0 {
                 let hit =
                     if K == 0 { Cell::of(self, [x, y]).enter(self, t, end) } else { self.finer::<K>(t, end) };
-                if hit.is_some() {
-                    return hit;
+                if let Some(hit) = hit {
+                    return Ok(hit);
                 }
             }
             if exit >= to {
-                return None;
+                return Err(to);
             }
             t = end;
             if along_x {
@@ -259,7 +294,7 @@ impl<'a> Ray<'a> {
             }
             let inside = (x as u32) < (grid.cols as u32) && (y as u32) < (grid.rows as u32);
             if !inside {
-                return None;
+                return Err(t);
             }
         }
     }
@@ -268,8 +303,8 @@ impl<'a> Ray<'a> {
     #[inline]
     fn finer<const K: usize>(&self, from: f64, to: f64) -> Option<f64> {
         match K {
-            2 => self.march::<1>(from, to),
-            _ => self.march::<0>(from, to),
+            2 => self.march::<1>(from, to).ok(),
+            _ => self.march::<0>(from, to).ok(),
         }
     }
 }

@@ -61,6 +61,33 @@ pub struct Fan<'a> {
     reach: f64,
     /// Indices of the obstacles that the plane meets.
     solids: Vec<usize>,
+    sweep: Option<Sweep>,
+}
+
+/// What one ray of a fan from above the ground tells the next. Where the ground is nowhere so steep that it leans over in the fan's plane, what lies
+/// above a point over the ground lies over the ground as well. So the ground is in the way of no ray before it is in that of
+/// a lower one, and rays that come in order of rise go over all the ground between them only once.
+#[derive(Clone, Copy, Debug)]
+struct Sweep {
+    /// Unit vectors in the plane: ahead, and up from there.
+    ahead: V3,
+    up: V3,
+    /// The rise of the last ray, and how far ahead it is known to be over the ground, m.
+    rise: f64,
+    free: f64,
+}
+
+impl Sweep {
+    /// None for a plane in which the ground may lean over.
+    fn new(normal: &V3, forward: &V3, steepest: f64) -> Option<Self> {
+        let ahead = (forward - normal * forward.dot(normal)).try_normalize(1e-9)?;
+        let across = normal.cross(&ahead);
+        let up = if across.z < 0.0 { -across } else { across };
+        let level = (up.x * up.x + up.y * up.y).sqrt();
+        // A little less than it might be, for rounding.
+        let stands = steepest * level < 0.99 * up.z;
+        stands.then_some(Self { ahead, up, rise: f64::INFINITY, free: 0.0 })
+    }
 }
 
 impl Scene {
@@ -90,7 +117,7 @@ impl Scene {
     pub fn cast(&self, origin: &V3, direction: &V3, reach: f64, ruts: Option<&dyn Ruts>) -> Option<Hit> {
         let shapes = self.shapes();
         let all = (0..shapes.solids.len()).collect();
-        self.fan_of(origin, reach, all).cast(direction, ruts)
+        self.fan_of(origin, reach, all, None).cast(direction, ruts)
     }
 
     /// The rays from `origin` that lie in the plane with the unit normal `normal` and on the side of `forward`, both in
@@ -105,31 +132,26 @@ impl Scene {
                 && to.norm_squared() <= (reach + r) * (reach + r)
         };
         let solids = shapes.solids.iter().enumerate().filter(|(_, s)| meets(s)).map(|(k, _)| k).collect();
-        self.fan_of(origin, reach, solids)
+        self.fan_of(origin, reach, solids, Sweep::new(normal, forward, shapes.ground.steepest()))
     }
 
-    fn fan_of(&self, origin: &V3, reach: f64, solids: Vec<usize>) -> Fan<'_> {
+    fn fan_of(&self, origin: &V3, reach: f64, solids: Vec<usize>, sweep: Option<Sweep>) -> Fan<'_> {
         let over = Origin::new(&self.world.heightfield, origin);
-        Fan { scene: self, shapes: self.shapes(), origin: *origin, over, reach, solids }
+        let sweep = sweep.filter(|_| over.is_above());
+        Fan { scene: self, shapes: self.shapes(), origin: *origin, over, reach, solids, sweep }
     }
 }
 
 impl Fan<'_> {
-    /// The nearest hit of the ray along `direction`, a unit vector in world axes; `None` if there is none within the
-    /// fan's reach.
+    /// The nearest hit of the ray along `direction`, a unit vector in world axes that lies in the fan's plane; `None` if
+    /// there is none within the fan's reach. Rays may come in any order; it is fastest from the lowest to the highest.
     #[must_use]
-    pub fn cast(&self, direction: &V3, ruts: Option<&dyn Ruts>) -> Option<Hit> {
+    pub fn cast(&mut self, direction: &V3, ruts: Option<&dyn Ruts>) -> Option<Hit> {
         let field = &self.scene.world.heightfield;
-        let distance = match ruts {
-            Some(ruts) => ruts::cast(
-                &self.shapes.ground,
-                field,
-                ruts,
-                (&self.origin, &self.over),
-                direction,
-                self.reach,
-            ),
-            None => self.shapes.ground.cast(field, &self.over, direction, self.reach),
+        let plain = self.plain(direction);
+        let distance = match (plain, ruts) {
+            (Some(plain), Some(ruts)) => ruts::cast(field, ruts, &self.origin, direction, plain, self.reach),
+            _ => plain,
         };
         let mut nearest = distance.map(|distance| Hit { distance, surface: Surface::Ground });
         for &k in &self.solids {
@@ -139,5 +161,28 @@ impl Fan<'_> {
             }
         }
         nearest
+    }
+
+    /// The distance at which the ray meets the unchanged ground, m.
+    #[inline]
+    fn plain(&mut self, direction: &V3) -> Option<f64> {
+        let (ground, field) = (&self.shapes.ground, &self.scene.world.heightfield);
+        let Some(sweep) = &mut self.sweep else {
+            return ground.cast(field, &self.over, direction, 0.0, self.reach).ok();
+        };
+        let ahead = direction.dot(&sweep.ahead);
+        if ahead <= 1e-6 {
+            return ground.cast(field, &self.over, direction, 0.0, self.reach).ok();
+        }
+        let rise = direction.dot(&sweep.up) / ahead;
+        if rise < sweep.rise {
+            sweep.free = 0.0;
+        }
+        let free = sweep.free / ahead * (1.0 - 1e-9);
+        let met = ground.cast(field, &self.over, direction, free, self.reach);
+        let (Ok(distance) | Err(distance)) = met;
+        sweep.free = sweep.free.max(distance * ahead);
+        sweep.rise = rise;
+        met.ok()
     }
 }

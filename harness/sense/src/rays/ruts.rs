@@ -1,6 +1,5 @@
 //! Rays against ground that wheels have changed.
 
-use super::ground::{Ground, Origin};
 use crate::V3;
 use vb_sim::Simulation;
 use vb_world::Heightfield;
@@ -36,18 +35,17 @@ const BEFORE: f64 = 20.0;
 /// How far beyond it, at most: 10 m.
 const BEYOND: f64 = 100.0;
 
-/// The distance at which a ray meets the changed surface, m; none if it doesn't within `reach`.
+/// The distance at which a ray that meets the unchanged surface at the distance `plain` meets the changed one, m; none if it
+/// doesn't within `reach`.
 pub(super) fn cast(
-    ground: &Ground,
     field: &Heightfield,
     ruts: &dyn Ruts,
-    (origin, over): (&V3, &Origin),
+    origin: &V3,
     direction: &V3,
+    plain: f64,
     reach: f64,
 ) -> Option<f64> {
     let side = ruts.cell();
-    // A rut lets a ray go farther than the unchanged ground does.
-    let plain = ground.cast(field, over, direction, reach)?;
     let from = (plain - BEFORE * side).max(0.0);
     let known = |t: f64| ruts.change(origin.x + direction.x * t, origin.y + direction.y * t);
     if known(plain).is_none() && known(from).is_none() {

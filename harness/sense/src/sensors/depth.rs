@@ -108,8 +108,9 @@ impl Depth {
             let middle = self.pixel(0, col);
             let normal = (turn * V3::new(-middle.y, 1.0, 0.0)).normalize();
             let reach = self.info.max_depth * self.pixel(0, col).norm().max(self.pixel(rows - 1, col).norm());
-            let fan = view.scene.fan(&sensor.at, &normal, &(turn * V3::x()), reach);
-            for row in 0..rows {
+            let mut fan = view.scene.fan(&sensor.at, &normal, &(turn * V3::x()), reach);
+            // From below, which is the fastest.
+            for row in (0..rows).rev() {
                 let (u, n) = if noisy { uniform_and_normal(&mut self.depths) } else { (1.0, 0.0) };
                 let chance = if self.info.labels { self.labels.unit() } else { 1.0 };
                 let index = (row * cols + col) as usize;

@@ -152,7 +152,7 @@ impl Lidar {
         let (low, high) = (self.info.min_range, self.info.max_range);
         // The column's plane, seen from above in the sensor's frame.
         let (s, c) = azimuth;
-        let fan =
+        let mut fan =
             view.scene.fan(&sensor.at, &(turn * V3::new(-s, c, 0.0)), &(turn * V3::new(c, s, 0.0)), high);
         let noisy = self.range_std > 0.0 || self.dropout != [0.0; 2] || self.dust.is_some();
         for row in 0..self.rows.len() {

@@ -71,9 +71,10 @@ fn an_estimate_begins_at_the_truth_and_drifts_with_the_way_alone() {
     };
     assert_eq!(off(1, 0.0), [0.0; 4], "at rest nothing drifts");
     let runs = 400;
-    let mut squares = [0.0; 4];
+    let (mut squares, mut together) = ([0.0; 4], 0.0);
     for run in 0..runs {
         let o = off(run, 20.0);
+        together += o[1] * o[3] / runs as f64;
         (0..4).for_each(|k| squares[k] += o[k] * o[k] / runs as f64);
     }
     // 100 m: the heading walks by 0.001·√100, the position by 0.05·√100 and along y by the heading's error as well, whose
@@ -88,6 +89,9 @@ fn an_estimate_begins_at_the_truth_and_drifts_with_the_way_alone() {
             expected[k]
         );
     }
+    // A heading that is wrong to the left carries it off to the left: a covariance of 0.001²·100²/2, with a standard error of
+    // √((0.583·1e-4 + 0.005²)/400).
+    assert!((together - 0.005).abs() < 5.0 * 4.6e-4, "{together}");
 }
 
 #[test]
