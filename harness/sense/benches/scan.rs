@@ -88,7 +88,7 @@ fn scan(c: &mut Criterion) {
                 let mut sum = 0.0;
                 for column in rays.chunks_exact(ROWS) {
                     let (low, high) = (&column[0], &column[ROWS - 1]);
-                    let fan =
+                    let mut fan =
                         scene.fan(&origin, &low.cross(high).normalize(), &(low + high).normalize(), REACH);
                     for ray in column {
                         sum += fan.cast(ray, ruts).map_or(0.0, |h| h.distance);
