@@ -143,3 +143,26 @@ fn the_map_of_a_vehicle_that_leans_is_level() {
     let seen: Vec<f32> = m.elevation.data.iter().copied().filter(|z| !z.is_nan()).collect();
     assert!(seen.len() > 1000 && seen.iter().all(|z| z.abs() < 1e-4));
 }
+
+#[test]
+fn what_the_camera_sees_is_put_where_the_estimate_says_too() {
+    let text = crate::common::altered_text(
+        "onboard",
+        &[
+            ("heading_walk_rad_per_sqrt_m: 0.001", "heading_walk_rad_per_sqrt_m: 0"),
+            ("position_walk_m_per_sqrt_m: 0.05", "position_walk_m_per_sqrt_m: 1"),
+            ("std_deg: 0.5", "std_deg: 0"),
+            ("error_per_m: 0.0033", "error_per_m: 0"),
+        ],
+    );
+    let (start, end) = (text.find("\nlidar:").unwrap(), text.find("\ndepth:").unwrap());
+    let profile = Profile::parse(&format!("{}{}", &text[..start], &text[end..]), "no lidar").unwrap();
+    // A post whose face is at x = 8 m, straight ahead.
+    let s = scene(flat(), vec![upright(8.1, 0.0, 0.0, [0.2, 0.6, 6.0])]);
+    let mut p = perceive(&profile, &["pose", "local-map"], &s, &seed(1, "t"));
+    let r = watch(&mut p, 200, |t| standing(2.0 * t, 0.0, 0.7, 0.0));
+    let (pose, m) = (r.pose.unwrap(), r.local_map.unwrap());
+    let off = [pose.position.x - 4.0, pose.position.y];
+    assert!(off[0].abs() > 0.5, "{off:?} m of drift");
+    assert_eq!(m.occupancy.nearest(8.0 + off[0] + 1e-6, off[1]), 1);
+}
