@@ -69,9 +69,15 @@ bool exports_vertibench_planner_guest_method_planner_step(
     exports_vertibench_planner_guest_borrow_planner_t self, exports_vertibench_planner_guest_observation_t *o,
     exports_vertibench_planner_guest_command_t *ret, planner_plugin_string_t *err) {
   planner_t *planner = self;
-  double x = o->position.x, y = o->position.y;
+  if (!o->pose.is_some) {
+    exports_vertibench_planner_guest_observation_free(o);
+    planner_plugin_string_dup(err, "there is no pose");
+    return false;
+  }
+  double x = o->pose.val.position.x, y = o->pose.val.position.y;
+  double yaw = o->pose.val.yaw, speed = o->pose.val.linear_velocity.x;
   // No vehicle has such numbers. NaN is not below anything, so it is refused too.
-  if (!(fabs(x) < 1e9 && fabs(y) < 1e9 && fabs(o->yaw) < 1e9 && fabs(o->linear_velocity.x) < 1e9)) {
+  if (!(fabs(x) < 1e9 && fabs(y) < 1e9 && fabs(yaw) < 1e9 && fabs(speed) < 1e9)) {
     exports_vertibench_planner_guest_observation_free(o);
     planner_plugin_string_dup(err, "position, heading or speed makes no sense");
     return false;
@@ -81,12 +87,12 @@ bool exports_vertibench_planner_guest_method_planner_step(
   planner->arc = path_closest_between(&planner->path, x, y, planner->arc, planner->arc + window);
   point_t goal = path_point_at(&planner->path, planner->arc + planner->ahead);
   double dx = goal.x - x, dy = goal.y - y;
-  double angle = turn(o->yaw, atan2(dy, dx));
+  double angle = turn(yaw, atan2(dy, dx));
   double distance = hypot(dx, dy);
   double curvature = 2.0 * sin(angle) / (distance > 0.1 ? distance : 0.1);
   double steering = atan(planner->wheelbase * curvature) / planner->max_steer_angle;
   *ret = (exports_vertibench_planner_guest_command_t){.steering = clamp(steering, -1.0, 1.0)};
-  throttle_and_brake(planner->speed, o->linear_velocity.x, &ret->throttle, &ret->brake);
+  throttle_and_brake(planner->speed, speed, &ret->throttle, &ret->brake);
   exports_vertibench_planner_guest_observation_free(o);
   return true;
 }

@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Imported Functions from `vertibench:planner/host@0.1.0`
+// Imported Functions from `vertibench:planner/host@0.2.0`
 
-__attribute__((__import_module__("vertibench:planner/host@0.1.0"), __import_name__("log")))
+__attribute__((__import_module__("vertibench:planner/host@0.2.0"), __import_name__("log")))
 extern void __wasm_import_vertibench_planner_host_log(int32_t, uint8_t *, size_t);
 
-// Exported Functions from `vertibench:planner/guest@0.1.0`
+// Exported Functions from `vertibench:planner/guest@0.2.0`
 
-__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.1.0#[static]planner.init")))
+__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.2.0#[static]planner.init")))
 void __wasm_export_exports_vertibench_planner_guest_static_planner_init_post_return(uint8_t * arg0) {
   switch ((int32_t) (int32_t) *((uint8_t*) (arg0 + 0))) {
     case 0: {
@@ -25,13 +25,13 @@ void __wasm_export_exports_vertibench_planner_guest_static_planner_init_post_ret
   }
 }
 
-__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.1.0#[method]planner.step")))
+__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.2.0#[method]planner.step")))
 void __wasm_export_exports_vertibench_planner_guest_method_planner_step_post_return(uint8_t * arg0) {
   switch ((int32_t) (int32_t) *((uint8_t*) (arg0 + 0))) {
     case 0: {
-      size_t len0 = *((size_t*) (arg0 + (32+1*sizeof(void*))));
+      size_t len0 = *((size_t*) (arg0 + (32+2*sizeof(void*))));
       if (len0 > 0) {
-        uint8_t *ptr1 = *((uint8_t **) (arg0 + 32));
+        uint8_t *ptr1 = *((uint8_t **) (arg0 + (32+1*sizeof(void*))));
         for (size_t i2 = 0; i2 < len0; i2++) {
           uint8_t *base = ptr1 + i2 * (4*sizeof(void*));
           (void) base;
@@ -73,7 +73,7 @@ void *cabi_realloc(void *ptr, size_t old_size, size_t align, size_t new_size) {
 }
 
 __attribute__((__aligned__(8)))
-static uint8_t RET_AREA[(32+2*sizeof(void*))];
+static uint8_t RET_AREA[(40+2*sizeof(void*))];
 
 // Helper Functions
 
@@ -91,8 +91,8 @@ void planner_plugin_list_f32_free(planner_plugin_list_f32_t *ptr) {
   }
 }
 
-void vertibench_planner_types_elevation_map_free(vertibench_planner_types_elevation_map_t *ptr) {
-  planner_plugin_list_f32_free(&ptr->heights);
+void vertibench_planner_types_height_map_free(vertibench_planner_types_height_map_t *ptr) {
+  planner_plugin_list_f32_free(&ptr->data);
 }
 
 void planner_plugin_list_u8_free(planner_plugin_list_u8_t *ptr) {
@@ -105,17 +105,25 @@ void planner_plugin_list_u8_free(planner_plugin_list_u8_t *ptr) {
   }
 }
 
-void vertibench_planner_types_semantic_map_free(vertibench_planner_types_semantic_map_t *ptr) {
-  planner_plugin_list_u8_free(&ptr->labels);
-}
-
-void vertibench_planner_types_occupancy_map_free(vertibench_planner_types_occupancy_map_t *ptr) {
-  planner_plugin_list_u8_free(&ptr->occupied);
+void vertibench_planner_types_label_map_free(vertibench_planner_types_label_map_t *ptr) {
+  planner_plugin_list_u8_free(&ptr->data);
 }
 
 void vertibench_planner_types_param_free(vertibench_planner_types_param_t *ptr) {
   planner_plugin_string_free(&ptr->key);
   planner_plugin_string_free(&ptr->value);
+}
+
+void vertibench_planner_types_option_height_map_free(vertibench_planner_types_option_height_map_t *ptr) {
+  if (ptr->is_some) {
+    vertibench_planner_types_height_map_free(&ptr->val);
+  }
+}
+
+void vertibench_planner_types_option_label_map_free(vertibench_planner_types_option_label_map_t *ptr) {
+  if (ptr->is_some) {
+    vertibench_planner_types_label_map_free(&ptr->val);
+  }
 }
 
 void vertibench_planner_types_list_point2_free(vertibench_planner_types_list_point2_t *ptr) {
@@ -139,14 +147,47 @@ void vertibench_planner_types_list_param_free(vertibench_planner_types_list_para
   }
 }
 
+void vertibench_planner_types_option_lidar_info_free(vertibench_planner_types_option_lidar_info_t *ptr) {
+  if (ptr->is_some) {
+  }
+}
+
+void vertibench_planner_types_option_depth_info_free(vertibench_planner_types_option_depth_info_t *ptr) {
+  if (ptr->is_some) {
+  }
+}
+
 void vertibench_planner_types_task_free(vertibench_planner_types_task_t *ptr) {
   planner_plugin_string_free(&ptr->id);
   vertibench_planner_types_vehicle_free(&ptr->vehicle);
-  vertibench_planner_types_elevation_map_free(&ptr->elevation);
-  vertibench_planner_types_semantic_map_free(&ptr->semantics);
-  vertibench_planner_types_occupancy_map_free(&ptr->occupancy);
+  vertibench_planner_types_option_height_map_free(&ptr->elevation);
+  vertibench_planner_types_option_label_map_free(&ptr->semantics);
+  vertibench_planner_types_option_label_map_free(&ptr->occupancy);
   vertibench_planner_types_list_point2_free(&ptr->path);
   vertibench_planner_types_list_param_free(&ptr->params);
+  planner_plugin_string_free(&ptr->perception);
+  vertibench_planner_types_option_lidar_info_free(&ptr->lidar);
+  vertibench_planner_types_option_depth_info_free(&ptr->depth);
+}
+
+void vertibench_planner_types_lidar_scan_free(vertibench_planner_types_lidar_scan_t *ptr) {
+  planner_plugin_list_f32_free(&ptr->ranges);
+}
+
+void vertibench_planner_types_depth_image_free(vertibench_planner_types_depth_image_t *ptr) {
+  planner_plugin_list_f32_free(&ptr->depths);
+  planner_plugin_list_u8_free(&ptr->labels);
+}
+
+void vertibench_planner_types_local_map_free(vertibench_planner_types_local_map_t *ptr) {
+  vertibench_planner_types_height_map_free(&ptr->elevation);
+  vertibench_planner_types_label_map_free(&ptr->semantics);
+  vertibench_planner_types_label_map_free(&ptr->occupancy);
+}
+
+void vertibench_planner_types_option_pose_free(vertibench_planner_types_option_pose_t *ptr) {
+  if (ptr->is_some) {
+  }
 }
 
 void vertibench_planner_types_list_wheel_free(vertibench_planner_types_list_wheel_t *ptr) {
@@ -159,8 +200,47 @@ void vertibench_planner_types_list_wheel_free(vertibench_planner_types_list_whee
   }
 }
 
+void vertibench_planner_types_list_imu_sample_free(vertibench_planner_types_list_imu_sample_t *ptr) {
+  size_t list_len = ptr->len;
+  if (list_len > 0) {
+    vertibench_planner_types_imu_sample_t *list_ptr = ptr->ptr;
+    for (size_t i = 0; i < list_len; i++) {
+    }
+    free(list_ptr);
+  }
+}
+
+void vertibench_planner_types_option_gnss_fix_free(vertibench_planner_types_option_gnss_fix_t *ptr) {
+  if (ptr->is_some) {
+  }
+}
+
+void vertibench_planner_types_option_lidar_scan_free(vertibench_planner_types_option_lidar_scan_t *ptr) {
+  if (ptr->is_some) {
+    vertibench_planner_types_lidar_scan_free(&ptr->val);
+  }
+}
+
+void vertibench_planner_types_option_depth_image_free(vertibench_planner_types_option_depth_image_t *ptr) {
+  if (ptr->is_some) {
+    vertibench_planner_types_depth_image_free(&ptr->val);
+  }
+}
+
+void vertibench_planner_types_option_local_map_free(vertibench_planner_types_option_local_map_t *ptr) {
+  if (ptr->is_some) {
+    vertibench_planner_types_local_map_free(&ptr->val);
+  }
+}
+
 void vertibench_planner_types_observation_free(vertibench_planner_types_observation_t *ptr) {
+  vertibench_planner_types_option_pose_free(&ptr->pose);
   vertibench_planner_types_list_wheel_free(&ptr->wheels);
+  vertibench_planner_types_list_imu_sample_free(&ptr->imu);
+  vertibench_planner_types_option_gnss_fix_free(&ptr->gnss);
+  vertibench_planner_types_option_lidar_scan_free(&ptr->lidar);
+  vertibench_planner_types_option_depth_image_free(&ptr->depth);
+  vertibench_planner_types_option_local_map_free(&ptr->local_map);
 }
 
 void vertibench_planner_types_series_free(vertibench_planner_types_series_t *ptr) {
@@ -195,17 +275,17 @@ void exports_vertibench_planner_guest_command_free(exports_vertibench_planner_gu
   vertibench_planner_types_command_free(ptr);
 }
 
-__attribute__((__import_module__("[export]vertibench:planner/guest@0.1.0"), __import_name__("[resource-drop]planner")))
+__attribute__((__import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-drop]planner")))
 extern void __wasm_import_exports_vertibench_planner_guest_planner_drop(int32_t handle);
 
 void exports_vertibench_planner_guest_planner_drop_own(exports_vertibench_planner_guest_own_planner_t handle) {
   __wasm_import_exports_vertibench_planner_guest_planner_drop(handle.__handle);
 }
 
-__attribute__(( __import_module__("[export]vertibench:planner/guest@0.1.0"), __import_name__("[resource-new]planner")))
+__attribute__(( __import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-new]planner")))
 extern int32_t __wasm_import_exports_vertibench_planner_guest_planner_new(int32_t);
 
-__attribute__((__import_module__("[export]vertibench:planner/guest@0.1.0"), __import_name__("[resource-rep]planner")))
+__attribute__((__import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-rep]planner")))
 extern int32_t __wasm_import_exports_vertibench_planner_guest_planner_rep(int32_t);
 
 exports_vertibench_planner_guest_own_planner_t exports_vertibench_planner_guest_planner_new(exports_vertibench_planner_guest_planner_t *rep) {
@@ -216,7 +296,7 @@ exports_vertibench_planner_guest_planner_t* exports_vertibench_planner_guest_pla
   return (exports_vertibench_planner_guest_planner_t*) __wasm_import_exports_vertibench_planner_guest_planner_rep(handle.__handle);
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.1.0#[dtor]planner")))
+__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[dtor]planner")))
 void __wasm_export_exports_vertibench_planner_guest_planner_dtor(exports_vertibench_planner_guest_planner_t* arg) {
   exports_vertibench_planner_guest_planner_destructor(arg);
 }
@@ -267,9 +347,132 @@ void vertibench_planner_host_log(vertibench_planner_host_log_level_t level, plan
   __wasm_import_vertibench_planner_host_log((int32_t) level, (uint8_t *) (*message).ptr, (*message).len);
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.1.0#[static]planner.init")))
+__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[static]planner.init")))
 uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uint8_t * arg) {
-  exports_vertibench_planner_guest_task_t arg0 = (vertibench_planner_types_task_t) {
+  vertibench_planner_types_option_height_map_t option;
+  switch ((int32_t) *((uint8_t*) (arg + (136+4*sizeof(void*))))) {
+    case 0: {
+      option.is_some = false;
+      break;
+    }
+    case 1: {
+      option.is_some = true;
+      option.val = (vertibench_planner_types_height_map_t) {
+        (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (144+4*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (148+4*sizeof(void*))))),
+          (double) *((double*) (arg + (152+4*sizeof(void*)))),
+          (double) *((double*) (arg + (160+4*sizeof(void*)))),
+          (double) *((double*) (arg + (168+4*sizeof(void*)))),
+        },
+        (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (176+4*sizeof(void*))))), (*((size_t*) (arg + (176+5*sizeof(void*))))) },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_label_map_t option0;
+  switch ((int32_t) *((uint8_t*) (arg + (176+6*sizeof(void*))))) {
+    case 0: {
+      option0.is_some = false;
+      break;
+    }
+    case 1: {
+      option0.is_some = true;
+      option0.val = (vertibench_planner_types_label_map_t) {
+        (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (184+6*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (188+6*sizeof(void*))))),
+          (double) *((double*) (arg + (192+6*sizeof(void*)))),
+          (double) *((double*) (arg + (200+6*sizeof(void*)))),
+          (double) *((double*) (arg + (208+6*sizeof(void*)))),
+        },
+        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (216+6*sizeof(void*))))), (*((size_t*) (arg + (216+7*sizeof(void*))))) },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_label_map_t option1;
+  switch ((int32_t) *((uint8_t*) (arg + (216+8*sizeof(void*))))) {
+    case 0: {
+      option1.is_some = false;
+      break;
+    }
+    case 1: {
+      option1.is_some = true;
+      option1.val = (vertibench_planner_types_label_map_t) {
+        (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (224+8*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (228+8*sizeof(void*))))),
+          (double) *((double*) (arg + (232+8*sizeof(void*)))),
+          (double) *((double*) (arg + (240+8*sizeof(void*)))),
+          (double) *((double*) (arg + (248+8*sizeof(void*)))),
+        },
+        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (256+8*sizeof(void*))))), (*((size_t*) (arg + (256+9*sizeof(void*))))) },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_lidar_info_t option2;
+  switch ((int32_t) *((uint8_t*) (arg + (344+16*sizeof(void*))))) {
+    case 0: {
+      option2.is_some = false;
+      break;
+    }
+    case 1: {
+      option2.is_some = true;
+      option2.val = (vertibench_planner_types_lidar_info_t) {
+        (double) *((double*) (arg + (352+16*sizeof(void*)))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (360+16*sizeof(void*))))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (364+16*sizeof(void*))))),
+        (double) *((double*) (arg + (368+16*sizeof(void*)))),
+        (double) *((double*) (arg + (376+16*sizeof(void*)))),
+        (double) *((double*) (arg + (384+16*sizeof(void*)))),
+        (double) *((double*) (arg + (392+16*sizeof(void*)))),
+        (vertibench_planner_types_mount_t) (vertibench_planner_types_mount_t) {
+          (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+            (double) *((double*) (arg + (400+16*sizeof(void*)))),
+            (double) *((double*) (arg + (408+16*sizeof(void*)))),
+            (double) *((double*) (arg + (416+16*sizeof(void*)))),
+          },
+          (double) *((double*) (arg + (424+16*sizeof(void*)))),
+          (double) *((double*) (arg + (432+16*sizeof(void*)))),
+          (double) *((double*) (arg + (440+16*sizeof(void*)))),
+        },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_depth_info_t option3;
+  switch ((int32_t) *((uint8_t*) (arg + (448+16*sizeof(void*))))) {
+    case 0: {
+      option3.is_some = false;
+      break;
+    }
+    case 1: {
+      option3.is_some = true;
+      option3.val = (vertibench_planner_types_depth_info_t) {
+        (double) *((double*) (arg + (456+16*sizeof(void*)))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (464+16*sizeof(void*))))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (468+16*sizeof(void*))))),
+        (double) *((double*) (arg + (472+16*sizeof(void*)))),
+        (double) *((double*) (arg + (480+16*sizeof(void*)))),
+        (double) *((double*) (arg + (488+16*sizeof(void*)))),
+        (bool) (int32_t) *((uint8_t*) (arg + (496+16*sizeof(void*)))),
+        (vertibench_planner_types_mount_t) (vertibench_planner_types_mount_t) {
+          (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+            (double) *((double*) (arg + (504+16*sizeof(void*)))),
+            (double) *((double*) (arg + (512+16*sizeof(void*)))),
+            (double) *((double*) (arg + (520+16*sizeof(void*)))),
+          },
+          (double) *((double*) (arg + (528+16*sizeof(void*)))),
+          (double) *((double*) (arg + (536+16*sizeof(void*)))),
+          (double) *((double*) (arg + (544+16*sizeof(void*)))),
+        },
+      };
+      break;
+    }
+  }
+  exports_vertibench_planner_guest_task_t arg4 = (vertibench_planner_types_task_t) {
     (planner_plugin_string_t) (planner_plugin_string_t) { (uint8_t*)(*((uint8_t **) (arg + 0))), (*((size_t*) (arg + sizeof(void*)))) },
     (vertibench_planner_types_vehicle_t) (vertibench_planner_types_vehicle_t) {
       (planner_plugin_string_t) (planner_plugin_string_t) { (uint8_t*)(*((uint8_t **) (arg + (2*sizeof(void*))))), (*((size_t*) (arg + (3*sizeof(void*))))) },
@@ -287,57 +490,40 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
       (double) *((double*) (arg + (88+4*sizeof(void*)))),
       (double) *((double*) (arg + (96+4*sizeof(void*)))),
       (double) *((double*) (arg + (104+4*sizeof(void*)))),
+      (double) *((double*) (arg + (112+4*sizeof(void*)))),
+      (double) *((double*) (arg + (120+4*sizeof(void*)))),
+      (double) *((double*) (arg + (128+4*sizeof(void*)))),
     },
-    (vertibench_planner_types_elevation_map_t) (vertibench_planner_types_elevation_map_t) {
-      (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (112+4*sizeof(void*))))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (116+4*sizeof(void*))))),
-        (double) *((double*) (arg + (120+4*sizeof(void*)))),
-        (double) *((double*) (arg + (128+4*sizeof(void*)))),
-        (double) *((double*) (arg + (136+4*sizeof(void*)))),
-      },
-      (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (144+4*sizeof(void*))))), (*((size_t*) (arg + (144+5*sizeof(void*))))) },
+    (vertibench_planner_types_option_height_map_t) option,
+    (vertibench_planner_types_option_label_map_t) option0,
+    (vertibench_planner_types_option_label_map_t) option1,
+    (vertibench_planner_types_point2_t) (vertibench_planner_types_point2_t) {
+      (double) *((double*) (arg + (256+10*sizeof(void*)))),
+      (double) *((double*) (arg + (264+10*sizeof(void*)))),
     },
-    (vertibench_planner_types_semantic_map_t) (vertibench_planner_types_semantic_map_t) {
-      (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (144+6*sizeof(void*))))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (148+6*sizeof(void*))))),
-        (double) *((double*) (arg + (152+6*sizeof(void*)))),
-        (double) *((double*) (arg + (160+6*sizeof(void*)))),
-        (double) *((double*) (arg + (168+6*sizeof(void*)))),
-      },
-      (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (176+6*sizeof(void*))))), (*((size_t*) (arg + (176+7*sizeof(void*))))) },
-    },
-    (vertibench_planner_types_occupancy_map_t) (vertibench_planner_types_occupancy_map_t) {
-      (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (176+8*sizeof(void*))))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (180+8*sizeof(void*))))),
-        (double) *((double*) (arg + (184+8*sizeof(void*)))),
-        (double) *((double*) (arg + (192+8*sizeof(void*)))),
-        (double) *((double*) (arg + (200+8*sizeof(void*)))),
-      },
-      (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (208+8*sizeof(void*))))), (*((size_t*) (arg + (208+9*sizeof(void*))))) },
-    },
-    (vertibench_planner_types_list_point2_t) (vertibench_planner_types_list_point2_t) { (vertibench_planner_types_point2_t*)(*((uint8_t **) (arg + (208+10*sizeof(void*))))), (*((size_t*) (arg + (208+11*sizeof(void*))))) },
+    (vertibench_planner_types_list_point2_t) (vertibench_planner_types_list_point2_t) { (vertibench_planner_types_point2_t*)(*((uint8_t **) (arg + (272+10*sizeof(void*))))), (*((size_t*) (arg + (272+11*sizeof(void*))))) },
     (vertibench_planner_types_pose2_t) (vertibench_planner_types_pose2_t) {
-      (double) *((double*) (arg + (208+12*sizeof(void*)))),
-      (double) *((double*) (arg + (216+12*sizeof(void*)))),
-      (double) *((double*) (arg + (224+12*sizeof(void*)))),
+      (double) *((double*) (arg + (272+12*sizeof(void*)))),
+      (double) *((double*) (arg + (280+12*sizeof(void*)))),
+      (double) *((double*) (arg + (288+12*sizeof(void*)))),
     },
     (vertibench_planner_types_point2_t) (vertibench_planner_types_point2_t) {
-      (double) *((double*) (arg + (232+12*sizeof(void*)))),
-      (double) *((double*) (arg + (240+12*sizeof(void*)))),
+      (double) *((double*) (arg + (296+12*sizeof(void*)))),
+      (double) *((double*) (arg + (304+12*sizeof(void*)))),
     },
-    (double) *((double*) (arg + (248+12*sizeof(void*)))),
-    (double) *((double*) (arg + (256+12*sizeof(void*)))),
-    (double) *((double*) (arg + (264+12*sizeof(void*)))),
-    (uint64_t) (uint64_t) (*((int64_t*) (arg + (272+12*sizeof(void*))))),
-    (vertibench_planner_types_list_param_t) (vertibench_planner_types_list_param_t) { (vertibench_planner_types_param_t*)(*((uint8_t **) (arg + (280+12*sizeof(void*))))), (*((size_t*) (arg + (280+13*sizeof(void*))))) },
+    (double) *((double*) (arg + (312+12*sizeof(void*)))),
+    (double) *((double*) (arg + (320+12*sizeof(void*)))),
+    (double) *((double*) (arg + (328+12*sizeof(void*)))),
+    (uint64_t) (uint64_t) (*((int64_t*) (arg + (336+12*sizeof(void*))))),
+    (vertibench_planner_types_list_param_t) (vertibench_planner_types_list_param_t) { (vertibench_planner_types_param_t*)(*((uint8_t **) (arg + (344+12*sizeof(void*))))), (*((size_t*) (arg + (344+13*sizeof(void*))))) },
+    (planner_plugin_string_t) (planner_plugin_string_t) { (uint8_t*)(*((uint8_t **) (arg + (344+14*sizeof(void*))))), (*((size_t*) (arg + (344+15*sizeof(void*))))) },
+    (vertibench_planner_types_option_lidar_info_t) option2,
+    (vertibench_planner_types_option_depth_info_t) option3,
   };
   exports_vertibench_planner_guest_result_own_planner_string_t ret;
   exports_vertibench_planner_guest_own_planner_t ok;
   planner_plugin_string_t err;
-  ret.is_err = !exports_vertibench_planner_guest_static_planner_init(&arg0, &ok, &err);
+  ret.is_err = !exports_vertibench_planner_guest_static_planner_init(&arg4, &ok, &err);
   if (ret.is_err) {
     ret.val.err = err;
   }
@@ -347,9 +533,9 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
   free(arg);
   uint8_t *ptr = (uint8_t *) &RET_AREA;
   if ((ret).is_err) {
-    const planner_plugin_string_t *payload1 = &(ret).val.err;*((int8_t*)(ptr + 0)) = 1;
-    *((size_t*)(ptr + (2*sizeof(void*)))) = (*payload1).len;
-    *((uint8_t **)(ptr + sizeof(void*))) = (uint8_t *) (*payload1).ptr;
+    const planner_plugin_string_t *payload5 = &(ret).val.err;*((int8_t*)(ptr + 0)) = 1;
+    *((size_t*)(ptr + (2*sizeof(void*)))) = (*payload5).len;
+    *((uint8_t **)(ptr + sizeof(void*))) = (uint8_t *) (*payload5).ptr;
   } else {
     const exports_vertibench_planner_guest_own_planner_t *payload = &(ret).val.ok;*((int8_t*)(ptr + 0)) = 0;
     *((int32_t*)(ptr + sizeof(void*))) = (*payload).__handle;
@@ -357,37 +543,152 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
   return ptr;
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.1.0#[method]planner.step")))
+__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[method]planner.step")))
 uint8_t * __wasm_export_exports_vertibench_planner_guest_method_planner_step(uint8_t * arg) {
-  exports_vertibench_planner_guest_observation_t arg0 = (vertibench_planner_types_observation_t) {
+  vertibench_planner_types_option_pose_t option;
+  switch ((int32_t) *((uint8_t*) (arg + 16))) {
+    case 0: {
+      option.is_some = false;
+      break;
+    }
+    case 1: {
+      option.is_some = true;
+      option.val = (vertibench_planner_types_pose_t) {
+        (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+          (double) *((double*) (arg + 24)),
+          (double) *((double*) (arg + 32)),
+          (double) *((double*) (arg + 40)),
+        },
+        (double) *((double*) (arg + 48)),
+        (double) *((double*) (arg + 56)),
+        (double) *((double*) (arg + 64)),
+        (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+          (double) *((double*) (arg + 72)),
+          (double) *((double*) (arg + 80)),
+          (double) *((double*) (arg + 88)),
+        },
+        (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+          (double) *((double*) (arg + 96)),
+          (double) *((double*) (arg + 104)),
+          (double) *((double*) (arg + 112)),
+        },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_gnss_fix_t option0;
+  switch ((int32_t) *((uint8_t*) (arg + (120+4*sizeof(void*))))) {
+    case 0: {
+      option0.is_some = false;
+      break;
+    }
+    case 1: {
+      option0.is_some = true;
+      option0.val = (vertibench_planner_types_gnss_fix_t) {
+        (double) *((double*) (arg + (128+4*sizeof(void*)))),
+        (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
+          (double) *((double*) (arg + (136+4*sizeof(void*)))),
+          (double) *((double*) (arg + (144+4*sizeof(void*)))),
+          (double) *((double*) (arg + (152+4*sizeof(void*)))),
+        },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_lidar_scan_t option1;
+  switch ((int32_t) *((uint8_t*) (arg + (160+4*sizeof(void*))))) {
+    case 0: {
+      option1.is_some = false;
+      break;
+    }
+    case 1: {
+      option1.is_some = true;
+      option1.val = (vertibench_planner_types_lidar_scan_t) {
+        (double) *((double*) (arg + (168+4*sizeof(void*)))),
+        (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (176+4*sizeof(void*))))), (*((size_t*) (arg + (176+5*sizeof(void*))))) },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_depth_image_t option2;
+  switch ((int32_t) *((uint8_t*) (arg + (176+6*sizeof(void*))))) {
+    case 0: {
+      option2.is_some = false;
+      break;
+    }
+    case 1: {
+      option2.is_some = true;
+      option2.val = (vertibench_planner_types_depth_image_t) {
+        (double) *((double*) (arg + (184+6*sizeof(void*)))),
+        (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (192+6*sizeof(void*))))), (*((size_t*) (arg + (192+7*sizeof(void*))))) },
+        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (192+8*sizeof(void*))))), (*((size_t*) (arg + (192+9*sizeof(void*))))) },
+      };
+      break;
+    }
+  }
+  vertibench_planner_types_option_local_map_t option3;
+  switch ((int32_t) *((uint8_t*) (arg + (192+10*sizeof(void*))))) {
+    case 0: {
+      option3.is_some = false;
+      break;
+    }
+    case 1: {
+      option3.is_some = true;
+      option3.val = (vertibench_planner_types_local_map_t) {
+        (double) *((double*) (arg + (200+10*sizeof(void*)))),
+        (vertibench_planner_types_height_map_t) (vertibench_planner_types_height_map_t) {
+          (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (208+10*sizeof(void*))))),
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (212+10*sizeof(void*))))),
+            (double) *((double*) (arg + (216+10*sizeof(void*)))),
+            (double) *((double*) (arg + (224+10*sizeof(void*)))),
+            (double) *((double*) (arg + (232+10*sizeof(void*)))),
+          },
+          (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (240+10*sizeof(void*))))), (*((size_t*) (arg + (240+11*sizeof(void*))))) },
+        },
+        (vertibench_planner_types_label_map_t) (vertibench_planner_types_label_map_t) {
+          (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (240+12*sizeof(void*))))),
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (244+12*sizeof(void*))))),
+            (double) *((double*) (arg + (248+12*sizeof(void*)))),
+            (double) *((double*) (arg + (256+12*sizeof(void*)))),
+            (double) *((double*) (arg + (264+12*sizeof(void*)))),
+          },
+          (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (272+12*sizeof(void*))))), (*((size_t*) (arg + (272+13*sizeof(void*))))) },
+        },
+        (vertibench_planner_types_label_map_t) (vertibench_planner_types_label_map_t) {
+          (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (272+14*sizeof(void*))))),
+            (uint32_t) (uint32_t) (*((int32_t*) (arg + (276+14*sizeof(void*))))),
+            (double) *((double*) (arg + (280+14*sizeof(void*)))),
+            (double) *((double*) (arg + (288+14*sizeof(void*)))),
+            (double) *((double*) (arg + (296+14*sizeof(void*)))),
+          },
+          (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (304+14*sizeof(void*))))), (*((size_t*) (arg + (304+15*sizeof(void*))))) },
+        },
+      };
+      break;
+    }
+  }
+  exports_vertibench_planner_guest_observation_t arg4 = (vertibench_planner_types_observation_t) {
     (double) *((double*) (arg + 8)),
-    (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
-      (double) *((double*) (arg + 16)),
-      (double) *((double*) (arg + 24)),
-      (double) *((double*) (arg + 32)),
-    },
-    (double) *((double*) (arg + 40)),
-    (double) *((double*) (arg + 48)),
-    (double) *((double*) (arg + 56)),
-    (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
-      (double) *((double*) (arg + 64)),
-      (double) *((double*) (arg + 72)),
-      (double) *((double*) (arg + 80)),
-    },
-    (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
-      (double) *((double*) (arg + 88)),
-      (double) *((double*) (arg + 96)),
-      (double) *((double*) (arg + 104)),
-    },
-    (vertibench_planner_types_list_wheel_t) (vertibench_planner_types_list_wheel_t) { (vertibench_planner_types_wheel_t*)(*((uint8_t **) (arg + 112))), (*((size_t*) (arg + (112+1*sizeof(void*))))) },
-    (double) *((double*) (arg + (112+2*sizeof(void*)))),
-    (double) *((double*) (arg + (120+2*sizeof(void*)))),
-    (double) *((double*) (arg + (128+2*sizeof(void*)))),
+    (vertibench_planner_types_option_pose_t) option,
+    (vertibench_planner_types_list_wheel_t) (vertibench_planner_types_list_wheel_t) { (vertibench_planner_types_wheel_t*)(*((uint8_t **) (arg + 120))), (*((size_t*) (arg + (120+1*sizeof(void*))))) },
+    (vertibench_planner_types_list_imu_sample_t) (vertibench_planner_types_list_imu_sample_t) { (vertibench_planner_types_imu_sample_t*)(*((uint8_t **) (arg + (120+2*sizeof(void*))))), (*((size_t*) (arg + (120+3*sizeof(void*))))) },
+    (vertibench_planner_types_option_gnss_fix_t) option0,
+    (vertibench_planner_types_option_lidar_scan_t) option1,
+    (vertibench_planner_types_option_depth_image_t) option2,
+    (vertibench_planner_types_option_local_map_t) option3,
+    (vertibench_planner_types_gear_t) (int32_t) *((uint8_t*) (arg + (304+16*sizeof(void*)))),
+    (double) *((double*) (arg + (312+16*sizeof(void*)))),
+    (double) *((double*) (arg + (320+16*sizeof(void*)))),
+    (double) *((double*) (arg + (328+16*sizeof(void*)))),
+    (double) *((double*) (arg + (336+16*sizeof(void*)))),
   };
   exports_vertibench_planner_guest_result_command_string_t ret;
   exports_vertibench_planner_guest_command_t ok;
   planner_plugin_string_t err;
-  ret.is_err = !exports_vertibench_planner_guest_method_planner_step(((exports_vertibench_planner_guest_planner_t*) *((int32_t*) (arg + 0))), &arg0, &ok, &err);
+  ret.is_err = !exports_vertibench_planner_guest_method_planner_step(((exports_vertibench_planner_guest_planner_t*) *((int32_t*) (arg + 0))), &arg4, &ok, &err);
   if (ret.is_err) {
     ret.val.err = err;
   }
@@ -397,16 +698,17 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_method_planner_step(uin
   free(arg);
   uint8_t *ptr = (uint8_t *) &RET_AREA;
   if ((ret).is_err) {
-    const planner_plugin_string_t *payload1 = &(ret).val.err;*((int8_t*)(ptr + 0)) = 1;
-    *((size_t*)(ptr + (8+1*sizeof(void*)))) = (*payload1).len;
-    *((uint8_t **)(ptr + 8)) = (uint8_t *) (*payload1).ptr;
+    const planner_plugin_string_t *payload5 = &(ret).val.err;*((int8_t*)(ptr + 0)) = 1;
+    *((size_t*)(ptr + (8+1*sizeof(void*)))) = (*payload5).len;
+    *((uint8_t **)(ptr + 8)) = (uint8_t *) (*payload5).ptr;
   } else {
     const exports_vertibench_planner_guest_command_t *payload = &(ret).val.ok;*((int8_t*)(ptr + 0)) = 0;
     *((double*)(ptr + 8)) = (*payload).steering;
     *((double*)(ptr + 16)) = (*payload).throttle;
     *((double*)(ptr + 24)) = (*payload).brake;
-    *((size_t*)(ptr + (32+1*sizeof(void*)))) = ((*payload).debug).len;
-    *((uint8_t **)(ptr + 32)) = (uint8_t *) ((*payload).debug).ptr;
+    *((int8_t*)(ptr + 32)) = (int32_t) (*payload).gear;
+    *((size_t*)(ptr + (32+2*sizeof(void*)))) = ((*payload).debug).len;
+    *((uint8_t **)(ptr + (32+1*sizeof(void*)))) = (uint8_t *) ((*payload).debug).ptr;
   }
   return ptr;
 }

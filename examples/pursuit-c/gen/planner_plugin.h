@@ -14,52 +14,87 @@ typedef struct planner_plugin_string_t {
   size_t len;
 } planner_plugin_string_t;
 
+// A vector in three dimensions.
 typedef struct vertibench_planner_types_vec3_t {
+  // The component along x.
   double   x;
+  // The component along y.
   double   y;
+  // The component along z.
   double   z;
 } vertibench_planner_types_vec3_t;
 
+// A point of the horizontal plane of the world frame.
+typedef struct vertibench_planner_types_point2_t {
+  // The coordinate towards the east, m.
+  double   x;
+  // The coordinate towards the north, m.
+  double   y;
+} vertibench_planner_types_point2_t;
+
+// A pose in the horizontal plane of the world frame.
+typedef struct vertibench_planner_types_pose2_t {
+  // The coordinate towards the east, m.
+  double   x;
+  // The coordinate towards the north, m.
+  double   y;
+  // The heading, rad, counter-clockwise from east.
+  double   yaw;
+} vertibench_planner_types_pose2_t;
+
+// The vehicle to be driven.
 typedef struct vertibench_planner_types_vehicle_t {
-  // Name, e.g. "hmmwv".
+  // The name of the vehicle, e.g. `hmmwv`.
   planner_plugin_string_t   name;
-  // Factor of the world's size against the full-size original: 1, 1/6, 1/10.
+  // The size of the world over that of the full-size original: 1, 1/6 or 1/10.
   double   scale;
-  // kg, all included.
+  // The mass of the whole vehicle, kg.
   double   mass;
-  // Length, width and height above flat ground of what collides, m: hull and tyres with the wheels straight
-  // ahead, without mirrors. Half of the width lies to each side of the centre line.
+  // The length of what collides, hull and tyres, m.
   double   length;
+  // The width of what collides, hull and tyres with the wheels straight ahead but without mirrors, m. Half of it lies
+  // to each side of the centre line.
   double   width;
+  // The height of what collides above flat ground, m.
   double   height;
-  // Distance between the first and the last axle, m.
+  // The distance between the first and the last axle, m.
   double   wheelbase;
-  // Distance between the wheels of an axle, m.
+  // The distance between the two wheels of an axle, m.
   double   track;
-  // m.
+  // The radius of the wheels, m.
   double   wheel_radius;
-  // Number of wheels; wheel data come front to back, left before right.
+  // The number of wheels. Wheel data come from front to back, left before right.
   uint32_t   wheels;
-  // Height of the belly above flat ground, m.
+  // The height of the belly above flat ground, m.
   double   ground_clearance;
-  // Road-wheel angle at steering command 1, rad (mean of both sides).
+  // The road-wheel angle at steering command 1, rad: the mean of both sides.
   double   max_steer_angle;
-  // Greatest rate of the steering command, 1/s.
+  // The greatest rate of the steering command, 1/s.
   double   max_steer_rate;
-  // Turning radius of the reference point at full lock on flat ground, m.
+  // The turning radius of the reference point at full lock on flat ground, m.
   double   min_turn_radius;
-  // Top speed on flat ground, m/s.
+  // The top speed on flat ground, m/s.
   double   max_speed;
+  // The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear.
+  double   max_reverse_speed;
+  // The speed below which the gearbox changes between forward and reverse, m/s.
+  double   direction_change_speed;
+  // The time that such a change takes, during which no torque reaches the wheels, s.
+  double   direction_change_time;
 } vertibench_planner_types_vehicle_t;
 
-// Samples on a square grid, row-major; sample (row, col) lies at
-// x = origin-x + col * resolution, y = origin-y + row * resolution, so row 0 is the southernmost.
+// The places at which the samples of a map lie: sample (row, col) is at x = `origin-x` + col·`resolution`, y =
+// `origin-y` + row·`resolution`; row 0 is the southernmost.
 typedef struct vertibench_planner_types_grid_frame_t {
+  // The number of rows, which go from south to north.
   uint32_t   rows;
+  // The number of columns, which go from west to east.
   uint32_t   cols;
-  // Distance between samples, m.
+  // The distance between neighbouring samples, m.
   double   resolution;
+  // The x coordinate of column 0, m.
   double   origin_x;
+  // The y coordinate of row 0, m.
   double   origin_y;
 } vertibench_planner_types_grid_frame_t;
 
@@ -68,43 +103,98 @@ typedef struct {
   size_t len;
 } planner_plugin_list_f32_t;
 
-typedef struct vertibench_planner_types_elevation_map_t {
+// Heights on a square grid.
+typedef struct vertibench_planner_types_height_map_t {
+  // The places at which the samples lie.
   vertibench_planner_types_grid_frame_t   frame;
-  planner_plugin_list_f32_t   heights;
-} vertibench_planner_types_elevation_map_t;
+  // The `rows` · `cols` heights of the ground in the world frame, m, row-major with row 0 in the south; NaN where
+  // the height is unknown.
+  planner_plugin_list_f32_t   data;
+} vertibench_planner_types_height_map_t;
 
 typedef struct {
   uint8_t *ptr;
   size_t len;
 } planner_plugin_list_u8_t;
 
-// Labels: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow.
-typedef struct vertibench_planner_types_semantic_map_t {
+// Labels on a square grid.
+typedef struct vertibench_planner_types_label_map_t {
+  // The places at which the samples lie.
   vertibench_planner_types_grid_frame_t   frame;
-  planner_plugin_list_u8_t   labels;
-} vertibench_planner_types_semantic_map_t;
+  // The `rows` · `cols` labels, row-major with row 0 in the south; 255 where the label is unknown.
+  planner_plugin_list_u8_t   data;
+} vertibench_planner_types_label_map_t;
 
-// 1 where any part of the sample's square is covered by an obstacle, else 0.
-typedef struct vertibench_planner_types_occupancy_map_t {
-  vertibench_planner_types_grid_frame_t   frame;
-  planner_plugin_list_u8_t   occupied;
-} vertibench_planner_types_occupancy_map_t;
-
-typedef struct vertibench_planner_types_point2_t {
-  double   x;
-  double   y;
-} vertibench_planner_types_point2_t;
-
-typedef struct vertibench_planner_types_pose2_t {
-  double   x;
-  double   y;
-  double   yaw;
-} vertibench_planner_types_pose2_t;
-
+// A parameter of a planner.
 typedef struct vertibench_planner_types_param_t {
+  // The name of the parameter.
   planner_plugin_string_t   key;
+  // The value of the parameter, as the user wrote it.
   planner_plugin_string_t   value;
 } vertibench_planner_types_param_t;
+
+// The place and the attitude of a sensor on the vehicle.
+typedef struct vertibench_planner_types_mount_t {
+  // The position of the sensor in the body frame, m.
+  vertibench_planner_types_vec3_t   position;
+  // The roll of the sensor against the body, rad.
+  double   roll;
+  // The pitch of the sensor against the body, rad, positive when it looks down.
+  double   pitch;
+  // The yaw of the sensor against the body, rad, positive when it looks to the left.
+  double   yaw;
+} vertibench_planner_types_mount_t;
+
+// The spinning lidar of the vehicle.
+typedef struct vertibench_planner_types_lidar_info_t {
+  // The time of one turn, which is that between two scans, s.
+  double   period;
+  // The number of beams, which are the rows of a scan, lowest first.
+  uint32_t   rows;
+  // The number of directions of a turn, which are the columns of a scan: column c looks at the azimuth
+  // −π + (c + 1/2) · 2π / `cols` in the sensor's frame, counter-clockwise from straight ahead.
+  uint32_t   cols;
+  // The elevation angle of the lowest beam over the sensor's horizon, rad.
+  double   lowest;
+  // The elevation angle of the highest beam, rad. The others lie at equal angles between the two.
+  double   highest;
+  // The least distance that it measures, m.
+  double   min_range;
+  // The greatest distance that it measures, m.
+  double   max_range;
+  // The place of the sensor on the vehicle.
+  vertibench_planner_types_mount_t   mount;
+} vertibench_planner_types_lidar_info_t;
+
+// The depth camera of the vehicle, a pinhole camera with square pixels.
+typedef struct vertibench_planner_types_depth_info_t {
+  // The time between two images, s.
+  double   period;
+  // The number of rows of an image, topmost first.
+  uint32_t   rows;
+  // The number of columns of an image, leftmost first.
+  uint32_t   cols;
+  // The angle between the left and the right edge of an image, rad.
+  double   field_of_view;
+  // The least depth that it measures, m.
+  double   min_depth;
+  // The greatest depth that it measures, m.
+  double   max_depth;
+  // Whether the images have a label for each pixel.
+  bool   labels;
+  // The place of the sensor on the vehicle.
+  vertibench_planner_types_mount_t   mount;
+} vertibench_planner_types_depth_info_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_height_map_t val;
+} vertibench_planner_types_option_height_map_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_label_map_t val;
+} vertibench_planner_types_option_label_map_t;
 
 typedef struct {
   vertibench_planner_types_point2_t *ptr;
@@ -116,64 +206,213 @@ typedef struct {
   size_t len;
 } vertibench_planner_types_list_param_t;
 
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_lidar_info_t val;
+} vertibench_planner_types_option_lidar_info_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_depth_info_t val;
+} vertibench_planner_types_option_depth_info_t;
+
+// What a planner is told at the start of a task.
 typedef struct vertibench_planner_types_task_t {
-  // Name within the suite, e.g. "w003/t07".
+  // The name of the task within the suite, e.g. `w003/t07`.
   planner_plugin_string_t   id;
+  // The vehicle to be driven.
   vertibench_planner_types_vehicle_t   vehicle;
-  vertibench_planner_types_elevation_map_t   elevation;
-  vertibench_planner_types_semantic_map_t   semantics;
-  vertibench_planner_types_occupancy_map_t   occupancy;
-  // The global path, start to goal.
+  // The heights of the ground, m, as far as the perception profile gives them; absent if it gives none.
+  vertibench_planner_types_option_height_map_t   elevation;
+  // The kinds of ground, as far as the perception profile gives them: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel,
+  // 5 rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it gives none.
+  vertibench_planner_types_option_label_map_t   semantics;
+  // The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is covered by
+  // an obstacle, else 0; absent if it gives none.
+  vertibench_planner_types_option_label_map_t   occupancy;
+  // Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y.
+  vertibench_planner_types_point2_t   half_extent;
+  // The global path, from the start to the goal.
   vertibench_planner_types_list_point2_t   path;
+  // The pose from which the vehicle starts, at rest.
   vertibench_planner_types_pose2_t   start;
+  // The point to which the vehicle must go.
   vertibench_planner_types_point2_t   goal;
-  // The task is done within this distance of the goal, m.
+  // The distance from the goal within which the task is done, m.
   double   goal_radius;
-  // s.
+  // The time limit, s.
   double   time_limit;
-  // Time between two calls of step, s.
+  // The time between two calls of `step`, s.
   double   control_period;
-  // For the planner's own randomness: the same in every run of this task with the same run seed.
+  // The seed for the planner's own randomness: the same in every run of this task with the same run seed.
   uint64_t   seed;
-  // Every parameter the planner declares, with the user's value or the default.
+  // All parameters that the planner declares, with the user's values or the defaults.
   vertibench_planner_types_list_param_t   params;
+  // The name of the perception profile, e.g. `oracle`.
+  planner_plugin_string_t   perception;
+  // The lidar; absent if the planner doesn't ask for it.
+  vertibench_planner_types_option_lidar_info_t   lidar;
+  // The depth camera; absent if the planner doesn't ask for it.
+  vertibench_planner_types_option_depth_info_t   depth;
 } vertibench_planner_types_task_t;
 
+// An estimate of the vehicle's state, as the perception profile lets it be: the truth under `oracle`.
+typedef struct vertibench_planner_types_pose_t {
+  // The position of the vehicle's reference point in the world frame, m.
+  vertibench_planner_types_vec3_t   position;
+  // The roll, rad, positive with the right side down.
+  double   roll;
+  // The pitch, rad, positive with the nose down.
+  double   pitch;
+  // The heading, rad, counter-clockwise from east.
+  double   yaw;
+  // The velocity of the reference point in body axes, m/s.
+  vertibench_planner_types_vec3_t   linear_velocity;
+  // The angular velocity in body axes, rad/s.
+  vertibench_planner_types_vec3_t   angular_velocity;
+} vertibench_planner_types_pose_t;
+
+// The state of one wheel, as its sensors measure it.
 typedef struct vertibench_planner_types_wheel_t {
-  // Spin, rad/s, positive when rolling forward.
-  double   speed;
-  // Suspension travel from the design position, m, positive in compression.
-  double   deflection;
+  // The angular velocity of the wheel about its axle, rad/s, positive when rolling forward.
+  double   spin;
+  // The suspension travel from the design position, m, positive in compression.
+  double   travel;
 } vertibench_planner_types_wheel_t;
+
+// One measurement of the inertial measurement unit.
+typedef struct vertibench_planner_types_imu_sample_t {
+  // The simulated time of the measurement, s.
+  double   time;
+  // The specific force at the vehicle's reference point in body axes, m/s²: the acceleration less that of gravity, so
+  // +9.81 along z at rest.
+  vertibench_planner_types_vec3_t   specific_force;
+  // The angular velocity in body axes, rad/s.
+  vertibench_planner_types_vec3_t   angular_velocity;
+} vertibench_planner_types_imu_sample_t;
+
+// A position from satellites.
+typedef struct vertibench_planner_types_gnss_fix_t {
+  // The simulated time of the measurement, s.
+  double   time;
+  // The measured position of the vehicle's reference point in the world frame, m.
+  vertibench_planner_types_vec3_t   position;
+} vertibench_planner_types_gnss_fix_t;
+
+// One turn of the lidar.
+typedef struct vertibench_planner_types_lidar_scan_t {
+  // The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
+  // while the vehicle moved.
+  double   time;
+  // The `rows` · `cols` measured distances, m, row-major; 0 where nothing came back.
+  planner_plugin_list_f32_t   ranges;
+} vertibench_planner_types_lidar_scan_t;
+
+// One image of the depth camera.
+typedef struct vertibench_planner_types_depth_image_t {
+  // The simulated time of the image, s.
+  double   time;
+  // The `rows` · `cols` depths along the camera's axis, m, row-major; 0 where nothing was measured.
+  planner_plugin_list_f32_t   depths;
+  // The kinds of ground that the pixels are recognised as, with the numbers of the task's `semantics`, 10 for an
+  // obstacle, and 255 where nothing was measured; empty if the camera has no labels.
+  planner_plugin_list_u8_t   labels;
+} vertibench_planner_types_depth_image_t;
+
+// The map of the vehicle's surroundings that is built from lidar and depth camera at the estimated pose. Its axes are
+// those of the world frame as far as the estimate is right, and the vehicle is in its middle.
+typedef struct vertibench_planner_types_local_map_t {
+  // The simulated time at which the map was last brought up to date, s.
+  double   time;
+  // The heights of the ground, m; NaN where it has not been seen.
+  vertibench_planner_types_height_map_t   elevation;
+  // The kinds of ground, with the numbers of the task's `semantics`; 255 where it has not been seen, or isn't known.
+  vertibench_planner_types_label_map_t   semantics;
+  // 1 where an obstacle was seen, 0 where ground was seen, and 255 where nothing was.
+  vertibench_planner_types_label_map_t   occupancy;
+} vertibench_planner_types_local_map_t;
+
+// The direction of travel that the gearbox is in.
+typedef uint8_t vertibench_planner_types_gear_t;
+
+// One of the forward gears; the gearbox chooses which.
+#define VERTIBENCH_PLANNER_TYPES_GEAR_FORWARD 0
+// The engine is uncoupled.
+#define VERTIBENCH_PLANNER_TYPES_GEAR_NEUTRAL 1
+// The reverse gear.
+#define VERTIBENCH_PLANNER_TYPES_GEAR_REVERSE 2
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_pose_t val;
+} vertibench_planner_types_option_pose_t;
 
 typedef struct {
   vertibench_planner_types_wheel_t *ptr;
   size_t len;
 } vertibench_planner_types_list_wheel_t;
 
+typedef struct {
+  vertibench_planner_types_imu_sample_t *ptr;
+  size_t len;
+} vertibench_planner_types_list_imu_sample_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_gnss_fix_t val;
+} vertibench_planner_types_option_gnss_fix_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_lidar_scan_t val;
+} vertibench_planner_types_option_lidar_scan_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_depth_image_t val;
+} vertibench_planner_types_option_depth_image_t;
+
+typedef struct {
+  bool is_some;
+  vertibench_planner_types_local_map_t val;
+} vertibench_planner_types_option_local_map_t;
+
+// What a planner sees every control period: what its sensors have measured since the last one. A sensor that the
+// planner doesn't ask for, or that has measured nothing since, is absent.
 typedef struct vertibench_planner_types_observation_t {
-  // Simulated time since the start, s.
+  // The simulated time since the start, s.
   double   time;
-  // Position of the vehicle's reference point in the world frame, m.
-  vertibench_planner_types_vec3_t   position;
-  // Attitude: heading first, then pitch, then roll.
-  double   roll;
-  double   pitch;
-  double   yaw;
-  // Velocity in body axes, m/s.
-  vertibench_planner_types_vec3_t   linear_velocity;
-  // Rates in body axes, rad/s.
-  vertibench_planner_types_vec3_t   angular_velocity;
+  // The estimate of the vehicle's state (`pose`).
+  vertibench_planner_types_option_pose_t   pose;
+  // The wheels (`wheel-odometry`), from front to back, left before right.
   vertibench_planner_types_list_wheel_t   wheels;
-  // The command applied until now, after clamping; zero at first.
+  // The measurements of the inertial measurement unit (`imu`), oldest first.
+  vertibench_planner_types_list_imu_sample_t   imu;
+  // The last position from satellites (`gnss`).
+  vertibench_planner_types_option_gnss_fix_t   gnss;
+  // The last turn of the lidar (`lidar`).
+  vertibench_planner_types_option_lidar_scan_t   lidar;
+  // The last image of the depth camera (`depth`).
+  vertibench_planner_types_option_depth_image_t   depth;
+  // The map of the surroundings (`local-map`).
+  vertibench_planner_types_option_local_map_t   local_map;
+  // The gear that is in: neutral while a change of direction takes its time.
+  vertibench_planner_types_gear_t   gear;
+  // The speed of the engine, rad/s.
+  double   engine_speed;
+  // The steering command applied until now, after clamping; 0 at first.
   double   last_steering;
+  // The throttle command applied until now, after clamping; 0 at first.
   double   last_throttle;
+  // The brake command applied until now, after clamping; 0 at first.
   double   last_brake;
 } vertibench_planner_types_observation_t;
 
 // Numbers that the harness records beside the trajectory, e.g. a sampled trajectory or a cost.
 typedef struct vertibench_planner_types_series_t {
+  // The name of the series, which stays the same over a task.
   planner_plugin_string_t   name;
+  // The values of the series.
   planner_plugin_list_f32_t   values;
 } vertibench_planner_types_series_t;
 
@@ -182,21 +421,31 @@ typedef struct {
   size_t len;
 } vertibench_planner_types_list_series_t;
 
+// The command that holds until the next step.
 typedef struct vertibench_planner_types_command_t {
-  // [-1, 1], positive to the left.
+  // The steering, in [-1, 1], positive to the left.
   double   steering;
-  // [0, 1].
+  // The throttle, in [0, 1].
   double   throttle;
-  // [0, 1].
+  // The brake, in [0, 1].
   double   brake;
+  // The direction of travel. A change between forward and reverse waits until the vehicle is slower than
+  // `direction-change-speed`, with the throttle closed; brake to bring that about.
+  vertibench_planner_types_gear_t   gear;
+  // Series that are recorded beside the trajectory and drawn by `vb-harness replay`. Leave this empty in normal runs.
   vertibench_planner_types_list_series_t   debug;
 } vertibench_planner_types_command_t;
 
+// How much a line of the log matters.
 typedef uint8_t vertibench_planner_types_log_level_t;
 
+// Something went wrong.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_ERROR 0
+// Something may go wrong.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_WARN 1
+// What the planner does.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_INFO 2
+// What only the planner's author wants to know.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_DEBUG 3
 
 typedef vertibench_planner_types_log_level_t vertibench_planner_host_log_level_t;
@@ -231,11 +480,11 @@ typedef struct {
   } val;
 } exports_vertibench_planner_guest_result_command_string_t;
 
-// Imported Functions from `vertibench:planner/host@0.1.0`
+// Imported Functions from `vertibench:planner/host@0.2.0`
 // Appends a line to the task's log.
 extern void vertibench_planner_host_log(vertibench_planner_host_log_level_t level, planner_plugin_string_t *message);
 
-// Exported Functions from `vertibench:planner/guest@0.1.0`
+// Exported Functions from `vertibench:planner/guest@0.2.0`
 bool exports_vertibench_planner_guest_static_planner_init(exports_vertibench_planner_guest_task_t *task, exports_vertibench_planner_guest_own_planner_t *ret, planner_plugin_string_t *err);
 bool exports_vertibench_planner_guest_method_planner_step(exports_vertibench_planner_guest_borrow_planner_t self, exports_vertibench_planner_guest_observation_t *observation, exports_vertibench_planner_guest_command_t *ret, planner_plugin_string_t *err);
 
@@ -245,23 +494,47 @@ void vertibench_planner_types_vehicle_free(vertibench_planner_types_vehicle_t *p
 
 void planner_plugin_list_f32_free(planner_plugin_list_f32_t *ptr);
 
-void vertibench_planner_types_elevation_map_free(vertibench_planner_types_elevation_map_t *ptr);
+void vertibench_planner_types_height_map_free(vertibench_planner_types_height_map_t *ptr);
 
 void planner_plugin_list_u8_free(planner_plugin_list_u8_t *ptr);
 
-void vertibench_planner_types_semantic_map_free(vertibench_planner_types_semantic_map_t *ptr);
-
-void vertibench_planner_types_occupancy_map_free(vertibench_planner_types_occupancy_map_t *ptr);
+void vertibench_planner_types_label_map_free(vertibench_planner_types_label_map_t *ptr);
 
 void vertibench_planner_types_param_free(vertibench_planner_types_param_t *ptr);
+
+void vertibench_planner_types_option_height_map_free(vertibench_planner_types_option_height_map_t *ptr);
+
+void vertibench_planner_types_option_label_map_free(vertibench_planner_types_option_label_map_t *ptr);
 
 void vertibench_planner_types_list_point2_free(vertibench_planner_types_list_point2_t *ptr);
 
 void vertibench_planner_types_list_param_free(vertibench_planner_types_list_param_t *ptr);
 
+void vertibench_planner_types_option_lidar_info_free(vertibench_planner_types_option_lidar_info_t *ptr);
+
+void vertibench_planner_types_option_depth_info_free(vertibench_planner_types_option_depth_info_t *ptr);
+
 void vertibench_planner_types_task_free(vertibench_planner_types_task_t *ptr);
 
+void vertibench_planner_types_lidar_scan_free(vertibench_planner_types_lidar_scan_t *ptr);
+
+void vertibench_planner_types_depth_image_free(vertibench_planner_types_depth_image_t *ptr);
+
+void vertibench_planner_types_local_map_free(vertibench_planner_types_local_map_t *ptr);
+
+void vertibench_planner_types_option_pose_free(vertibench_planner_types_option_pose_t *ptr);
+
 void vertibench_planner_types_list_wheel_free(vertibench_planner_types_list_wheel_t *ptr);
+
+void vertibench_planner_types_list_imu_sample_free(vertibench_planner_types_list_imu_sample_t *ptr);
+
+void vertibench_planner_types_option_gnss_fix_free(vertibench_planner_types_option_gnss_fix_t *ptr);
+
+void vertibench_planner_types_option_lidar_scan_free(vertibench_planner_types_option_lidar_scan_t *ptr);
+
+void vertibench_planner_types_option_depth_image_free(vertibench_planner_types_option_depth_image_t *ptr);
+
+void vertibench_planner_types_option_local_map_free(vertibench_planner_types_option_local_map_t *ptr);
 
 void vertibench_planner_types_observation_free(vertibench_planner_types_observation_t *ptr);
 

@@ -137,7 +137,7 @@ mod tests {
             };
             let mut wild = Wild::init(&task).unwrap();
             (0..3000)
-                .map(|k| Observation { time: f64::from(k) * 0.02, ..Observation::default() })
+                .map(|k| Observation { time: f64::from(k) * 0.02, ..Observation::of(Pose::default()) })
                 .map(|o| wild.step(&o).unwrap())
                 .collect::<Vec<_>>()
         };

@@ -36,28 +36,35 @@ pub struct Sample {
     pub throttle: f64,
     /// The brake command applied up to this instant, after clamping, in [0, 1].
     pub brake: f64,
+    /// The gear that is in: 0 forward, 1 neutral, 2 reverse.
+    pub gear: f64,
 }
 
 impl Sample {
     /// The names of the fields, in the order of [`Sample::to_array`], which are the columns of a trace file.
-    pub const FIELDS: [&str; 16] = [
+    pub const FIELDS: [&str; 17] = [
         "time", "x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz", "steering",
-        "throttle", "brake",
+        "throttle", "brake", "gear",
     ];
+    /// The fields that traces of earlier versions don't have; what they stand for there is 0.
+    pub const ADDED: [&str; 1] = ["gear"];
+    /// The value of `gear` when the reverse gear is in.
+    pub const REVERSE: f64 = 2.0;
 
     /// The fields as an array, in the order of [`Sample::FIELDS`].
     #[must_use]
-    pub fn to_array(&self) -> [f64; 16] {
-        let Self { time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake } =
-            *self;
-        [time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake]
+    pub fn to_array(&self) -> [f64; 17] {
+        let Self { time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, .. } = *self;
+        let Self { steering, throttle, brake, gear, .. } = *self;
+        [time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake, gear]
     }
 
     /// The sample with these fields, in the order of [`Sample::FIELDS`].
     #[must_use]
-    pub fn from_array(fields: [f64; 16]) -> Self {
-        let [time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake] = fields;
-        Self { time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake }
+    pub fn from_array(fields: [f64; 17]) -> Self {
+        let [time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake, gear] =
+            fields;
+        Self { time, x, y, z, roll, pitch, yaw, vx, vy, vz, wx, wy, wz, steering, throttle, brake, gear }
     }
 
     /// Tells whether every field is a finite number.

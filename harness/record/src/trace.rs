@@ -194,8 +194,12 @@ impl Trace {
             return Err(StoreError::Schema { path: path.to_owned(), found: schema, supported: TRACE_SCHEMA });
         }
         let meta = serde_json::from_value(fields).map_err(|e| damaged(path, format!("metadata: {e}")))?;
-        let columns =
-            Sample::FIELDS.iter().map(|name| table.f64(path, name)).collect::<Result<Vec<_>, _>>()?;
+        let names = table.columns();
+        let column = |name: &&str| {
+            let is_missing = Sample::ADDED.contains(name) && !names.iter().any(|n| n == name);
+            if is_missing { Ok(vec![0.0; table.f64(path, "time")?.len()]) } else { table.f64(path, name) }
+        };
+        let columns = Sample::FIELDS.iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let rows = columns[0].len();
         let wheels = table.columns().iter().filter(|name| name.starts_with("speed_")).count();
         let mut wheel_columns = Vec::with_capacity(wheels);

@@ -112,7 +112,12 @@ impl Motion {
                 let now = k as f64 * period;
                 while commands.next_if(|s| s.time < now - 0.25 * period).is_some() {}
                 let s = commands.peek()?;
-                controls = Controls { steering: s.steering, throttle: s.throttle, brake: s.brake };
+                controls = Controls {
+                    steering: s.steering,
+                    throttle: s.throttle,
+                    brake: s.brake,
+                    ..Controls::default()
+                };
                 sim.advance(controls, steps).ok()?;
             }
             sim.visit_state(|x| hash.push(x));

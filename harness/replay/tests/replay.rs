@@ -54,7 +54,7 @@ impl Drive {
             if k > 0 {
                 if (k - 1) % 10 == 0 {
                     let steering = if k > 100 { 0.1 + 0.001 * f64::from(k) } else { 0.0 };
-                    controls = Controls { steering, throttle: 1.0, brake: 0.0 };
+                    controls = Controls { steering, throttle: 1.0, ..Controls::default() };
                 }
                 sim.advance(controls, 10).unwrap();
             }

@@ -30,7 +30,9 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
         max_steer_rate: spec.steering.rate,
         min_turn_radius: shape.min_turn_radius,
         max_speed: spec.max_speed,
-        ..vb_sdk::Vehicle::default()
+        max_reverse_speed: shape.max_reverse_speed,
+        direction_change_speed: spec.powertrain.gearbox.direction_change.speed,
+        direction_change_time: spec.powertrain.gearbox.direction_change.latency,
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vb_math::{atan2, tan};
-use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, Start};
+use vb_sim::{Controls, Gear, SimError, SimOptions, Simulation, SoilSet, Start};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Heightfield, TerrainClass, World};
 
@@ -29,6 +29,8 @@ pub struct StaticShape {
     /// The radius of the reference point's circle at steering command 1, m: the circle without slip, or that on which a
     /// tracked vehicle turns.
     pub min_turn_radius: f64,
+    /// The speed after ten seconds of full throttle in reverse, m/s; 0 for a vehicle without a reverse gear.
+    pub max_reverse_speed: f64,
     /// The mass of the whole vehicle, kg.
     pub mass: f64,
 }
@@ -65,6 +67,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
         ));
     }
     let mass = spec.total_mass();
+    let max_reverse_speed = backwards(&standing)?;
     let ground_clearance = if lowest.is_finite() { state.position.z + lowest } else { 0.0 };
     if spec.tracks.is_some() {
         let (first, last) = (hubs[1], hubs[hubs.len() - 2]);
@@ -79,6 +82,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
             track: first.1,
             max_steer_angle: atan2(curvature(SMALL_COMMAND)? / SMALL_COMMAND * wheelbase, 1.0),
             min_turn_radius: 1.0 / curvature(1.0)?,
+            max_reverse_speed,
             mass,
         });
     }
@@ -104,6 +108,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
         track: first.1,
         max_steer_angle: first.2,
         min_turn_radius: (rear * rear + ahead * ahead).sqrt(),
+        max_reverse_speed,
         mass,
     })
 }
@@ -117,11 +122,22 @@ fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
     let period = 10;
     for _ in 0..800 {
         let e = 3.0 - sim.state().velocity.x;
-        let controls = Controls { steering, throttle: e.clamp(0.0, 1.0), brake: (-e).clamp(0.0, 1.0) };
+        let (throttle, brake) = (e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
+        let controls = Controls { steering, throttle, brake, ..Controls::default() };
         sim.advance(controls, period)?;
     }
     let s = sim.state();
     Ok(s.angular_velocity.z / s.velocity.x)
+}
+
+/// The speed backwards after ten seconds of full throttle on level ground, m/s.
+fn backwards(standing: &Simulation) -> Result<f64, SimError> {
+    let mut sim = standing.clone();
+    let controls = Controls { throttle: 1.0, gear: Gear::Reverse, ..Controls::default() };
+    for _ in 0..1000 {
+        sim.advance(controls, 10)?;
+    }
+    Ok((-sim.state().velocity.x).max(0.0))
 }
 
 /// Least and greatest coordinates of what collides, in the chassis frame, m: the hull, and the wheels straight ahead at

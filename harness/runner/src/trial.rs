@@ -273,7 +273,7 @@ impl Trial<'_> {
         let state = sim.state();
         let command = session.step(&observation(&state, last));
         ledger.planner_steps += 1;
-        let (Command { steering, throttle, brake, debug, .. }, clamped) =
+        let (Command { steering, throttle, brake, gear, debug }, clamped) =
             clamp(command.map_err(|f| Failure::session(self, &f))?);
         ledger.clamped += u64::from(clamped);
         if self.trace != TraceMode::None {
@@ -281,7 +281,12 @@ impl Trial<'_> {
                 ledger.debug.push(state.time, &series.name, &series.values);
             }
         }
-        Ok(Controls { steering, throttle, brake })
+        let gear = match gear {
+            vb_sdk::Gear::Forward => vb_sim::Gear::Forward,
+            vb_sdk::Gear::Neutral => vb_sim::Gear::Neutral,
+            vb_sdk::Gear::Reverse => vb_sim::Gear::Reverse,
+        };
+        Ok(Controls { steering, throttle, brake, gear })
     }
 
     /// Shows the rules and the recorder the state; true when there is a verdict.
@@ -321,6 +326,16 @@ pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
         steering: controls.steering,
         throttle: controls.throttle,
         brake: controls.brake,
+        gear: f64::from(gear(state.gear) as u32),
+    }
+}
+
+/// A gear as planners and records know it.
+fn gear(gear: vb_sim::Gear) -> vb_sdk::Gear {
+    match gear {
+        vb_sim::Gear::Forward => vb_sdk::Gear::Forward,
+        vb_sim::Gear::Neutral => vb_sdk::Gear::Neutral,
+        vb_sim::Gear::Reverse => vb_sdk::Gear::Reverse,
     }
 }
 
@@ -340,6 +355,8 @@ fn observation(state: &VehicleState, last: Controls) -> Observation {
         wheels: state.wheels.iter().map(|w| Wheel { spin: w.speed, travel: w.deflection }).collect(),
         last_steering: last.steering,
         last_throttle: last.throttle,
+        gear: gear(state.gear),
+        engine_speed: state.engine_speed,
         last_brake: last.brake,
         ..Observation::default()
     }

@@ -43,6 +43,9 @@ measures! {
         pub steering_effort_s: f64,
         /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
         pub steering_rate_per_s: f64,
+        /// Time with the reverse gear in, s.
+        #[serde(default)]
+        pub reverse_s: f64,
         /// Least distance from the goal in the plane, m.
         pub goal_distance_min_m: f64,
         /// Distance from the goal in the plane at the last sample, m.
@@ -64,6 +67,7 @@ pub(crate) struct Accumulator {
     brake: f64,
     steering: f64,
     steering_travel: f64,
+    reverse: f64,
     goal_distance_min: f64,
     goal_distance: f64,
 }
@@ -82,6 +86,7 @@ impl Accumulator {
             brake: 0.0,
             steering: 0.0,
             steering_travel: 0.0,
+            reverse: 0.0,
             goal_distance_min: f64::INFINITY,
             goal_distance: f64::INFINITY,
         }
@@ -100,6 +105,7 @@ impl Accumulator {
             self.throttle += s.throttle * dt;
             self.brake += s.brake * dt;
             self.steering += s.steering.abs() * dt;
+            self.reverse += if s.gear == Sample::REVERSE { dt } else { 0.0 };
             self.steering_travel += (s.steering - last.steering).abs();
         } else {
             self.first_time = s.time;
@@ -143,6 +149,7 @@ impl Accumulator {
             brake_effort_s: self.brake,
             steering_effort_s: self.steering,
             steering_rate_per_s: per_time(self.steering_travel),
+            reverse_s: self.reverse,
             goal_distance_min_m: self.goal_distance_min,
             goal_distance_end_m: self.goal_distance,
         })

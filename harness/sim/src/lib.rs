@@ -25,7 +25,7 @@ pub use error::SimError;
 pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation, Start};
 pub use soil::SoilSet;
-pub use state::{Controls, VehicleState, WheelState};
+pub use state::{Controls, Gear, VehicleState, WheelState};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;

@@ -214,7 +214,7 @@ impl Simulation {
     }
 
     fn settle(&mut self) -> Result<(), SimError> {
-        let controls = Controls { steering: 0.0, throttle: 0.0, brake: 1.0 };
+        let controls = Controls { brake: 1.0, ..Controls::default() };
         let most = (self.options.settle_time / self.options.step) as u64;
         let mut still = 0;
         for _ in 0..most {
@@ -411,6 +411,8 @@ impl Simulation {
             angular_velocity: inverse * v.w,
             wheels: (0..v.wheel_count()).map(|i| v.wheel(i)).collect(),
             steering: v.steering,
+            gear: v.gear(),
+            engine_speed: v.drive_state().engine_speed,
         }
     }
 
@@ -452,8 +454,8 @@ impl Simulation {
         self.energy.forget();
     }
 
-    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, and a gear (counted
-    /// from 1, at most the highest). The wheels don't move against the chassis, and nothing is remembered of the way
+    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, the speed of an engine
+    /// behind a converter, the direction that is in, and a forward gear (counted from 1, at most the highest). The wheels don't move against the chassis, and nothing is remembered of the way
     /// there. It serves comparisons with records.
     pub fn put(&mut self, state: &VehicleState, gear: usize) {
         let v = &mut self.vehicle;

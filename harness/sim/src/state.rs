@@ -3,6 +3,18 @@
 use crate::{Quat, V3};
 use vb_math::{asin, atan2};
 
+/// The direction of a gearbox.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Gear {
+    /// The reverse gear: the engine drives backwards.
+    Reverse,
+    /// The engine is uncoupled.
+    Neutral,
+    /// The forward gears, between which the gearbox shifts by itself.
+    #[default]
+    Forward,
+}
+
 /// The controls that the driver asks for, already within their ranges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Controls {
@@ -12,6 +24,11 @@ pub struct Controls {
     pub throttle: f64,
     /// The brake, in [0, 1].
     pub brake: f64,
+    /// The direction that the driver wants. Neutral comes at once. A direction opposed to the motion, or to the one that is
+    /// in, waits until the vehicle is slower than its file's `direction_change.speed`, with the former one in and the
+    /// throttle closed, and then takes the latency of that file, without torque. A vehicle without a reverse gear goes to
+    /// neutral instead.
+    pub gear: Gear,
 }
 
 /// The state of one wheel.
@@ -45,6 +62,11 @@ pub struct VehicleState {
     pub wheels: Vec<WheelState>,
     /// The steering command after the rate limit, in [-1, 1], positive to the left.
     pub steering: f64,
+    /// The direction that is in: neutral while a change of direction interrupts the torque.
+    pub gear: Gear,
+    /// The speed of the engine, rad/s, not negative. One without a converter turns with the gearbox, and 0 stands for its
+    /// speed in neutral.
+    pub engine_speed: f64,
 }
 
 impl VehicleState {
@@ -74,6 +96,8 @@ mod tests {
             angular_velocity: V3::zeros(),
             wheels: vec![],
             steering: 0.0,
+            gear: Gear::Forward,
+            engine_speed: 0.0,
         }
     }
 

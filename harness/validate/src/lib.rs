@@ -25,6 +25,7 @@ mod run;
 mod setup;
 mod statics;
 mod theory;
+mod traction;
 
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use error::ValidateError;

@@ -2,7 +2,7 @@
 
 use vb_math::angle::wrap;
 use vb_math::{atan2, hypot};
-use vb_sim::{Controls, VehicleState};
+use vb_sim::{Controls, Gear, VehicleState};
 use vb_vehicle::VehicleSpec;
 
 /// What the driver wants.
@@ -11,13 +11,20 @@ pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
         steering: steering.clamp(-1.0, 1.0),
         throttle: throttle.clamp(0.0, 1.0),
         brake: brake.clamp(0.0, 1.0),
+        gear: Gear::Forward,
     }
 }
 
+/// The same in reverse.
+pub(crate) fn reverse(steering: f64, throttle: f64, brake: f64) -> Controls {
+    Controls { gear: Gear::Reverse, ..controls(steering, throttle, brake) }
+}
+
 /// Brakes on, no throttle, wheels straight.
-pub(crate) const PARKED: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 1.0 };
+pub(crate) const PARKED: Controls = Controls { brake: 1.0, ..COASTING };
 /// Nothing pressed, wheels straight.
-pub(crate) const COASTING: Controls = Controls { steering: 0.0, throttle: 0.0, brake: 0.0 };
+pub(crate) const COASTING: Controls =
+    Controls { steering: 0.0, throttle: 0.0, brake: 0.0, gear: Gear::Forward };
 
 /// How the lengths, speeds and times of an event carry over to a vehicle of another scale: lengths with the scale, speeds
 /// and times with its square root, by which gravity and so accelerations stay what they are (Froude's rule). Events are
@@ -72,6 +79,20 @@ impl Pace {
     pub(crate) fn hold_speed(self, s: &VehicleState, target: f64, steering: f64) -> Controls {
         let e = target - s.velocity.x / self.root;
         controls(steering, e, -e)
+    }
+
+    /// The same controller backwards, in reverse; the target is not negative.
+    pub(crate) fn hold_speed_back(self, s: &VehicleState, target: f64, steering: f64) -> Controls {
+        let e = target + s.velocity.x / self.root;
+        reverse(steering, e, -e)
+    }
+
+    /// The pursuit law backwards along the line y = 0 to larger x, with the rear ahead: a vehicle that backs turns its rear to
+    /// the side away from which its front wheels point.
+    pub(crate) fn hold_line_back(self, s: &VehicleState) -> f64 {
+        let (_, _, yaw) = s.roll_pitch_yaw();
+        let rear = yaw + std::f64::consts::PI;
+        -wrap(atan2(-s.position.y, self.length(10.0)) - rear).clamp(-1.0, 1.0)
     }
 
     /// The original's pursuit law along the line y = 0: the steering command is the angle (rad) to a point 10 m ahead.

@@ -120,7 +120,7 @@ impl Drive {
         row.extend([s.velocity.x, s.velocity.y, v.z, s.angular_velocity.z, s.steering, c.throttle, c.brake]);
         row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
         let drive = self.sim.drive();
-        row.extend([drive.gear as f64, drive.engine_speed]);
+        row.extend([f64::from(drive.gear), drive.engine_speed]);
         self.series.rows.push(row);
     }
 

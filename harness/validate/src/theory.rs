@@ -3,6 +3,7 @@
 
 use crate::event::Bench;
 use vb_sim::tyre::Tyre;
+use vb_vehicle::VehicleSpec;
 
 /// A drive along a line.
 pub(crate) struct PointMass<'a> {
@@ -30,15 +31,26 @@ const STEP: f64 = 1e-3;
 /// two gears.
 const CLEAR: f64 = 0.05;
 
+/// Radius on which the driven wheels roll, m: a third of the deflection below the free one (Rill 2011, ch. 3).
+pub(crate) fn rolling_radius(bench: &Bench<'_>) -> f64 {
+    let (spec, g) = (bench.spec, &bench.geometry);
+    let tyre = spec.axles.iter().find(|a| a.driven).map_or(&spec.tyre, |a| spec.tyre_of(a));
+    let deflection = Tyre::new(tyre).deflection(g.weight() / g.corners.len() as f64);
+    let driven = spec.axles.iter().position(|a| a.driven).unwrap_or(0);
+    g.corners[2 * driven].radius - deflection / 3.0
+}
+
+/// Resistance of the air, which grows with speed (m/s), N.
+pub(crate) fn air(spec: &VehicleSpec, speed: f64) -> f64 {
+    let points = &spec.chassis.resistance;
+    if points.is_empty() { 0.0 } else { vb_vehicle::table::interpolate(points, speed).0 }
+}
+
 impl<'a> PointMass<'a> {
     /// Rolling at a speed, in the gear that an upward shift from the lowest would have reached.
     pub(crate) fn new(bench: &'a Bench<'a>, friction: f64, speed: f64) -> Self {
         let (spec, g) = (bench.spec, &bench.geometry);
-        // The tread rolls on a radius a third of the deflection below the free one (Rill 2011, ch. 3).
-        let tyre = spec.axles.iter().find(|a| a.driven).map_or(&spec.tyre, |a| spec.tyre_of(a));
-        let deflection = Tyre::new(tyre).deflection(g.weight() / g.corners.len() as f64);
-        let driven = spec.axles.iter().position(|a| a.driven).unwrap_or(0);
-        let radius = g.corners[2 * driven].radius - deflection / 3.0;
+        let radius = rolling_radius(bench);
         let wheels: f64 = g.corners.iter().map(|c| c.spin_inertia).sum();
         let line = &spec.powertrain.driveline;
         let final_drive =
@@ -101,18 +113,6 @@ impl<'a> PointMass<'a> {
         }
     }
 
-    /// Resistance that grows with speed, N.
-    fn air(&self) -> f64 {
-        let points = &self.bench.spec.chassis.resistance;
-        let k = points.partition_point(|p| p[0] <= self.speed);
-        match (k.checked_sub(1).and_then(|j| points.get(j)), points.get(k)) {
-            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (self.speed - a[0]) / (b[0] - a[0]),
-            (Some(a), None) => a[1],
-            (None, Some(b)) => b[1],
-            (None, None) => 0.0,
-        }
-    }
-
     /// One step with throttle and brake in [0, 1].
     fn step(&mut self, throttle: f64, brake: f64) {
         let (spec, g) = (self.bench.spec, &self.bench.geometry);
@@ -122,8 +122,8 @@ impl<'a> PointMass<'a> {
             p.engine.torque(self.engine_speed(), throttle) / p.gearbox.ratios[self.gear] / self.final_drive;
         let brakes: f64 = spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum::<f64>() * brake;
         let limit = self.friction * g.weight();
-        let force =
-            ((torque - brakes) / self.radius - self.rolling * g.weight() - self.air()).clamp(-limit, limit);
+        let force = ((torque - brakes) / self.radius - self.rolling * g.weight() - air(spec, self.speed))
+            .clamp(-limit, limit);
         // At the limit the wheels' inertia doesn't travel with the mass: they spin or stand.
         let inertia = if force.abs() >= limit { g.mass } else { self.inertia };
         self.speed += STEP * force / inertia;
@@ -163,7 +163,7 @@ impl<'a> PointMass<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_vehicle::{GRAVITY, VehicleSpec};
+    use vb_vehicle::GRAVITY;
 
     #[test]
     fn it_coasts_down_through_its_gears_and_never_up_again() {

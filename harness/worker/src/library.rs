@@ -14,7 +14,7 @@ use vb_files::Hash;
 use vb_sdk::c::ENTRY;
 use vb_sdk::native::PlannerModuleRef;
 use vb_sdk::{Command, LogLevel, Observation, Task};
-use vb_sdk_v0_1::native as old;
+use vb_abi_v0_1::native as old;
 
 use crate::calls::Functions;
 use crate::protocol::{Failure, FailureKind};

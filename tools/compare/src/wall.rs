@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use vb_sim::{Controls, SimError, SimOptions, Simulation, SoilSet, VehicleState, WheelState};
+use vb_sim::{Controls, Gear, SimError, SimOptions, Simulation, SoilSet, VehicleState, WheelState};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Pose2, World};
 
@@ -109,6 +109,9 @@ impl Columns<'_> {
             angular_velocity: self.three(row, ["wx", "wy", "wz"])?,
             wheels,
             steering,
+            gear: Gear::Forward,
+            // Its engine turns with the gearbox.
+            engine_speed: 0.0,
         })
     }
 }
@@ -144,6 +147,7 @@ fn losses(
             steering: columns.one(row, "steering")?,
             throttle: columns.one(row, "throttle")?,
             brake: columns.one(row, "braking")?,
+            ..Controls::default()
         };
         sim.advance(controls, steps).map_err(failed)?;
     }

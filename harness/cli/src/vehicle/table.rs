@@ -42,6 +42,11 @@ pub(super) struct Specification {
     tyres: Vec<String>,
     engine: String,
     gears: Vec<f64>,
+    /// None without one.
+    reverse_gear: Option<f64>,
+    /// Below which a direction opposed to the motion can be put in.
+    direction_change_speed_m_per_s: f64,
+    direction_change_latency_s: f64,
     centre_differential: &'static str,
     deviations: Vec<String>,
 }
@@ -103,7 +108,7 @@ impl Specification {
     pub(super) fn new(standing: &Standing) -> Self {
         let v = &standing.spec;
         let told = planner_vehicle(v, &standing.shape, v.scale);
-        let line = &v.powertrain.driveline;
+        let (line, gearbox) = (&v.powertrain.driveline, &v.powertrain.gearbox);
         let mut driven = line.axles.iter();
         let tyre = |t: &vb_vehicle::TyreSpec| {
             format!("{}, radius {} m, width {} m", t.model(), number(t.radius()), number(t.width()))
@@ -156,7 +161,10 @@ impl Specification {
             axles: axles.collect(),
             tyres,
             engine: engine(&v.powertrain.engine, v.powertrain.converter.as_ref()),
-            gears: v.powertrain.gearbox.ratios.clone(),
+            gears: gearbox.ratios.clone(),
+            reverse_gear: gearbox.reverse,
+            direction_change_speed_m_per_s: gearbox.direction_change.speed,
+            direction_change_latency_s: gearbox.direction_change.latency,
             centre_differential: if line.axles.len() > 1 { line.centre.kind() } else { "none" },
             deviations: v.deviations.clone(),
         }
@@ -205,6 +213,15 @@ impl Specification {
         row("tyres to choose from", self.tyres.join(", "));
         row("engine", self.engine.clone());
         row("gears", self.gears.iter().map(|g| number(*g)).collect::<Vec<_>>().join(", "));
+        let change = format!(
+            "put in below {} m/s, takes {} s",
+            number(self.direction_change_speed_m_per_s),
+            number(self.direction_change_latency_s)
+        );
+        row(
+            "reverse gear",
+            self.reverse_gear.map_or("none".to_owned(), |r| format!("{}, {change}", number(r))),
+        );
         row("centre differential", self.centre_differential.to_owned());
         for (i, d) in self.deviations.iter().enumerate() {
             row(if i == 0 { "deviations" } else { "" }, format!("- {d}"));

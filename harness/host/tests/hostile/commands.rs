@@ -27,10 +27,12 @@ pub fn write_messages(dir: &Path) {
         ("foreign", Reply::Hello(Introduction { protocol: 99, ..hello.clone() })),
         ("nameless", Reply::Hello(Introduction { name: "../..".into(), ..hello.clone() })),
         ("hasty", Reply::Hello(Introduction { control_period: -0.1, ..hello.clone() })),
+        ("greedy", Reply::Hello(Introduction { needs: vec!["radar 10".into()], ..hello.clone() })),
         ("hello", Reply::Hello(hello)),
         ("ready", Reply::Ready(Empty {})),
         ("dropped", Reply::Dropped(Empty {})),
         ("nan", Reply::Command(Command { brake: f64::NAN, ..Command::default() })),
+        ("sideways", Reply::Command(Command::default())),
         ("error", failure(FailureKind::Error)),
         ("panic", failure(FailureKind::Panic)),
         ("line", Reply::Log(LogLine { level: WireLevel::Info, message: "la".repeat(100) })),
@@ -38,6 +40,10 @@ pub fn write_messages(dir: &Path) {
     for (name, message) in messages {
         let mut bytes = Vec::new();
         encode(&message, &mut bytes).unwrap();
+        if name == "sideways" {
+            let gear = bytes.windows(7).position(|w| w == b"forward").unwrap();
+            bytes[gear..gear + 7].copy_from_slice(b"sideway");
+        }
         std::fs::write(dir.join(name), bytes).unwrap();
     }
 }
@@ -88,6 +94,7 @@ pub fn table() -> Vec<Case> {
             NotAPlugin,
             "its name is `../..`",
         ),
+        script("a command that asks for a sensor that there isn't", "exec cat greedy", Load, NotAPlugin, "radar"),
         script("a command of a period below 0", "exec cat hasty", Load, NotAPlugin, "-0.1"),
         script(
             "a command that closes its output and stays",
@@ -111,6 +118,13 @@ pub fn table() -> Vec<Case> {
             Step,
             InvalidOutput,
             "brake is NaN",
+        ),
+        script(
+            "a command with a gear that there isn't",
+            &format!("{set_off}; cat sideways; {rest}"),
+            Step,
+            Protocol,
+            "unknown variant `sideway`, expected one of `forward`, `neutral`, `reverse`",
         ),
         script(
             "a command that leaves a child behind",

@@ -144,6 +144,7 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
     }
     if (strcmp(what, "remove") == 0) unlinkat(AT_FDCWD, "/tmp/vb-hostile", 0);
 #endif
+    if (strcmp(what, "gear") == 0 && due) due->gear = 7;
     if (strcmp(what, "nan") == 0 && due) due->steering = 0.0 / 0.0;
     if (strcmp(what, "inf") == 0 && due) due->throttle = 1.0 / 0.0;
     if (strcmp(what, "flood") == 0 && due) {

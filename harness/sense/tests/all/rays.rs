@@ -115,6 +115,20 @@ fn a_step_is_hit_on_its_face_and_behind_its_edge() {
     }
 }
 
+#[test]
+fn a_ray_along_the_edge_of_the_world_meets_the_ground_though_its_direction_is_rounded() {
+    // A ramp that rises by 0.2 m in the last of 40 cells of 0.1 m, up to y = 2 m; half its width is 0.05 m.
+    let heights = (0..82).map(|i| if i / 2 == 40 { 0.2 } else { 0.0 }).collect();
+    let s = scene(Heightfield::new(41, 2, 0.1, heights), vec![]);
+    for x in [-0.05, 0.05] {
+        // As the sine and the cosine of half a circle and the like come out.
+        for aside in [-2e-16, -6e-17, 0.0, 6e-17, 2e-16] {
+            let hit = s.cast(&V3::new(x, -1.8, 0.1), &V3::new(aside, 1.0, 0.0), 100.0, None).unwrap();
+            assert!((hit.distance - 3.75).abs() < 1e-9, "{x} {aside}: {hit:?}");
+        }
+    }
+}
+
 /// The nearest hit with any triangle (Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997).
 fn brute_force(h: &Heightfield, o: &V3, d: &V3) -> Option<f64> {
     let node = |row: usize, col: usize| {

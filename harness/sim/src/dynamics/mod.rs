@@ -146,6 +146,8 @@ pub(crate) struct Vehicle {
     bars: Vec<Bar>,
     drive: Drive,
     governor: Option<Governor>,
+    /// The vehicle's reference point relative to the chassis' centre of mass, body axes.
+    reference: V3,
     forces: Vec<Forces>,
     /// World axes, m/s².
     pub(crate) gravity: V3,
@@ -229,6 +231,7 @@ impl Vehicle {
             bars,
             drive,
             governor: spec.powertrain.governor,
+            reference: -com,
             gravity: V3::new(0.0, 0.0, -GRAVITY),
             x: V3::zeros(),
             q: Quat::identity(),
@@ -271,6 +274,11 @@ impl Vehicle {
         self.drive.state()
     }
 
+    /// The direction that is in.
+    pub(crate) fn gear(&self) -> crate::Gear {
+        self.drive.gear()
+    }
+
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
         let corners = self.corners.iter().flat_map(|c| {
@@ -307,7 +315,7 @@ impl Vehicle {
         self.tracks.iter_mut().for_each(Track::reset);
     }
 
-    /// Gives the wheels speeds and travels, and puts steering and gear as they are told.
+    /// Gives the wheels speeds and travels, and puts steering, engine and gear as they are told.
     pub(crate) fn put_wheels(&mut self, state: &VehicleState, gear: usize) {
         for (c, wheel) in self.corners.iter_mut().zip(&state.wheels) {
             (c.travel, c.spin) = (wheel.deflection, wheel.speed / c.gearing);
@@ -315,7 +323,7 @@ impl Vehicle {
             (c.ground_depth, c.obstacle_depth) = (f64::MAX, f64::MAX);
         }
         self.steering = state.steering;
-        self.drive.engage(gear);
+        self.drive.engage(state.gear, gear, state.engine_speed);
     }
 
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to

@@ -2,15 +2,20 @@
 
 use super::Vehicle;
 use crate::V3;
-use crate::powertrain::Wheels;
-use crate::state::Controls;
+use crate::powertrain::{Demand, Wheels};
+use crate::state::{Controls, Gear};
 use vb_vehicle::MAX_WHEELS;
 
 impl Vehicle {
-    /// What a governor leaves of a throttle.
-    pub(super) fn governed(&self, throttle: f64) -> f64 {
-        let speed = self.v.dot(&(self.q * V3::x()));
-        self.governor.map_or(throttle, |g| throttle.min(g.ceiling(speed)))
+    /// What the driver asks of the powertrain, with what a governor leaves of the throttle. In reverse the governor looks at
+    /// the speed backwards. The gearbox goes by the speed of the reference point, which is what a driver is told.
+    pub(super) fn demand(&self, controls: &Controls) -> Demand {
+        let forward = self.q * V3::x();
+        let speed = self.v.dot(&forward);
+        let ahead = if self.drive.gear() == Gear::Reverse { -speed } else { speed };
+        let throttle = self.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(ahead)));
+        let turning = self.w.cross(&(self.q * self.reference)).dot(&forward);
+        Demand { throttle, gear: controls.gear, speed: speed + turning }
     }
 
     /// Advances the spins; returns the torque of driveline and brake on each wheel, which the chassis reacts.
@@ -29,8 +34,8 @@ impl Vehicle {
             brakes: &brakes[..n],
             torques: &mut torques[..n],
         };
-        let throttle = self.governed(controls.throttle);
-        self.drive.advance(throttle, &mut wheels, dt);
+        let demand = self.demand(&controls);
+        self.drive.advance(&demand, &mut wheels, dt);
         for (c, spin) in self.corners.iter_mut().zip(spins) {
             c.spin = spin;
         }

@@ -85,6 +85,17 @@ impl FreeEngine {
         (lock_up.torque * slip.clamp(-1.0, 1.0), slope)
     }
 
+    /// Lets the engine turn alone for a step, with the turbine beside it: in neutral nothing holds the turbine back, so that
+    /// the fluid passes no torque. Returns the torque of the engine, N m.
+    pub(super) fn turn_alone(&mut self, engine: &Engine, driver: f64, dt: f64) -> f64 {
+        self.bridged = false;
+        let (throttle, governing) = self.throttle(driver);
+        let EngineTorque { torque, by_speed, by_throttle } = engine.torque_and_slopes(self.speed, throttle);
+        let stiffening = (by_speed + by_throttle * governing).min(0.0);
+        self.speed = (self.speed + dt * torque / (self.inertia - dt * stiffening)).max(0.0);
+        torque
+    }
+
     /// Ends the step in which the turbine's speed changed by `turbine_change` (rad/s).
     pub(super) fn finish(&mut self, turbine_change: f64) {
         self.speed = (self.speed + self.change[0] + self.change[1] * turbine_change).max(0.0);

@@ -4,6 +4,7 @@ mod converter;
 mod driveline;
 mod gearbox;
 
+use crate::state::Gear;
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
@@ -27,16 +28,28 @@ struct Coupling {
 /// The state of the engine and its shafts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveState {
-    /// The gear, counted from 1.
-    pub gear: usize,
-    /// The speed of the engine, rad/s.
+    /// The gear: counted from 1 forwards, 0 in neutral and while a change of direction interrupts the torque, −1 in
+    /// reverse.
+    pub gear: i32,
+    /// The speed of the engine, rad/s. One without a converter turns with the gearbox: it has no idle speed, and 0 stands
+    /// for its speed in neutral, where nothing is known of it.
     pub engine_speed: f64,
     /// The torque of the engine, N m; negative when it drags.
     pub engine_torque: f64,
-    /// The speed of the gearbox' output shaft, rad/s.
+    /// The speed of the gearbox' output shaft, rad/s, positive when the vehicle rolls forward.
     pub shaft_speed: f64,
-    /// The torque on the gearbox' output shaft, N m.
+    /// The torque on the gearbox' output shaft, N m, positive when it pushes the vehicle forward.
     pub shaft_torque: f64,
+}
+
+/// What the driver asks of a powertrain in one step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Demand {
+    /// In [0, 1], after the governor.
+    pub(crate) throttle: f64,
+    pub(crate) gear: Gear,
+    /// Speed of the vehicle over ground, positive forwards, m/s.
+    pub(crate) speed: f64,
 }
 
 /// What a powertrain has to move.
@@ -90,20 +103,31 @@ impl Drive {
         let p = load.powertrain;
         let driveline = Driveline::new(&p.driveline, &load.pairs);
         let lever = load.radius / driveline.reduction();
+        let free = p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine));
+        let engine_speed = free.as_ref().map_or(0.0, |f| f.speed);
         Self {
             engine: p.engine.clone(),
-            free: p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine)),
+            free,
             shifter: Shifter::new(&p.gearbox),
             driveline,
             vehicle_inertia: load.mass * lever * lever,
             work: 0.0,
-            state: DriveState { gear: 1, ..DriveState::default() },
+            state: DriveState { gear: 1, engine_speed, ..DriveState::default() },
         }
     }
 
-    /// Puts in a gear, counted from 1; the highest there is at most.
-    pub(crate) fn engage(&mut self, gear: usize) {
-        self.shifter.gear = gear.clamp(1, self.shifter.spec.ratios.len()) - 1;
+    /// Puts in a direction and a forward gear, counted from 1, the highest there is at most; an engine that turns freely gets
+    /// the speed, rad/s.
+    pub(crate) fn engage(&mut self, direction: Gear, gear: usize, engine_speed: f64) {
+        self.shifter.engage(direction, gear);
+        if let Some(free) = &mut self.free {
+            free.speed = engine_speed;
+        }
+    }
+
+    /// The direction that is in.
+    pub(crate) fn gear(&self) -> Gear {
+        self.shifter.direction()
     }
 
     pub(crate) fn state(&self) -> DriveState {
@@ -122,48 +146,57 @@ impl Drive {
 
     /// All numbers that the next step depends on, beside the wheels' spins.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
-        let s = &self.shifter;
         let free = self.free.iter().flat_map(|f| [f.speed, f64::from(u8::from(f.bridged))]);
-        [s.gear as f64, s.interrupted, s.wait, s.load].into_iter().chain(free)
+        self.shifter.inner_state().chain(free)
     }
 
     /// Advances the spins of all wheels, the engine and the gear by `dt`.
-    pub(crate) fn advance(&mut self, throttle: f64, wheels: &mut Wheels<'_>, dt: f64) {
+    pub(crate) fn advance(&mut self, demand: &Demand, wheels: &mut Wheels<'_>, dt: f64) {
+        let pending = self.shifter.select(demand.gear, demand.speed, dt);
+        // Until the direction is in that the driver asks for, the engine doesn't push in another.
+        let throttle = if pending { 0.0 } else { demand.throttle };
         let shaft = self.driveline.shaft_speed(wheels.spins);
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
+        let neutral = self.shifter.direction() == Gear::Neutral;
         let interrupts = self.shifter.interrupts();
-        // While a shift interrupts the torque the throttle is closed.
-        let demand = if interrupts { 0.0 } else { throttle };
+        // While a shift interrupts the torque the throttle is closed; in neutral nothing is shifted under load.
+        let pressed = if interrupts && !neutral { 0.0 } else { throttle };
         let (coupling, friction, engine_torque) = match &mut self.free {
+            Some(free) if neutral => (Coupling::default(), 0.0, free.turn_alone(&self.engine, pressed, dt)),
             Some(free) => {
-                let (coupling, torque) = free.prepare(&self.engine, demand, input, dt);
+                let (coupling, torque) = free.prepare(&self.engine, pressed, input, dt);
                 (coupling, 0.0, torque)
             }
-            None => rigid(&self.engine, demand, input),
+            None if neutral => (Coupling::default(), 0.0, 0.0),
+            None => rigid(&self.engine, pressed, input),
         };
         let given = if interrupts {
             Input::default()
         } else {
             Input {
                 torque: coupling.torque / ratio,
-                friction: friction / ratio,
+                // It opposes the motion whatever the sign of the ratio.
+                friction: friction / ratio.abs(),
                 drag: coupling.drag / (ratio * ratio),
                 inertia: coupling.inertia / (ratio * ratio),
             }
         };
         let held = self.driveline.advance(given, wheels, dt);
         let after = self.driveline.shaft_speed(wheels.spins);
-        if let Some(free) = &mut self.free {
+        if let Some(free) = &mut self.free
+            && !neutral
+        {
             free.finish((after - shaft) / ratio);
         }
         let torque = given.torque - given.drag * (after - shaft) - held;
         // What spins up the engine does not reach the shaft.
         self.work += dt * 0.5 * (shaft + after) * (torque - given.inertia * (after - shaft) / dt);
         self.shifter.sense(torque - self.vehicle_inertia * (after - shaft) / dt, dt);
+        let turning = if neutral { 0.0 } else { input.abs() };
         self.state = DriveState {
-            gear: self.shifter.gear + 1,
-            engine_speed: self.free.as_ref().map_or(input.abs(), |f| f.speed),
+            gear: self.shifter.number(),
+            engine_speed: self.free.as_ref().map_or(turning, |f| f.speed),
             engine_torque,
             shaft_speed: after,
             shaft_torque: torque,
@@ -173,10 +206,11 @@ impl Drive {
     }
 }
 
-/// An engine that turns with the input shaft: coupling, greatest drag and torque, N m.
+/// An engine that turns with the input shaft: coupling, greatest drag and torque, N m. The input speed is positive while the
+/// vehicle moves in the direction of its gear.
 ///
-/// It drives forward only; what is drag opposes the motion either way, and holds at rest. A shift brings it to the new
-/// gear's speed at once, at the expense of its clutch and fuel: the vehicle feels no jerk.
+/// It drives in that direction only; what is drag opposes the motion either way, and holds at rest. A shift brings it to the
+/// new gear's speed at once, at the expense of its clutch and fuel: the vehicle feels no jerk.
 fn rigid(engine: &Engine, throttle: f64, input: f64) -> (Coupling, f64, f64) {
     let law = engine.torque_and_slopes(input.abs(), throttle);
     let opposes = law.torque < 0.0 || input >= 0.0;

@@ -43,9 +43,9 @@ fn every_build_of_the_simulator_computes_the_same_bits() {
         for step in 0..300 {
             let steering = f64::from(step % 100) / 100.0 - 0.5;
             let controls = if step < 250 {
-                Controls { steering, throttle: 0.7, brake: 0.0 }
+                Controls { steering, throttle: 0.7, ..Controls::default() }
             } else {
-                Controls { steering, throttle: 0.0, brake: 0.6 }
+                Controls { steering, brake: 0.6, ..Controls::default() }
             };
             drive.advance(controls, 10).unwrap();
             drive.visit_state(|x| {

@@ -271,7 +271,7 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
             assert!((v / chrono - 1.0).abs() < 0.05, "from {from}: {v} m/s, Chrono {chrono}");
         }
         for (gear, v) in shifts {
-            let chrono = [2.70, 4.11, 6.08, 9.92][gear - 1];
+            let chrono = [2.70, 4.11, 6.08, 9.92][gear as usize - 1];
             assert!((v / chrono - 1.0).abs() < 0.02, "to gear {gear} at {v} m/s, Chrono {chrono}");
         }
     }

@@ -8,6 +8,7 @@ mod canonical;
 mod common;
 mod linkages;
 mod mutations;
+mod reverse;
 mod robust;
 mod rugged;
 mod soil;

@@ -67,14 +67,16 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
                 steering: if sim.steps().is_multiple_of(2) { 1.0 } else { -1.0 },
                 throttle: 1.0,
                 brake: 1.0,
+                ..Controls::default()
             },
-            1 => Controls { steering: rng.uniform(-1.0, 1.0), throttle: 1.0, brake: 0.0 },
+            1 => Controls { steering: rng.uniform(-1.0, 1.0), throttle: 1.0, ..Controls::default() },
             2 => Controls {
                 steering: rng.uniform(-1.0, 1.0),
                 throttle: rng.uniform(0.0, 1.0),
                 brake: rng.uniform(0.0, 1.0),
+                ..Controls::default()
             },
-            _ => Controls { steering: 1.0, throttle: rng.uniform(0.0, 1.0), brake: 0.0 },
+            _ => Controls { steering: 1.0, throttle: rng.uniform(0.0, 1.0), ..Controls::default() },
         };
         // A state that no vehicle can have, below the ground or beyond all speed, is an error.
         sim.advance(controls, every).expect("it goes on");

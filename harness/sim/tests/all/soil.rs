@@ -314,6 +314,7 @@ fn a_clone_goes_on_exactly_like_the_original() {
         steering: vb_math::sin(k as f64),
         throttle: (k % 3) as f64 * 0.5,
         brake: f64::from(u8::from(k.is_multiple_of(7))),
+        ..Controls::default()
     };
     for k in 0..300 {
         a.advance(command(k), 10).unwrap();

@@ -72,7 +72,7 @@ pub fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
 }
 
 pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
-    Controls { steering, throttle, brake }
+    Controls { steering, throttle, brake, ..Controls::default() }
 }
 
 /// The original's speed controller: P gain 1 on the speed error, throttle and brake in [0, 1] (`compute_throttle` in

@@ -68,7 +68,7 @@ fn steepest(bench: &Bench<'_>, o: &mut Outcome, driver: Driver, friction: f64) -
 }
 
 /// Theory: no wheel can push with more than μ times its load, so the climb ends at atan μ at the latest.
-fn friction_bound(o: &mut Outcome, figure: String, friction: f64) {
+pub(super) fn friction_bound(o: &mut Outcome, figure: String, friction: f64) {
     let bound = degrees(atan(friction)) + 0.5;
     o.theory(figure, Expected::AtMost(bound), "friction: atan μ, plus 0.5° for the momentum it starts with");
 }

@@ -8,6 +8,7 @@ mod kinematics;
 mod longitudinal;
 mod obstacle;
 mod rest;
+mod reverse;
 mod slopes;
 mod soil;
 mod soil_wheel;
@@ -38,6 +39,10 @@ const EVENTS: &[Event] = &[
     grades::GRADE_HELD,
     grades::GRADE_FULL,
     grades::GRADE_PUBLISHED,
+    reverse::SPEED,
+    reverse::GRADE,
+    reverse::TURNING,
+    reverse::CHANGE,
     slopes::SIDE_SLOPE,
     slopes::TILT_TABLE,
     vertical::BUMP,

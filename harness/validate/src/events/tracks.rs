@@ -62,8 +62,8 @@ impl<'a> Track<'a> {
 pub(super) const TURNING: Event = Event {
     name: "skid-steer",
     title: "Turning against the drag of the tracks",
-    about: "Steering commands from 0.1 to 1 at 3 m/s on level ground, 15 s: radius, and the moment with which the ground resists \
-            the turn, from the brake that steers.",
+    about: "Steering commands from 0.1 to 1 at 3 m/s on level ground, 15 s, and three of them backwards at 2 m/s: radius, and the \
+            moment with which the ground resists the turn, from the brake that steers.",
     vehicles: Vehicles::Tracked,
     place: Place::Rigid,
     run: turning,
@@ -74,26 +74,35 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let Some(t) = Track::of(bench) else { return Ok(o) };
     let mut plot = Plot::new("Resistance to turning", "radius, m", "moment over μ W L/4");
     let (mut ours, mut trials) = (Vec::new(), Vec::new());
-    for steering in [0.1, 0.2, 0.3, 0.4, 0.5, 1.0] {
-        let mut d = Drive::new(bench, &format!("steering-{steering}"), &flat(GROUND), 0.0, 0.0)?;
-        d.hold(15.0, |s| bench.pace.hold_speed(s, 3.0, steering))?;
+    let backwards = bench.spec.powertrain.gearbox.reverse.map(|_| [0.3, 0.5, 1.0]);
+    let cases = [0.1, 0.2, 0.3, 0.4, 0.5, 1.0].map(|steering| (false, steering));
+    for (back, steering) in cases.into_iter().chain(backwards.into_iter().flatten().map(|s| (true, s))) {
+        let way = if back { "backwards, " } else { "" };
+        let file = if back { "backwards-" } else { "" };
+        let mut d = Drive::new(bench, &format!("{file}steering-{steering}"), &flat(GROUND), 0.0, 0.0)?;
+        d.hold(15.0, |s| match back {
+            true => bench.pace.hold_speed_back(s, 2.0, steering),
+            false => bench.pace.hold_speed(s, 3.0, steering),
+        })?;
         let s = d.state();
         let radius = s.velocity.x / s.angular_velocity.z;
-        let label = format!("steering {steering}: radius");
+        let label = format!("{way}steering {steering}: radius");
         o.figure(&label, radius, "m");
         if steering < 1.0 {
             let moment = 0.5 * t.gauge * steering * t.data.steering_torque / t.pitch_radius;
             let fraction = moment / (0.25 * t.friction * bench.geometry.weight() * t.length);
             let expected = 1.0 / (0.925 + 0.15 * radius / t.gauge);
             o.expect(
-                &format!("steering {steering}: moment over μ W L/4"),
+                &format!("{way}steering {steering}: moment over μ W L/4"),
                 fraction,
                 "",
                 Expected::fraction(expected, 0.3),
                 "Nikitin's formula from trials, 1/(0.925 + 0.15 R/B) (Wong 2008, ch. 6)",
             );
-            ours.push([radius, fraction]);
-            trials.push([radius, expected]);
+            if !back {
+                ours.push([radius, fraction]);
+                trials.push([radius, expected]);
+            }
         } else {
             o.theory(
                 label,
@@ -101,7 +110,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 "about the inner belt, which is locked and dragged along",
             );
             o.expect(
-                "steering 1: speed of the inner belt",
+                &format!("{way}steering 1: speed of the inner belt"),
                 t.belt(&s).abs(),
                 "m/s",
                 Expected::AtMost(0.01),

@@ -1,6 +1,6 @@
 //! Engine, converter, gearbox and driveline.
 
-use super::Check;
+use super::{Check, LARGEST, SMALLEST};
 use crate::VehicleError;
 use crate::{
     VehicleSpec,
@@ -137,6 +137,11 @@ impl Check<'_> {
         if let Some(r) = g.reverse.filter(|r| !(r.is_finite() && *r < 0.0)) {
             return self.fail("powertrain.gearbox.reverse", format!("{r} must be a negative number"));
         }
+        if let Some(r) = g.reverse.filter(|r| !(SMALLEST..=LARGEST).contains(&-r)) {
+            return self.beyond("powertrain.gearbox.reverse", r);
+        }
+        self.positive("powertrain.gearbox.direction_change.speed", g.direction_change.speed)?;
+        self.not_negative("powertrain.gearbox.direction_change.latency", g.direction_change.latency)?;
         self.not_negative("powertrain.gearbox.shift_time", g.shift_time)?;
         self.not_negative("powertrain.gearbox.latency", g.latency)
     }
@@ -182,7 +187,7 @@ impl Check<'_> {
 mod tests {
     use crate::{
         VehicleSpec,
-        powertrain::{Differential, Engine},
+        powertrain::{Differential, DirectionChange, Engine},
     };
 
     const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
@@ -241,6 +246,14 @@ mod tests {
     }
 
     #[test]
+    fn a_gearbox_without_reverse_and_one_that_says_nothing_of_changing_the_direction_can_be_written() {
+        assert_eq!(replaced("    reverse: -0.2\n", "").unwrap().powertrain.gearbox.reverse, None);
+        let line = HMMWV.lines().find(|l| l.contains("direction_change:")).unwrap();
+        let v = replaced(&format!("{line}\n"), "").unwrap();
+        assert_eq!(v.powertrain.gearbox.direction_change, DirectionChange { speed: 0.5, latency: 0.5 });
+    }
+
+    #[test]
     fn messages_name_the_field_the_value_and_what_to_do() {
         for (from, to, expected) in [
             (
@@ -267,6 +280,22 @@ mod tests {
                 "reverse: -0.2",
                 "reverse: 0.2",
                 "car.yaml: powertrain.gearbox.reverse: 0.2 must be a negative number",
+            ),
+            (
+                "reverse: -0.2",
+                "reverse: -1.0e-12",
+                "car.yaml: powertrain.gearbox.reverse: -1e-12 is what no vehicle has (give a size from 1e-9 to 1e9, \
+                 in SI units)",
+            ),
+            (
+                "direction_change: {speed: 0.5, latency: 0.6}",
+                "direction_change: {speed: 0.0, latency: 0.6}",
+                "car.yaml: powertrain.gearbox.direction_change.speed: 0 must be a positive number",
+            ),
+            (
+                "direction_change: {speed: 0.5, latency: 0.6}",
+                "direction_change: {speed: 0.5, latency: -0.1}",
+                "car.yaml: powertrain.gearbox.direction_change.latency: -0.1 must be zero or a positive number",
             ),
             (
                 "- [104.72, 926.0]",

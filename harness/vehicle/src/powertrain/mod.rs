@@ -121,9 +121,13 @@ pub struct LockUp {
 pub struct Gearbox {
     /// The output speed over the input speed of each gear, lowest gear first.
     pub ratios: Vec<f64>,
-    /// The output speed over the input speed of the reverse gear, negative. It is data only: no command asks for it.
+    /// The output speed over the input speed of the reverse gear, negative. Without it the vehicle has no reverse gear:
+    /// a driver who asks for one gets neutral.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reverse: Option<f64>,
+    /// When and how fast the direction is changed.
+    #[serde(default)]
+    pub direction_change: DirectionChange,
     /// The input speeds below which each gear shifts down, rad/s.
     pub shift_down: Vec<f64>,
     /// The input speeds above which each gear shifts up, rad/s.
@@ -138,6 +142,26 @@ pub struct Gearbox {
     /// hunt.
     #[serde(default)]
     pub load_sensing: bool,
+}
+
+/// How a gearbox changes between forward, neutral and reverse.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionChange {
+    /// The speed of the vehicle over ground below which a direction can be put in that is opposed to the motion, m/s.
+    /// Above it the gearbox waits.
+    pub speed: f64,
+    /// The time from the beginning of a change until the new direction is in, s. The torque is interrupted meanwhile.
+    pub latency: f64,
+}
+
+impl Default for DirectionChange {
+    /// Of a full-size vehicle with an automatic gearbox: half a metre a second, at which it all but stands, and half a
+    /// second for a clutch to fill and to close. Ours: operator's manuals ask for a vehicle that has stopped
+    /// (TM 9-2320-272-10, para. 2-15, "to drive in reverse"), and give no numbers.
+    fn default() -> Self {
+        Self { speed: 0.5, latency: 0.5 }
+    }
 }
 
 /// The shafts and differentials between gearbox and wheels.

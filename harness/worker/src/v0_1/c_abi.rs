@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 
-use vb_sdk_v0_1::{Command, GridFrame, Map, Observation, Point2, Pose2, Series, Task, Vec3, Wheel};
+use vb_abi_v0_1::{Command, GridFrame, Map, Observation, Point2, Pose2, Series, Task, Vec3, Wheel};
 
 use crate::library::{Log, level_of};
 

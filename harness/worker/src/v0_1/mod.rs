@@ -6,7 +6,7 @@
 pub(crate) mod c_abi;
 pub mod wire;
 
-use vb_sdk_v0_1 as old;
+use vb_abi_v0_1 as old;
 
 fn vec3(v: vb_sdk::Vec3) -> old::Vec3 {
     old::Vec3 { x: v.x, y: v.y, z: v.z }

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 use serde_bytes::ByteBuf;
-use vb_sdk_v0_1::{GridFrame, Map, Observation, Task, Vec3, Vehicle};
+use vb_abi_v0_1::{GridFrame, Map, Observation, Task, Vec3, Vehicle};
 
 /// The requests that differ from those of newer versions.
 #[derive(Clone, Debug, PartialEq, Serialize)]

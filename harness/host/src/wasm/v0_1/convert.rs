@@ -1,7 +1,7 @@
 //! Between the data of version 0.1 and those of its bindings.
 
 use super::bindings::vertibench::planner::types;
-use vb_sdk_v0_1::{Command, GridFrame, Observation, Point2, Series, Task, Vec3, Vehicle};
+use vb_abi_v0_1::{Command, GridFrame, Observation, Point2, Series, Task, Vec3, Vehicle};
 
 pub(in crate::wasm) fn task(t: &Task) -> types::Task {
     types::Task {

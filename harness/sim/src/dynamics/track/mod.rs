@@ -331,8 +331,8 @@ impl Vehicle {
         }
         let mut wheels =
             Wheels { spins: &mut spins, moments: &moments, brakes: &brakes, torques: &mut torques };
-        let throttle = self.governed(controls.throttle);
-        self.drive.advance(throttle, &mut wheels, dt);
+        let demand = self.demand(&controls);
+        self.drive.advance(&demand, &mut wheels, dt);
         let mut all = [0.0; vb_vehicle::MAX_WHEELS];
         for (i, t) in self.tracks.iter_mut().enumerate() {
             t.speed = spins[i] * t.pitch_radius();

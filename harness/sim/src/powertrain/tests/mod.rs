@@ -2,11 +2,14 @@
 
 mod driveline;
 mod engine;
+mod reverse;
 
 use super::*;
 use vb_vehicle::powertrain::{Converter, Differential, DrivenAxle, Engine, LockUp};
 
 const DT: f64 = 1e-3;
+/// Of the HMMWV's tyres, m.
+const RADIUS: f64 = 0.467;
 
 fn hmmwv() -> VehicleSpec {
     VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
@@ -83,6 +86,8 @@ struct Bench {
     moments: Vec<f64>,
     brakes: Vec<f64>,
     torques: Vec<f64>,
+    /// What the driver asks for.
+    gear: Gear,
 }
 
 impl Bench {
@@ -94,17 +99,20 @@ impl Bench {
             moments: vec![0.0; n],
             brakes: vec![0.0; n],
             torques: vec![0.0; n],
+            gear: Gear::Forward,
         }
     }
 
+    /// A step of a vehicle whose wheels roll on the ground.
     fn step(&mut self, throttle: f64, dt: f64) {
+        let speed = RADIUS * self.spins.iter().sum::<f64>() / self.spins.len() as f64;
         let mut wheels = Wheels {
             spins: &mut self.spins,
             moments: &self.moments,
             brakes: &self.brakes,
             torques: &mut self.torques,
         };
-        self.drive.advance(throttle, &mut wheels, dt);
+        self.drive.advance(&Demand { throttle, gear: self.gear, speed }, &mut wheels, dt);
     }
 
     /// A step from a speed that all wheels are given.
