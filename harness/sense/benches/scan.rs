@@ -10,7 +10,7 @@ use std::sync::Arc;
 use vb_sdk::metadata::Need;
 use vb_sense::rays::{Ruts, Scene};
 use vb_sense::{Perception, Profile, Seed, Truth};
-use vb_sim::{VehicleState, WheelState};
+use vb_sim::{Gear, VehicleState, WheelState};
 use vb_vehicle::VehicleSpec;
 use vb_world::{Heightfield, Obstacle, ObstacleKind, TerrainClass, World};
 
@@ -127,6 +127,8 @@ fn sensors(c: &mut Criterion) {
         angular_velocity: V3::zeros(),
         wheels: vec![WheelState::default(); 4],
         steering: 0.0,
+        gear: Gear::Forward,
+        engine_speed: 0.0,
     };
     let seed = Seed { run: 1, task: "w001/t01".to_owned() };
     for names in [&["pose", "wheel-odometry", "imu", "gnss"][..], &["lidar"], &["depth"], &["local-map"]] {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use vb_sdk::metadata::Need;
 use vb_sense::rays::Scene;
 use vb_sense::{Perception, Profile, Readings, Seed, Truth};
-use vb_sim::{VehicleState, WheelState};
+use vb_sim::{Gear, VehicleState, WheelState};
 use vb_vehicle::VehicleSpec;
 use vb_world::{Heightfield, Obstacle, ObstacleKind, TerrainClass, World};
 
@@ -72,6 +72,8 @@ pub fn at(position: V3, attitude: Quat) -> VehicleState {
         angular_velocity: V3::zeros(),
         wheels: vec![WheelState::default(); 4],
         steering: 0.0,
+        gear: Gear::Forward,
+        engine_speed: 0.0,
     }
 }
 
