@@ -7,10 +7,10 @@ use vb_world::Heightfield;
 /// How wheels have changed the height of soft soil.
 ///
 /// The changed surface is the heightfield plus a change of height that is constant in each cell of the soil's memory. A
-/// ray is followed through those cells around the place where it meets the unchanged surface: from [`BEFORE`] in front of
-/// it, for heaps, to where it comes below the changed surface. Within a cell the height under the ray is taken as
-/// linear, which is exact but where an edge of the ground's triangles runs through the cell. A heap that a grazing ray
-/// meets more than [`BEFORE`] in front of its hit is not seen.
+/// ray is followed through those cells around the place where it meets the unchanged surface: from 20 cells in front of it,
+/// for heaps, to where it comes below the changed surface. Within a cell the height under the ray is taken as linear, which
+/// is exact but where an edge of the ground's triangles runs through the cell. A heap that a grazing ray meets farther in
+/// front of its hit is not seen.
 pub trait Ruts {
     /// By how much the ground at (x, y) is higher than it was at first, m: negative in a rut, positive on a heap; `None`
     /// where nothing has changed for some metres around.
