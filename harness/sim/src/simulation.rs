@@ -384,6 +384,19 @@ impl Simulation {
             .map(|(p, c)| (p, c.plastic, c.raised))
     }
 
+    /// By how much the ground at (x, y) is higher than it was at first, m: the height of the heap less the depth of the
+    /// rut. It is `None` outside the world, and where nothing has touched the soil for some metres around.
+    #[must_use]
+    pub fn soil_change(&self, x: f64, y: f64) -> Option<f64> {
+        self.soil.grid.touched(x, y).map(|c| c.raised - c.plastic)
+    }
+
+    /// The side of the cells in which the soil remembers ruts, m.
+    #[must_use]
+    pub fn soil_resolution(&self) -> f64 {
+        self.soil.grid.resolution()
+    }
+
     /// The present state of the vehicle.
     #[must_use]
     pub fn state(&self) -> VehicleState {

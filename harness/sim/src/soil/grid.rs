@@ -71,6 +71,13 @@ impl Grid {
         }
     }
 
+    /// The cell at a position; none outside, and where nothing has been on the whole tile.
+    pub(crate) fn touched(&self, x: f64, y: f64) -> Option<&Cell> {
+        let (tile, cell) = self.find(x, y)?;
+        let slot = self.index[tile];
+        (slot != NONE).then(|| &self.tiles[slot as usize * SIDE * SIDE + cell])
+    }
+
     /// The cell at a position, to be changed; none outside.
     #[inline]
     pub(crate) fn at_mut(&mut self, x: f64, y: f64) -> Option<&mut Cell> {
@@ -114,6 +121,8 @@ mod tests {
         assert_eq!(g.at(3.11, -7.71).plastic, 0.2, "the same cell");
         assert_eq!(g.at(3.21, -7.77).plastic, 0.0, "its neighbour");
         assert_eq!(g.at(63.9, 63.9), Cell::default());
+        assert_eq!(g.touched(3.11, -7.71).unwrap().plastic, 0.2);
+        assert!(g.touched(63.9, 63.9).is_none() && g.touched(70.0, 0.0).is_none());
         assert_eq!(g.tiles.len(), SIDE * SIDE);
         assert!(g.at_mut(70.0, 0.0).is_none() && g.at(f64::NAN, 0.0) == Cell::default());
         let touched: Vec<_> = g.cells().filter(|(_, c)| c.plastic > 0.0).collect();
