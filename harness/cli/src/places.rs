@@ -87,6 +87,8 @@ pub(crate) enum Data {
     Vehicle,
     /// `tasks/soils`.
     Soils,
+    /// `tasks/perception`.
+    Perception,
 }
 
 impl Data {
@@ -94,6 +96,7 @@ impl Data {
         match self {
             Self::Vehicle => "vehicles",
             Self::Soils => "soils",
+            Self::Perception => "perception",
         }
     }
 
@@ -102,6 +105,7 @@ impl Data {
         match self {
             Self::Vehicle => "vehicle",
             Self::Soils => "soil set",
+            Self::Perception => "perception profile",
         }
     }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use vb_host::Limits;
 use vb_runner::{Event, FailedStart, RunConfig, RunError, Soils, Vehicle};
 use vb_score::{Rules, Summary};
+use vb_sense::Profile;
 use vb_sim::SoilSet;
 use vb_vehicle::VehicleSpec;
 
@@ -104,6 +105,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let vehicle = vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
     let soils = soils(&args.soils, args.soil_resolution)?;
+    let perception = perception(&args.perception)?;
     let mut limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
@@ -127,6 +129,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         params: args.planner.params.clone(),
         vehicle,
         soils,
+        perception,
         rules,
         time_step: args.time_step,
         scale,
@@ -180,6 +183,11 @@ pub(crate) fn soils(wanted: &str, resolution: f64) -> Result<Soils, CliError> {
 pub(crate) fn soils_of(path: &Path, resolution: f64) -> Result<Soils, CliError> {
     let (file, text, hash) = read_data(Data::Soils, path)?;
     Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, resolution })
+}
+
+/// A perception profile by its name or file.
+pub(crate) fn perception(wanted: &str) -> Result<Profile, CliError> {
+    Profile::load(&places::data(Data::Perception, wanted)?).map_err(CliError::input)
 }
 
 /// (path, text, SHA-256 in hexadecimal) of a data file.

@@ -9,6 +9,7 @@ use vb_host::Limits;
 use vb_record::{RunReader, TraceMode};
 use vb_report::Runs;
 use vb_runner::RunError;
+use vb_sense::Profile;
 use vb_score::Outcome;
 use vb_submission::{
     Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
@@ -147,6 +148,13 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         Some(soils) => run::soils(soils, pitch)?,
         None => run::soils_of(&places::own_data(Data::Soils, plain("soils", &m.run.soils.name)?)?, pitch)?,
     };
+    let perception = match &args.perception {
+        Some(perception) => run::perception(perception)?,
+        None => {
+            let own = places::own_data(Data::Perception, plain("perception profile", &m.run.perception.name)?)?;
+            Profile::load(&own).map_err(CliError::input)?
+        }
+    };
     if !is_wasm(&args.plugin)? && !args.allow_native {
         return Err(CliError::input(format!(
             "{} is no WASM file, and nothing else is loaded here (--allow-native loads a native library in its sandbox)",
@@ -165,6 +173,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         plugin_sha256: &plugin_sha256,
         vehicle: &vehicle,
         soils: &soils,
+        perception: &perception,
         shipped: &shipped,
         harness_version: env!("CARGO_PKG_VERSION"),
     };

@@ -50,6 +50,10 @@ pub struct PluginHeader {
     pub sandbox: Option<SandboxHeader>,
 }
 
+fn exact() -> DataHeader {
+    DataHeader { name: "oracle".to_owned(), hash: String::new() }
+}
+
 fn unknown() -> String {
     "unknown".to_owned()
 }
@@ -71,10 +75,10 @@ pub struct SandboxHeader {
     pub rlimits: bool,
 }
 
-/// A data file of a run: a vehicle or a set of soils.
+/// A data file of a run: a vehicle, a set of soils, or a perception profile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DataHeader {
-    /// The name of the vehicle or the set of soils.
+    /// The name of what the file describes.
     pub name: String,
     /// The SHA-256 of the file (hex).
     pub hash: String,
@@ -119,6 +123,10 @@ pub struct RunHeader {
     pub vehicle: DataHeader,
     /// The soils of deformable ground.
     pub soils: DataHeader,
+    /// The perception profile: what the planner is told and how wrong it is. Runs from before there were profiles had none but
+    /// the exact one, whose hash they don't say.
+    #[serde(default = "exact")]
+    pub perception: DataHeader,
     /// The factor on every length of the world: 1, 1/6 or 1/10.
     pub scale: f64,
     /// The run's seed.

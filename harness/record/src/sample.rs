@@ -36,7 +36,7 @@ pub struct Sample {
     pub throttle: f64,
     /// The brake command applied up to this instant, after clamping, in [0, 1].
     pub brake: f64,
-    /// The gear that is in: 0 forward, 1 neutral, 2 reverse.
+    /// The gear command applied up to this instant: 0 forward, 1 neutral, 2 reverse.
     pub gear: f64,
 }
 
@@ -48,7 +48,9 @@ impl Sample {
     ];
     /// The fields that traces of earlier versions don't have; what they stand for there is 0.
     pub const ADDED: [&str; 1] = ["gear"];
-    /// The value of `gear` when the reverse gear is in.
+    /// The value of `gear` under a command for neutral.
+    pub const NEUTRAL: f64 = 1.0;
+    /// The value of `gear` under a command for the reverse gear.
     pub const REVERSE: f64 = 2.0;
 
     /// The fields as an array, in the order of [`Sample::FIELDS`].

@@ -44,6 +44,7 @@ fn header() -> RunHeader {
         params: BTreeMap::from([("speed".into(), "3".into())]),
         vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },
         soils: DataHeader { name: "default".into(), hash: "dd".into() },
+        perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
         scale: 1.0 / 6.0,
         seed: u64::MAX,
         time_step: 0.001,

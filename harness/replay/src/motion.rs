@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
-use vb_runner::{StateHash, sample};
+use vb_runner::{StateHash, commanded_gear, sample};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
@@ -116,7 +116,7 @@ impl Motion {
                     steering: s.steering,
                     throttle: s.throttle,
                     brake: s.brake,
-                    ..Controls::default()
+                    gear: commanded_gear(s),
                 };
                 sim.advance(controls, steps).ok()?;
             }

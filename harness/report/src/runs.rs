@@ -305,6 +305,7 @@ fn environment(h: &RunHeader) -> Vec<(&'static str, String)> {
         ("vehicle", data(&h.vehicle.name, &h.vehicle.hash)),
         ("rules", data(&h.rules.name, &h.rules.hash)),
         ("soils", data(&h.soils.name, &h.soils.hash)),
+        ("perception", data(&h.perception.name, &h.perception.hash)),
         ("scale", h.scale.to_string()),
         ("seed", h.seed.to_string()),
         ("time step", h.time_step.to_string()),

@@ -41,6 +41,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
         params: BTreeMap::new(),
         vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".repeat(32) },
         soils: DataHeader { name: "default".into(), hash: "dd".repeat(32) },
+        perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
         scale: 1.0,
         seed: 0,
         time_step: 0.001,

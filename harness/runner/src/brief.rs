@@ -2,14 +2,12 @@
 
 use vb_math::rng::Stream;
 use vb_score::Rules;
-use vb_sdk::{GridFrame, Map, Param, Point2, Pose2};
+use vb_sdk::{Param, Point2, Pose2};
+use vb_sense::{Perception, PriorMaps, Profile, Seed};
 use vb_vehicle::VehicleSpec;
 use vb_world::{Task, World};
 
 use crate::shape::StaticShape;
-
-/// Side of the occupancy map's squares in the full-size world, m.
-const OCCUPANCY_RESOLUTION: f64 = 0.5;
 
 /// The vehicle as planners see it.
 #[must_use]
@@ -36,51 +34,6 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
     }
 }
 
-/// The data that a planner is told about a task of a (scaled) world, but for what the run decides: the caller fills in
-/// `goal_radius`, `time_limit`, `control_period` and `seed`.
-#[must_use]
-pub fn planner_task(
-    world: &World,
-    task: &Task,
-    vehicle: vb_sdk::Vehicle,
-    params: Vec<Param>,
-) -> vb_sdk::Task {
-    let h = &world.heightfield;
-    let s = &world.semantics;
-    let occupancy = world.occupancy(OCCUPANCY_RESOLUTION * world.scale);
-    let frame = |rows: usize, cols: usize, resolution: f64, origin: [f64; 2]| GridFrame {
-        rows: rows as u32,
-        cols: cols as u32,
-        resolution,
-        origin_x: origin[0],
-        origin_y: origin[1],
-    };
-    let centre = |count: usize| -0.5 * (count as f64 - 1.0) * s.patch;
-    vb_sdk::Task {
-        id: format!("{}/{}", world.id, task.id),
-        vehicle,
-        elevation: Some(Map {
-            frame: frame(h.rows(), h.cols(), h.resolution(), [-h.half_x(), -h.half_y()]),
-            data: h.heights().iter().map(|&z| z as f32).collect(),
-        }),
-        semantics: Some(Map {
-            frame: frame(s.rows, s.cols, s.patch, [centre(s.cols), centre(s.rows)]),
-            data: s.classes.iter().map(|c| c.label()).collect(),
-        }),
-        occupancy: Some(Map {
-            frame: frame(occupancy.rows, occupancy.cols, occupancy.resolution, occupancy.origin),
-            data: occupancy.data,
-        }),
-        half_extent: Point2 { x: h.half_x(), y: h.half_y() },
-        path: task.path.iter().map(|p| Point2 { x: p[0], y: p[1] }).collect(),
-        start: Pose2 { x: task.start.x, y: task.start.y, yaw: task.start.yaw },
-        goal: Point2 { x: task.goal[0], y: task.goal[1] },
-        params,
-        perception: "oracle".into(),
-        ..vb_sdk::Task::default()
-    }
-}
-
 /// What a run decides of a task.
 pub(crate) struct Terms<'a> {
     pub(crate) rules: &'a Rules,
@@ -90,19 +43,54 @@ pub(crate) struct Terms<'a> {
     pub(crate) control_period: f64,
     /// The run's seed.
     pub(crate) seed: u64,
+    /// What is known of the world, and how well.
+    pub(crate) profile: &'a Profile,
 }
 
 impl Terms<'_> {
-    /// The brief with all that the planner is told.
-    pub(crate) fn applied_to(&self, brief: vb_sdk::Task) -> vb_sdk::Task {
+    /// By what the random numbers of a task's perception are told apart.
+    pub(crate) fn perception_seed(&self, world: &World, task: &Task) -> Seed {
+        Seed { run: self.seed, task: name(world, task) }
+    }
+
+    /// What a planner is told about a task of a (scaled) world, in which its vehicle perceives by these sensors.
+    pub(crate) fn brief(
+        &self,
+        world: &World,
+        task: &Task,
+        vehicle: vb_sdk::Vehicle,
+        params: Vec<Param>,
+        perception: &Perception,
+    ) -> vb_sdk::Task {
+        let h = &world.heightfield;
+        let id = name(world, task);
+        let PriorMaps { elevation, semantics, occupancy } =
+            PriorMaps::new(self.profile, world, &self.perception_seed(world, task));
         vb_sdk::Task {
+            vehicle,
+            elevation,
+            semantics,
+            occupancy,
+            half_extent: Point2 { x: h.half_x(), y: h.half_y() },
+            path: task.path.iter().map(|p| Point2 { x: p[0], y: p[1] }).collect(),
+            start: Pose2 { x: task.start.x, y: task.start.y, yaw: task.start.yaw },
+            goal: Point2 { x: task.goal[0], y: task.goal[1] },
             goal_radius: self.rules.goal_radius(self.scale),
             time_limit: self.rules.time_limit(self.scale),
             control_period: self.control_period,
-            seed: Stream::new(self.seed, &["planner", &brief.id]).next_u64(),
-            ..brief
+            seed: Stream::new(self.seed, &["planner", &id]).next_u64(),
+            params,
+            perception: self.profile.name().to_owned(),
+            lidar: perception.lidar_info(),
+            depth: perception.depth_info(),
+            id,
         }
     }
+}
+
+/// The name of a task within its suite.
+fn name(world: &World, task: &Task) -> String {
+    format!("{}/{}", world.id, task.id)
 }
 
 #[cfg(test)]

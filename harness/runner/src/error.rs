@@ -2,6 +2,7 @@
 
 use vb_host::ParamError;
 use vb_record::StoreError;
+use vb_sense::SenseError;
 use vb_sim::SimError;
 use vb_vehicle::VehicleError;
 use vb_world::SuiteError;
@@ -36,6 +37,25 @@ pub enum RunError {
         period: f64,
         /// The time step of the simulation, s.
         step: f64,
+    },
+    /// The planner asks for what the perception profile doesn't offer.
+    #[error("planner {planner}: {source}")]
+    Perception {
+        /// The name of the planner.
+        planner: String,
+        /// What it asks for, and what there is.
+        source: SenseError,
+    },
+    /// The planner speaks a version of the interface in which all maps are there, and the perception profile has not all.
+    #[error(
+        "planner {planner} speaks version 0.1 of the interface, in which every task has all maps; the perception profile {profile} \
+         leaves some out (use the profile oracle, or rebuild the planner)"
+    )]
+    NoMaps {
+        /// The name of the planner.
+        planner: String,
+        /// The name of the profile.
+        profile: String,
     },
     /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (use fewer with --jobs)")]

@@ -13,10 +13,10 @@ mod shape;
 mod state_hash;
 mod trial;
 
-pub use brief::{planner_task, planner_vehicle};
+pub use brief::planner_vehicle;
 pub use error::RunError;
 pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, run, start};
 pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;
-pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, sample};
+pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, commanded_gear, sample};

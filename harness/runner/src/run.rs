@@ -6,18 +6,20 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
-use vb_host::{Limits, Metadata, Plugin};
+use vb_host::{AbiVersion, Limits, Metadata, Plugin};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
     SuiteHeader, TraceMode,
 };
 use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
 use vb_sdk::Param;
+use vb_sense::rays::Scene;
+use vb_sense::{Perception, Profile};
 use vb_sim::{SimOptions, SoilSet, Start};
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, SuiteError, TaskRef, World};
 
-use crate::brief::{Terms, planner_task, planner_vehicle};
+use crate::brief::{Terms, planner_vehicle};
 use crate::fail_fast::{FailFast, FailedStart};
 use crate::shape::static_shape;
 use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
@@ -61,6 +63,8 @@ pub struct RunConfig {
     pub vehicle: Vehicle,
     /// The soils of deformable ground.
     pub soils: Soils,
+    /// What the planner is told of the world and of its vehicle, and how wrong that is.
+    pub perception: Profile,
     /// The rules.
     pub rules: Rules,
     /// The time step of the simulation, s. [`SAMPLE_PERIOD`] is a whole number of steps.
@@ -268,6 +272,7 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     }
     let metadata = config.plugin.metadata();
     check_control_period(metadata, options)?;
+    check_perception(&config.plugin, &config.perception)?;
     let params = config.plugin.params(&config.params)?;
     // A damaged world must not be found after hours.
     let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
@@ -278,6 +283,21 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
     let shape = static_shape(&model, options)?;
     let vehicle = planner_vehicle(model.spec(), &shape, config.scale);
     Ok(Prepared { params, vehicle, model })
+}
+
+/// Whether a planner can drive under a profile.
+pub(crate) fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
+    let metadata = plugin.metadata();
+    let planner = || metadata.name.clone();
+    vb_sense::check_needs(profile, &metadata.needs)
+        .map_err(|source| RunError::Perception { planner: planner(), source })?;
+    let prior = &profile.data().prior;
+    if plugin.abi() == AbiVersion::V0_1
+        && (prior.elevation.is_none() || prior.semantics.is_none() || prior.occupancy.is_none())
+    {
+        return Err(RunError::NoMaps { planner: planner(), profile: profile.name().to_owned() });
+    }
+    Ok(())
 }
 
 /// Whether the planner's control period is a whole number of steps of the simulation.
@@ -323,6 +343,10 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         params: config.params.iter().cloned().collect(),
         vehicle: DataHeader { name: config.vehicle.spec.name.clone(), hash: config.vehicle.hash.clone() },
         soils: DataHeader { name: config.soils.set.name.clone(), hash: config.soils.hash.clone() },
+        perception: DataHeader {
+            name: config.perception.name().to_owned(),
+            hash: config.perception.sha256().to_owned(),
+        },
         scale: config.scale,
         seed: config.seed,
         time_step: options.step,
@@ -345,6 +369,13 @@ enum Message {
     Failed(RunError),
 }
 
+/// A world, and what sensors see of it.
+#[derive(Clone)]
+struct Place {
+    world: Arc<World>,
+    scene: Arc<Scene>,
+}
+
 /// What the workers share.
 struct Work {
     config: RunConfig,
@@ -353,7 +384,7 @@ struct Work {
     open: Vec<TaskRef>,
     next: AtomicUsize,
     /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
-    worlds: Mutex<VecDeque<Arc<World>>>,
+    worlds: Mutex<VecDeque<Place>>,
     /// Set after an error, or if the planner can't even begin: start nothing more.
     stop: AtomicBool,
     fail_fast: Mutex<FailFast>,
@@ -397,15 +428,25 @@ impl Work {
     }
 
     fn trial(&self, task: &TaskRef) -> Result<Option<TrialResult>, RunError> {
-        let world = self.world(&task.world)?;
+        let Place { world, scene } = self.world(&task.world)?;
         let Some(definition) = world.task(&task.task) else {
             return Ok(None);
         };
-        let c = &self.config;
-        let brief =
-            planner_task(&world, definition, self.prepared.vehicle.clone(), self.prepared.params.clone());
-        let control_period = c.plugin.metadata().control_period;
-        let brief = Terms { rules: &c.rules, scale: c.scale, control_period, seed: c.seed }.applied_to(brief);
+        let (c, prepared) = (&self.config, &self.prepared);
+        let metadata = c.plugin.metadata();
+        let terms = Terms {
+            rules: &c.rules,
+            scale: c.scale,
+            control_period: metadata.control_period,
+            seed: c.seed,
+            profile: &c.perception,
+        };
+        let seed = terms.perception_seed(&world, definition);
+        let perception =
+            Perception::new(&c.perception, &metadata.needs, &scene, prepared.model.spec(), &seed)
+                .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
+        let (vehicle, params) = (prepared.vehicle.clone(), prepared.params.clone());
+        let brief = terms.brief(&world, definition, vehicle, params, &perception);
         let trial = Trial {
             world: &world,
             task: definition,
@@ -418,24 +459,25 @@ impl Work {
             trace: c.trace,
             logs: c.logs,
         };
-        Ok(trial.run(&self.cancel))
+        Ok(trial.run(perception, &self.cancel))
     }
 
-    fn world(&self, id: &str) -> Result<Arc<World>, SuiteError> {
+    fn world(&self, id: &str) -> Result<Place, SuiteError> {
         // Held while loading, so that two workers don't load the same world. A poisoned lock holds whole worlds.
         let mut worlds = self.worlds.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(world) = worlds.iter().find(|w| w.id == id) {
-            return Ok(world.clone());
+        if let Some(place) = worlds.iter().find(|p| p.world.id == id) {
+            return Ok(place.clone());
         }
         let mut world = self.config.suite.load_world(id)?;
         if self.config.scale != 1.0 {
             world = world.scaled(self.config.scale);
         }
         let world = Arc::new(world);
-        worlds.push_back(world.clone());
+        let place = Place { scene: Arc::new(Scene::new(world.clone())), world };
+        worlds.push_back(place.clone());
         if worlds.len() > self.config.jobs.max(1) {
             worlds.pop_front();
         }
-        Ok(world)
+        Ok(place)
     }
 }

@@ -9,7 +9,8 @@ use vb_record::{
     DebugSeries, LogMode, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample,
 };
 use vb_score::{Fault, FuelUse, Outcome, Rules, Scorer, TaskGeometry, TaskRecord, TaskScore};
-use vb_sdk::{Command, Observation, Pose, Vec3, Wheel};
+use vb_sdk::{Command, Observation};
+use vb_sense::{Perception, Readings, Truth};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleState};
 use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
@@ -106,9 +107,9 @@ struct Ledger {
 }
 
 impl Trial<'_> {
-    /// Drives the task to its end. It returns `None` if `cancel` was set before the end came.
+    /// Drives the task to its end, with these sensors. It returns `None` if `cancel` was set before the end came.
     #[must_use]
-    pub fn run(&self, cancel: &AtomicBool) -> Option<TrialResult> {
+    pub fn run(&self, mut perception: Perception, cancel: &AtomicBool) -> Option<TrialResult> {
         let h = &self.world.heightfield;
         let goal = self.task.goal;
         let geometry = TaskGeometry {
@@ -133,7 +134,7 @@ impl Trial<'_> {
         };
         let log = Arc::new(Mutex::new(Vec::<String>::new()));
         // A panic of the harness is a bug, but it must not take the other tasks' results with it.
-        let end = catch_unwind(AssertUnwindSafe(|| self.drive(&mut ledger, &log, cancel)));
+        let end = catch_unwind(AssertUnwindSafe(|| self.drive(&mut ledger, &mut perception, &log, cancel)));
         let failure = match end {
             Ok(Ok(true)) => None,
             Ok(Ok(false)) => return None,
@@ -214,6 +215,7 @@ impl Trial<'_> {
     fn drive(
         &self,
         ledger: &mut Ledger,
+        perception: &mut Perception,
         log: &Arc<Mutex<Vec<String>>>,
         cancel: &AtomicBool,
     ) -> Result<bool, Failure> {
@@ -235,7 +237,7 @@ impl Trial<'_> {
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
         let mut controls = Controls::default();
-        if self.sample(&sim, controls, ledger) {
+        if self.sample(&sim, controls, perception, ledger) {
             return Ok(true);
         }
         loop {
@@ -243,7 +245,7 @@ impl Trial<'_> {
                 if cancel.load(Ordering::Relaxed) {
                     return Ok(false);
                 }
-                let result = self.ask(&mut session, &sim, controls, ledger);
+                let result = self.ask(&mut session, &sim, controls, perception, ledger);
                 if let Some(fuel) = session.fuel() {
                     ledger.fuel_steps.push(fuel.last_step);
                 }
@@ -256,22 +258,23 @@ impl Trial<'_> {
             let advanced = sim.advance(controls, until - now);
             ledger.sim_steps = sim.steps();
             advanced.map_err(|e| Failure::new(FaultCode::Diverged, e.to_string()))?;
-            if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, ledger) {
+            if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, perception, ledger) {
                 return Ok(true);
             }
         }
     }
 
-    /// Shows the planner the state and takes its command.
+    /// Shows the planner what its sensors have measured and takes its command.
     fn ask(
         &self,
         session: &mut Session,
         sim: &Simulation,
         last: Controls,
+        perception: &mut Perception,
         ledger: &mut Ledger,
     ) -> Result<Controls, Failure> {
         let state = sim.state();
-        let command = session.step(&observation(&state, last));
+        let command = session.step(&observation(&state, last, perception.read(&state)));
         ledger.planner_steps += 1;
         let (Command { steering, throttle, brake, gear, debug }, clamped) =
             clamp(command.map_err(|f| Failure::session(self, &f))?);
@@ -289,9 +292,16 @@ impl Trial<'_> {
         Ok(Controls { steering, throttle, brake, gear })
     }
 
-    /// Shows the rules and the recorder the state; true when there is a verdict.
-    fn sample(&self, sim: &Simulation, controls: Controls, ledger: &mut Ledger) -> bool {
+    /// Shows the sensors, the rules and the recorder the state; true when there is a verdict.
+    fn sample(
+        &self,
+        sim: &Simulation,
+        controls: Controls,
+        perception: &mut Perception,
+        ledger: &mut Ledger,
+    ) -> bool {
         let state = sim.state();
+        perception.sample(Truth { state: &state, ruts: Some(sim) });
         let sample = sample(&state, controls);
         sim.visit_state(|x| ledger.hash.push(x));
         if self.trace != TraceMode::None {
@@ -326,7 +336,19 @@ pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
         steering: controls.steering,
         throttle: controls.throttle,
         brake: controls.brake,
-        gear: f64::from(gear(state.gear) as u32),
+        gear: f64::from(gear(controls.gear) as u32),
+    }
+}
+
+/// The gear that a sample says was commanded.
+#[must_use]
+pub fn commanded_gear(sample: &Sample) -> vb_sim::Gear {
+    if sample.gear == Sample::REVERSE {
+        vb_sim::Gear::Reverse
+    } else if sample.gear == Sample::NEUTRAL {
+        vb_sim::Gear::Neutral
+    } else {
+        vb_sim::Gear::Forward
     }
 }
 
@@ -339,25 +361,21 @@ fn gear(gear: vb_sim::Gear) -> vb_sdk::Gear {
     }
 }
 
-fn observation(state: &VehicleState, last: Controls) -> Observation {
-    let (roll, pitch, yaw) = state.roll_pitch_yaw();
-    let vec3 = |v: &nalgebra::Vector3<f64>| Vec3 { x: v.x, y: v.y, z: v.z };
+fn observation(state: &VehicleState, last: Controls, seen: Readings) -> Observation {
+    let Readings { pose, wheels, imu, gnss, lidar, depth, local_map } = seen;
     Observation {
         time: state.time,
-        pose: Some(Pose {
-            position: vec3(&state.position),
-            roll,
-            pitch,
-            yaw,
-            linear_velocity: vec3(&state.velocity),
-            angular_velocity: vec3(&state.angular_velocity),
-        }),
-        wheels: state.wheels.iter().map(|w| Wheel { spin: w.speed, travel: w.deflection }).collect(),
-        last_steering: last.steering,
-        last_throttle: last.throttle,
+        pose,
+        wheels,
+        imu,
+        gnss,
+        lidar,
+        depth,
+        local_map,
         gear: gear(state.gear),
         engine_speed: state.engine_speed,
+        last_steering: last.steering,
+        last_throttle: last.throttle,
         last_brake: last.brake,
-        ..Observation::default()
     }
 }

@@ -43,7 +43,7 @@ measures! {
         pub steering_effort_s: f64,
         /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
         pub steering_rate_per_s: f64,
-        /// Time with the reverse gear in, s.
+        /// Time under a command for the reverse gear, s.
         #[serde(default)]
         pub reverse_s: f64,
         /// Least distance from the goal in the plane, m.

@@ -24,7 +24,7 @@ mod sensors;
 
 pub use error::SenseError;
 pub use noise::Seed;
-pub use perception::{Perception, Readings, Truth};
+pub use perception::{Perception, Readings, Truth, check_needs};
 pub use prior::PriorMaps;
 pub use profile::Profile;
 

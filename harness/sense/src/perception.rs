@@ -121,6 +121,15 @@ fn asked(profile: &Profile, need: &Need) -> Result<Option<u64>, SenseError> {
     }
 }
 
+/// Checks whether a profile offers what a planner needs, before any world is loaded.
+///
+/// # Errors
+/// Returns [`SenseError::NotOffered`] and [`SenseError::Rate`] as [`Perception::new`] does.
+pub fn check_needs(profile: &Profile, needs: &[Need]) -> Result<(), SenseError> {
+    let needs = if needs.is_empty() { Need::DEFAULT } else { needs };
+    needs.iter().try_for_each(|need| asked(profile, need).map(drop))
+}
+
 impl Perception {
     /// The sensors of a vehicle in a scene, of which the planner gets those that it needs. A planner that declares no need
     /// gets [`Need::DEFAULT`].

@@ -7,6 +7,7 @@ use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, TraceMode};
 use vb_runner::{SAMPLE_PERIOD, Soils, Vehicle};
 use vb_score::{Outcome, Summary, TaskRecord};
+use vb_sense::Profile;
 use vb_world::{Selector, Suite, WorldInfo};
 
 use crate::SubmissionError;
@@ -40,6 +41,8 @@ pub struct Expected<'a> {
     pub vehicle: &'a Vehicle,
     /// The soils.
     pub soils: &'a Soils,
+    /// The perception profile.
+    pub perception: &'a Profile,
     /// The suites, vehicles and soils that may be ranked.
     pub shipped: &'a Shipped,
     /// The version of the harness.
@@ -269,6 +272,22 @@ fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Findings) {
     let (vehicle, soils) = (expected.vehicle, expected.soils);
     same(found, "vehicle", "run.vehicle.hash", &m.run.vehicle.hash, &vehicle.hash);
     same(found, "vehicle", "run.vehicle.name", &m.run.vehicle.name, &vehicle.spec.name);
+    // A run from before there were profiles doesn't say the hash of the only one.
+    let hash = Some(m.run.perception.hash.as_str()).filter(|h| !h.is_empty());
+    same(
+        found,
+        "perception",
+        "run.perception.hash",
+        hash.unwrap_or(expected.perception.sha256()),
+        expected.perception.sha256(),
+    );
+    same(
+        found,
+        "perception",
+        "run.perception.name",
+        m.run.perception.name.as_str(),
+        expected.perception.name(),
+    );
     same(found, "vehicle", "run.soils.hash", &m.run.soils.hash, &soils.hash);
     same(found, "vehicle", "run.soils.name", &m.run.soils.name, &soils.set.name);
 }

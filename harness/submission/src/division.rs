@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 use vb_host::Limits;
 use vb_record::RunHeader;
 use vb_score::Rules;
+use vb_sense::Profile;
+use vb_sense::profile::ORACLE;
 
 /// The list in which results appear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -130,6 +132,13 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         run.soils.hash == shipped.soils,
         "soils",
         format!("{} ({}), not the default", run.soils.name, short(&run.soils.hash)),
+    );
+    let perception = &run.perception;
+    unless(
+        // Runs from before there were profiles don't say the hash.
+        perception.name == ORACLE && (perception.hash.is_empty() || perception.hash == Profile::oracle().sha256()),
+        "perception",
+        format!("{} ({}), not {ORACLE}", perception.name, short(&perception.hash)),
     );
     unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
     unless(

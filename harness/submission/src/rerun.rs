@@ -168,6 +168,7 @@ impl Again<'_> {
             params: m.run.params.iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
             vehicle: e.vehicle.clone(),
             soils: e.soils.clone(),
+            perception: e.perception.clone(),
             rules: self.rules.clone(),
             time_step: m.run.time_step,
             scale: m.run.scale,

@@ -51,6 +51,9 @@ pub(crate) struct RunArgs {
     /// Soils of deformable ground: default, original, wong, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "default")]
     pub(crate) soils: String,
+    /// What the planner is told and how wrong it is: oracle, onboard, degraded, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
+    pub(crate) perception: String,
     /// Side of the cells in which soil remembers ruts, in metres; scaled with the world
     #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = soil_resolution)]
     pub(crate) soil_resolution: f64,
@@ -91,6 +94,7 @@ impl RunArgs {
             rules: "paper".into(),
             vehicle: "hmmwv".into(),
             soils: "default".into(),
+            perception: "oracle".into(),
             soil_resolution: 0.1,
             time_step: 0.001,
             scale: None,

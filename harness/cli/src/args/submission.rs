@@ -66,6 +66,9 @@ pub(crate) struct VerifyArgs {
     /// Soils of the submission: a file; default: those of their name that come with the harness
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) soils: Option<String>,
+    /// Perception profile of the submission, a name or a file; default: by its name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) perception: Option<String>,
     /// Number of tasks that are driven again, beside those with traces; default: all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) sample: Option<u32>,

@@ -15,7 +15,7 @@ const NAME: &str = "probes";
 const TIMES: usize = 3;
 
 pub(super) fn check(course: &Course<'_>, plugin: &Plugin, params: &[Param]) -> Result<Check, KitError> {
-    let brief = course.brief(0, plugin, params);
+    let brief = course.brief(0, plugin, params)?;
     let sound = Observation {
         pose: Some(Pose {
             position: Vec3 { x: brief.start.x, y: brief.start.y, z: 1.0 },

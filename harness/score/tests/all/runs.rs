@@ -39,6 +39,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
         params: BTreeMap::new(),
         vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },
         soils: DataHeader { name: "default".into(), hash: "dd".into() },
+        perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
         scale: 1.0,
         seed: 0,
         time_step: 0.001,

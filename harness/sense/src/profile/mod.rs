@@ -351,6 +351,9 @@ const BUILT_IN: [(&str, &str); 3] = [
     ("degraded", include_str!("../../../../tasks/perception/degraded.yaml")),
 ];
 
+/// The name of the profile without any error.
+pub const ORACLE: &str = "oracle";
+
 impl Profile {
     /// The names of the profiles that come with the harness.
     pub fn names() -> impl Iterator<Item = &'static str> {
@@ -363,6 +366,12 @@ impl Profile {
         let (name, text) = BUILT_IN.iter().find(|(n, _)| *n == name)?;
         // Tests parse them all, so they have no flaw.
         Some(Self::parse(text, name).unwrap_or_else(|e| unreachable!("built-in profile: {e}")))
+    }
+
+    /// The profile without any error, which ranked runs have.
+    #[must_use]
+    pub fn oracle() -> Self {
+        Self::built_in(ORACLE).unwrap_or_else(|| unreachable!("the profile `{ORACLE}` is built in"))
     }
 
     /// Reads a profile from a file.

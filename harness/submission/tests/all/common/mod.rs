@@ -17,6 +17,7 @@ use vb_host::{Limits, LoadError, Plugin};
 use vb_record::{LogMode, RunHeader, TraceMode};
 use vb_runner::{RunConfig, Soils, Vehicle};
 use vb_score::{Rules, Summary, TaskRecord};
+use vb_sense::Profile;
 use vb_sim::SoilSet;
 use vb_submission::{
     Entrant, Expected, Manifest, Request, Sampling, Shipped, ShippedSuite, ShippedVehicle, Submission,
@@ -115,6 +116,7 @@ impl Bench {
             params: Vec::new(),
             vehicle: self.vehicle.clone(),
             soils: self.soils.clone(),
+            perception: Profile::oracle(),
             rules: Rules::paper(),
             time_step: 0.001,
             scale: 1.0,
