@@ -129,7 +129,7 @@ mod tests {
             VehicleSpec::parse(include_str!("../../../tasks/vehicles/m113.yaml"), "m113.yaml").unwrap();
         let bench = Bench::new(&spec, &[], 1e-3).unwrap();
         let b = Backwards::new(&bench).unwrap();
-        // (ω/7)² meets the map between 157.08 and 209.44 rad/s, 603.34 N m − 0.2589 (ω − 157.08): 171.7 rad/s, 601.6 N m... twice.
+        // (ω/7)² meets the line from (157.08, 603.34) to (209.44, 589.78) at 171.7 rad/s; the turbine gives twice that.
         let engine =
             |w: f64| 603.340745 - (603.340745 - 589.782526) / (209.43951 - 157.079633) * (w - 157.079633);
         let w = bisect(400.0, |w| engine(w) > w * w / 49.0);
