@@ -252,7 +252,7 @@ mod tests {
     fn recorded(mode: TraceMode, n: usize) -> Trace {
         let mut recorder = TraceRecorder::new(mode, 4);
         for k in 0..n {
-            let mut fields: [f64; 16] = std::array::from_fn(|i| awkward(k * 16 + i));
+            let mut fields: [f64; 17] = std::array::from_fn(|i| awkward(k * 17 + i));
             fields[0] = k as f64 * 0.01;
             let wheels: [WheelSample; 4] =
                 std::array::from_fn(|w| WheelSample { speed: awkward(k + w), deflection: -awkward(k * w) });

@@ -42,6 +42,7 @@ pub struct Bench {
     pub plugin: Plugin,
     pub vehicle: Vehicle,
     pub soils: Soils,
+    pub perception: Profile,
     pub shipped: Shipped,
 }
 
@@ -92,7 +93,7 @@ impl Bench {
             soils: soils.hash.clone(),
         };
         let plugin = load(&Limits::default(), dir.path());
-        let bench = Self { dir, suite, plugin, vehicle, soils, shipped };
+        let bench = Self { dir, suite, plugin, vehicle, soils, perception: Profile::oracle(), shipped };
         bench.run("run", |_| {});
         bench.make("run", "honest").unwrap();
         bench
@@ -182,6 +183,7 @@ impl Bench {
             plugin_sha256: self.plugin.sha256(),
             vehicle: &self.vehicle,
             soils: &self.soils,
+            perception: &self.perception,
             shipped: &self.shipped,
             harness_version: VERSION,
         };
