@@ -141,7 +141,7 @@ impl fmt::Display for Need {
 pub fn is_rate(rate: f64) -> bool {
     let samples = 100.0 / rate;
     let nearest = samples.round();
-    nearest >= 1.0 && nearest < 1e6 && (samples - nearest).abs() < 1e-6
+    (1.0..1e6).contains(&nearest) && (samples - nearest).abs() < 1e-6
 }
 
 /// A parameter that a planner declares.
@@ -431,10 +431,8 @@ mod tests {
         let head = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\n";
         let parse = |needs: &str| Metadata::parse(format!("{head}{needs}").as_bytes());
         let m = parse("need: local_map 5\nneed: imu\n").unwrap();
-        let expected = [
-            Need { sensor: Sensor::LocalMap, rate: Some(5.0) },
-            Need { sensor: Sensor::Imu, rate: None },
-        ];
+        let expected =
+            [Need { sensor: Sensor::LocalMap, rate: Some(5.0) }, Need { sensor: Sensor::Imu, rate: None }];
         assert_eq!(m.needs(), expected);
         assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
         assert_eq!(parse("").unwrap().needs(), Need::DEFAULT);

@@ -39,7 +39,8 @@ impl Planner for Pursuit {
         let angle = math::turn(pose.yaw, math::atan2(dy, dx));
         let curvature = 2.0 * math::sin(angle) / math::hypot(dx, dy).max(0.1);
         let steering = math::atan(self.vehicle.wheelbase * curvature) / self.vehicle.max_steer_angle;
-        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
+        let (throttle, brake) =
+            SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
         Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, ..Command::default() })
     }
 }

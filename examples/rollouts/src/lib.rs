@@ -120,7 +120,8 @@ impl Planner for Rollouts {
         if let [.., before, last] = &mut self.plan[..] {
             *last = *before;
         }
-        let (throttle, brake) = SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
+        let (throttle, brake) =
+            SpeedController::new(1.0, 0.0).update(self.speed, pose.linear_velocity.x, 0.1);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }

@@ -7,9 +7,7 @@ use abi_stable::library::RootModule;
 use abi_stable::sabi_types::VersionStrings;
 use abi_stable::std_types::{RResult, RSlice, RStr, RString, RVec};
 
-use crate::{
-    Command, GridFrame, Map, Observation, Param, Point2, Pose2, Series, Task, Vec3, Wheel,
-};
+use crate::{Command, GridFrame, Map, Observation, Param, Point2, Pose2, Series, Task, Vec3, Wheel};
 
 /// The functions of a planner library.
 #[repr(C)]

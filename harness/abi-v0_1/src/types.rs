@@ -2,8 +2,7 @@
 
 /// A vector in three dimensions.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[derive(abi_stable::StableAbi)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, abi_stable::StableAbi)]
 pub struct Vec3 {
     /// The component along x.
     pub x: f64,
@@ -15,8 +14,7 @@ pub struct Vec3 {
 
 /// A point of the horizontal plane of the world frame.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[derive(abi_stable::StableAbi)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, abi_stable::StableAbi)]
 pub struct Point2 {
     /// The coordinate towards the east, m.
     pub x: f64,
@@ -26,8 +24,7 @@ pub struct Point2 {
 
 /// A pose in the horizontal plane of the world frame.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[derive(abi_stable::StableAbi)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, abi_stable::StableAbi)]
 pub struct Pose2 {
     /// The coordinate towards the east, m.
     pub x: f64,
@@ -76,8 +73,7 @@ pub struct Vehicle {
 /// The places at which the samples of a [`Map`] lie: sample (row, col) is at x = `origin_x` + col·`resolution`, y =
 /// `origin_y` + row·`resolution`; row 0 is the southernmost.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[derive(abi_stable::StableAbi)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, abi_stable::StableAbi)]
 pub struct GridFrame {
     /// The number of rows, which go from south to north.
     pub rows: u32,
@@ -142,8 +138,7 @@ pub struct Param {
 
 /// The state of one wheel.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[derive(abi_stable::StableAbi)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, abi_stable::StableAbi)]
 pub struct Wheel {
     /// The spin, rad/s, positive when rolling forward.
     pub speed: f64,

@@ -9,8 +9,8 @@ use vb_host::Limits;
 use vb_record::{RunReader, TraceMode};
 use vb_report::Runs;
 use vb_runner::RunError;
-use vb_sense::Profile;
 use vb_score::Outcome;
+use vb_sense::Profile;
 use vb_submission::{
     Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
     ShippedVehicle, Submission, SubmissionError, Verification,
@@ -151,7 +151,8 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     let perception = match &args.perception {
         Some(perception) => run::perception(perception)?,
         None => {
-            let own = places::own_data(Data::Perception, plain("perception profile", &m.run.perception.name)?)?;
+            let own =
+                places::own_data(Data::Perception, plain("perception profile", &m.run.perception.name)?)?;
             Profile::load(&own).map_err(CliError::input)?
         }
     };

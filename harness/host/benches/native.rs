@@ -25,7 +25,8 @@ fn step(c: &mut Criterion) {
     let task = Task { params: plugin.params(&[]).unwrap(), ..Task::default() };
     let mut session = plugin.start(&task, LogSink::discard()).unwrap();
     let wheels = vec![Wheel { spin: 1.0, travel: 0.01 }; 4];
-    let observation = Observation { time: 0.5, wheels, ..Observation::of(Pose { yaw: 1.25, ..Pose::default() }) };
+    let observation =
+        Observation { time: 0.5, wheels, ..Observation::of(Pose { yaw: 1.25, ..Pose::default() }) };
     c.bench_function("native step", |b| b.iter(|| session.step(&observation).unwrap()));
     drop(session);
     c.bench_function("native task in a process that is there", |b| {

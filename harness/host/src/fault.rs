@@ -205,7 +205,7 @@ impl FaultCause {
             Self::InitFailed { .. } => FaultCode::InitFailed,
             Self::BadCommand { .. } | Self::InvalidOutput { .. } | Self::OutputTooLarge { .. } => {
                 FaultCode::InvalidOutput
-            },
+            }
             Self::ImportDenied { .. } => FaultCode::ImportDenied,
             Self::AbiMismatch { .. } => FaultCode::AbiMismatch,
             Self::Crashed { .. } => FaultCode::Crashed,

@@ -91,7 +91,7 @@ fn record(w: usize, t: usize, success: bool) -> TaskRecord {
             steering_effort_s: 1.0,
             steering_rate_per_s: 0.1,
             reverse_s: 0.0,
-        goal_distance_min_m: 5.0,
+            goal_distance_min_m: 5.0,
             goal_distance_end_m: 6.0,
         }),
         log: Vec::new(),

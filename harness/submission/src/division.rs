@@ -136,7 +136,8 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     let perception = &run.perception;
     unless(
         // Runs from before there were profiles don't say the hash.
-        perception.name == ORACLE && (perception.hash.is_empty() || perception.hash == Profile::oracle().sha256()),
+        perception.name == ORACLE
+            && (perception.hash.is_empty() || perception.hash == Profile::oracle().sha256()),
         "perception",
         format!("{} ({}), not {ORACLE}", perception.name, short(&perception.hash)),
     );

@@ -78,8 +78,7 @@ impl Functions {
         observation: &Observation,
         mut log: Log<'_>,
     ) -> Result<Command, Failure> {
-        let (mut arena, mut command, mut error) =
-            (Arena::default(), CCommand::default(), CError::default());
+        let (mut arena, mut command, mut error) = (Arena::default(), CCommand::default(), CError::default());
         let observation = c::lower_observation(observation, &mut arena);
         // SAFETY: by this function's own condition; all pointers lead to values that live until the call ends.
         let status = unsafe {

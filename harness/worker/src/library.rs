@@ -7,14 +7,14 @@ use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 
-use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
 use abi_stable::library::LibHeader;
+use abi_stable::library::{LibraryError, RawLibrary, lib_header_from_path};
 use abi_stable::std_types::{RErr, ROk, RResult, RStr};
+use vb_abi_v0_1::native as old;
 use vb_files::Hash;
 use vb_sdk::c::ENTRY;
 use vb_sdk::native::PlannerModuleRef;
 use vb_sdk::{Command, LogLevel, Observation, Task};
-use vb_abi_v0_1::native as old;
 
 use crate::calls::Functions;
 use crate::protocol::{Failure, FailureKind};
@@ -220,8 +220,7 @@ impl Planner {
             }
             Library::OldC(planner) => {
                 // SAFETY: as above.
-                let result =
-                    unsafe { planner.step(self.state.cast(), &v0_1::observation(observation), log) };
+                let result = unsafe { planner.step(self.state.cast(), &v0_1::observation(observation), log) };
                 result.map(v0_1::command).map_err(error)
             }
         }

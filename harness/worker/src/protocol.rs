@@ -30,7 +30,7 @@ pub enum Request {
     /// Starts a planner on a task; answered by [`Reply::Ready`].
     Init(Box<Task>),
     /// Asks for a command; answered by [`Reply::Command`].
-    Step(Observation),
+    Step(Box<Observation>),
     /// Ends the task: the planner forgets it; answered by [`Reply::Dropped`]. Another task may follow.
     Drop(Empty),
     /// The end: the process leaves.
@@ -286,7 +286,9 @@ mod tests {
                 wheels: vec![Wheel { spin: x, travel: -x }],
                 ..Observation::default()
             };
-            let Request::Step(back) = through(&Request::Step(observation.clone())) else { panic!() };
+            let Request::Step(back) = through(&Request::Step(Box::new(observation.clone()))) else {
+                panic!()
+            };
             let numbers = |o: &Observation| {
                 [o.time, o.last_brake, o.wheels[0].spin, o.wheels[0].travel].map(f64::to_bits)
             };

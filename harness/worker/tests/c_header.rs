@@ -59,7 +59,8 @@ fn structs_have_the_sizes_and_offsets_of_the_c_compiler() {
 
 #[test]
 fn constants_agree_and_the_header_compiles_as_c_and_cpp_without_a_warning() {
-    let body = "printf(\"%d %d %d %d %d\\n\", VB_ABI_MAJOR, VB_ABI_MINOR, VB_ERROR_BYTES, VB_FAILED, VB_PANICKED);";
+    let body =
+        "printf(\"%d %d %d %d %d\\n\", VB_ABI_MAJOR, VB_ABI_MINOR, VB_ERROR_BYTES, VB_FAILED, VB_PANICKED);";
     let expected = format!("{} {} {ERROR_BYTES} {FAILED} {PANICKED}\n", ABI.0, ABI.1);
     assert_eq!(format!("{}.{}", ABI.0, ABI.1), vb_sdk::ABI_VERSION);
     for (compiler, extension) in [("cc", "c"), ("c++", "cpp")] {

@@ -154,7 +154,13 @@ impl Planner for Eh {
         } else {
             Vec::new()
         };
-        Ok(Command { steering: (self.kp * error).clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })
+        Ok(Command {
+            steering: (self.kp * error).clamp(-1.0, 1.0),
+            throttle,
+            brake,
+            debug,
+            ..Command::default()
+        })
     }
 }
 
@@ -250,8 +256,7 @@ mod tests {
             task(|x, y| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) }, &[]);
         t.vehicle.scale = 0.1;
         let elevation = t.elevation.as_mut().unwrap();
-        elevation.frame =
-            GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..elevation.frame };
+        elevation.frame = GridFrame { resolution: 0.1, origin_x: -4.0, origin_y: -4.0, ..elevation.frame };
         let at = |i: i32| 0.1 * f64::from(i) - 4.0;
         let z = |x: f64, y: f64| if (y - 0.64).abs() < 0.4 && x > 0.2 { 0.0 } else { math::sin(20.0 * x) };
         elevation.data = (0..81 * 81).map(|i| z(at(i % 81), at(i / 81)) as f32).collect();

@@ -99,8 +99,7 @@ impl Planner for PidRelease {
         };
         let error = math::turn(yaw, bearing);
         self.steering += (error - self.steering).clamp(-STEERING_STEP, STEERING_STEP);
-        let (throttle, brake) =
-            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
+        let (throttle, brake) = self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         let steering = self.steering.clamp(-1.0, 1.0);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }

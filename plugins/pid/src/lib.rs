@@ -85,8 +85,7 @@ impl Planner for Pid {
         let goal = self.follower.look_ahead(self.lookahead);
         let error = math::turn(pose.yaw, math::atan2(goal.y - y, goal.x - x));
         let steering = self.steering.update(error, self.period);
-        let (throttle, brake) =
-            self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
+        let (throttle, brake) = self.speed.update(self.target_speed, pose.linear_velocity.x, self.period);
         Ok(Command { steering, throttle, brake, ..Command::default() })
     }
 }

@@ -96,13 +96,6 @@ pub struct CFunctions {
 impl Default for CCommand {
     /// As a planner gets it: all zero, which is forward with no throttle and no brake.
     fn default() -> Self {
-        Self {
-            steering: 0.0,
-            throttle: 0.0,
-            brake: 0.0,
-            gear: 0,
-            debug: std::ptr::null(),
-            debug_len: 0,
-        }
+        Self { steering: 0.0, throttle: 0.0, brake: 0.0, gear: 0, debug: std::ptr::null(), debug_len: 0 }
     }
 }

@@ -57,8 +57,11 @@ unsafe fn go(
         let step = module::<Odd>(b"x").step();
         step(planner, &raw const o, &host(lines), &raw mut command, &raw mut error)
     };
+    if status != c::OK {
+        return Err((status, error.get()));
+    }
     // SAFETY: the planner is still there, and its command with it.
-    if status == c::OK { Ok(unsafe { c::lift_command(&command) }.unwrap()) } else { Err((status, error.get())) }
+    Ok(unsafe { c::lift_command(&command) }.unwrap())
 }
 
 #[test]

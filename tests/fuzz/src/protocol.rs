@@ -40,7 +40,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     ];
     let mut seeds: Vec<Vec<u8>> = replies.iter().map(frame).collect();
     seeds.push(seeds.concat());
-    for request in [Request::Init(Box::default()), Request::Step(observation)] {
+    for request in [Request::Init(Box::default()), Request::Step(Box::new(observation))] {
         let mut out = Vec::new();
         if encode(&request, &mut out).is_ok() {
             seeds.push(out);

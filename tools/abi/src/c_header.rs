@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::c_layout::used;
 use crate::HEADER;
+use crate::c_layout::used;
 use crate::model::{Model, Record, Type, camel, snake, with_names};
 
 pub(crate) fn write(model: &Model) -> Result<String, String> {

@@ -20,14 +20,30 @@ pub(crate) fn tables(model: &Model) -> Result<String, String> {
     let order = ["task", "observation", "command"];
     records.sort_by_key(|r| order.iter().position(|name| *name == r.name).unwrap_or(order.len()));
     for record in records {
-        let _ = write!(out, "### `{}`\n\n{}\n\n| field | type | meaning |\n|---|---|---|\n", record.name, one_line(&record.docs));
+        let _ = write!(
+            out,
+            "### `{}`\n\n{}\n\n| field | type | meaning |\n|---|---|---|\n",
+            record.name,
+            one_line(&record.docs)
+        );
         for f in &record.fields {
-            let _ = writeln!(out, "| `{}` | {} | {} |", f.name, name(&f.ty), one_line(&f.docs).replace('|', "\\|"));
+            let _ = writeln!(
+                out,
+                "| `{}` | {} | {} |",
+                f.name,
+                name(&f.ty),
+                one_line(&f.docs).replace('|', "\\|")
+            );
         }
         out.push('\n');
     }
     for e in model.enums().filter(|e| e.name != "log-level") {
-        let _ = write!(out, "### `{}`\n\n{}\n\n| value | number in C | meaning |\n|---|---|---|\n", e.name, one_line(&e.docs));
+        let _ = write!(
+            out,
+            "### `{}`\n\n{}\n\n| value | number in C | meaning |\n|---|---|---|\n",
+            e.name,
+            one_line(&e.docs)
+        );
         for (i, (case, docs)) in e.cases.iter().enumerate() {
             let _ = writeln!(out, "| `{case}` | {i} | {} |", one_line(docs));
         }
@@ -40,7 +56,8 @@ pub(crate) fn tables(model: &Model) -> Result<String, String> {
 pub(crate) fn wire(model: &Model) -> Result<String, String> {
     let mut out = String::new();
     for record in used(model, &["task", "observation", "command"])? {
-        let fields = record.fields.iter().map(|f| format!("`{}` ({})", snake(&f.name), on_the_wire(model, &f.ty)));
+        let fields =
+            record.fields.iter().map(|f| format!("`{}` ({})", snake(&f.name), on_the_wire(model, &f.ty)));
         let list = if model.is_vector(&record.name) {
             format!("an array of {} numbers: {}", record.fields.len(), fields_of(record))
         } else {

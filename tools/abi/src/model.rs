@@ -113,20 +113,29 @@ impl Model {
 fn item(resolve: &Resolve, name: &str, id: TypeId) -> Result<Item, String> {
     let def = &resolve.types[id];
     let text = |docs: &wit_parser::Docs, of: &str| {
-        docs.contents.as_deref().map(|t| t.trim().to_owned()).ok_or_else(|| format!("`{of}` has no description"))
+        docs.contents
+            .as_deref()
+            .map(|t| t.trim().to_owned())
+            .ok_or_else(|| format!("`{of}` has no description"))
     };
     let docs = text(&def.docs, name)?;
     match &def.kind {
         TypeDefKind::Record(record) => {
             let field = |f: &wit_parser::Field| {
                 let place = format!("{name}.{}", f.name);
-                Ok(Field { name: f.name.clone(), docs: text(&f.docs, &place)?, ty: ty(resolve, &f.ty, &place)? })
+                Ok(Field {
+                    name: f.name.clone(),
+                    docs: text(&f.docs, &place)?,
+                    ty: ty(resolve, &f.ty, &place)?,
+                })
             };
             let fields = record.fields.iter().map(field).collect::<Result<_, String>>()?;
             Ok(Item::Record(Record { name: name.to_owned(), docs, fields }))
         }
         TypeDefKind::Enum(e) => {
-            let case = |c: &wit_parser::EnumCase| Ok((c.name.clone(), text(&c.docs, &format!("{name}.{}", c.name))?));
+            let case = |c: &wit_parser::EnumCase| {
+                Ok((c.name.clone(), text(&c.docs, &format!("{name}.{}", c.name))?))
+            };
             let cases = e.cases.iter().map(case).collect::<Result<_, String>>()?;
             Ok(Item::Enum(Enum { name: name.to_owned(), docs, cases }))
         }
@@ -171,5 +180,8 @@ pub(crate) fn camel(name: &str) -> String {
 /// Names of fields between backticks, as another language writes them; all other text stays.
 pub(crate) fn with_names(docs: &str, rename: impl Fn(&str) -> String) -> String {
     let parts = docs.split('`').enumerate();
-    parts.map(|(i, part)| if i % 2 == 1 { rename(part) } else { part.to_owned() }).collect::<Vec<_>>().join("`")
+    parts
+        .map(|(i, part)| if i % 2 == 1 { rename(part) } else { part.to_owned() })
+        .collect::<Vec<_>>()
+        .join("`")
 }

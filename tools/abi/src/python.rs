@@ -112,7 +112,10 @@ fn class(out: &mut String, model: &Model, r: &Record) {
             let name = snake(&f.name);
             let line = match &f.ty {
                 Type::Enum(e) => {
-                    format!("wire[\"{name}\"] = one_of(\"{name}\", self.{name}, {}S)", snake(e).to_uppercase())
+                    format!(
+                        "wire[\"{name}\"] = one_of(\"{name}\", self.{name}, {}S)",
+                        snake(e).to_uppercase()
+                    )
                 }
                 Type::List(_) => format!(
                     "if self.{name}:\n            wire[\"{name}\"] = [{{\"name\": str(k), \"values\": numbers(k, v)}} for k, v in \
@@ -134,7 +137,9 @@ fn class(out: &mut String, model: &Model, r: &Record) {
 }
 
 fn docs(text: &str) -> String {
-    with_names(text, |n| if ["wheel-odometry", "local-map"].contains(&n) || n.contains('/') { n.into() } else { snake(n) })
-        .replace('`', "``")
-        .replace('\n', "\n    ")
+    with_names(text, |n| {
+        if ["wheel-odometry", "local-map"].contains(&n) || n.contains('/') { n.into() } else { snake(n) }
+    })
+    .replace('`', "``")
+    .replace('\n', "\n    ")
 }

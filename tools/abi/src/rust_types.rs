@@ -58,7 +58,11 @@ fn docs(out: &mut String, before: &str, indent: &str, text: &str) {
 
 /// Names of fields in docs; names of sensors and files keep their hyphens.
 fn snake_unless_named(text: &str) -> String {
-    if ["wheel-odometry", "local-map"].contains(&text) || text.contains('/') { text.to_owned() } else { snake(text) }
+    if ["wheel-odometry", "local-map"].contains(&text) || text.contains('/') {
+        text.to_owned()
+    } else {
+        snake(text)
+    }
 }
 
 fn record(out: &mut String, model: &Model, r: &Record) {
@@ -68,7 +72,10 @@ fn record(out: &mut String, model: &Model, r: &Record) {
     out.push_str("#[cfg_attr(feature = \"serde\", derive(Serialize, Deserialize))]\n");
     if model.is_vector(&r.name) {
         let n = r.fields.len();
-        let _ = writeln!(out, "#[cfg_attr(feature = \"serde\", serde(from = \"[f64; {n}]\", into = \"[f64; {n}]\"))]");
+        let _ = writeln!(
+            out,
+            "#[cfg_attr(feature = \"serde\", serde(from = \"[f64; {n}]\", into = \"[f64; {n}]\"))]"
+        );
     }
     let _ = writeln!(out, "pub struct {} {{", camel(&r.name));
     for f in &r.fields {

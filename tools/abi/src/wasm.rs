@@ -105,7 +105,13 @@ fn value(ty: &Type, name: &str, from: From) -> String {
     }
 }
 
-fn enumeration(out: &mut String, model: &Model, name: &str, source: &str, target: &str) -> Result<(), String> {
+fn enumeration(
+    out: &mut String,
+    model: &Model,
+    name: &str,
+    source: &str,
+    target: &str,
+) -> Result<(), String> {
     let e = model.enums().find(|e| e.name == name).ok_or_else(|| format!("there is no enum `{name}`"))?;
     let ty = camel(name);
     let _ = write!(

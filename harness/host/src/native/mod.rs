@@ -18,8 +18,8 @@ use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
     Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
-use vb_worker::v0_1;
 use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
+use vb_worker::v0_1;
 
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd, Resource};
@@ -360,9 +360,7 @@ impl ProcessSession {
 
     fn init(&mut self, task: &Task) -> Result<Reply, FaultCause> {
         match self.terms() {
-            AbiVersion::V0_1 => {
-                self.ask(&v0_1::wire::Request::Init(Box::new((&v0_1::task(task)).into())))
-            }
+            AbiVersion::V0_1 => self.ask(&v0_1::wire::Request::Init(Box::new((&v0_1::task(task)).into()))),
             AbiVersion::V0_2 => self.ask(&Request::Init(Box::new(task.clone()))),
         }
     }
@@ -372,7 +370,7 @@ impl ProcessSession {
             AbiVersion::V0_1 => {
                 self.ask(&v0_1::wire::Request::Step((&v0_1::observation(observation)).into()))
             }
-            AbiVersion::V0_2 => self.ask(&Request::Step(observation.clone())),
+            AbiVersion::V0_2 => self.ask(&Request::Step(Box::new(observation.clone()))),
         };
         match reply? {
             Reply::Command(command) => Ok(command),

@@ -28,23 +28,23 @@ impl Pre {
 
 /// A task in the terms of a version.
 pub(super) enum Brief {
-    V0_1(v0_1::bindings::vertibench::planner::types::Task),
-    V0_2(v0_2::bindings::vertibench::planner::types::Task),
+    V0_1(Box<v0_1::bindings::vertibench::planner::types::Task>),
+    V0_2(Box<v0_2::bindings::vertibench::planner::types::Task>),
 }
 
 impl Brief {
     pub(super) fn new(pre: &Pre, task: &Task) -> Self {
         match pre {
-            Pre::V0_1(_) => Self::V0_1(v0_1::convert::task(&to_v0_1_task(task))),
-            Pre::V0_2(_) => Self::V0_2(task.into()),
+            Pre::V0_1(_) => Self::V0_1(Box::new(v0_1::convert::task(&to_v0_1_task(task)))),
+            Pre::V0_2(_) => Self::V0_2(Box::new(task.into())),
         }
     }
 }
 
 /// An observation in the terms of a version.
 pub(super) enum Sight {
-    V0_1(v0_1::bindings::vertibench::planner::types::Observation),
-    V0_2(v0_2::bindings::vertibench::planner::types::Observation),
+    V0_1(Box<v0_1::bindings::vertibench::planner::types::Observation>),
+    V0_2(Box<v0_2::bindings::vertibench::planner::types::Observation>),
 }
 
 /// An instance of a component, with its planner.
@@ -78,8 +78,11 @@ impl Planner {
     /// An observation in the terms of the planner's version.
     pub(super) fn sight(&self, observation: &Observation) -> Sight {
         match self {
-            Self::V0_1(..) => Sight::V0_1(v0_1::convert::observation(&to_v0_1_observation(observation))),
-            Self::V0_2(..) => Sight::V0_2(observation.into()),
+            Self::V0_1(..) => {
+                let observation = v0_1::convert::observation(&to_v0_1_observation(observation));
+                Sight::V0_1(Box::new(observation))
+            }
+            Self::V0_2(..) => Sight::V0_2(Box::new(observation.into())),
         }
     }
 

@@ -155,7 +155,10 @@ fn metadata_that_are_damaged_or_of_another_version() {
     assert!(message.contains("line 2 is `name`"), "{message}");
     let (error, message) = refusal(&with(&METADATA.replace("abi: 0.1", "abi: 0.3")));
     assert!(matches!(error, LoadError::AbiVersion { .. }));
-    assert!(message.contains("built for planner ABI 0.3; this harness supports 0.1, 0.2. Rebuild"), "{message}");
+    assert!(
+        message.contains("built for planner ABI 0.3; this harness supports 0.1, 0.2. Rebuild"),
+        "{message}"
+    );
     // The version is read before the rest, which may have other rules there.
     let (error, message) = refusal(&with("abi: 0.3\nname\n"));
     assert!(matches!(error, LoadError::AbiVersion { .. }), "{message}");

@@ -94,7 +94,13 @@ pub fn table() -> Vec<Case> {
             NotAPlugin,
             "its name is `../..`",
         ),
-        script("a command that asks for a sensor that there isn't", "exec cat greedy", Load, NotAPlugin, "radar"),
+        script(
+            "a command that asks for a sensor that there isn't",
+            "exec cat greedy",
+            Load,
+            NotAPlugin,
+            "radar",
+        ),
         script("a command of a period below 0", "exec cat hasty", Load, NotAPlugin, "-0.1"),
         script(
             "a command that closes its output and stays",

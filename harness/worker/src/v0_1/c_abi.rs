@@ -133,7 +133,8 @@ pub(crate) struct CFunctions {
     pub(crate) size: usize,
     pub(crate) abi_major: u32,
     pub(crate) abi_minor: u32,
-    pub(crate) init: Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
+    pub(crate) init:
+        Option<unsafe extern "C" fn(*const CTask, *const CHost, *mut *mut c_void, *mut CError) -> i32>,
     pub(crate) step: Option<
         unsafe extern "C" fn(
             *mut c_void,

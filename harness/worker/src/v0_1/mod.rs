@@ -55,11 +55,7 @@ pub fn task(t: &vb_sdk::Task) -> old::Task {
         time_limit: t.time_limit,
         control_period: t.control_period,
         seed: t.seed,
-        params: t
-            .params
-            .iter()
-            .map(|p| old::Param { key: p.key.clone(), value: p.value.clone() })
-            .collect(),
+        params: t.params.iter().map(|p| old::Param { key: p.key.clone(), value: p.value.clone() }).collect(),
     }
 }
 
