@@ -4,7 +4,8 @@
 //! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8, one
 //! `key: value` a line, with `\\`, `\n` and `\r` escaped by a backslash. `param` begins a parameter, to which the
 //! `default` and `help` that follow belong. `need` names a sensor and may say how often it is to be read, in Hz: `need: lidar
-//! 10`; a planner without a need gets [`Need::DEFAULT`]. Unknown keys are ignored, so later versions may add some.
+//! 10`; a planner without a need gets [`Need::DEFAULT`]. `need-without-maps` does the same for sensors that it needs only where
+//! the perception profile leaves out one of the task's maps. Unknown keys are ignored, so later versions may add some.
 
 use std::fmt;
 
@@ -33,8 +34,10 @@ pub struct Metadata {
     /// The parameters that a user may set.
     pub params: Vec<ParamSpec>,
     /// The sensors that the planner asks for, as it declares them. It is empty for planners that want the default, as
-    /// [`Metadata::needs`] gives it.
+    /// [`Metadata::sensors`] gives it.
     pub needs: Vec<Need>,
+    /// The sensors that it asks for in addition where the perception profile leaves out one of the task's maps.
+    pub needs_without_maps: Vec<Need>,
 }
 
 macro_rules! sensors {
@@ -100,6 +103,19 @@ impl Need {
     /// What a planner gets that declares no need.
     pub const DEFAULT: &[Self] =
         &[Self { sensor: Sensor::Pose, rate: None }, Self { sensor: Sensor::WheelOdometry, rate: None }];
+
+    /// Adds a need to a list, in which each sensor is once.
+    ///
+    /// # Errors
+    /// Returns a text that says what is wrong: as [`Need::parse`] does, or that the sensor is there already.
+    pub fn add(list: &mut Vec<Self>, text: &str) -> Result<(), String> {
+        let need = Self::parse(text)?;
+        if list.iter().any(|n| n.sensor == need.sensor) {
+            return Err(format!("{} is asked for twice", need.sensor.name()));
+        }
+        list.push(need);
+        Ok(())
+    }
 
     /// Reads `lidar` or `lidar 10`. Underscores may stand for hyphens, since names in Rust have none.
     ///
@@ -217,13 +233,25 @@ impl Metadata {
         for need in &self.needs {
             line("need", &need.to_string());
         }
+        for need in &self.needs_without_maps {
+            line("need-without-maps", &need.to_string());
+        }
         text
     }
 
-    /// The sensors that the planner gets.
+    /// The sensors that the planner gets: those that it needs, or [`Need::DEFAULT`], and those that it needs without maps if
+    /// the perception profile doesn't give all maps.
     #[must_use]
-    pub fn needs(&self) -> &[Need] {
-        if self.needs.is_empty() { Need::DEFAULT } else { &self.needs }
+    pub fn sensors(&self, all_maps: bool) -> Vec<Need> {
+        let mut needs = if self.needs.is_empty() { Need::DEFAULT.to_vec() } else { self.needs.clone() };
+        if !all_maps {
+            for more in &self.needs_without_maps {
+                if !needs.iter().any(|n| n.sensor == more.sensor) {
+                    needs.push(*more);
+                }
+            }
+        }
+        needs
     }
 
     /// Reads the text of the section.
@@ -234,7 +262,7 @@ impl Metadata {
         let text = std::str::from_utf8(bytes).map_err(|_| MetadataError::NotUtf8)?;
         let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
         let (mut authors, mut about, mut params) = (Vec::new(), String::new(), Vec::<ParamSpec>::new());
-        let mut needs = Vec::<Need>::new();
+        let (mut needs, mut without_maps) = (Vec::<Need>::new(), Vec::<Need>::new());
         for (number, line) in text.lines().enumerate() {
             let bad = || MetadataError::BadLine { line: number + 1, text: line.to_owned() };
             let (key, value) = line.split_once(": ").ok_or_else(bad)?;
@@ -255,13 +283,10 @@ impl Metadata {
                 "param" => params.push(ParamSpec { key: value, default: String::new(), help: String::new() }),
                 "default" => params.last_mut().ok_or_else(bad)?.default = value,
                 "help" => params.last_mut().ok_or_else(bad)?.help = value,
-                "need" => {
-                    let bad_need = |reason| MetadataError::BadNeed { line: number + 1, reason };
-                    let need = Need::parse(&value).map_err(bad_need)?;
-                    if needs.iter().any(|n| n.sensor == need.sensor) {
-                        return Err(bad_need(format!("{} is asked for twice", need.sensor.name())));
-                    }
-                    needs.push(need);
+                "need" | "need-without-maps" => {
+                    let list = if key == "need" { &mut needs } else { &mut without_maps };
+                    Need::add(list, &value)
+                        .map_err(|reason| MetadataError::BadNeed { line: number + 1, reason })?;
                 }
                 _ => {}
             }
@@ -276,6 +301,7 @@ impl Metadata {
             control_period: period.ok_or(missing("control-period"))?,
             params,
             needs,
+            needs_without_maps: without_maps,
         })
     }
 }
@@ -431,11 +457,15 @@ mod tests {
         let head = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\n";
         let parse = |needs: &str| Metadata::parse(format!("{head}{needs}").as_bytes());
         let m = parse("need: local_map 5\nneed: imu\n").unwrap();
-        let expected =
-            [Need { sensor: Sensor::LocalMap, rate: Some(5.0) }, Need { sensor: Sensor::Imu, rate: None }];
-        assert_eq!(m.needs(), expected);
+        let local_map = Need { sensor: Sensor::LocalMap, rate: Some(5.0) };
+        assert_eq!(m.sensors(true), [local_map, Need { sensor: Sensor::Imu, rate: None }]);
         assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
-        assert_eq!(parse("").unwrap().needs(), Need::DEFAULT);
+        assert_eq!(parse("").unwrap().sensors(false), Need::DEFAULT);
+        // What is needed without maps comes on top where they are missing, and nowhere else.
+        let m = parse("need-without-maps: local-map 5\nneed-without-maps: pose 10\n").unwrap();
+        assert_eq!(m.sensors(true), Need::DEFAULT);
+        assert_eq!(m.sensors(false), [Need::DEFAULT, &[local_map]].concat());
+        assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
         let reason = |needs: &str| parse(needs).unwrap_err().to_string();
         assert_eq!(
             reason("need: radar\n"),

@@ -289,12 +289,10 @@ fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError
 pub(crate) fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
     let metadata = plugin.metadata();
     let planner = || metadata.name.clone();
-    vb_sense::check_needs(profile, &metadata.needs)
+    let all_maps = profile.gives_all_maps();
+    vb_sense::check_needs(profile, &metadata.sensors(all_maps))
         .map_err(|source| RunError::Perception { planner: planner(), source })?;
-    let prior = &profile.data().prior;
-    if plugin.abi() == AbiVersion::V0_1
-        && (prior.elevation.is_none() || prior.semantics.is_none() || prior.occupancy.is_none())
-    {
+    if plugin.abi() == AbiVersion::V0_1 && !all_maps {
         return Err(RunError::NoMaps { planner: planner(), profile: profile.name().to_owned() });
     }
     Ok(())
@@ -441,10 +439,10 @@ impl Work {
             seed: c.seed,
             profile: &c.perception,
         };
+        let needs = metadata.sensors(c.perception.gives_all_maps());
         let seed = terms.perception_seed(&world, definition);
-        let perception =
-            Perception::new(&c.perception, &metadata.needs, &scene, prepared.model.spec(), &seed)
-                .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
+        let perception = Perception::new(&c.perception, &needs, &scene, prepared.model.spec(), &seed)
+            .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
         let (vehicle, params) = (prepared.vehicle.clone(), prepared.params.clone());
         let brief = terms.brief(&world, definition, vehicle, params, &perception);
         let trial = Trial {

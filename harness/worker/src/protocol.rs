@@ -122,6 +122,8 @@ pub struct Introduction {
     pub params: Vec<WireParamSpec>,
     /// Sensors that the planner asks for, e.g. `lidar 10`.
     pub needs: Vec<String>,
+    /// The same for profiles that leave out one of the task's maps.
+    pub needs_without_maps: Vec<String>,
     /// How the process is confined; the harness's own worker only.
     pub sandbox: Option<SandboxReport>,
 }

@@ -13,7 +13,7 @@
 use vb_sdk::crop::Window;
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
-use vb_sdk::{Command, Map, Observation, Planner, PlannerError, Pose2, Series, Task, math};
+use vb_sdk::{Command, HeightMap, Observation, Planner, PlannerError, Pose2, Series, Task, math};
 
 vb_sdk::export_planner! {
     planner: Eh,
@@ -29,18 +29,24 @@ vb_sdk::export_planner! {
         kp: 1.0 => "proportional gain of the steering, 1/rad",
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "1: record the regions with their scores and the local goal beside the trajectory",
-    }
+    },
+    without_maps: { local_map: 10 }
 }
 
 /// Regions side by side.
 const REGIONS: usize = 5;
 /// Samples along a region's side.
 const SAMPLES: usize = 8;
+/// One sample of so many must be known.
+const KNOWN: usize = 4;
 
 /// The planner.
 #[derive(Clone, Debug)]
 pub struct Eh {
-    elevation: Map<f32>,
+    /// The map of the world, or of what has been seen of it.
+    elevation: HeightMap,
+    /// Whether the map of the surroundings takes the place of the world's.
+    looks_around: bool,
     follower: Follower,
     lookahead: f64,
     region: f64,
@@ -61,8 +67,8 @@ struct Heights {
 }
 
 impl Eh {
-    /// A square of ground whose middle lies `forward` and `left` of the vehicle, m.
-    fn square(&self, pose: Pose2, forward: f64, left: f64) -> Heights {
+    /// A square of ground whose middle lies `forward` and `left` of the vehicle, m; none where too little of it is known.
+    fn square(&self, pose: Pose2, forward: f64, left: f64) -> Option<Heights> {
         let (sin, cos) = math::sin_cos(pose.yaw);
         let middle = Pose2 {
             x: pose.x + cos * forward - sin * left,
@@ -71,12 +77,16 @@ impl Eh {
         };
         let window =
             Window { rows: SAMPLES, cols: SAMPLES, resolution: self.region / SAMPLES as f64, ahead: 0.0 };
-        let crop = self.elevation.crop(middle, &window);
-        let n = crop.height.len() as f64;
-        let mean = crop.height.iter().map(|&z| f64::from(z)).sum::<f64>() / n;
+        let mut known = self.elevation.crop(middle, &window).height;
+        known.retain(|z| !z.is_nan());
+        if known.len() * KNOWN < SAMPLES * SAMPLES {
+            return None;
+        }
+        let n = known.len() as f64;
+        let mean = known.iter().map(|&z| f64::from(z)).sum::<f64>() / n;
         let square = |z: f64| z * z;
-        let variance = crop.height.iter().map(|&z| square(f64::from(z) - mean)).sum::<f64>() / n;
-        Heights { mean, std: variance.sqrt() }
+        let variance = known.iter().map(|&z| square(f64::from(z) - mean)).sum::<f64>() / n;
+        Some(Heights { mean, std: variance.sqrt() })
     }
 
     /// Distance to the left of the middle of each region, leftmost first, m.
@@ -84,8 +94,12 @@ impl Eh {
         (2.0 - region as f64) * self.region
     }
 
-    /// Scores of the regions, leftmost first; infinite where the middle of one lies beyond the map.
+    /// Scores of the regions, leftmost first; infinite where the middle of one lies beyond the map, or too little of it is
+    /// known.
     fn scores(&self, pose: Pose2) -> [f64; REGIONS] {
+        if self.elevation.frame.rows < 2 || self.elevation.frame.cols < 2 {
+            return [f64::INFINITY; REGIONS];
+        }
         let here = self.square(pose, 0.0, 0.0);
         let (sin, cos) = math::sin_cos(pose.yaw);
         std::array::from_fn(|i| {
@@ -94,8 +108,10 @@ impl Eh {
             if !self.elevation.frame.contains(x, y) {
                 return f64::INFINITY;
             }
-            let there = self.square(pose, forward, left);
-            (there.mean - here.mean).abs() + self.roughness * there.std
+            let Some(there) = self.square(pose, forward, left) else { return f64::INFINITY };
+            // A lidar doesn't see what it stands on.
+            let step = here.map_or(0.0, |here| (there.mean - here.mean).abs());
+            step + self.roughness * there.std
         })
     }
 }
@@ -116,7 +132,9 @@ impl Planner for Eh {
         }
         let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
-            elevation: task.elevation()?.clone(),
+            // Of a world whose maps are not all there, what the vehicle sees is worth more than a coarse map.
+            looks_around: task.occupancy.is_none(),
+            elevation: task.elevation.clone().unwrap_or_default(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             region: task.param_positive("region")? * scale,
@@ -134,6 +152,9 @@ impl Planner for Eh {
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let seen = o.pose()?;
         let pose = Pose2 { x: seen.position.x, y: seen.position.y, yaw: seen.yaw };
+        if let Some(map) = o.local_map.as_ref().filter(|_| self.looks_around) {
+            self.elevation = map.elevation.clone();
+        }
         self.follower.update(pose.x, pose.y);
         let goal = self.follower.look_ahead(self.lookahead);
         let to_goal = math::turn(seen.yaw, math::atan2(goal.y - pose.y, goal.x - pose.x));
@@ -168,7 +189,7 @@ impl Planner for Eh {
 mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
-    use vb_sdk::{GridFrame, Param, Point2, Pose, Vec3, Vehicle};
+    use vb_sdk::{GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Vehicle};
 
     const DEFAULTS: [(&str, &str); 8] = [
         ("speed", "3"),
@@ -248,6 +269,24 @@ mod tests {
         at_the_edge.path = (30..=60).map(|i| Point2 { x: f64::from(i), y: 0.0 }).collect();
         let c = command(&at_the_edge, 39.0, 0.0, 0.0);
         assert_eq!(c.steering, 0.0, "all lie beyond: the path alone counts");
+    }
+
+    #[test]
+    fn without_a_map_of_the_world_it_chooses_by_what_it_sees() {
+        let z = |x: f64, y: f64| if (y - 6.4).abs() < 4.0 && x > 2.0 { 0.0 } else { math::sin(2.0 * x) };
+        let mut unknown = task(z, &[]);
+        unknown.elevation = None;
+        // A map of the surroundings of 20 m, in which the ground under the vehicle has not been seen.
+        let frame = GridFrame { rows: 81, cols: 81, resolution: 0.25, origin_x: -10.0, origin_y: -10.0 };
+        let at = |i: i32| 0.25 * f64::from(i) - 10.0;
+        let seen = |x: f64, y: f64| if x * x + y * y < 16.0 { f64::NAN } else { z(x, y) };
+        let data = (0..81 * 81).map(|i| seen(at(i % 81), at(i / 81)) as f32).collect();
+        let local_map = LocalMap { elevation: Map { frame, data }, ..LocalMap::default() };
+        let blind = Observation::of(Pose::default());
+        let o = Observation { local_map: Some(local_map), ..blind.clone() };
+        let mut eh = Eh::init(&unknown).unwrap();
+        assert_eq!(eh.step(&blind).unwrap().steering, 0.0, "nothing is known yet: the path alone counts");
+        assert_eq!(chosen(&eh.step(&o).unwrap()), 1.0, "left");
     }
 
     #[test]

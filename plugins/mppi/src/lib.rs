@@ -17,7 +17,7 @@ use cost::Objective;
 use vb_sdk::mppi::{Bicycle, BicycleState, Field, LANES, Mppi, Settings};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
-use vb_sdk::{Command, Observation, Planner, PlannerError, Series, Task};
+use vb_sdk::{Command, GridFrame, LabelMap, Observation, Planner, PlannerError, Series, Task};
 
 vb_sdk::export_planner! {
     planner: MppiPlanner,
@@ -41,7 +41,8 @@ vb_sdk::export_planner! {
         effort: 0.2 => "weight of steering",
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
-    }
+    },
+    without_maps: { local_map: 10 }
 }
 
 /// The planner.
@@ -52,8 +53,30 @@ pub struct MppiPlanner {
     objective: Objective,
     mppi: Mppi<2>,
     speed: SpeedController,
+    /// The least and the greatest coordinates of the world, where there is no map of its obstacles.
+    edges: Option<((f64, f64), (f64, f64))>,
     period: f64,
     explain: usize,
+}
+
+/// The least coordinates of the world, m.
+fn low(task: &Task) -> (f64, f64) {
+    (-task.half_extent.x, -task.half_extent.y)
+}
+
+/// The greatest coordinates of the world, m.
+fn high(task: &Task) -> (f64, f64) {
+    (task.half_extent.x, task.half_extent.y)
+}
+
+/// A map of the whole world in which nothing is known.
+fn unknown(task: &Task) -> LabelMap {
+    let resolution = 0.5 * task.vehicle.scale;
+    let count = |half: f64| (2.0 * half / resolution).clamp(1.0, 4096.0) as u32 + 1;
+    let (rows, cols) = (count(task.half_extent.y), count(task.half_extent.x));
+    let (origin_x, origin_y) = low(task);
+    let frame = GridFrame { rows, cols, resolution, origin_x, origin_y };
+    LabelMap { frame, data: vec![255; rows as usize * cols as usize] }
 }
 
 impl Planner for MppiPlanner {
@@ -79,8 +102,13 @@ impl Planner for MppiPlanner {
         let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")? * root);
         let margin = positive("margin")? * scale;
         let radius = 0.5 * vehicle.width;
-        let clearance = Field::clearance(task, radius + margin)
-            .ok_or_else(|| PlannerError::new("the occupancy map has fewer than 2 x 2 samples"))?;
+        let clearance = match &task.occupancy {
+            Some(_) => Field::clearance(task, radius + margin),
+            // Until the first map of the surroundings comes, only the edge of the world is known.
+            None => Field::around(&unknown(task), low(task), high(task), radius + margin),
+        };
+        let clearance =
+            clearance.ok_or_else(|| PlannerError::new("the occupancy map has fewer than 2 x 2 samples"))?;
         let settings = Settings {
             samples: count("samples")?,
             horizon: count("horizon")?,
@@ -114,6 +142,7 @@ impl Planner for MppiPlanner {
             objective,
             mppi: Mppi::new(settings, [0.0, target as f32], task.seed),
             speed: SpeedController::new(task.param_f64("speed_kp")? / root, 0.0),
+            edges: task.occupancy.is_none().then(|| (low(task), high(task))),
             period: task.control_period,
             explain: task.param_as("explain")?,
         })
@@ -121,6 +150,12 @@ impl Planner for MppiPlanner {
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let pose = o.pose()?;
+        if let (Some((low, high)), Some(seen)) = (self.edges, &o.local_map) {
+            let reach = f64::from(self.objective.radius + self.objective.margin);
+            if let Some(clearance) = Field::around(&seen.occupancy, low, high, reach) {
+                self.objective.clearance = clearance;
+            }
+        }
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
         // In single precision differences near the vehicle are finer than differences of positions in the world.

@@ -1,7 +1,7 @@
 //! What it does on flat ground.
 
 use super::*;
-use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Vec3, Vehicle, math};
+use vb_sdk::{GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Vehicle, math};
 
 const DEFAULTS: [(&str, &str); 16] = [
     ("speed", "3"),
@@ -110,6 +110,35 @@ fn off_the_path_it_turns_towards_the_local_goal() {
             steering = planner.step(&o).unwrap().steering;
         }
         assert!(steering * y < -0.4, "{y}: {steering}");
+    }
+}
+
+#[test]
+fn without_a_map_of_obstacles_it_goes_around_those_that_it_sees() {
+    for side in [-1.0, 1.0] {
+        let mut unknown = task(|_, _| false, &[]);
+        (unknown.occupancy, unknown.elevation) = (None, None);
+        unknown.half_extent = Point2 { x: 40.0, y: 40.0 };
+        // A block 6 m ahead, a little to one side of the way; behind it nothing is known.
+        let frame = GridFrame { rows: 81, cols: 81, resolution: 0.25, origin_x: -35.0, origin_y: -10.0 };
+        let label = |x: f64, y: f64| match x + 25.0 {
+            ahead if (6.0..8.0).contains(&ahead) && (y - side).abs() < 1.5 => 1,
+            ahead if ahead > 8.0 => 255,
+            _ => 0,
+        };
+        let at = |i: i32, origin: f64| origin + 0.25 * f64::from(i);
+        let data = (0..81 * 81).map(|i| label(at(i % 81, -35.0), at(i / 81, -10.0))).collect();
+        let local_map = LocalMap { occupancy: Map { frame, data }, ..LocalMap::default() };
+        let position = Vec3 { x: -25.0, y: 0.0, z: 0.0 };
+        let linear_velocity = Vec3 { x: 3.0, ..Vec3::default() };
+        let o = Observation::of(Pose { position, linear_velocity, ..Pose::default() });
+        let steering = |o: &Observation| {
+            let mut planner = MppiPlanner::init(&unknown).unwrap();
+            (0..5).map(|_| planner.step(o).unwrap().steering).last().unwrap()
+        };
+        assert!(steering(&o).abs() < 0.1, "nothing is known: straight on");
+        let seen = steering(&Observation { local_map: Some(local_map), ..o.clone() });
+        assert!(seen * side < -0.3, "side {side}: {seen}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! A map of distances or costs that roll-outs look up.
 
 use super::{LANES, Lanes};
-use crate::{GridFrame, Task, math};
+use crate::{GridFrame, LabelMap, Task, math};
 
 /// Values on a square grid in the world frame, interpolated linearly between four samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,9 +39,17 @@ impl Field {
     #[must_use]
     pub fn clearance(task: &Task, reach: f64) -> Option<Self> {
         let (occupied, ground) = (task.occupancy.as_ref()?, task.elevation.as_ref()?.frame);
-        let frame = occupied.frame;
         let (low, high) =
             (ground.position(0, 0), ground.position(ground.rows.max(1) - 1, ground.cols.max(1) - 1));
+        Self::around(occupied, low, high, reach)
+    }
+
+    /// The same distance in a map of obstacles, such as that of an observation's surroundings, in a world from `low` to
+    /// `high` (x, y), m. Where it isn't known whether there is an obstacle, there is none. It returns `None` if the map has
+    /// fewer than 2 × 2 samples.
+    #[must_use]
+    pub fn around(occupied: &LabelMap, low: (f64, f64), high: (f64, f64), reach: f64) -> Option<Self> {
+        let frame = occupied.frame;
         let mut field =
             Self::new(frame, |x, y| (x - low.0).min(high.0 - x).min(y - low.1).min(high.1 - y).min(reach))?;
         let span = (reach / frame.resolution) as i64 + 1;
@@ -49,7 +57,7 @@ impl Field {
             |i: u32, n: u32| (i64::from(i) - span).max(0)..(i64::from(i) + span + 1).min(i64::from(n));
         for orow in 0..frame.rows {
             for ocol in 0..frame.cols {
-                if occupied.at(orow, ocol) == 0 {
+                if occupied.at(orow, ocol) != 1 {
                     continue;
                 }
                 for row in range(orow, frame.rows) {

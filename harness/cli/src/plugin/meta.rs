@@ -24,6 +24,9 @@ struct Document {
     /// Sensors and how often they are to be read, e.g. `lidar 10`.
     #[serde(default)]
     needs: Vec<String>,
+    /// The same, for profiles that leave out one of the task's maps.
+    #[serde(default)]
+    needs_without_maps: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -45,7 +48,8 @@ pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
 
 fn parse(text: &str) -> Result<Metadata, String> {
     let document: Document = vb_world::yaml::parse(text).map_err(|e| e.to_string())?;
-    let Document { name, version, authors, about, control_period, params, needs: wanted } = document;
+    let Document { name, version, authors, about, control_period, params, needs, needs_without_maps } =
+        document;
     if !metadata::is_name(&name) {
         return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
     }
@@ -68,18 +72,19 @@ fn parse(text: &str) -> Result<Metadata, String> {
             return Err(format!("params[{i}].name: {:?} is declared twice", param.name));
         }
     }
-    let mut needs: Vec<Need> = Vec::new();
-    for (i, text) in wanted.iter().enumerate() {
-        let need = Need::parse(text).map_err(|reason| format!("needs[{i}]: {reason}"))?;
-        if needs.iter().any(|n| n.sensor == need.sensor) {
-            return Err(format!("needs[{i}]: {} is asked for twice", need.sensor.name()));
+    let list = |field: &str, texts: Vec<String>| {
+        let mut needs = Vec::new();
+        for (i, text) in texts.iter().enumerate() {
+            Need::add(&mut needs, text).map_err(|reason| format!("{field}[{i}]: {reason}"))?;
         }
-        needs.push(need);
-    }
+        Ok::<_, String>(needs)
+    };
+    let needs = list("needs", needs)?;
+    let needs_without_maps = list("needs_without_maps", needs_without_maps)?;
     let spec = |p: Param| ParamSpec { key: p.name, default: p.default, help: p.help };
     let params = params.into_iter().map(spec).collect();
     let abi = vb_sdk::ABI_VERSION.to_owned();
-    Ok(Metadata { abi, name, version, authors, about, control_period, params, needs })
+    Ok(Metadata { abi, name, version, authors, about, control_period, params, needs, needs_without_maps })
 }
 
 #[cfg(test)]

@@ -494,14 +494,14 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
             said.control_period
         )));
     }
-    let mut needs: Vec<Need> = Vec::new();
-    for text in &said.needs {
-        let need = Need::parse(text).map_err(|reason| not_a_plugin(one_line(&reason)))?;
-        if needs.iter().any(|n| n.sensor == need.sensor) {
-            return Err(not_a_plugin(format!("it asks for {} twice", need.sensor.name())));
+    let needs = |texts: &[String]| {
+        let mut needs = Vec::new();
+        for text in texts {
+            Need::add(&mut needs, text).map_err(|reason| not_a_plugin(one_line(&reason)))?;
         }
-        needs.push(need);
-    }
+        Ok::<_, LoadError>(needs)
+    };
+    let (needs, needs_without_maps) = (needs(&said.needs)?, needs(&said.needs_without_maps)?);
     let param =
         |p: vb_worker::protocol::WireParamSpec| ParamSpec { key: p.key, default: p.default, help: p.help };
     let metadata = Metadata {
@@ -513,6 +513,7 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
         control_period: said.control_period,
         params: said.params.into_iter().map(param).collect(),
         needs,
+        needs_without_maps,
     };
     Ok((abi, metadata))
 }

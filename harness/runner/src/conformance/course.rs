@@ -76,8 +76,9 @@ impl<'a> Course<'a> {
             profile: &self.perception,
         };
         let seed = terms.perception_seed(world, task);
-        let perception = Perception::new(&self.perception, &metadata.needs, scene, self.model.spec(), &seed)
-            .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
+        let perception =
+            Perception::new(&self.perception, &metadata.sensors(true), scene, self.model.spec(), &seed)
+                .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
         let brief = terms.brief(world, task, self.vehicle.clone(), params.to_vec(), &perception);
         Ok((perception, brief))
     }

@@ -82,6 +82,7 @@ mod tests {
             control_period: 0.1,
             params: vec![param("speed"), param("ahead")],
             needs: Vec::new(),
+            needs_without_maps: Vec::new(),
         }
     }
 

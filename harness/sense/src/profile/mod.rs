@@ -398,6 +398,13 @@ impl Profile {
         Ok(Self { data, sha256: vb_files::sha256(text.as_bytes()) })
     }
 
+    /// Tells whether a planner gets a map of heights, of the kinds of ground and of obstacles.
+    #[must_use]
+    pub fn gives_all_maps(&self) -> bool {
+        let prior = &self.data.prior;
+        prior.elevation.is_some() && prior.semantics.is_some() && prior.occupancy.is_some()
+    }
+
     /// The name of the profile.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -30,6 +30,8 @@ class Planner:
     """Parameters that a user may set: name to (default, help)."""
     needs = ()
     """Sensors to be read, and how many times a second: ``("pose", "lidar 10")``. Pose and wheels at every step if empty."""
+    needs_without_maps = ()
+    """The same, in addition, where the perception profile leaves out one of the task's maps."""
 
     def init(self, task):
         """Called once with the :class:`Task`. What it raises ends the task."""
@@ -127,6 +129,7 @@ def _introduction(planner):
             {"key": key, "default": str(default), "help": text} for key, (default, text) in planner.params.items()
         ],
         "needs": [str(need) for need in planner.needs],
+        "needs_without_maps": [str(need) for need in planner.needs_without_maps],
     }
 
 
