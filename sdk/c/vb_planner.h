@@ -385,6 +385,9 @@ typedef struct vb_observation {
     uint32_t gear;
     /* The speed of the engine, rad/s. */
     double engine_speed;
+    /* The steering that the wheels have now, which follows the command at max_steer_rate, in [-1, 1], positive to
+     * the left. */
+    double steering;
     /* The steering command applied until now, after clamping; 0 at first. */
     double last_steering;
     /* The throttle command applied until now, after clamping; 0 at first. */

@@ -389,6 +389,9 @@ pub struct Observation {
     pub gear: Gear,
     /// The speed of the engine, rad/s.
     pub engine_speed: f64,
+    /// The steering that the wheels have now, which follows the command at `max_steer_rate`, in [-1, 1], positive to the
+    /// left.
+    pub steering: f64,
     /// The steering command applied until now, after clamping; 0 at first.
     pub last_steering: f64,
     /// The throttle command applied until now, after clamping; 0 at first.

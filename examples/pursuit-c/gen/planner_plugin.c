@@ -684,6 +684,7 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_method_planner_step(uin
     (double) *((double*) (arg + (320+16*sizeof(void*)))),
     (double) *((double*) (arg + (328+16*sizeof(void*)))),
     (double) *((double*) (arg + (336+16*sizeof(void*)))),
+    (double) *((double*) (arg + (344+16*sizeof(void*)))),
   };
   exports_vertibench_planner_guest_result_command_string_t ret;
   exports_vertibench_planner_guest_command_t ok;

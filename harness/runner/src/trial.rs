@@ -374,6 +374,7 @@ fn observation(state: &VehicleState, last: Controls, seen: Readings) -> Observat
         local_map,
         gear: gear(state.gear),
         engine_speed: state.engine_speed,
+        steering: state.steering,
         last_steering: last.steering,
         last_throttle: last.throttle,
         last_brake: last.brake,

@@ -49,7 +49,7 @@ OBSERVATION = {
         "angular_velocity": [0.0, 0.0, 0.0],
     },
     "lidar": {"time": 0.1, "ranges": np.array([0, 0, 2, 0, 0, 0, 0, 0], "<f4").tobytes()},
-    "gear": "forward", "engine_speed": 80.0, "last_steering": 0.0, "last_throttle": 0.0, "last_brake": 0.0,
+    "gear": "forward", "engine_speed": 80.0, "steering": 0.0, "last_steering": 0.0, "last_throttle": 0.0, "last_brake": 0.0,
 }  # fmt: skip
 
 

@@ -247,6 +247,7 @@ impl From<types::Observation> for Observation {
             local_map: v.local_map.map(Into::into),
             gear: v.gear.into(),
             engine_speed: v.engine_speed,
+            steering: v.steering,
             last_steering: v.last_steering,
             last_throttle: v.last_throttle,
             last_brake: v.last_brake,

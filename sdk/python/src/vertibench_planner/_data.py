@@ -407,6 +407,9 @@ class Observation:
     """The gear that is in: neutral while a change of direction takes its time."""
     engine_speed: float
     """The speed of the engine, rad/s."""
+    steering: float
+    """The steering that the wheels have now, which follows the command at ``max_steer_rate``, in [-1, 1], positive to the
+    left."""
     last_steering: float
     """The steering command applied until now, after clamping; 0 at first."""
     last_throttle: float
@@ -427,6 +430,7 @@ class Observation:
             local_map=None if wire["local_map"] is None else LocalMap._from_wire(wire["local_map"]),
             gear=wire["gear"],
             engine_speed=wire["engine_speed"],
+            steering=wire["steering"],
             last_steering=wire["last_steering"],
             last_throttle=wire["last_throttle"],
             last_brake=wire["last_brake"],

@@ -246,6 +246,7 @@ impl From<&vb_sdk::Observation> for types::Observation {
             local_map: v.local_map.as_ref().map(Into::into),
             gear: v.gear.into(),
             engine_speed: v.engine_speed,
+            steering: v.steering,
             last_steering: v.last_steering,
             last_throttle: v.last_throttle,
             last_brake: v.last_brake,
