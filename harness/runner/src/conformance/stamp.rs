@@ -74,7 +74,7 @@ mod tests {
     fn sound() -> Metadata {
         let param = |key: &str| ParamSpec { key: key.into(), default: "1".into(), help: "m/s".into() };
         Metadata {
-            abi: "0.1".into(),
+            abi: "0.2".into(),
             name: "fox".into(),
             version: "1.0.0".into(),
             authors: vec!["A".into()],
@@ -89,13 +89,20 @@ mod tests {
     fn verdict(change: impl Fn(&mut Metadata)) -> (Verdict, String) {
         let mut m = sound();
         change(&mut m);
-        let check = judge(&m, AbiVersion::V0_1);
+        let check = judge(&m, AbiVersion::NEWEST);
         (check.verdict, check.detail)
     }
 
     #[test]
+    fn an_older_version_runs_and_draws_a_warning() {
+        let check = judge(&Metadata { abi: "0.1".into(), ..sound() }, AbiVersion::V0_1);
+        assert_eq!(check.verdict, Verdict::Warn);
+        assert_eq!(check.detail, "fox 1.0.0, ABI 0.1: the newest is 0.2");
+    }
+
+    #[test]
     fn metadata_that_nobody_can_use_fail_and_sparse_ones_warn() {
-        assert_eq!(verdict(|_| {}), (Verdict::Pass, "fox 1.0.0, ABI 0.1".into()));
+        assert_eq!(verdict(|_| {}), (Verdict::Pass, "fox 1.0.0, ABI 0.2".into()));
         for broken in [
             (|m| m.name = "The Fox".into()) as fn(&mut Metadata),
             |m| m.version = " ".into(),
