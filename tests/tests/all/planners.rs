@@ -66,7 +66,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
             assert_eq!(failed["fault"], f.kind, "{what}");
             let reason = failed["reason"].as_str().expect("a reason");
             // Who, where, what.
-            assert!(reason.starts_with("planner faulty 0.1.0 on w001/t01, "), "{what}: {reason}");
+            assert!(reason.starts_with("planner faulty 0.2.0 on w001/t01, "), "{what}: {reason}");
             assert!(reason.contains(f.says) && reason.lines().count() == 1, "{what}: {reason}");
             assert_eq!(failed["planner_steps"], f.steps, "{what}");
             assert_eq!(failed["metrics"].is_null(), f.steps == 0, "{what}");

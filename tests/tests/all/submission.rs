@@ -110,7 +110,7 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     assert!(verify(&[]).error(3).contains("schema 2 is not supported"));
     mini.bench.write(
         "s/submission.json",
-        manifest.replace("\"harness_version\": \"0.1.0\"", "\"harness_version\": \"0.0.9\""),
+        manifest.replace("\"harness_version\": \"0.2.0\"", "\"harness_version\": \"0.0.9\""),
     );
     assert!(verify(&[]).error(3).contains("was made by version 0.0.9"));
     mini.bench.write(
