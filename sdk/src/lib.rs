@@ -26,6 +26,7 @@ pub mod mppi;
 pub mod native;
 pub mod path;
 mod planner;
+pub mod recovery;
 pub mod rng;
 pub mod speed;
 #[rustfmt::skip]

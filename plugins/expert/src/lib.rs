@@ -9,6 +9,7 @@ mod route;
 
 use ground::Ground;
 use vb_sdk::path::{Follower, Path};
+use vb_sdk::recovery::{Recovery, Settings};
 use vb_sdk::rng::Rng;
 use vb_sdk::speed::SpeedController;
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
@@ -29,13 +30,6 @@ vb_sdk::export_planner! {
 
 /// How much the costs of a variant differ.
 const SPREAD: f64 = 0.5;
-/// A vehicle that has gone less than this, m at full scale, in [`PATIENCE`] seconds wriggles.
-const PROGRESS: f64 = 0.5;
-const PATIENCE: f64 = 3.0;
-/// Time from left to right while wriggling, s, and how far it steers.
-const WRIGGLE: f64 = 0.8;
-const SWING: f64 = 0.7;
-
 struct Expert {
     follower: Follower,
     vehicle: Vehicle,
@@ -43,8 +37,7 @@ struct Expert {
     target: f64,
     speed: SpeedController,
     period: f64,
-    /// Where it was last seen to get on, and when.
-    anchor: (f64, f64, f64),
+    recovery: Recovery,
 }
 
 impl Planner for Expert {
@@ -65,7 +58,7 @@ impl Planner for Expert {
             target: task.param_positive("speed")? * scale.sqrt(),
             speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
             period: task.control_period,
-            anchor: (task.start.x, task.start.y, 0.0),
+            recovery: Recovery::new(task, Settings::default().scaled(scale)),
             vehicle: task.vehicle.clone(),
         })
     }
@@ -84,18 +77,10 @@ impl Planner for Expert {
         if bearing.abs() > 1.57 {
             steering = bearing.signum();
         }
-        let gone = math::hypot(x - self.anchor.0, y - self.anchor.1);
-        if gone > PROGRESS * self.vehicle.scale {
-            self.anchor = (x, y, o.time);
-        }
-        let waited = o.time - self.anchor.2;
-        if waited > PATIENCE {
-            let left = (((waited - PATIENCE) / WRIGGLE) as u64).is_multiple_of(2);
-            steering = (steering + if left { SWING } else { -SWING }).clamp(-1.0, 1.0);
-        }
         // Slower in bends.
         let target = self.target * (1.0 - 0.4 * steering.abs());
         let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
-        Ok(Command { steering, throttle, brake, ..Command::default() })
+        let command = Command { steering, throttle, brake, ..Command::default() };
+        Ok(self.recovery.update(o, command))
     }
 }
