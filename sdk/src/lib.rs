@@ -28,6 +28,7 @@ pub mod path;
 mod planner;
 pub mod recovery;
 pub mod rng;
+pub mod sensors;
 pub mod speed;
 #[rustfmt::skip]
 mod types;
