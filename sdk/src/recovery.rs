@@ -320,7 +320,8 @@ impl Recovery {
     fn swings_on(&self, now: Mark) -> bool {
         self.swings
             && (self.vehicle.max_reverse_speed <= 0.0
-                || now.time - self.since.time < self.vehicle.direction_change_time + 4.0 * self.settings.swing_time)
+                || now.time - self.since.time
+                    < self.vehicle.direction_change_time + 4.0 * self.settings.swing_time)
     }
 
     /// Whether it is time to go forward again.
@@ -336,7 +337,9 @@ impl Recovery {
         let (sin, cos) = math::sin_cos(pose.yaw);
         let rear = 0.5 * self.vehicle.length + s.margin;
         let out = |at: f64, towards: f64, half: f64| at.abs() > half && at * towards > 0.0;
-        if out(now.x - cos * rear, -cos, self.half_extent.x) || out(now.y - sin * rear, -sin, self.half_extent.y) {
+        if out(now.x - cos * rear, -cos, self.half_extent.x)
+            || out(now.y - sin * rear, -sin, self.half_extent.y)
+        {
             return true;
         }
         let back = math::hypot(now.x - self.blocked.x, now.y - self.blocked.y);
@@ -345,7 +348,9 @@ impl Recovery {
         }
         let most = s.back_most.max(s.back);
         let enough = (s.back + s.back_more * f64::from(self.attempts.saturating_sub(1))).min(most);
-        if back >= most || self.meets_itself(now, |t| self.on_the_way(now, back, back + s.back_speed * t), SOON) {
+        if back >= most
+            || self.meets_itself(now, |t| self.on_the_way(now, back, back + s.back_speed * t), SOON)
+        {
             return true;
         }
         // Time to change, to get there, and to notice that it is stuck again and back off.
@@ -417,7 +422,11 @@ impl Recovery {
     /// The mean speed of the wheels' treads without its sign, m/s; 0 without wheels.
     fn wheel_speed(&self, o: &Observation) -> f64 {
         let sum: f64 = o.wheels.iter().map(|w| w.spin).filter(|s| s.is_finite()).sum();
-        if o.wheels.is_empty() { 0.0 } else { (sum / o.wheels.len() as f64 * self.vehicle.wheel_radius).abs() }
+        if o.wheels.is_empty() {
+            0.0
+        } else {
+            (sum / o.wheels.len() as f64 * self.vehicle.wheel_radius).abs()
+        }
     }
 
     /// Backs along the track.

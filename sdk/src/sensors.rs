@@ -107,7 +107,8 @@ mod tests {
         // At depth 1 the image is 2 m wide, so a pixel is 0.5 m, and the leftmost one's middle 0.75 m to the left.
         assert!(near(camera.direction(0, 0), [1.0, 0.75, 0.25]));
         assert!(near(camera.direction(1, 3), [1.0, -0.75, -0.25]));
-        let image = DepthImage { depths: vec![4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..DepthImage::default() };
+        let image =
+            DepthImage { depths: vec![4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..DepthImage::default() };
         let points: Vec<_> = camera.points(&image).collect();
         assert!(points.len() == 1 && near(points[0].2, [4.0, 3.0, 1.0]));
         assert!(DepthInfo { field_of_view: 0.5 * PI, ..DepthInfo::default() }.direction(0, 0).y.is_finite());

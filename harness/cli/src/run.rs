@@ -187,7 +187,22 @@ pub(crate) fn soils_of(path: &Path, resolution: f64) -> Result<Soils, CliError> 
 
 /// A perception profile by its name or file.
 pub(crate) fn perception(wanted: &str) -> Result<Profile, CliError> {
-    Profile::load(&places::data(Data::Perception, wanted)?).map_err(CliError::input)
+    perception_at(places::data(Data::Perception, wanted), wanted)
+}
+
+/// The perception profile of this name that comes with the harness, whatever lies in the working directory.
+pub(crate) fn own_perception(wanted: &str) -> Result<Profile, CliError> {
+    perception_at(places::own_data(Data::Perception, wanted), wanted)
+}
+
+/// The profile in a file, or the one that is built in where the folder of tasks lacks it, as it does in a folder with suites
+/// alone.
+fn perception_at(file: Result<PathBuf, CliError>, wanted: &str) -> Result<Profile, CliError> {
+    match (file, Profile::built_in(wanted)) {
+        (Ok(path), _) => Profile::load(&path).map_err(CliError::input),
+        (Err(_), Some(profile)) => Ok(profile),
+        (Err(error), None) => Err(error),
+    }
 }
 
 /// (path, text, SHA-256 in hexadecimal) of a data file.

@@ -150,11 +150,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     };
     let perception = match &args.perception {
         Some(perception) => run::perception(perception)?,
-        None => {
-            let own =
-                places::own_data(Data::Perception, plain("perception profile", &m.run.perception.name)?)?;
-            Profile::load(&own).map_err(CliError::input)?
-        }
+        None => run::own_perception(plain("perception profile", &m.run.perception.name)?)?,
     };
     if !is_wasm(&args.plugin)? && !args.allow_native {
         return Err(CliError::input(format!(

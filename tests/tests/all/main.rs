@@ -13,6 +13,7 @@ mod golden;
 mod imported;
 mod languages;
 mod pages;
+mod perception;
 mod planners;
 mod processes;
 mod proof;

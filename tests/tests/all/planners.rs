@@ -299,7 +299,7 @@ fn inspect_tells_the_same_of_both_kinds() {
         assert_eq!(told[0], told[1]);
         let (message, table) = &told[0];
         assert_eq!((&message["event"], &message["name"]), (&"plugin".into(), &name.into()));
-        assert_eq!((&message["abi"], &message["control_period_s"]), (&"0.1".into(), &0.1.into()));
+        assert_eq!((&message["abi"], &message["control_period_s"]), (&"0.2".into(), &0.1.into()));
         for param in message["params"].as_array().expect("parameters") {
             let (key, default) = (param["key"].as_str(), param["default"].as_str());
             let option = format!("--param {}={}", key.expect("a key"), default.expect("a default"));
