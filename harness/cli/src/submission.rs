@@ -10,7 +10,6 @@ use vb_record::{RunReader, TraceMode};
 use vb_report::Runs;
 use vb_runner::RunError;
 use vb_score::Outcome;
-use vb_sense::Profile;
 use vb_submission::{
     Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
     ShippedVehicle, Submission, SubmissionError, Verification,
