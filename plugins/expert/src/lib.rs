@@ -30,6 +30,11 @@ vb_sdk::export_planner! {
 
 /// How much the costs of a variant differ.
 const SPREAD: f64 = 0.5;
+/// By how much the target speed rises each time that the vehicle was stuck, as a share of it, and how far it may rise:
+/// momentum takes a vehicle over a ledge on which a slow one is left hanging.
+const BOOST: f64 = 0.4;
+const BOOST_MOST: f64 = 2.0;
+
 struct Expert {
     follower: Follower,
     vehicle: Vehicle,
@@ -38,6 +43,7 @@ struct Expert {
     speed: SpeedController,
     period: f64,
     recovery: Recovery,
+    boost: f64,
 }
 
 impl Planner for Expert {
@@ -58,6 +64,7 @@ impl Planner for Expert {
             target: task.param_positive("speed")? * scale.sqrt(),
             speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
             period: task.control_period,
+            boost: 1.0,
             recovery: Recovery::new(task, Settings::default().scaled(scale)),
             vehicle: task.vehicle.clone(),
         })
@@ -78,9 +85,14 @@ impl Planner for Expert {
             steering = bearing.signum();
         }
         // Slower in bends.
-        let target = self.target * (1.0 - 0.4 * steering.abs());
+        let target = self.target * self.boost * (1.0 - 0.4 * steering.abs());
         let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
         let command = Command { steering, throttle, brake, ..Command::default() };
-        Ok(self.recovery.update(o, command))
+        let attempts = self.recovery.attempts();
+        let command = self.recovery.update(o, command);
+        if self.recovery.attempts() > attempts {
+            self.boost = (self.boost + BOOST).min(BOOST_MOST);
+        }
+        Ok(command)
     }
 }
