@@ -26,7 +26,8 @@ pub struct Settings {
     pub patience: f64,
     /// The wheels spin if the vehicle has less than this share of their speed, in [0, 1].
     pub grip: f64,
-    /// How many times faster the patience ends while the wheels spin.
+    /// How many times faster the patience ends while the wheels spin, 1 or more. What is left must suffice for a start
+    /// from rest with spinning wheels over the distance `progress`.
     pub haste: f64,
     /// The distance by which the first attempt backs, m.
     pub back: f64,
@@ -71,9 +72,9 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             progress: 0.5,
-            patience: 1.2,
+            patience: 2.0,
             grip: 0.3,
-            haste: 3.0,
+            haste: 2.0,
             back: 4.0,
             back_more: 2.0,
             back_most: 12.0,
@@ -657,6 +658,18 @@ mod tests {
                 Command { steering: math::sin(0.1 * i), throttle, brake, gear: Gear::Forward, debug };
             let sent = r.update(&b.look(), wanted.clone());
             assert_eq!(sent, wanted);
+            b.drive(&sent);
+        }
+    }
+
+    #[test]
+    fn a_start_with_spinning_wheels_is_no_reason_to_back_out() {
+        let mut b = Bicycle::new(1.0, |_, _| false);
+        let mut r = b.helper(&Settings::default());
+        for _ in 0..100 {
+            b.wheels = 5.0 * b.v + 2.0;
+            let sent = r.update(&b.look(), ahead());
+            assert_eq!(sent, ahead());
             b.drive(&sent);
         }
     }

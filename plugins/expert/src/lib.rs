@@ -9,7 +9,7 @@ mod route;
 
 use ground::Ground;
 use vb_sdk::path::{Follower, Path};
-use vb_sdk::recovery::{Phase, Recovery, Settings};
+use vb_sdk::recovery::{Recovery, Settings};
 use vb_sdk::rng::Rng;
 use vb_sdk::speed::SpeedController;
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
@@ -30,16 +30,18 @@ vb_sdk::export_planner! {
 
 /// How much the costs of a variant differ.
 const SPREAD: f64 = 0.5;
-/// The target speed of a vehicle that was stuck, over that of one that wasn't: momentum takes a vehicle over ledges on
-/// which a slow one is left hanging.
-const BOOST: f64 = 2.0;
+/// The share of the target speed by which the vehicle drives faster after each attempt to get free: momentum takes it
+/// over ledges on which a slow one is left hanging.
+const BOOST: f64 = 0.4;
+/// The most that the speed rises to by that, over the target speed.
+const BOOST_MOST: f64 = 2.0;
 
 struct Expert {
     follower: Follower,
     vehicle: Vehicle,
     lookahead: f64,
     target: f64,
-    boosted: f64,
+    boost: f64,
     speed: SpeedController,
     period: f64,
     recovery: Recovery,
@@ -57,12 +59,11 @@ impl Planner for Expert {
         // Without a way of its own it has the global path.
         let way = route::route(task, &ground).unwrap_or_else(|| task.path.clone());
         let lookahead = task.param_positive("lookahead")? * scale;
-        let target = task.param_positive("speed")? * scale.sqrt();
         Ok(Self {
             follower: Follower::new(Path::new(&way)?, 2.0 * lookahead),
             lookahead,
-            target,
-            boosted: BOOST * target,
+            target: task.param_positive("speed")? * scale.sqrt(),
+            boost: 1.0,
             speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
             period: task.control_period,
             recovery: Recovery::new(task, Settings::default().scaled(scale)),
@@ -85,12 +86,13 @@ impl Planner for Expert {
             steering = bearing.signum();
         }
         // Slower in bends.
-        let target = self.target * (1.0 - 0.4 * steering.abs());
+        let target = self.boost * self.target * (1.0 - 0.4 * steering.abs());
         let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
         let command = Command { steering, throttle, brake, ..Command::default() };
+        let attempts = self.recovery.attempts();
         let command = self.recovery.update(o, command);
-        if self.recovery.phase() != Phase::Drive {
-            self.target = self.boosted;
+        if self.recovery.attempts() > attempts {
+            self.boost = (self.boost + BOOST).min(BOOST_MOST);
         }
         Ok(command)
     }
