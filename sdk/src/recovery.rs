@@ -130,7 +130,8 @@ pub enum Phase {
     Drive,
     /// The vehicle stops, changes into reverse and backs out.
     Back,
-    /// The vehicle changes into forward and comes again, on another line and with a run-up.
+    /// The vehicle changes into forward and comes again, on another line and with a run-up: it steers as the planner
+    /// wants with an offset, and doesn't heed the planner's throttle and brake.
     Again,
 }
 
@@ -660,6 +661,8 @@ mod tests {
             assert_eq!(sent, wanted);
             b.drive(&sent);
         }
+        // What it keeps is bounded.
+        assert_eq!((r.history.len(), r.track.len()), (MARKS, TRACK));
     }
 
     #[test]

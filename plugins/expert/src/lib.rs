@@ -1,5 +1,5 @@
 //! A planner that takes its time before the start: it searches the whole map for a way that the vehicle can stand,
-//! climb and straddle, and follows it.
+//! climb and straddle, and follows it. A vehicle that is stuck backs out and comes again, faster.
 //!
 //! It is no system of the paper. It shows which tasks can be done (`vb-harness suite prove`): run with several
 //! variants and speeds, each of which makes other choices.
@@ -33,7 +33,7 @@ const SPREAD: f64 = 0.5;
 /// The share of the target speed by which the vehicle drives faster after each attempt to get free: momentum takes it
 /// over ledges on which a slow one is left hanging.
 const BOOST: f64 = 0.4;
-/// The most that the speed rises to by that, over the target speed.
+/// The greatest speed that it comes to in this way, over the target speed.
 const BOOST_MOST: f64 = 2.0;
 
 struct Expert {
