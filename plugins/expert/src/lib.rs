@@ -1,5 +1,5 @@
 //! A planner that takes its time before the start: it searches the whole map for a way that the vehicle can stand,
-//! climb and straddle, and follows it.
+//! climb and straddle, and follows it. A vehicle that is stuck backs out and comes again, faster.
 //!
 //! It is no system of the paper. It shows which tasks can be done (`vb-harness suite prove`): run with several
 //! variants and speeds, each of which makes other choices.
@@ -30,11 +30,18 @@ vb_sdk::export_planner! {
 
 /// How much the costs of a variant differ.
 const SPREAD: f64 = 0.5;
+/// The share of the target speed by which the vehicle drives faster after each attempt to get free: momentum takes it
+/// over ledges on which a slow one is left hanging.
+const BOOST: f64 = 0.4;
+/// The greatest speed that it comes to in this way, over the target speed.
+const BOOST_MOST: f64 = 2.0;
+
 struct Expert {
     follower: Follower,
     vehicle: Vehicle,
     lookahead: f64,
     target: f64,
+    boost: f64,
     speed: SpeedController,
     period: f64,
     recovery: Recovery,
@@ -56,6 +63,7 @@ impl Planner for Expert {
             follower: Follower::new(Path::new(&way)?, 2.0 * lookahead),
             lookahead,
             target: task.param_positive("speed")? * scale.sqrt(),
+            boost: 1.0,
             speed: SpeedController::new(1.0 / scale.sqrt(), task.param_f64("ki")?),
             period: task.control_period,
             recovery: Recovery::new(task, Settings::default().scaled(scale)),
@@ -78,9 +86,14 @@ impl Planner for Expert {
             steering = bearing.signum();
         }
         // Slower in bends.
-        let target = self.target * (1.0 - 0.4 * steering.abs());
+        let target = self.boost * self.target * (1.0 - 0.4 * steering.abs());
         let (throttle, brake) = self.speed.update(target, pose.linear_velocity.x, self.period);
         let command = Command { steering, throttle, brake, ..Command::default() };
-        Ok(self.recovery.update(o, command))
+        let attempts = self.recovery.attempts();
+        let command = self.recovery.update(o, command);
+        if self.recovery.attempts() > attempts {
+            self.boost = (self.boost + BOOST).min(BOOST_MOST);
+        }
+        Ok(command)
     }
 }
