@@ -30,7 +30,7 @@ vb_sdk::export_planner! {
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "1: record the regions with their scores and the local goal beside the trajectory",
     },
-    without_maps: { local_map: 10 }
+    without_maps: { local_map }
 }
 
 /// Regions side by side.

@@ -42,7 +42,7 @@ vb_sdk::export_planner! {
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
         explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
     },
-    without_maps: { local_map: 10 }
+    without_maps: { local_map }
 }
 
 /// The planner.
