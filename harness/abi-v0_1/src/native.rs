@@ -65,7 +65,7 @@ pub struct LogCallback {
     pub write: unsafe extern "C" fn(context: *mut (), level: u8, message: RStr<'_>),
 }
 
-/// A [`Vehicle`] as it crosses the border of the library.
+/// A [`crate::Vehicle`] as it crosses the border of the library.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "the fields are those of `Vehicle`")]

@@ -84,7 +84,7 @@ pub struct WireTask {
     pub params: Vec<[String; 2]>,
 }
 
-/// [`Wheel`] as it crosses.
+/// `Wheel` as it crosses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "the fields are those of `Wheel`")]
 pub struct WireWheel {
