@@ -455,8 +455,8 @@ impl Simulation {
     }
 
     /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, the speed of an engine
-    /// behind a converter, the direction that is in, and a forward gear (counted from 1, at most the highest). The wheels don't move against the chassis, and nothing is remembered of the way
-    /// there. It serves comparisons with records.
+    /// behind a converter, the direction that is in, and a forward gear (counted from 1, at most the highest). The wheels
+    /// don't move against the chassis, and nothing is remembered of the way there. It serves comparisons with records.
     pub fn put(&mut self, state: &VehicleState, gear: usize) {
         let v = &mut self.vehicle;
         v.q = state.attitude;
