@@ -284,12 +284,7 @@ impl Trial<'_> {
                 ledger.debug.push(state.time, &series.name, &series.values);
             }
         }
-        let gear = match gear {
-            vb_sdk::Gear::Forward => vb_sim::Gear::Forward,
-            vb_sdk::Gear::Neutral => vb_sim::Gear::Neutral,
-            vb_sdk::Gear::Reverse => vb_sim::Gear::Reverse,
-        };
-        Ok(Controls { steering, throttle, brake, gear })
+        Ok(Controls { steering, throttle, brake, gear: asked_gear(gear) })
     }
 
     /// Shows the sensors, the rules and the recorder the state; true when there is a verdict.
@@ -349,6 +344,15 @@ pub fn commanded_gear(sample: &Sample) -> vb_sim::Gear {
         vb_sim::Gear::Neutral
     } else {
         vb_sim::Gear::Forward
+    }
+}
+
+/// A gear that a planner asks for, as the simulation knows it.
+fn asked_gear(gear: vb_sdk::Gear) -> vb_sim::Gear {
+    match gear {
+        vb_sdk::Gear::Forward => vb_sim::Gear::Forward,
+        vb_sdk::Gear::Neutral => vb_sim::Gear::Neutral,
+        vb_sdk::Gear::Reverse => vb_sim::Gear::Reverse,
     }
 }
 

@@ -37,6 +37,16 @@ pub enum Request {
     Bye(Empty),
 }
 
+/// The requests with data, as the harness writes them: like those of [`Request`], without a copy of what they carry.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Asked<'a> {
+    /// [`Request::Init`].
+    Init(&'a Task),
+    /// [`Request::Step`].
+    Step(&'a Observation),
+}
+
 /// What a planner sends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -16,7 +16,7 @@ use serde::Serialize;
 use vb_sdk::metadata::{Metadata, Need, ParamSpec, is_control_period, is_name};
 use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
-    Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
+    Asked, Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
 use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
 use vb_worker::v0_1;
@@ -361,7 +361,7 @@ impl ProcessSession {
     fn init(&mut self, task: &Task) -> Result<Reply, FaultCause> {
         match self.terms() {
             AbiVersion::V0_1 => self.ask(&v0_1::wire::Request::Init(Box::new((&v0_1::task(task)).into()))),
-            AbiVersion::V0_2 => self.ask(&Request::Init(Box::new(task.clone()))),
+            AbiVersion::V0_2 => self.ask(&Asked::Init(task)),
         }
     }
 
@@ -370,7 +370,7 @@ impl ProcessSession {
             AbiVersion::V0_1 => {
                 self.ask(&v0_1::wire::Request::Step((&v0_1::observation(observation)).into()))
             }
-            AbiVersion::V0_2 => self.ask(&Request::Step(Box::new(observation.clone()))),
+            AbiVersion::V0_2 => self.ask(&Asked::Step(observation)),
         };
         match reply? {
             Reply::Command(command) => Ok(command),
