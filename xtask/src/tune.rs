@@ -51,7 +51,8 @@ pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
     let worlds = folder.join("worlds");
     if !worlds.join("suite.yaml").is_file() {
         let mut generate = Command::new(built("vb-harness"));
-        generate.args(["suite", "generate", "--seed", SEED, "--worlds", WORLDS, "--name", "training"]);
+        generate.args(["suite", "generate", "--training", "--seed", SEED]);
+        generate.args(["--worlds", WORLDS, "--name", "training"]);
         run(generate.arg("--out").arg(&worlds).stderr(Stdio::null()))?;
     }
     apart(&worlds)?;

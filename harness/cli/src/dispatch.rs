@@ -25,6 +25,7 @@ impl Command {
             Self::Score(args) => crate::score::score(args),
             Self::Report(args) => crate::report::report(args),
             Self::Replay(args) => crate::replay::replay(args),
+            Self::Dataset(command) => command.run(),
             Self::Submit(args) => crate::submission::submit(args),
             Self::Verify(args) => crate::submission::verify(args),
             Self::Evaluate(args) => crate::submission::evaluate(args),

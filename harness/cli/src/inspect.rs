@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use vb_host::{Limits, Plugin, one_line};
+use vb_sdk::metadata::Need;
 
 use crate::args::{InspectArgs, MessageFormat};
 use crate::error::CliError;
@@ -16,7 +17,22 @@ struct Message<'a> {
     authors: &'a [String],
     about: &'a str,
     control_period_s: f64,
+    needs: Vec<NeedMessage>,
+    needs_without_maps: Vec<NeedMessage>,
     params: Vec<Param<'a>>,
+}
+
+#[derive(Serialize)]
+struct NeedMessage {
+    sensor: &'static str,
+    /// `None` where the perception profile decides.
+    rate_hz: Option<f64>,
+}
+
+impl From<&Need> for NeedMessage {
+    fn from(need: &Need) -> Self {
+        Self { sensor: need.sensor.name(), rate_hz: need.rate }
+    }
 }
 
 #[derive(Serialize)]
@@ -24,6 +40,18 @@ struct Param<'a> {
     key: &'a str,
     default: &'a str,
     help: &'a str,
+}
+
+/// `lidar at 10 Hz, pose`.
+fn listed(needs: &[Need]) -> String {
+    let texts: Vec<String> = needs
+        .iter()
+        .map(|need| match need.rate {
+            Some(rate) => format!("{} at {rate} Hz", need.sensor.name()),
+            None => need.sensor.name().to_owned(),
+        })
+        .collect();
+    texts.join(", ")
 }
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
@@ -42,6 +70,8 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
             authors: &meta.authors,
             about: &meta.about,
             control_period_s: meta.control_period,
+            needs: meta.sensors(true).iter().map(NeedMessage::from).collect(),
+            needs_without_maps: meta.needs_without_maps.iter().map(NeedMessage::from).collect(),
             params: meta
                 .params
                 .iter()
@@ -56,7 +86,11 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
                 row("authors", one_line(&meta.authors.join(", "))),
                 row("planner ABI", one_line(&meta.abi)),
                 row("control period", format!("{} s", meta.control_period)),
+                row("sensors", listed(&meta.sensors(true))),
             ];
+            if !meta.needs_without_maps.is_empty() {
+                rows.push(row("without maps", listed(&meta.needs_without_maps)));
+            }
             rows.extend(meta.params.iter().map(|p| {
                 let text = format!("--param {}={}", one_line(&p.key), one_line(&p.default));
                 row(&text, one_line(&p.help))

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod dataset;
 mod dispatch;
 mod error;
 mod inspect;

@@ -9,7 +9,7 @@ use vb_record::{RunHeader, RunReader};
 use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Setting, page, write_mcap};
 use vb_report::Runs;
 use vb_runner::Soils;
-use vb_score::{Rules, SuccessRule, TaskRecord};
+use vb_score::{Rules, TaskRecord};
 use vb_sim::SimOptions;
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, World};
@@ -199,9 +199,7 @@ impl Player {
                 series: PlannerSeries::new(part.reader.debug(task).map_err(CliError::input)?),
             });
         }
-        let goal_radius = self.parts[0].rules.as_ref().map(|r| match r.success {
-            SuccessRule::Planar { radius_m } | SuccessRule::Marker { radius_m, .. } => radius_m * scale,
-        });
+        let goal_radius = self.parts[0].rules.as_ref().map(|rules| rules.goal_radius(scale));
         Ok(Some(Replay { world, task: found, suite: self.suite.meta().name.clone(), goal_radius, runs }))
     }
 }

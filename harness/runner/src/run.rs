@@ -11,18 +11,14 @@ use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
     SuiteHeader, TraceMode,
 };
-use vb_score::{Outcome, Rules, StartRule, Summary, TaskRecord};
-use vb_sdk::Param;
-use vb_sense::rays::Scene;
-use vb_sense::{Perception, Profile};
-use vb_sim::{SimOptions, SoilSet, Start};
-use vb_vehicle::{VehicleModel, VehicleSpec};
-use vb_world::{Suite, SuiteError, TaskRef, World};
+use vb_score::{Outcome, Rules, Summary, TaskRecord};
+use vb_sense::Profile;
+use vb_sim::{SimOptions, SoilSet};
+use vb_vehicle::VehicleSpec;
+use vb_world::{Suite, SuiteError, TaskRef};
 
-use crate::brief::{Terms, planner_vehicle};
 use crate::fail_fast::{FailFast, FailedStart};
-use crate::shape::static_shape;
-use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
+use crate::{Keep, Place, PluginDriver, RunError, SAMPLE_PERIOD, Setting, TrialResult, Wants};
 
 /// A vehicle and the hash of its description, by which runs are told apart.
 #[derive(Clone, Debug)]
@@ -123,17 +119,6 @@ pub struct RunReport {
     pub failed_start: Option<FailedStart>,
 }
 
-/// The way in which the simulator starts a trial under a rule, in a world of this scale.
-#[must_use]
-pub fn start(rule: StartRule, scale: f64) -> Start {
-    match rule {
-        StartRule::Settled => Start::Settled,
-        StartRule::Dropped { height_m, raster_stretch } => {
-            Start::Dropped { height: height_m * scale, stretch: raster_stretch }
-        }
-    }
-}
-
 /// How often it is looked whether a run is cancelled.
 const LOOK: Duration = Duration::from_millis(50);
 /// So many looks a worker has to end by itself when the run is cancelled: half a second.
@@ -152,15 +137,8 @@ pub fn run(
     on_event: &mut dyn FnMut(Event),
     cancel: &AtomicBool,
 ) -> Result<RunReport, RunError> {
-    let start = start(config.rules.start, config.scale);
-    let options = SimOptions {
-        step: config.time_step,
-        soil_resolution: config.soils.resolution,
-        start,
-        ..SimOptions::default()
-    };
-    let prepared = prepare(config, options)?;
-    let header = header(config, options);
+    let prepared = prepare(config)?;
+    let header = header(config, prepared.setting.options);
     let (store, mut records) = if config.resume {
         RunStore::resume(&config.out, &header, |r: &TaskRecord| r.outcome != Outcome::HostError)?
     } else {
@@ -179,10 +157,9 @@ pub fn run(
     let work = Arc::new(Work {
         config: config.clone(),
         prepared,
-        options,
         open,
         next: AtomicUsize::new(0),
-        worlds: Mutex::new(VecDeque::new()),
+        places: Mutex::new(VecDeque::new()),
         stop: AtomicBool::new(false),
         fail_fast: Mutex::default(),
         cancel: AtomicBool::new(false),
@@ -258,35 +235,33 @@ fn keep(store: &RunStore, result: &TrialResult) -> Result<(), RunError> {
 
 /// What all trials of a run share.
 struct Prepared {
-    params: Vec<Param>,
-    vehicle: vb_sdk::Vehicle,
-    model: VehicleModel,
+    setting: Setting,
+    wants: Wants,
 }
 
-fn prepare(config: &RunConfig, options: SimOptions) -> Result<Prepared, RunError> {
+fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
     if config.tasks.is_empty() {
         return Err(RunError::NoTasks);
     }
-    if !(config.scale.is_finite() && config.scale > 0.0) {
-        return Err(RunError::Scale(config.scale));
-    }
-    let metadata = config.plugin.metadata();
-    check_control_period(metadata, options)?;
-    check_perception(&config.plugin, &config.perception)?;
+    let RunConfig { vehicle, soils, rules, perception, .. } = config;
+    check_control_period(config.plugin.metadata(), config.time_step)?;
+    check_perception(&config.plugin, perception)?;
     let params = config.plugin.params(&config.params)?;
     // A damaged world must not be found after hours.
     let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
     for world in worlds {
         config.suite.verify_world(world)?;
     }
-    let model = VehicleModel::new(config.vehicle.spec.clone())?;
-    let shape = static_shape(&model, options)?;
-    let vehicle = planner_vehicle(model.spec(), &shape, config.scale);
-    Ok(Prepared { params, vehicle, model })
+    let (step, scale, seed) = (config.time_step, config.scale, config.seed);
+    let setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
+    Ok(Prepared { setting, wants: Wants::of(&config.plugin, perception, params) })
 }
 
-/// Whether a planner can drive under a profile.
-pub(crate) fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
+/// Checks whether a planner can drive under a profile.
+///
+/// # Errors
+/// Returns an error if it asks for what the profile doesn't offer, or is too old for a profile without all maps.
+pub fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
     let metadata = plugin.metadata();
     let planner = || metadata.name.clone();
     let all_maps = profile.gives_all_maps();
@@ -298,9 +273,12 @@ pub(crate) fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(),
     Ok(())
 }
 
-/// Whether the planner's control period is a whole number of steps of the simulation.
-pub(crate) fn check_control_period(metadata: &Metadata, options: SimOptions) -> Result<(), RunError> {
-    let (period, step) = (metadata.control_period, options.step);
+/// Checks whether a planner's control period is a whole number of steps of the simulation, each `step` seconds long.
+///
+/// # Errors
+/// Returns [`RunError::ControlPeriod`] if it isn't.
+pub fn check_control_period(metadata: &Metadata, step: f64) -> Result<(), RunError> {
+    let period = metadata.control_period;
     let steps = (period / step).round();
     if steps >= 1.0 && (steps * step - period).abs() < 1e-9 {
         return Ok(());
@@ -367,22 +345,14 @@ enum Message {
     Failed(RunError),
 }
 
-/// A world, and what sensors see of it.
-#[derive(Clone)]
-struct Place {
-    world: Arc<World>,
-    scene: Arc<Scene>,
-}
-
 /// What the workers share.
 struct Work {
     config: RunConfig,
     prepared: Prepared,
-    options: SimOptions,
     open: Vec<TaskRef>,
     next: AtomicUsize,
     /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
-    worlds: Mutex<VecDeque<Place>>,
+    places: Mutex<VecDeque<Place>>,
     /// Set after an error, or if the planner can't even begin: start nothing more.
     stop: AtomicBool,
     fail_fast: Mutex<FailFast>,
@@ -426,55 +396,26 @@ impl Work {
     }
 
     fn trial(&self, task: &TaskRef) -> Result<Option<TrialResult>, RunError> {
-        let Place { world, scene } = self.world(&task.world)?;
-        let Some(definition) = world.task(&task.task) else {
+        let place = self.place(&task.world)?;
+        let Some(task) = place.world.task(&task.task) else {
             return Ok(None);
         };
-        let (c, prepared) = (&self.config, &self.prepared);
-        let metadata = c.plugin.metadata();
-        let terms = Terms {
-            rules: &c.rules,
-            scale: c.scale,
-            control_period: metadata.control_period,
-            seed: c.seed,
-            profile: &c.perception,
-        };
-        let needs = metadata.sensors(c.perception.gives_all_maps());
-        let seed = terms.perception_seed(&world, definition);
-        let perception = Perception::new(&c.perception, &needs, &scene, prepared.model.spec(), &seed)
-            .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })?;
-        let (vehicle, params) = (prepared.vehicle.clone(), prepared.params.clone());
-        let brief = terms.brief(&world, definition, vehicle, params, &perception);
-        let trial = Trial {
-            world: &world,
-            task: definition,
-            brief: &brief,
-            plugin: &c.plugin,
-            vehicle: &self.prepared.model,
-            soils: &c.soils.set,
-            options: self.options,
-            rules: &c.rules,
-            trace: c.trace,
-            logs: c.logs,
-        };
-        Ok(trial.run(perception, &self.cancel))
+        let Prepared { setting, wants } = &self.prepared;
+        let mut driver = PluginDriver::new(&self.config.plugin);
+        let keep = Keep { trace: self.config.trace, logs: self.config.logs };
+        setting.drive(&place, task, wants, &mut driver, &mut (), keep, &self.cancel)
     }
 
-    fn world(&self, id: &str) -> Result<Place, SuiteError> {
+    fn place(&self, id: &str) -> Result<Place, SuiteError> {
         // Held while loading, so that two workers don't load the same world. A poisoned lock holds whole worlds.
-        let mut worlds = self.worlds.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(place) = worlds.iter().find(|p| p.world.id == id) {
+        let mut places = self.places.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(place) = places.iter().find(|p| p.world.id == id) {
             return Ok(place.clone());
         }
-        let mut world = self.config.suite.load_world(id)?;
-        if self.config.scale != 1.0 {
-            world = world.scaled(self.config.scale);
-        }
-        let world = Arc::new(world);
-        let place = Place { scene: Arc::new(Scene::new(world.clone())), world };
-        worlds.push_back(place.clone());
-        if worlds.len() > self.config.jobs.max(1) {
-            worlds.pop_front();
+        let place = Place::load(&self.config.suite, id, self.config.scale)?;
+        places.push_back(place.clone());
+        if places.len() > self.config.jobs.max(1) {
+            places.pop_front();
         }
         Ok(place)
     }

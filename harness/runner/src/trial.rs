@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use vb_host::{Blame, FaultCode, LogSink, Plugin, Session, clamp, one_line};
+use vb_host::{Blame, FaultCode, LogSink, clamp};
 use vb_record::{
     DebugSeries, LogMode, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample,
 };
@@ -16,6 +16,7 @@ use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
 
 use crate::StateHash;
+use crate::driver::{Driver, Metered, Witness};
 
 /// The time between the samples that rules and metrics see, s.
 pub const SAMPLE_PERIOD: f64 = 0.01;
@@ -31,8 +32,6 @@ pub struct Trial<'a> {
     pub task: &'a Task,
     /// The data that the planner is told.
     pub brief: &'a vb_sdk::Task,
-    /// The planner.
-    pub plugin: &'a Plugin,
     /// The vehicle.
     pub vehicle: &'a VehicleModel,
     /// The soils of deformable ground.
@@ -67,15 +66,8 @@ struct Failure {
 
 impl Failure {
     /// What the planner did: who, where, what, and what to do about it.
-    fn session(trial: &Trial<'_>, fault: &vb_host::PlannerFault) -> Self {
-        let planner = trial.plugin.metadata();
-        let reason = format!(
-            "planner {} {} on {}, {fault}; {}",
-            one_line(&planner.name),
-            one_line(&planner.version),
-            trial.brief.id,
-            fault.cause.hint()
-        );
+    fn session(trial: &Trial<'_>, driver: &dyn Driver, fault: &vb_host::PlannerFault) -> Self {
+        let reason = format!("{} on {}, {fault}; {}", driver.name(), trial.brief.id, fault.cause.hint());
         Self { backtrace: fault.cause.backtrace().to_vec(), ..Self::new(fault.code(), reason) }
     }
 
@@ -98,18 +90,32 @@ struct Ledger {
     sim_steps: u64,
     planner_steps: u64,
     clamped: u64,
-    /// Fuel for start-up; none for planners that aren't metered.
-    fuel_init: Option<u64>,
+    /// What the driver has used; none for drivers that aren't metered.
+    metered: Option<Metered>,
     /// Fuel for each step.
     fuel_steps: Vec<u64>,
-    memory_bytes: u64,
     wheels: Vec<WheelSample>,
 }
 
+/// Who takes part in a trial beside the simulation.
+struct Part<'a> {
+    driver: &'a mut dyn Driver,
+    perception: &'a mut Perception,
+    witness: &'a mut dyn Witness,
+    ledger: &'a mut Ledger,
+}
+
 impl Trial<'_> {
-    /// Drives the task to its end, with these sensors. It returns `None` if `cancel` was set before the end came.
+    /// Lets a driver drive the task to its end, with these sensors. It returns `None` if `cancel` was set before the end
+    /// came.
     #[must_use]
-    pub fn run(&self, mut perception: Perception, cancel: &AtomicBool) -> Option<TrialResult> {
+    pub fn run(
+        &self,
+        driver: &mut dyn Driver,
+        mut perception: Perception,
+        witness: &mut dyn Witness,
+        cancel: &AtomicBool,
+    ) -> Option<TrialResult> {
         let h = &self.world.heightfield;
         let goal = self.task.goal;
         let geometry = TaskGeometry {
@@ -127,14 +133,16 @@ impl Trial<'_> {
             sim_steps: 0,
             planner_steps: 0,
             clamped: 0,
-            fuel_init: None,
+            metered: None,
             fuel_steps: Vec::new(),
-            memory_bytes: 0,
             wheels: Vec::with_capacity(wheels),
         };
         let log = Arc::new(Mutex::new(Vec::<String>::new()));
         // A panic of the harness is a bug, but it must not take the other tasks' results with it.
-        let end = catch_unwind(AssertUnwindSafe(|| self.drive(&mut ledger, &mut perception, &log, cancel)));
+        let end = catch_unwind(AssertUnwindSafe(|| {
+            let mut part = Part { driver, perception: &mut perception, witness, ledger: &mut ledger };
+            self.drive(&mut part, &log, cancel)
+        }));
         let failure = match end {
             Ok(Ok(true)) => None,
             Ok(Ok(false)) => return None,
@@ -170,10 +178,8 @@ impl Trial<'_> {
         };
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
-        let limits = self.plugin.limits();
-        let fuel = ledger.fuel_init.map(|init| {
-            let steps = ledger.fuel_steps;
-            FuelUse::new(init, steps, limits.fuel_init, limits.fuel_per_step, ledger.memory_bytes)
+        let fuel = ledger.metered.map(|m| {
+            FuelUse::new(m.fuel.init, ledger.fuel_steps, m.fuel_init, m.fuel_per_step, m.memory_bytes)
         });
         let record = TaskRecord {
             task: self.brief.id.clone(),
@@ -214,8 +220,7 @@ impl Trial<'_> {
     /// Drives until the rules decide: true; or until `cancel` is set: false.
     fn drive(
         &self,
-        ledger: &mut Ledger,
-        perception: &mut Perception,
+        part: &mut Part<'_>,
         log: &Arc<Mutex<Vec<String>>>,
         cancel: &AtomicBool,
     ) -> Result<bool, Failure> {
@@ -231,13 +236,13 @@ impl Trial<'_> {
         let mut sim =
             Simulation::new(self.world.clone(), self.vehicle, self.soils, self.task.start, self.options)
                 .map_err(|e| Failure::new(FaultCode::Simulation, e.to_string()))?;
-        let mut session = self.plugin.start(self.brief, sink).map_err(|f| Failure::session(self, &f))?;
-        ledger.fuel_init = session.fuel().map(|f| f.init);
-        ledger.memory_bytes = session.memory_bytes().unwrap_or(0);
+        let started = part.driver.start(self.brief, sink);
+        started.map_err(|f| Failure::session(self, part.driver, &f))?;
+        part.ledger.metered = part.driver.metered();
         let steps = |seconds: f64| (seconds / self.options.step).round() as u64;
         let (sample_every, control_every) = (steps(SAMPLE_PERIOD), steps(self.brief.control_period));
         let mut controls = Controls::default();
-        if self.sample(&sim, controls, perception, ledger) {
+        if self.sample(&sim, controls, part) {
             return Ok(true);
         }
         loop {
@@ -245,59 +250,50 @@ impl Trial<'_> {
                 if cancel.load(Ordering::Relaxed) {
                     return Ok(false);
                 }
-                let result = self.ask(&mut session, &sim, controls, perception, ledger);
-                if let Some(fuel) = session.fuel() {
-                    ledger.fuel_steps.push(fuel.last_step);
-                }
-                ledger.memory_bytes = session.memory_bytes().unwrap_or(0);
+                let result = self.ask(&sim, controls, part);
+                part.ledger.metered = part.driver.metered();
+                part.ledger.fuel_steps.extend(part.ledger.metered.map(|m| m.fuel.last_step));
                 controls = result?;
             }
             let now = sim.steps();
             let next = |every: u64| (now / every + 1) * every;
             let until = next(sample_every).min(next(control_every));
             let advanced = sim.advance(controls, until - now);
-            ledger.sim_steps = sim.steps();
+            part.ledger.sim_steps = sim.steps();
             advanced.map_err(|e| Failure::new(FaultCode::Diverged, e.to_string()))?;
-            if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, perception, ledger) {
+            if sim.steps().is_multiple_of(sample_every) && self.sample(&sim, controls, part) {
                 return Ok(true);
             }
         }
     }
 
-    /// Shows the planner what its sensors have measured and takes its command.
-    fn ask(
-        &self,
-        session: &mut Session,
-        sim: &Simulation,
-        last: Controls,
-        perception: &mut Perception,
-        ledger: &mut Ledger,
-    ) -> Result<Controls, Failure> {
+    /// Shows the driver what its sensors have measured and takes its command.
+    fn ask(&self, sim: &Simulation, last: Controls, part: &mut Part<'_>) -> Result<Controls, Failure> {
         let state = sim.state();
-        let command = session.step(&observation(&state, last, perception.read(&state)));
-        ledger.planner_steps += 1;
-        let (Command { steering, throttle, brake, gear, debug }, clamped) =
-            clamp(command.map_err(|f| Failure::session(self, &f))?);
-        ledger.clamped += u64::from(clamped);
+        let observation = observation(&state, last, part.perception.read(&state));
+        let given = part.driver.step(&observation);
+        part.ledger.planner_steps += 1;
+        let given = given.map_err(|f| Failure::session(self, part.driver, &f))?;
+        let (Command { steering, throttle, brake, gear, .. }, clamped) =
+            clamp(Command { debug: Vec::new(), ..given });
+        let taken = Controls { steering, throttle, brake, gear: asked_gear(gear) };
+        part.witness.step(&state, &observation, &given, taken);
+        part.ledger.clamped += u64::from(clamped);
         if self.trace != TraceMode::None {
-            for series in &debug {
-                ledger.debug.push(state.time, &series.name, &series.values);
+            for series in &given.debug {
+                part.ledger.debug.push(state.time, &series.name, &series.values);
             }
         }
-        Ok(Controls { steering, throttle, brake, gear: asked_gear(gear) })
+        Ok(taken)
     }
 
     /// Shows the sensors, the rules and the recorder the state; true when there is a verdict.
-    fn sample(
-        &self,
-        sim: &Simulation,
-        controls: Controls,
-        perception: &mut Perception,
-        ledger: &mut Ledger,
-    ) -> bool {
+    fn sample(&self, sim: &Simulation, controls: Controls, part: &mut Part<'_>) -> bool {
+        let Part { perception, witness, ledger, .. } = part;
         let state = sim.state();
         perception.sample(Truth { state: &state, ruts: Some(sim) });
         let sample = sample(&state, controls);
+        witness.sample(sim, &state, &sample);
         sim.visit_state(|x| ledger.hash.push(x));
         if self.trace != TraceMode::None {
             ledger.wheels.clear();

@@ -36,6 +36,9 @@ pub struct Rules {
     /// The condition under which the vehicle has left the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub out_of_bounds: Option<BoundsRule>,
+    /// The condition under which the vehicle has tipped over, which ends the trial at once as a rollover.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overturned: Option<OverturnedRule>,
 }
 
 /// The way in which a trial starts.
@@ -89,6 +92,8 @@ pub enum SuccessRule {
         /// The height of the marker above the ground at the goal, m.
         marker_height_m: f64,
     },
+    /// There is no goal: the vehicle drives about until another rule ends the trial.
+    Never,
 }
 
 /// The condition under which the vehicle is stuck.
@@ -143,6 +148,14 @@ pub struct BoundsRule {
     pub margin_m: f64,
 }
 
+/// The condition under which the vehicle has tipped over.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OverturnedRule {
+    /// The limit of the angle between the vehicle's upward axis and the vertical, degrees.
+    pub tilt_limit_deg: f64,
+}
+
 /// The reason why a rule profile can't be used. Each message is one line with file, field and value.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -179,10 +192,11 @@ pub enum RulesError {
 
 impl Rules {
     /// The profiles that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 3] = [
+    pub const BUILTIN: [(&str, &str); 4] = [
         ("paper", include_str!("../../../tasks/rules/paper.yaml")),
         ("release", include_str!("../../../tasks/rules/release.yaml")),
         ("dev", include_str!("../../../tasks/rules/dev.yaml")),
+        ("exploration", include_str!("../../../tasks/rules/exploration.yaml")),
     ];
 
     /// The paper's rules, the default.
@@ -241,11 +255,12 @@ impl Rules {
         self.time_limit_s * scale.sqrt()
     }
 
-    /// The radius of the goal at a scale of the world, m.
+    /// The radius of the goal at a scale of the world, m; 0 where there is no goal.
     #[must_use]
     pub fn goal_radius(&self, scale: f64) -> f64 {
         match self.success {
             SuccessRule::Planar { radius_m } | SuccessRule::Marker { radius_m, .. } => radius_m * scale,
+            SuccessRule::Never => 0.0,
         }
     }
 
@@ -299,6 +314,7 @@ impl Rules {
                     );
                 }
             }
+            SuccessRule::Never => {}
         }
         positive("time_limit_s", self.time_limit_s)?;
         if self.time_limit_s > 3600.0 {
@@ -323,6 +339,9 @@ impl Rules {
         }
         if let Some(rule) = self.out_of_bounds {
             not_negative("out_of_bounds.margin_m", rule.margin_m)?;
+        }
+        if let Some(rule) = self.overturned {
+            angle("overturned.tilt_limit_deg", rule.tilt_limit_deg)?;
         }
         Ok(())
     }
@@ -413,6 +432,6 @@ mod tests {
     #[test]
     fn a_missing_rule_file_is_an_error_that_names_the_profiles() {
         let e = Rules::resolve("papper").unwrap_err().to_string();
-        assert!(e.contains("papper") && e.contains("paper, release, dev"), "{e}");
+        assert!(e.contains("papper") && e.contains("paper, release, dev, exploration"), "{e}");
     }
 }

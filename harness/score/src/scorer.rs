@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use vb_math::angle::degrees;
+use vb_math::{acos, cos};
 use vb_record::{Sample, TraceMeta};
 
 use crate::metrics::{Accumulator, displacement};
@@ -57,7 +58,7 @@ const TIME_TOLERANCE: f64 = 1e-6;
 /// Judges and measures one trial.
 ///
 /// At each sample the rules are tested in this order: state not finite (a simulation error), time limit, success,
-/// out of bounds, stuck. The first that applies decides. A failed trial in which the vehicle is rolled over is a
+/// out of bounds, overturned, stuck. The first that applies decides. A failed trial in which the vehicle is rolled over is a
 /// rollover if it ended by the stuck rule; see [`Outcome::three_way`] for the others.
 #[derive(Clone, Debug)]
 pub struct Scorer {
@@ -156,6 +157,9 @@ impl Scorer {
                 format!("left the world at ({:.1}, {:.1})", sample.x, sample.y),
             );
         }
+        if let Some(tilt) = self.overturned(sample) {
+            return verdict(Outcome::Rollover, format!("tipped over by {tilt:.1}° at {t:.2} s"));
+        }
         let how = stuck?;
         match self.rolled_over() {
             Some(angles) => verdict(Outcome::Rollover, format!("{angles}; {how}")),
@@ -172,8 +176,17 @@ impl Scorer {
                 let dz = s.z - (self.geometry.goal_z + marker_height_m * self.geometry.scale);
                 (planar * planar + dz * dz).sqrt()
             }
+            SuccessRule::Never => return None,
         };
         (distance < self.rules.goal_radius(self.geometry.scale)).then_some(distance)
+    }
+
+    /// The angle between the vehicle's upward axis and the vertical if it is too great, degrees.
+    fn overturned(&self, s: &Sample) -> Option<f64> {
+        let rule = self.rules.overturned?;
+        // The vertical component of the upward axis: heading first, then pitch, then roll.
+        let tilt = degrees(acos((cos(s.pitch) * cos(s.roll)).clamp(-1.0, 1.0)));
+        (tilt > rule.tilt_limit_deg).then_some(tilt)
     }
 
     fn outside(&self, s: &Sample) -> bool {

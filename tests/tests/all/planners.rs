@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use vb_tests::{Bench, PluginKind, pid, plugin};
 
 fn text(path: &Path) -> &str {
@@ -309,4 +309,25 @@ fn inspect_tells_the_same_of_both_kinds() {
     // The paper's target speed (its PID planner drives at 3 m/s).
     let pid = pid();
     assert!(bench.ok(&["inspect", "--plugin", text(&pid)]).contains("--param speed=3.0"));
+}
+
+#[test]
+fn inspect_tells_the_sensors_that_a_planner_asks_for() {
+    let bench = Bench::new();
+    let told = |name: &str| {
+        let file = plugin(name, PluginKind::Wasm);
+        let json = bench.ok(&["inspect", "--plugin", text(&file), "--message-format", "json"]);
+        let message: Value = serde_json::from_str(&json).expect("JSON");
+        let table = bench.ok(&["inspect", "--plugin", text(&file)]);
+        (message["needs"].clone(), message["needs_without_maps"].clone(), table)
+    };
+    // What a planner gets that declares nothing.
+    let default = json!([{"sensor": "pose", "rate_hz": null}, {"sensor": "wheel-odometry", "rate_hz": null}]);
+    let (needs, without_maps, table) = told("pid");
+    assert_eq!((&needs, &without_maps), (&default, &json!([])));
+    assert!(table.contains("pose, wheel-odometry") && !table.contains("without maps"), "{table}");
+    let (needs, without_maps, table) = told("mppi");
+    assert_eq!(needs, default);
+    assert_eq!(without_maps[0]["sensor"], "local-map");
+    assert!(table.contains("without maps") && table.contains("local-map"), "{table}");
 }

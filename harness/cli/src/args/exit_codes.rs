@@ -11,12 +11,14 @@ use crate::error::{
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
 
 /// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 8] = [
+const OF: [(&str, &[u8]); 10] = [
     ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
     ("evaluate", &[SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),
     ("check", &[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]),
+    ("dataset explore", &[INTERRUPTED]),
+    ("dataset drive", &[INTERRUPTED]),
     ("vehicle test", &[CHECKS_FAILED]),
     ("terrain train", &[INTERRUPTED]),
     // The program without a command is `run`, but its help is that of all commands.

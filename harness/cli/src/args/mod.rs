@@ -1,6 +1,7 @@
 //! The command line.
 
 mod common;
+mod dataset;
 mod exit_codes;
 mod plugin;
 mod results;
@@ -14,6 +15,7 @@ mod vehicle;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
+pub(crate) use dataset::{DatasetCommand, DatasetDriveArgs, ExploreArgs, Keeping, SceneArgs};
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, RunArgs, ScoreArgs};
@@ -64,6 +66,9 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Show a task of one or more runs in three dimensions, in the browser
     Replay(ReplayArgs),
+    /// Make datasets for those who learn from data: exploration and demonstrations
+    #[command(subcommand)]
+    Dataset(DatasetCommand),
     /// Make a submission of a planner, or of a finished run: a small folder that others can verify
     Submit(SubmitArgs),
     /// Verify a submission: hold it against suite and planner, and drive tasks again

@@ -42,7 +42,7 @@ pub(crate) struct RunArgs {
     /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none
     #[arg(long, value_name = "all|failed|none", default_value = "failed", value_parser = log_mode)]
     pub(crate) logs: LogMode,
-    /// Rules: paper, release, dev, or a file
+    /// Rules: paper, release, dev, exploration, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
     pub(crate) rules: String,
     /// Vehicle: a name, or a file
@@ -111,7 +111,7 @@ pub(crate) struct ScoreArgs {
     /// Directory of the run
     #[arg(value_name = "RUN")]
     pub(crate) run: PathBuf,
-    /// Rules: paper, release, dev, or a file; default: those of the run
+    /// Rules: paper, release, dev, exploration, or a file; default: those of the run
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) rules: Option<String>,
     #[command(flatten)]

@@ -147,6 +147,9 @@ pub(crate) struct GenerateArgs {
     /// Parameters of the generator; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
+    /// The worlds are for training: the seed must be one of 7000 to 7999, which other suites must not have
+    #[arg(long)]
+    pub(crate) training: bool,
 }
 
 #[derive(Debug, Args)]

@@ -10,7 +10,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use serde::Serialize;
-use vb_suite::generate::{GenerateError, Generator, GeneratorParams};
+use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
 use vb_suite::rules::ParamsError;
 use vb_terrain::Model;
@@ -158,17 +158,65 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let model = terrain_model(&params.elevation.model, args.params.as_deref())?;
     let (drawn, worlds) = (&args.drawn, args.worlds as usize);
+    keep_apart(drawn.seed, args.training)?;
     let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
     let meta = generator.meta(&name(drawn), &drawn.suite_version);
     let suite = generator.write(&drawn.out, meta, |index, world| {
         output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
     });
-    let suite = suite.map_err(|e| match e {
+    done(&suite.map_err(generate_error)?);
+    Ok(())
+}
+
+/// Refuses a seed of training worlds for a suite that judges planners, and the other way round.
+fn keep_apart(seed: u64, training: bool) -> Result<(), CliError> {
+    let (first, last) = (TRAINING_SEEDS.start(), TRAINING_SEEDS.end());
+    match (TRAINING_SEEDS.contains(&seed), training) {
+        (true, false) => Err(CliError::usage(format!(
+            "--seed {seed}: the seeds {first} to {last} are kept for training worlds, on which planners are tuned (take another \
+             seed, or say --training)"
+        ))),
+        (false, true) => Err(CliError::usage(format!(
+            "--seed {seed}: training worlds have a seed from {first} to {last}, so that no suite has one of them"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The suite of training worlds with this seed and number: where it was made before, or made now.
+pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
+    keep_apart(seed, true)?;
+    let params = GeneratorParams::default();
+    let model = terrain_model(&params.elevation.model, None)?;
+    let generator = Generator { rules: &params, model: &model, seed, worlds: worlds as usize };
+    let meta = generator.meta(&format!("training-{seed}"), "1");
+    let cache = places::cache_dir().unwrap_or_else(std::env::temp_dir).join("training");
+    // A newer generator makes other worlds of the same seed.
+    let made_by = vb_files::sha256(format!("{:?}", meta.provenance).as_bytes());
+    let dir = cache.join(format!("seed-{seed}-{worlds}-{}", &made_by[..12]));
+    if dir.is_dir() {
+        return Suite::open(&dir).map_err(CliError::input);
+    }
+    std::fs::create_dir_all(&cache).map_err(|e| CliError::output(format!("{}: {e}", cache.display())))?;
+    output::note(&format!("making {worlds} training worlds of seed {seed}"));
+    // Made elsewhere and then renamed, so that it is whole if it is there.
+    let making = tempfile::Builder::new().prefix(".making-").tempdir_in(&cache);
+    let making = making.map_err(|e| CliError::output(format!("{}: {e}", cache.display())))?;
+    generator.write(making.path().join("suite"), meta, |_, _| {}).map_err(generate_error)?;
+    if let Err(e) = std::fs::rename(making.path().join("suite"), &dir)
+        // Another process may have been faster.
+        && !dir.is_dir()
+    {
+        return Err(CliError::output(format!("{}: {e}", dir.display())));
+    }
+    Suite::open(&dir).map_err(CliError::input)
+}
+
+fn generate_error(e: GenerateError) -> CliError {
+    match e {
         GenerateError::Suite(e) => write_error(e),
         other => CliError::input(other),
-    })?;
-    done(&suite);
-    Ok(())
+    }
 }
 
 /// What a suite is called: as is said, or by the directory that it goes to.

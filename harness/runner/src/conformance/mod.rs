@@ -131,7 +131,7 @@ impl Told<'_> {
 
 fn check_loaded(
     kit: &Kit<'_>,
-    course: &Course<'_>,
+    course: &Course,
     first: &Plugin,
     first_load: f64,
     checks: &mut Told<'_>,

@@ -14,7 +14,7 @@ const NAME: &str = "probes";
 /// How often each observation is shown, with a sound one before and after.
 const TIMES: usize = 3;
 
-pub(super) fn check(course: &Course<'_>, plugin: &Plugin, params: &[Param]) -> Result<Check, KitError> {
+pub(super) fn check(course: &Course, plugin: &Plugin, params: &[Param]) -> Result<Check, KitError> {
     let brief = course.brief(0, plugin, params)?;
     let sound = Observation {
         pose: Some(Pose {

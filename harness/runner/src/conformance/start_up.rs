@@ -23,7 +23,7 @@ pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// `loads`: the times of the first and of a later load, s.
-pub(super) fn check(course: &Course<'_>, plugin: &Plugin, params: &[Param], loads: [f64; 2]) -> Check {
+pub(super) fn check(course: &Course, plugin: &Plugin, params: &[Param], loads: [f64; 2]) -> Check {
     let brief = match course.brief(0, plugin, params) {
         Ok(brief) => brief,
         Err(e) => return Check::skip(NAME, e.to_string()),

@@ -186,6 +186,34 @@ fn the_limit_of_roll_is_thirty_degrees_at_the_end() {
 }
 
 #[test]
+fn exploration_has_no_goal_and_ends_where_the_vehicle_tips_over() {
+    let rules = profile("exploration");
+    // Through the place where others have their goal.
+    let score = play(&rules, &geometry(), 61.0, line(2.0)).unwrap();
+    assert_eq!(score.outcome, Outcome::Timeout);
+    // It tips at 30° a second and is past 60° just after 2 s.
+    let tips = |t: f64| Sample { roll: radians(30.0 * t), ..circle(t) };
+    let score = play(&rules, &geometry(), 60.0, tips).unwrap();
+    assert_eq!(score.outcome, Outcome::Rollover);
+    close(score.time_s, 2.0, DT + 1e-9);
+    assert!(
+        score.reason.starts_with("tipped over by 60.") && score.reason.ends_with(" s"),
+        "{}",
+        score.reason
+    );
+    // Both angles count: the upward axis of 50° of pitch and 40° of roll is acos(cos 50° · cos 40°) = 60.5° from the
+    // vertical, that of 50° and 38° is 59.6°.
+    let both = |pitch: f64, roll: f64| {
+        let at = move |t: f64| Sample { pitch: radians(pitch), roll: radians(roll), ..circle(t) };
+        play(&rules, &geometry(), 60.0, at).unwrap().outcome
+    };
+    assert_eq!(both(50.0, 40.0), Outcome::Rollover);
+    assert_eq!(both(50.0, 38.0), Outcome::Timeout);
+    // The paper's trial goes on: the vehicle may come back onto its wheels.
+    close(paper(60.0, |t| Sample { roll: tips(t).roll.min(2.0), ..circle(t) }).time_s, 60.0, 1e-9);
+}
+
+#[test]
 fn success_does_not_ask_for_the_angles() {
     let score = paper(60.0, |t| Sample { roll: 1.0, ..line(5.0)(t) });
     assert_eq!((score.outcome, score.three_way), (Outcome::Success, ThreeWay::Success));

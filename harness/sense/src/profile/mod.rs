@@ -405,6 +405,13 @@ impl Profile {
         prior.elevation.is_some() && prior.semantics.is_some() && prior.occupancy.is_some()
     }
 
+    /// Tells whether a planner that asks for its pose and its wheels is told the truth.
+    #[must_use]
+    pub fn tells_the_truth(&self) -> bool {
+        let data = &self.data;
+        matches!(data.pose, Some(PoseModel::Exact)) && matches!(data.wheel_odometry, Some(WheelModel::Exact))
+    }
+
     /// The name of the profile.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -22,6 +22,7 @@ pub(crate) use surfaces::{Fields, Surfaces};
 use crate::path::{PathError, PathParams, Planner};
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -105,6 +106,10 @@ const SPREAD_LIMIT: f64 = 1.5;
 const VERSION: u32 = 4;
 /// What the generator's rules call what surfaces follow from.
 pub(crate) const FIELDS: Fields = Fields { grid: "grid", stand: "tasks.stand" };
+
+/// The seeds of training worlds, on which planners are trained and tuned. No suite that judges planners is made of one of
+/// them.
+pub const TRAINING_SEEDS: RangeInclusive<u64> = 7000..=7999;
 
 /// The things that a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]

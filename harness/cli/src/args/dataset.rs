@@ -1,0 +1,115 @@
+//! `vb-harness dataset`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::values::{key_value, positive, scale};
+use super::{FormatArgs, JobsArgs};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum DatasetCommand {
+    /// Explore training worlds: sinusoidal steering and random speeds
+    Explore(ExploreArgs),
+    /// Let planners drive the tasks of training worlds: demonstrations
+    Drive(DatasetDriveArgs),
+}
+
+/// What the datasets that are driven have in common.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// Directory for the dataset
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Go on with the dataset in --out
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// What the dataset is called; default: what it is of, the vehicle and the seed
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Seed of all that is random; the same seed makes the same bytes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Suite of training worlds, as `vb-harness suite generate --training` makes them; default: they are made
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["worlds", "world_seed"])]
+    pub(crate) suite: Option<PathBuf>,
+    /// Number of training worlds that are made; 90 have every choice of relief, ground and obstacles alike
+    #[arg(long, value_name = "N", default_value_t = 90, value_parser = clap::value_parser!(u32).range(1..=999))]
+    pub(crate) worlds: u32,
+    /// Seed of the training worlds that are made, from 7000 to 7999
+    #[arg(long, value_name = "N", default_value_t = 7100)]
+    pub(crate) world_seed: u64,
+    /// Another suite whose worlds must not be in the dataset, beside those that come with the harness; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub(crate) apart_from: Vec<PathBuf>,
+    /// Vehicle: a name, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    pub(crate) vehicle: String,
+    /// Soils of deformable ground: default, original, wong, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "default")]
+    pub(crate) soils: String,
+    /// What the driver is told and how wrong it is: oracle, onboard, degraded, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
+    pub(crate) perception: String,
+    /// Factor on every length of the world: 1, 1/6, 1/10; default: the scale that the vehicle is made for
+    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    pub(crate) scale: Option<f64>,
+    /// Frames a second
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) hz: u32,
+    /// Rows and columns of crops of the maps about the vehicle that each frame has; none for 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=128))]
+    pub(crate) crops: u16,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExploreArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// How the vehicle explores: default (1 to 6 m/s), paper (2 m/s), or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "default")]
+    pub(crate) exploration: String,
+    /// Hours of driving
+    #[arg(long, value_name = "HOURS", default_value_t = 10.0, value_parser = positive, conflicts_with = "episodes")]
+    pub(crate) hours: f64,
+    /// Number of episodes, instead of hours
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) episodes: Option<u32>,
+}
+
+/// Which drives of planners become episodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Keeping {
+    /// Every one.
+    #[default]
+    All,
+    /// Those that reach their goal.
+    Success,
+    /// Those that don't.
+    Failure,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DatasetDriveArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// A planner: a WASM file, a native library, or a command; may be repeated
+    #[arg(long, value_name = "FILE|COMMAND", required = true)]
+    pub(crate) plugin: Vec<PathBuf>,
+    /// Parameter of the planner, if there is but one; may be repeated
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) params: Vec<(String, String)>,
+    /// Tasks to drive, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
+    /// Which drives become episodes
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
+    pub(crate) keep: Keeping,
+    /// Rules: paper, release, dev, exploration, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
+    pub(crate) rules: String,
+}

@@ -1,0 +1,188 @@
+//! `vb-harness dataset`.
+
+mod scene;
+
+use std::path::Path;
+
+use serde::Serialize;
+use vb_dataset::{
+    Amount, DatasetError, DatasetWriter, Exploration, Finished, Header, Kept, Kind, PlannerHeader, Progress,
+};
+use vb_host::{Limits, Plugin};
+use vb_record::DataHeader;
+use vb_runner::{Wants, check_control_period, check_perception};
+use vb_score::Rules;
+
+use crate::args::{DatasetCommand, DatasetDriveArgs, ExploreArgs, Keeping, MessageFormat};
+use crate::error::CliError;
+use crate::{output, planner, run, suite};
+use scene::Scene;
+
+impl DatasetCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Explore(args) => explore(args),
+            Self::Drive(args) => drive(args),
+        }
+    }
+}
+
+fn explore(args: &ExploreArgs) -> Result<(), CliError> {
+    let exploration = Exploration::resolve(&args.exploration).map_err(CliError::input)?;
+    let rules = Rules::resolve("exploration").map_err(CliError::internal)?;
+    let frames = args.hours * 3600.0 * f64::from(args.scene.hz);
+    let (amount, shown) = match args.episodes {
+        Some(n) => (Amount::Episodes(n as usize), Total::Episodes(n as usize)),
+        None => (Amount::Frames(frames.ceil() as usize), Total::Frames(frames.ceil() as usize)),
+    };
+    let scene = Scene::new(&args.scene, rules)?;
+    let layout = scene.layout(true, false);
+    let header = Header { exploration: Some(exploration.clone()), ..scene.header(Kind::Explore, layout) };
+    let mut writer = scene.writer(header)?;
+    let mut told = Told::new(args.scene.format.get(), shown, args.scene.hz);
+    let cancel = run::stop_on_ctrl_c()?;
+    let done = scene
+        .making(&cancel)
+        .explore(&mut writer, &exploration, amount, &mut |p| told.progress(p))
+        .map_err(|e| failure(&e))?;
+    finish(writer, done, &args.scene.out, args.scene.format.get())
+}
+
+fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
+    if args.plugin.len() > 1 && !args.params.is_empty() {
+        return Err(CliError::usage(
+            "--param: whose it is isn't clear with several planners (give one --plugin)",
+        ));
+    }
+    let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
+    let scene = Scene::new(&args.scene, rules)?;
+    let tasks = suite::select(&scene.worlds, args.tasks.as_deref())?;
+    let limits = Limits::default();
+    let mut planners: Vec<(Plugin, Wants)> = Vec::new();
+    for wanted in &args.plugin {
+        let plugin = planner::load(wanted, &limits, false)
+            .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+        let (setting, metadata) = (&scene.setting, plugin.metadata());
+        check_control_period(metadata, setting.options.step).map_err(run::run_error)?;
+        check_perception(&plugin, &setting.perception).map_err(run::run_error)?;
+        let params = plugin.params(&args.params).map_err(CliError::usage)?;
+        let wants = Wants::of(&plugin, &setting.perception, params);
+        planners.push((plugin, wants));
+    }
+    let named = |(plugin, _): &(Plugin, Wants)| PlannerHeader {
+        name: plugin.metadata().name.clone(),
+        version: plugin.metadata().version.clone(),
+        sha256: plugin.sha256().to_owned(),
+        params: args.params.iter().cloned().collect(),
+    };
+    let layout = scene.layout(false, true);
+    let header =
+        Header { planners: planners.iter().map(named).collect(), ..scene.header(Kind::Drive, layout) };
+    let kept = match args.keep {
+        Keeping::All => Kept::All,
+        Keeping::Success => Kept::Success,
+        Keeping::Failure => Kept::Failure,
+    };
+    let mut writer = scene.writer(header)?;
+    let mut told =
+        Told::new(args.scene.format.get(), Total::Drives(planners.len() * tasks.len()), args.scene.hz);
+    let cancel = run::stop_on_ctrl_c()?;
+    let done = scene
+        .making(&cancel)
+        .drive(&mut writer, &planners, &tasks, kept, &mut |p| told.progress(p))
+        .map_err(|e| failure(&e))?;
+    finish(writer, done, &args.scene.out, args.scene.format.get())
+}
+
+/// The exit code of an error of datasets.
+fn failure(e: &DatasetError) -> CliError {
+    match e {
+        DatasetError::Io { action: "read", .. } => CliError::input(e),
+        DatasetError::Io { .. } | DatasetError::NotEmpty { .. } | DatasetError::Other { .. } => {
+            CliError::output(e)
+        }
+        DatasetError::Rate { .. } => CliError::usage(e),
+        DatasetError::Encode { .. } => CliError::internal(e),
+        _ => CliError::input(e),
+    }
+}
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Progress { drives: usize, episodes: usize, frames: usize },
+    Finished { out: &'a Path, episodes: usize, frames: usize, hash: &'a str },
+}
+
+/// How much there is to do.
+enum Total {
+    Episodes(usize),
+    Frames(usize),
+    Drives(usize),
+}
+
+/// Tells how a dataset comes on: a line for each twentieth.
+struct Told {
+    format: MessageFormat,
+    total: Total,
+    hz: u32,
+    twentieths: usize,
+}
+
+impl Told {
+    fn new(format: MessageFormat, total: Total, hz: u32) -> Self {
+        Self { format, total, hz, twentieths: 0 }
+    }
+
+    fn progress(&mut self, p: Progress) {
+        let (done, total) = match self.total {
+            Total::Episodes(n) => (p.episodes, n),
+            Total::Frames(n) => (p.frames, n),
+            Total::Drives(n) => (p.drives, n),
+        };
+        let twentieths = 20 * done.min(total) / total.max(1);
+        if twentieths == self.twentieths {
+            return;
+        }
+        self.twentieths = twentieths;
+        let Progress { drives, episodes, frames } = p;
+        match self.format {
+            MessageFormat::Json => output::json(&Message::Progress { drives, episodes, frames }),
+            MessageFormat::Human => {
+                let hours = frames as f64 / f64::from(self.hz) / 3600.0;
+                output::note(&format!("{:3} %: {episodes} episodes, {hours:.2} h", 5 * twentieths));
+            }
+        }
+    }
+}
+
+/// Writes what tells of the whole, and says where it is.
+fn finish(writer: DatasetWriter, done: bool, out: &Path, format: MessageFormat) -> Result<(), CliError> {
+    if !done {
+        return Err(CliError::interrupted(format!(
+            "stopped after {} episodes (go on with the same command and --resume)",
+            writer.episodes()
+        )));
+    }
+    let Finished { episodes, frames, hash, summary } = writer.finish().map_err(|e| failure(&e))?;
+    match format {
+        MessageFormat::Json => output::json(&Message::Finished { out, episodes, frames, hash: &hash }),
+        MessageFormat::Human => {
+            let outcomes: Vec<String> =
+                summary.outcomes.iter().map(|(name, n)| format!("{n} {name}")).collect();
+            output::text(&format!(
+                "{}: {episodes} episodes ({}), {frames} frames, {:.1} km; hash {hash}\n",
+                out.display(),
+                outcomes.join(", "),
+                summary.distance_m / 1000.0
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A data file's name and hash.
+fn named(name: &str, hash: &str) -> DataHeader {
+    DataHeader { name: name.to_owned(), hash: hash.to_owned() }
+}

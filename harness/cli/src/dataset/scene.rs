@@ -1,0 +1,122 @@
+//! What the datasets that are driven are made of: worlds, vehicle, perception.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use vb_dataset::{DATASET_SCHEMA, DatasetWriter, Header, Kind, LICENCE, Layout, Making, keep_apart};
+use vb_record::DataHeader;
+use vb_runner::Setting;
+use vb_score::Rules;
+use vb_world::Suite;
+
+use super::{failure, named};
+use crate::args::SceneArgs;
+use crate::error::CliError;
+use crate::{places, run, suite};
+
+/// The time step of the simulation, s.
+const TIME_STEP: f64 = 0.001;
+/// The side of the cells in which soil remembers ruts, m.
+const SOIL_RESOLUTION: f64 = 0.1;
+/// Options that change nothing of what a dataset has, and whether a value follows them.
+const ELSEWHERE: [(&str, bool); 5] =
+    [("--out", true), ("--jobs", true), ("--resume", false), ("--json", false), ("--message-format", true)];
+
+pub(super) struct Scene<'a> {
+    args: &'a SceneArgs,
+    pub(super) worlds: Suite,
+    pub(super) setting: Setting,
+    rules: DataHeader,
+    vehicle: DataHeader,
+    soils: DataHeader,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(args: &'a SceneArgs, rules: Rules) -> Result<Self, CliError> {
+        let vehicle = run::vehicle(&args.vehicle)?;
+        let soils = run::soils(&args.soils, SOIL_RESOLUTION)?;
+        let perception = run::perception(&args.perception)?;
+        let worlds = match &args.suite {
+            Some(dir) => suite::open(Some(dir))?,
+            None => suite::training(args.world_seed, args.worlds)?,
+        };
+        let mut others = Vec::new();
+        for dir in places::suites()?.iter().chain(&args.apart_from) {
+            others.push(Suite::open(dir).map_err(CliError::input)?);
+        }
+        keep_apart(&worlds, &others).map_err(|e| failure(&e))?;
+        let scale = args.scale.unwrap_or(vehicle.spec.scale);
+        let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, args.seed)
+            .map_err(run::run_error)?;
+        Ok(Self {
+            args,
+            worlds,
+            setting,
+            rules: named(&rules.name, &rules.hash()),
+            vehicle: named(&vehicle.spec.name, &vehicle.hash),
+            soils: named(&soils.set.name, &soils.hash),
+        })
+    }
+
+    /// The columns of a dataset whose driver tells the speed that it aims at, or has a goal.
+    pub(super) fn layout(&self, speed: bool, goal: bool) -> Layout {
+        let wheels = self.setting.vehicle.wheels as usize;
+        let truth = !self.setting.perception.tells_the_truth();
+        Layout { wheels, speed, goal, truth, crops: usize::from(self.args.crops) }
+    }
+
+    pub(super) fn header(&self, kind: Kind, layout: Layout) -> Header {
+        let SceneArgs { seed, hz, name, .. } = self.args;
+        let default = || format!("{}-{}-{seed}", kind.name(), self.vehicle.name);
+        let Setting { perception, scale, options, .. } = &self.setting;
+        Header {
+            schema: DATASET_SCHEMA,
+            name: name.clone().unwrap_or_else(default),
+            kind,
+            licence: LICENCE.to_owned(),
+            harness_version: env!("CARGO_PKG_VERSION").to_owned(),
+            harness_commit: env!("VB_COMMIT").to_owned(),
+            command: command(),
+            seed: *seed,
+            hz: *hz,
+            layout,
+            vehicle: self.vehicle.clone(),
+            soils: self.soils.clone(),
+            rules: self.rules.clone(),
+            perception: named(perception.name(), perception.sha256()),
+            scale: *scale,
+            time_step: options.step,
+            worlds: named(&self.worlds.meta().name, &self.worlds.hash()),
+            exploration: None,
+            planners: Vec::new(),
+            options: std::collections::BTreeMap::new(),
+        }
+    }
+
+    /// Begins the dataset, or goes on with it.
+    pub(super) fn writer(&self, header: Header) -> Result<DatasetWriter, CliError> {
+        let frames = self.setting.rules.time_limit(self.setting.scale) * f64::from(header.hz);
+        let begin = if self.args.resume { DatasetWriter::resume } else { DatasetWriter::create };
+        begin(&self.args.out, header, &self.worlds, frames.ceil() as usize).map_err(|e| failure(&e))
+    }
+
+    pub(super) fn making(&self, cancel: &'a AtomicBool) -> Making<'_> {
+        let jobs = self.args.jobs.get();
+        Making { setting: &self.setting, worlds: &self.worlds, hz: self.args.hz, jobs, cancel }
+    }
+}
+
+/// The arguments that the program was called with, without those that change nothing of a dataset.
+fn command() -> Vec<String> {
+    let mut kept = Vec::new();
+    let mut args = std::env::args_os().skip(1).map(|a| PathBuf::from(a).display().to_string());
+    while let Some(arg) = args.next() {
+        let elsewhere = ELSEWHERE.iter().find(|(name, _)| arg.split('=').next() == Some(name));
+        match elsewhere {
+            Some((_, true)) if !arg.contains('=') => drop(args.next()),
+            Some(_) => {}
+            None => kept.push(arg),
+        }
+    }
+    kept
+}

@@ -1,0 +1,106 @@
+//! The card of a dataset: `README.md`, which people and the Hugging Face hub read.
+
+use crate::feature::Feature;
+use crate::header::{Header, Kind};
+use crate::writer::Summary;
+
+/// A number with a comma after each three digits.
+fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (k, c) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(c);
+    }
+    text
+}
+
+fn about(header: &Header) -> String {
+    match header.kind {
+        Kind::Explore => {
+            let rules = header.exploration.as_ref().map(|e| e.description.as_str()).unwrap_or_default();
+            format!("Random exploration of rough ground. {rules}")
+        }
+        Kind::Drive => {
+            let names: Vec<String> =
+                header.planners.iter().map(|p| format!("{} {}", p.name, p.version)).collect();
+            format!("Navigation tasks on rough ground, driven by {}.", names.join(", "))
+        }
+        Kind::Teleop => "Navigation tasks on rough ground, driven by a person.".to_owned(),
+        Kind::Failures => "The last seconds before a vehicle rolled over or got stuck.".to_owned(),
+        Kind::Merged => "Several datasets of driving on rough ground in one.".to_owned(),
+        Kind::Split => "A part of a dataset of driving on rough ground.".to_owned(),
+    }
+}
+
+/// The text of the card.
+pub(crate) fn card(
+    header: &Header,
+    features: &[Feature],
+    (episodes, frames): (usize, usize),
+    summary: &Summary,
+) -> String {
+    let hours = frames as f64 / f64::from(header.hz) / 3600.0;
+    let outcomes: Vec<String> =
+        summary.outcomes.iter().map(|(name, n)| format!("{name} {}", grouped(*n))).collect();
+    let mut rows = String::new();
+    for f in features {
+        let shape: Vec<String> = f.shape.iter().map(usize::to_string).collect();
+        let names = if f.names.len() > 1 { format!(": {}", f.names.join(", ")) } else { String::new() };
+        rows +=
+            &format!("| `{}` | {} | {} | {}{names} |\n", f.name, f.dtype.name(), shape.join(" × "), f.about);
+    }
+    let Header { name, licence, harness_version, harness_commit, seed, hz, scale, .. } = header;
+    format!(
+        "---\n\
+         license: {}\n\
+         task_categories:\n- robotics\n\
+         tags:\n- LeRobot\n- off-road\n- vertibench\n\
+         configs:\n- config_name: default\n  data_files: data/*/*.parquet\n\
+         ---\n\n\
+         # {name}\n\n\
+         {} Recorded with Verti-Bench in Rust.\n\n\
+         | | |\n|---|---|\n\
+         | episodes | {} |\n| frames | {} at {hz} Hz: {hours:.2} h, {:.1} km |\n| outcomes | {} |\n\
+         | vehicle | {} (`{}`) |\n| perception | {} (`{}`) |\n| rules | {} (`{}`) |\n| soils | {} (`{}`) |\n\
+         | worlds | {} (`{}`), scale {scale}, in the folder `suite` |\n\
+         | seed | {seed} |\n| licence | {licence} |\n| made by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
+         The numbers in brackets are SHA-256. None of the worlds belongs to a suite that planners are judged on.\n\n\
+         To make it again, byte for byte, with that version of the harness:\n\n\
+         ```console\n$ vb-harness {} --out DIR\n```\n\n\
+         ## Columns\n\n\
+         The layout is LeRobot's, version 3.0. Units are SI and angles radians; the world's axes are x east, y north, z up, the\n\
+         body's x forward, y left, z up. A frame has what was seen and what was commanded at its `timestamp`.\n\n\
+         | column | type | shape | |\n|---|---|---|---|\n{rows}\n\
+         `meta/episodes` has a row for each episode, with its world, driver, outcome and reason besides.\n",
+        licence.to_lowercase(),
+        about(header),
+        grouped(episodes),
+        grouped(frames),
+        summary.distance_m / 1000.0,
+        outcomes.join(", "),
+        header.vehicle.name,
+        header.vehicle.hash,
+        header.perception.name,
+        header.perception.hash,
+        header.rules.name,
+        header.rules.hash,
+        header.soils.name,
+        header.soils.hash,
+        header.worlds.name,
+        header.worlds.hash,
+        header.command.join(" "),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_by_three() {
+        assert_eq!([0, 12, 123, 1234, 1_234_567].map(grouped), ["0", "12", "123", "1,234", "1,234,567"]);
+    }
+}

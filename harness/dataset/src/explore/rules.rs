@@ -1,0 +1,207 @@
+//! How a vehicle explores, as data: `tasks/exploration/*.yaml`.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the layout of a file.
+const SCHEMA: u32 = 1;
+
+/// A way to explore. Lengths are those of the full-size world and are multiplied by a world's scale, times and speeds by
+/// its root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exploration {
+    /// The version of the layout, which is 1.
+    pub schema: u32,
+    /// The name of the file without its ending.
+    pub name: String,
+    /// A sentence on what it stands for.
+    #[serde(default)]
+    pub description: String,
+    /// The steering.
+    pub steering: SteeringDraws,
+    /// The speed.
+    pub speed: SpeedDraws,
+    /// Driving backwards; if it is left out, the vehicle never does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reverse: Option<ReverseDraws>,
+    /// The places where episodes start.
+    pub start: StartDraws,
+}
+
+/// The draws of the steering: offset + amplitude · sin(2π · frequency · t + phase), within [-1, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteeringDraws {
+    /// The least and the greatest amplitude, from 0 to 1.
+    pub amplitude: [f64; 2],
+    /// The least and the greatest frequency, Hz.
+    pub frequency_hz: [f64; 2],
+    /// The least and the greatest offset, from -1 to 1.
+    pub offset: [f64; 2],
+    /// The least and the greatest time between two draws, s.
+    pub hold_s: [f64; 2],
+}
+
+/// The draws of the speed to aim at.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedDraws {
+    /// The least and the greatest speed, m/s.
+    pub range_m_per_s: [f64; 2],
+    /// The least and the greatest time between two draws, s.
+    pub hold_s: [f64; 2],
+}
+
+/// The draws of speeds in reverse.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReverseDraws {
+    /// The probability that a draw of the speed is one in reverse.
+    pub probability: f64,
+    /// The least and the greatest speed, m/s.
+    pub range_m_per_s: [f64; 2],
+}
+
+/// The draws of the places where episodes start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartDraws {
+    /// The greatest tilt of the ground under the wheels, degrees.
+    pub tilt_deg: f64,
+    /// The least distance from the vehicle to an obstacle, m.
+    pub clearance_m: f64,
+    /// The least distance to the edge of the world, m.
+    pub edge_m: f64,
+}
+
+/// The reason why a file of exploration can't be used. Each message is one line with file, field and value.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExplorationError {
+    /// The file can't be read.
+    #[error("cannot read exploration {}: {source} (give a YAML file, or one of {})", .path.display(), Exploration::BUILTIN.map(|(name, _)| name).join(", "))]
+    Read {
+        /// The path of the file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
+    /// The file is not YAML, or a field is missing, unknown or of a wrong type.
+    #[error("{file}: {source} (fields: docs/datasets.md)")]
+    Syntax {
+        /// The name of the file.
+        file: String,
+        /// The field, the value, the place and what is wrong.
+        source: vb_world::yaml::YamlError,
+    },
+    /// A field's value makes no sense.
+    #[error("{file}: {field}: {value} must lie in {low} to {high}")]
+    Value {
+        /// The name of the file.
+        file: String,
+        /// The dotted path of the field.
+        field: String,
+        /// The value of the field.
+        value: f64,
+        /// The least value.
+        low: f64,
+        /// The greatest value.
+        high: f64,
+    },
+}
+
+impl Exploration {
+    /// Those that come with the harness, as names and the text of their files.
+    pub const BUILTIN: [(&str, &str); 2] = [
+        ("default", include_str!("../../../../tasks/exploration/default.yaml")),
+        ("paper", include_str!("../../../../tasks/exploration/paper.yaml")),
+    ];
+
+    /// Finds a built-in one by its name, or else reads a file by its path.
+    ///
+    /// # Errors
+    /// Returns [`ExplorationError`], which says what is wrong.
+    pub fn resolve(name_or_path: &str) -> Result<Self, ExplorationError> {
+        if let Some((name, text)) = Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
+            return Self::from_yaml(name, text);
+        }
+        let path = Path::new(name_or_path);
+        let text = vb_files::read_text(path, vb_files::DOCUMENT)
+            .map_err(|source| ExplorationError::Read { path: path.to_owned(), source })?;
+        Self::from_yaml(name_or_path, &text)
+    }
+
+    /// Reads one from YAML; `file` is what errors call it.
+    ///
+    /// # Errors
+    /// Returns [`ExplorationError`], which says what is wrong.
+    pub fn from_yaml(file: &str, text: &str) -> Result<Self, ExplorationError> {
+        let own: Self = vb_world::yaml::parse(text)
+            .map_err(|source| ExplorationError::Syntax { file: file.to_owned(), source })?;
+        own.check(file)?;
+        Ok(own)
+    }
+
+    fn check(&self, file: &str) -> Result<(), ExplorationError> {
+        let within = |field: &str, value: f64, low: f64, high: f64| {
+            if value >= low && value <= high {
+                return Ok(());
+            }
+            Err(ExplorationError::Value { file: file.to_owned(), field: field.to_owned(), value, low, high })
+        };
+        let range = |field: &str, [lower, upper]: [f64; 2], low: f64, high: f64| {
+            within(&format!("{field}[0]"), lower, low, high)?;
+            within(&format!("{field}[1]"), upper, lower, high)
+        };
+        within("schema", f64::from(self.schema), f64::from(SCHEMA), f64::from(SCHEMA))?;
+        range("steering.amplitude", self.steering.amplitude, 0.0, 1.0)?;
+        range("steering.frequency_hz", self.steering.frequency_hz, 0.001, 5.0)?;
+        range("steering.offset", self.steering.offset, -1.0, 1.0)?;
+        range("steering.hold_s", self.steering.hold_s, 0.1, 3600.0)?;
+        range("speed.range_m_per_s", self.speed.range_m_per_s, 0.1, 30.0)?;
+        range("speed.hold_s", self.speed.hold_s, 0.1, 3600.0)?;
+        if let Some(reverse) = self.reverse {
+            within("reverse.probability", reverse.probability, 0.0, 1.0)?;
+            range("reverse.range_m_per_s", reverse.range_m_per_s, 0.1, 10.0)?;
+        }
+        within("start.tilt_deg", self.start.tilt_deg, 1.0, 45.0)?;
+        within("start.clearance_m", self.start.clearance_m, 0.0, 50.0)?;
+        within("start.edge_m", self.start.edge_m, 0.0, 50.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_that_come_with_the_harness_are_valid_and_the_paper_s_drives_at_two_metres_a_second() {
+        for (name, _) in Exploration::BUILTIN {
+            assert_eq!(Exploration::resolve(name).unwrap().name, name);
+        }
+        // RSS 2025, section on datasets.
+        let paper = Exploration::resolve("paper").unwrap();
+        assert_eq!((paper.speed.range_m_per_s, paper.reverse), ([2.0, 2.0], None));
+    }
+
+    #[test]
+    fn a_flaw_is_told_with_file_field_and_value() {
+        let text = Exploration::BUILTIN[0].1;
+        let told = |from: &str, to: &str| {
+            assert!(text.contains(from), "{from}");
+            let e = Exploration::from_yaml("mine.yaml", &text.replace(from, to)).unwrap_err().to_string();
+            assert!(e.starts_with("mine.yaml: ") && !e.contains('\n'), "{e}");
+            e
+        };
+        assert!(told("schema: 1", "schema: 2").contains("schema: 2 must lie in 1 to 1"));
+        assert!(told("[1.0, 6.0]", "[1.0, 60.0]").contains("speed.range_m_per_s[1]: 60 must lie in 1 to 30"));
+        assert!(told("[1.0, 6.0]", "[7.0, 6.0]").contains("speed.range_m_per_s[1]: 6 must lie in 7 to 30"));
+        assert!(told("[0.0, 1.0]", "[.nan, 1.0]").contains("steering.amplitude[0]: NaN"));
+        assert!(told("probability: 0.05", "probability: 2").contains("reverse.probability: 2"));
+        assert!(told("tilt_deg", "tilt").contains("tilt"));
+        let e = Exploration::resolve("wandering").unwrap_err().to_string();
+        assert!(e.contains("wandering") && e.contains("default, paper"), "{e}");
+    }
+}

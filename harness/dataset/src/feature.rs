@@ -1,0 +1,535 @@
+//! What a dataset has of each frame: the one list of its columns, with shape, names, units and how each is filled.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use vb_sdk::crop::Window;
+use vb_sdk::{Command, Observation, Pose2};
+use vb_sim::{Controls, Gear, VehicleState};
+use vb_world::World;
+
+/// The kind of number that a column has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dtype {
+    /// Numbers of 32 bits.
+    F32,
+    /// Whole numbers of 64 bits.
+    I64,
+    /// Labels from 0 to 255.
+    U8,
+    /// True or false.
+    Bool,
+}
+
+impl Dtype {
+    /// The name that LeRobot and numpy have for it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "float32",
+            Self::I64 => "int64",
+            Self::U8 => "uint8",
+            Self::Bool => "bool",
+        }
+    }
+}
+
+/// A column of a dataset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// The name of the column.
+    pub name: &'static str,
+    /// The kind of its numbers.
+    pub dtype: Dtype,
+    /// The shape of one frame's value: `[1]` for a number, `[n]` for a vector, `[rows, cols]` for a grid.
+    pub shape: Vec<usize>,
+    /// The names of a vector's entries, which end in their units; none for grids.
+    pub names: Vec<String>,
+    /// What it is, a sentence for the card.
+    pub about: &'static str,
+    fill: Fill,
+}
+
+impl Feature {
+    /// The number of values of a frame.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// Whether a frame's value is a grid.
+    #[must_use]
+    pub fn is_grid(&self) -> bool {
+        self.shape.len() > 1
+    }
+}
+
+/// How a column's values follow from a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fill {
+    State,
+    Wheels,
+    Goal,
+    HeightCrop,
+    ClassCrop,
+    FrictionCrop,
+    Action,
+    Speed,
+    Applied,
+    TrueState,
+    TrueWheels,
+    Ground,
+    Done,
+    Success,
+}
+
+/// What decides which columns there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Layout {
+    /// The number of the vehicle's wheels.
+    pub wheels: usize,
+    /// Whether the driver tells the speed that it aims at.
+    pub speed: bool,
+    /// Whether the vehicle has a goal.
+    pub goal: bool,
+    /// Whether the driver's estimate of the state differs from the truth.
+    pub truth: bool,
+    /// The rows and columns of the crops of the maps; none for 0.
+    pub crops: usize,
+}
+
+/// The side of a crop at scale 1, m.
+pub const CROP_SIDE: f64 = 16.0;
+
+fn named(names: &[&str]) -> Vec<String> {
+    names.iter().map(|n| (*n).to_owned()).collect()
+}
+
+/// The state's entries, as an observation has them.
+const STATE: [&str; 15] = [
+    "x_m",
+    "y_m",
+    "z_m",
+    "roll_rad",
+    "pitch_rad",
+    "yaw_rad",
+    "vx_m_per_s",
+    "vy_m_per_s",
+    "vz_m_per_s",
+    "wx_rad_per_s",
+    "wy_rad_per_s",
+    "wz_rad_per_s",
+    "steering",
+    "engine_speed_rad_per_s",
+    "gear",
+];
+
+impl Layout {
+    /// The columns, in the order of the file. Those that every dataset of LeRobot has (`timestamp`, `frame_index`,
+    /// `episode_index`, `index`, `task_index`) come besides.
+    #[must_use]
+    pub fn features(&self) -> Vec<Feature> {
+        let vector = |name, names: Vec<String>, about, fill| Feature {
+            name,
+            dtype: Dtype::F32,
+            shape: vec![names.len()],
+            names,
+            about,
+            fill,
+        };
+        let one = |name, dtype, about, fill| Feature {
+            name,
+            dtype,
+            shape: vec![1],
+            names: Vec::new(),
+            about,
+            fill,
+        };
+        let per_wheel = |what: [&str; 2]| -> Vec<String> {
+            (0..self.wheels).flat_map(|w| what.map(|text| format!("wheel{w}_{text}"))).collect()
+        };
+        let grid = |name, dtype, about, fill| Feature {
+            name,
+            dtype,
+            shape: vec![self.crops, self.crops],
+            names: Vec::new(),
+            about,
+            fill,
+        };
+        let all = [
+            (
+                true,
+                vector(
+                    "observation.state",
+                    named(&STATE),
+                    "What the driver was told of the vehicle: position of the reference point in the world (x east, y north, z up), roll (positive right side down), pitch (positive nose down), yaw, velocity and angular velocity in body axes (x forward, y left, z up), the steering that the wheels have, in [-1, 1], positive to the left, the engine's speed, and the gear that is in (-1 reverse, 0 neutral, 1 forward)",
+                    Fill::State,
+                ),
+            ),
+            (
+                true,
+                vector(
+                    "observation.wheels",
+                    per_wheel(["spin_rad_per_s", "travel_m"]),
+                    "Of each wheel, front to back, left before right: angular velocity about its axle, and suspension travel, positive in compression",
+                    Fill::Wheels,
+                ),
+            ),
+            (
+                self.goal,
+                vector(
+                    "observation.goal",
+                    named(&["forward_m", "left_m"]),
+                    "The goal, as seen from the vehicle along its heading",
+                    Fill::Goal,
+                ),
+            ),
+            (
+                self.crops > 0,
+                grid(
+                    "observation.height_crop",
+                    Dtype::F32,
+                    "Heights of the ground on a square of 16 m (times the world's scale) that turns with the vehicle's heading, less the height under its reference point, m; row 0 is the rearmost, column 0 the rightmost",
+                    Fill::HeightCrop,
+                ),
+            ),
+            (
+                self.crops > 0,
+                grid(
+                    "observation.class_crop",
+                    Dtype::U8,
+                    "The kinds of ground there: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow, 10 obstacle, 255 beyond the world",
+                    Fill::ClassCrop,
+                ),
+            ),
+            (
+                self.crops > 0,
+                grid(
+                    "observation.friction_crop",
+                    Dtype::F32,
+                    "The friction coefficient of rigid ground there; 0 beyond the world",
+                    Fill::FrictionCrop,
+                ),
+            ),
+            (
+                true,
+                vector(
+                    "action",
+                    named(&["steering", "throttle", "brake", "gear"]),
+                    "What the driver commanded, as given: steering in [-1, 1], positive to the left, throttle and brake in [0, 1], gear (-1 reverse, 0 neutral, 1 forward); it holds until the next command",
+                    Fill::Action,
+                ),
+            ),
+            (
+                self.speed,
+                vector(
+                    "action.speed",
+                    named(&["speed_m_per_s"]),
+                    "The forward speed that the driver aims at, negative in reverse",
+                    Fill::Speed,
+                ),
+            ),
+            (
+                true,
+                vector(
+                    "action.applied",
+                    named(&["steering", "throttle", "brake", "gear"]),
+                    "What became of the command until the next frame: the mean of the steering that the wheels had, throttle and brake within their range, and the gear that was in at the end",
+                    Fill::Applied,
+                ),
+            ),
+            (
+                self.truth,
+                vector(
+                    "truth.state",
+                    named(&STATE),
+                    "The entries of observation.state as they are in truth",
+                    Fill::TrueState,
+                ),
+            ),
+            (
+                true,
+                vector(
+                    "truth.wheels",
+                    per_wheel(["load_N", "sinkage_m"]),
+                    "Of each wheel: normal force of ground and obstacles, and depth in soil",
+                    Fill::TrueWheels,
+                ),
+            ),
+            (
+                true,
+                one(
+                    "truth.ground",
+                    Dtype::I64,
+                    "The kind of ground under the reference point: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow",
+                    Fill::Ground,
+                ),
+            ),
+            (
+                true,
+                one("next.done", Dtype::Bool, "Whether this is the last frame of its episode", Fill::Done),
+            ),
+            (
+                true,
+                one(
+                    "next.success",
+                    Dtype::Bool,
+                    "Whether the episode ends with this frame, at its goal",
+                    Fill::Success,
+                ),
+            ),
+        ];
+        all.into_iter().filter(|(is_there, _)| *is_there).map(|(_, feature)| feature).collect()
+    }
+
+    /// The bytes of a frame before compression.
+    #[must_use]
+    pub fn frame_bytes(&self) -> usize {
+        let size = |f: &Feature| match f.dtype {
+            Dtype::F32 => 4 * f.width(),
+            Dtype::I64 => 8 * f.width(),
+            Dtype::U8 | Dtype::Bool => f.width(),
+        };
+        36 + self.features().iter().map(size).sum::<usize>()
+    }
+}
+
+/// A frame while it is recorded: what was seen, done and true at a step of the driver.
+pub(crate) struct Frame<'a> {
+    pub(crate) ground: &'a Ground,
+    pub(crate) state: &'a VehicleState,
+    /// With the last readings of sensors that have none now.
+    pub(crate) observation: &'a Observation,
+    pub(crate) goal: [f64; 2],
+    pub(crate) given: &'a Command,
+    /// The speed that the driver aims at, m/s.
+    pub(crate) speed: f64,
+    pub(crate) taken: Controls,
+    /// The mean of the steering until the next frame.
+    pub(crate) steering: f64,
+    /// The gear at the next frame.
+    pub(crate) gear_after: Gear,
+    pub(crate) is_last: bool,
+    pub(crate) succeeds: bool,
+}
+
+/// The values of a column, frame after frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Of [`Dtype::F32`].
+    F32(Vec<f32>),
+    /// Of [`Dtype::I64`].
+    I64(Vec<i64>),
+    /// Of [`Dtype::U8`].
+    U8(Vec<u8>),
+    /// Of [`Dtype::Bool`].
+    Bool(Vec<bool>),
+}
+
+impl Values {
+    /// No values yet.
+    #[must_use]
+    pub fn new(dtype: Dtype) -> Self {
+        match dtype {
+            Dtype::F32 => Self::F32(Vec::new()),
+            Dtype::I64 => Self::I64(Vec::new()),
+            Dtype::U8 => Self::U8(Vec::new()),
+            Dtype::Bool => Self::Bool(Vec::new()),
+        }
+    }
+
+    /// The number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(v) => v.len(),
+            Self::I64(v) => v.len(),
+            Self::U8(v) => v.len(),
+            Self::Bool(v) => v.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A value as a number.
+    ///
+    /// # Panics
+    /// Panics if there are not so many.
+    #[must_use]
+    pub fn number(&self, index: usize) -> f64 {
+        match self {
+            Self::F32(v) => f64::from(v[index]),
+            Self::I64(v) => v[index] as f64,
+            Self::U8(v) => f64::from(v[index]),
+            Self::Bool(v) => f64::from(u8::from(v[index])),
+        }
+    }
+
+    /// Appends some of the values of another column of the same kind; of another kind, none.
+    pub fn append(&mut self, other: &Self, range: std::ops::Range<usize>) {
+        match (self, other) {
+            (Self::F32(to), Self::F32(from)) => to.extend_from_slice(&from[range]),
+            (Self::I64(to), Self::I64(from)) => to.extend_from_slice(&from[range]),
+            (Self::U8(to), Self::U8(from)) => to.extend_from_slice(&from[range]),
+            (Self::Bool(to), Self::Bool(from)) => to.extend_from_slice(&from[range]),
+            _ => {}
+        }
+    }
+
+    fn f32(&mut self, values: impl IntoIterator<Item = f64>) {
+        if let Self::F32(to) = self {
+            to.extend(values.into_iter().map(|x| x as f32));
+        }
+    }
+}
+
+fn gear(gear: Gear) -> f64 {
+    match gear {
+        Gear::Reverse => -1.0,
+        Gear::Neutral => 0.0,
+        Gear::Forward => 1.0,
+    }
+}
+
+fn given_gear(gear: vb_sdk::Gear) -> f64 {
+    match gear {
+        vb_sdk::Gear::Reverse => -1.0,
+        vb_sdk::Gear::Neutral => 0.0,
+        vb_sdk::Gear::Forward => 1.0,
+    }
+}
+
+/// The label of an obstacle in a crop.
+const OBSTACLE: u8 = 10;
+/// The label beyond the world.
+const BEYOND: u8 = 255;
+
+impl Feature {
+    /// Appends a frame's values.
+    pub(crate) fn push(&self, frame: &Frame<'_>, to: &mut Values) {
+        let (state, seen) = (frame.state, frame.observation);
+        match self.fill {
+            Fill::State => {
+                let p = seen.pose.unwrap_or_default();
+                to.f32([p.position.x, p.position.y, p.position.z, p.roll, p.pitch, p.yaw]);
+                to.f32([p.linear_velocity, p.angular_velocity].into_iter().flat_map(|v| [v.x, v.y, v.z]));
+                to.f32([seen.steering, seen.engine_speed, given_gear(seen.gear)]);
+            }
+            Fill::Wheels => {
+                to.f32(seen.wheels.iter().flat_map(|w| [w.spin, w.travel]));
+                // A driver that doesn't ask for the wheels sees none.
+                let missing = self.width() - 2 * seen.wheels.len().min(self.width() / 2);
+                to.f32(std::iter::repeat_n(0.0, missing));
+            }
+            Fill::Goal => {
+                let p = seen.pose.unwrap_or_default();
+                let (sin, cos) = vb_math::sin_cos(p.yaw);
+                let (dx, dy) = (frame.goal[0] - p.position.x, frame.goal[1] - p.position.y);
+                to.f32([cos * dx + sin * dy, cos * dy - sin * dx]);
+            }
+            Fill::HeightCrop => {
+                let ground = &frame.ground.world.heightfield;
+                let under = ground.height(state.position.x, state.position.y);
+                to.f32(self.places(frame).map(|[x, y]| ground.height(x, y) - under));
+            }
+            Fill::ClassCrop => {
+                if let Values::U8(to) = to {
+                    to.extend(self.places(frame).map(|at| frame.ground.label(at)));
+                }
+            }
+            Fill::FrictionCrop => {
+                let world = &frame.ground.world;
+                let friction = |[x, y]: [f64; 2]| {
+                    if world.heightfield.contains(x, y) { world.friction_at(x, y) } else { 0.0 }
+                };
+                to.f32(self.places(frame).map(friction));
+            }
+            Fill::Action => {
+                let c = frame.given;
+                to.f32([c.steering, c.throttle, c.brake, given_gear(c.gear)]);
+            }
+            Fill::Speed => to.f32([frame.speed]),
+            Fill::Applied => {
+                let c = frame.taken;
+                to.f32([frame.steering, c.throttle, c.brake, gear(frame.gear_after)]);
+            }
+            Fill::TrueState => {
+                let (roll, pitch, yaw) = state.roll_pitch_yaw();
+                let (p, v, w) = (state.position, state.velocity, state.angular_velocity);
+                to.f32([p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
+                to.f32([state.steering, state.engine_speed, gear(state.gear)]);
+            }
+            Fill::TrueWheels => to.f32(state.wheels.iter().flat_map(|w| [w.load, w.sinkage])),
+            Fill::Ground => {
+                if let Values::I64(to) = to {
+                    let class = frame.ground.world.class_at(state.position.x, state.position.y);
+                    to.push(i64::from(class.label()));
+                }
+            }
+            Fill::Done => {
+                if let Values::Bool(to) = to {
+                    to.push(frame.is_last);
+                }
+            }
+            Fill::Success => {
+                if let Values::Bool(to) = to {
+                    to.push(frame.succeeds);
+                }
+            }
+        }
+    }
+
+    /// The places of a crop's cells in the world, row after row.
+    fn places(&self, frame: &Frame<'_>) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let n = self.shape[0];
+        let side = CROP_SIDE * frame.ground.world.scale;
+        let window = Window { rows: n, cols: n, resolution: side / n as f64, ahead: 0.0 };
+        let (.., yaw) = frame.state.roll_pitch_yaw();
+        let at = Pose2 { x: frame.state.position.x, y: frame.state.position.y, yaw };
+        let (sin, cos) = vb_math::sin_cos(at.yaw);
+        (0..n * n).map(move |k| {
+            let (forward, left) = window.body_position(k / n, k % n);
+            [at.x + cos * forward - sin * left, at.y + sin * forward + cos * left]
+        })
+    }
+}
+
+/// A world, with the outlines of its obstacles.
+#[derive(Clone, Debug)]
+pub(crate) struct Ground {
+    pub(crate) world: Arc<World>,
+    outlines: Vec<Vec<[f64; 2]>>,
+}
+
+impl Ground {
+    pub(crate) fn new(world: Arc<World>) -> Self {
+        let outlines = world.obstacles.iter().map(vb_world::Obstacle::footprint).collect();
+        Self { world, outlines }
+    }
+
+    /// The distance from a place to the nearest obstacle, m; 0 within one, infinite without any.
+    pub(crate) fn clearance(&self, at: [f64; 2]) -> f64 {
+        let distance = |o: &Vec<[f64; 2]>| vb_world::geometry::point_to_polygon(at, o);
+        self.outlines.iter().map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    fn label(&self, [x, y]: [f64; 2]) -> u8 {
+        if !self.world.heightfield.contains(x, y) {
+            return BEYOND;
+        }
+        let is_near = |o: &&vb_world::Obstacle| {
+            let [along, across, _] = o.size();
+            // No outline reaches farther from the centre than its box is long and wide.
+            (o.x - x).abs().max((o.y - y).abs()) < along + across
+        };
+        let mut near = self.world.obstacles.iter().zip(&self.outlines).filter(|(o, _)| is_near(o));
+        if near.any(|(_, outline)| vb_world::geometry::contains(outline, [x, y])) {
+            return OBSTACLE;
+        }
+        self.world.class_at(x, y).label()
+    }
+}

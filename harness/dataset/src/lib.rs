@@ -1,0 +1,27 @@
+//! Datasets of driving, for those who learn from data: exploration, demonstrations and failures.
+//!
+//! A dataset is a folder in the layout of LeRobot's version 3.0 ([`lerobot`]), with the worlds in a suite beside it, so that
+//! a frame names its place instead of copying the map. [`Making`] drives and [`DatasetWriter`] writes; [`Dataset`] reads.
+//! [`Layout::features`] is the one list of columns. Everything follows from the [`Header`]: the same header gives the same
+//! bytes.
+
+mod card;
+mod episode;
+mod error;
+pub mod explore;
+mod feature;
+mod header;
+pub mod lerobot;
+mod make;
+mod ordered;
+mod reader;
+mod writer;
+
+pub use episode::{Episode, EpisodeInfo};
+pub use error::DatasetError;
+pub use explore::{Exploration, ExplorationError};
+pub use feature::{CROP_SIDE, Dtype, Feature, Layout, Values};
+pub use header::{DATASET_SCHEMA, Header, Kind, LICENCE, PlannerHeader};
+pub use make::{Amount, Kept, Making, Progress, keep_apart};
+pub use reader::Dataset;
+pub use writer::{DatasetWriter, Finished, Summary};

@@ -1,0 +1,350 @@
+//! Making datasets: episodes that many threads drive, written in order.
+
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use vb_host::{Limits, Plugin};
+use vb_math::rng::Stream;
+use vb_record::{LogMode, TraceMode};
+use vb_runner::{Driver, Keep, Place, PluginDriver, Setting, TrialResult, Wants};
+use vb_score::Outcome;
+use vb_sdk::metadata::Need;
+use vb_world::{Suite, Task, TaskRef};
+
+use crate::episode::{Episode, EpisodeInfo, Recorder};
+use crate::error::DatasetError;
+use crate::explore::{Exploration, Explorer, random_start};
+use crate::feature::{Feature, Ground};
+use crate::ordered::ordered;
+use crate::writer::DatasetWriter;
+
+/// Episodes of exploration in a row on the same world, so that few worlds are in memory.
+const IN_A_ROW: usize = 8;
+/// Starts that are tried where the simulation fails.
+const STARTS: u64 = 20;
+
+/// What is told while a dataset is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The drives until now, kept or not, with those of an earlier, interrupted command.
+    pub drives: usize,
+    /// The episodes until now.
+    pub episodes: usize,
+    /// The frames until now.
+    pub frames: usize,
+}
+
+/// How a dataset is made.
+pub struct Making<'a> {
+    /// Everything but world, task and driver.
+    pub setting: &'a Setting,
+    /// The suite that the worlds are of.
+    pub worlds: &'a Suite,
+    /// Frames a second.
+    pub hz: u32,
+    /// Threads.
+    pub jobs: usize,
+    /// Set to end it.
+    pub cancel: &'a AtomicBool,
+}
+
+/// Refuses worlds that belong to a suite on which planners are judged, by their content.
+///
+/// # Errors
+/// Returns [`DatasetError::SuiteWorld`] for the first such world.
+pub fn keep_apart<'s>(
+    worlds: &Suite,
+    suites: impl IntoIterator<Item = &'s Suite>,
+) -> Result<(), DatasetError> {
+    for suite in suites {
+        for theirs in suite.worlds() {
+            if let Some(own) = worlds.worlds().iter().find(|w| w.sha256 == theirs.sha256) {
+                let (suite, of) = (suite.meta().name.clone(), theirs.id.clone());
+                return Err(DatasetError::SuiteWorld { world: own.id.clone(), suite, of });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// How much is explored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Amount {
+    /// So many episodes.
+    Episodes(usize),
+    /// As many episodes as have so many frames together.
+    Frames(usize),
+}
+
+impl Amount {
+    fn is_reached(self, writer: &DatasetWriter) -> bool {
+        match self {
+            Self::Episodes(n) => writer.episodes() >= n,
+            Self::Frames(n) => writer.frames() >= n,
+        }
+    }
+}
+
+/// Which episodes of planners are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// All.
+    All,
+    /// Those that reach their goal.
+    Success,
+    /// Those that don't.
+    Failure,
+}
+
+impl Kept {
+    fn keeps(self, outcome: Outcome) -> bool {
+        match self {
+            Self::All => true,
+            Self::Success => outcome == Outcome::Success,
+            Self::Failure => outcome != Outcome::Success,
+        }
+    }
+}
+
+/// A world that episodes are driven in.
+#[derive(Clone)]
+struct Site {
+    place: Place,
+    ground: Arc<Ground>,
+    hash: String,
+}
+
+/// The worlds in use, latest last.
+struct Sites<'a> {
+    making: &'a Making<'a>,
+    loaded: Mutex<VecDeque<Site>>,
+}
+
+impl Sites<'_> {
+    fn site(&self, world: &str) -> Result<Site, DatasetError> {
+        // Held while loading, so that two threads don't load the same world.
+        let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(site) = loaded.iter().find(|s| s.place.world.id == world) {
+            return Ok(site.clone());
+        }
+        let Making { worlds, setting, jobs, .. } = self.making;
+        let place = Place::load(worlds, world, setting.scale)?;
+        let hash = worlds.world_info(world)?.sha256.clone();
+        let site = Site { ground: Arc::new(Ground::new(place.world.clone())), place, hash };
+        loaded.push_back(site.clone());
+        if loaded.len() > jobs + 2 {
+            loaded.pop_front();
+        }
+        Ok(site)
+    }
+}
+
+/// One drive that becomes an episode.
+struct Drive<'a> {
+    task: &'a Task,
+    /// The name of the task in its suite, or nothing.
+    name: String,
+    instruction: &'static str,
+    index: usize,
+    wants: &'a Wants,
+    every: u64,
+}
+
+impl Making<'_> {
+    /// Explores until there is enough, and adds the episodes in order. It returns false if it was cancelled.
+    ///
+    /// # Errors
+    /// Returns an error if a world can't be read, has nowhere to start, or a file can't be written.
+    pub fn explore(
+        &self,
+        writer: &mut DatasetWriter,
+        rules: &Exploration,
+        amount: Amount,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<bool, DatasetError> {
+        let features = writer.features().to_vec();
+        let period = 1.0 / f64::from(self.hz);
+        let wants = Wants {
+            name: format!("exploration {}", rules.name),
+            control_period: period,
+            needs: Need::DEFAULT.to_vec(),
+            params: Vec::new(),
+        };
+        let sites = Sites { making: self, loaded: Mutex::default() };
+        let make = |index: usize| {
+            let episode = self.exploration(&sites, &features, rules, &wants, index);
+            (!self.cancel.load(Ordering::Relaxed)).then_some(episode)
+        };
+        if amount.is_reached(writer) {
+            return Ok(true);
+        }
+        self.gather(writer, make, progress, &|writer| amount.is_reached(writer))
+    }
+
+    /// Hands the episodes that are made to the writer, until it is enough. It returns false if it was cancelled.
+    fn gather(
+        &self,
+        writer: &mut DatasetWriter,
+        make: impl Fn(usize) -> Option<Result<Option<Episode>, DatasetError>> + Sync,
+        progress: &mut dyn FnMut(Progress),
+        is_enough: &dyn Fn(&DatasetWriter) -> bool,
+    ) -> Result<bool, DatasetError> {
+        let mut result = Ok(());
+        let first = usize::try_from(writer.next_drive()).unwrap_or(usize::MAX);
+        let stack = Limits::default().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
+        let take = |drive: usize, episode: Result<Option<Episode>, DatasetError>| {
+            result = episode.and_then(|e| e.map_or(Ok(()), |e| writer.add(&e)));
+            progress(Progress { drives: drive + 1, episodes: writer.episodes(), frames: writer.frames() });
+            if result.is_err() || is_enough(writer) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        ordered(self.jobs, stack, first, make, take)
+            .map_err(|e| DatasetError::Run(vb_runner::RunError::Thread(e)))?;
+        result.map(|()| !self.cancel.load(Ordering::Relaxed))
+    }
+
+    /// The episode of exploration with this index, which depends on the settings and the index alone.
+    fn exploration(
+        &self,
+        sites: &Sites<'_>,
+        features: &[Feature],
+        rules: &Exploration,
+        wants: &Wants,
+        index: usize,
+    ) -> Result<Option<Episode>, DatasetError> {
+        let worlds = self.worlds.worlds();
+        let world = &worlds[(index / IN_A_ROW) % worlds.len()].id;
+        let site = sites.site(world)?;
+        let id = format!("e{index:06}");
+        for attempt in 0..STARTS {
+            let stream =
+                |what: &str| Stream::new(self.setting.seed, &["explore", &id, &attempt.to_string(), what]);
+            let size = [self.setting.vehicle.length, self.setting.vehicle.width];
+            let Some(start) = random_start(&rules.start, &site.ground, size, &mut stream("start")) else {
+                break;
+            };
+            let goal = [start.x, start.y];
+            let task = Task { id: id.clone(), start, goal, path: vec![goal] };
+            let mut driver = Explorer::new(rules, stream("commands"));
+            let drive = Drive {
+                task: &task,
+                name: String::new(),
+                instruction: "Explore rough ground.",
+                index,
+                wants,
+                every: 1,
+            };
+            match self.episode(&site, features, &drive, &mut driver)? {
+                // A vehicle that can't be put there, or that the simulation loses, is put elsewhere.
+                Some((_, Outcome::SimError | Outcome::HostError)) => {}
+                Some((episode, _)) => return Ok(Some(episode)),
+                None => return Ok(None),
+            }
+        }
+        let vehicle = self.setting.vehicle.name.clone();
+        Err(DatasetError::NoStart { world: world.clone(), vehicle })
+    }
+
+    /// Lets planners drive tasks, one planner after the other, and adds the episodes that are kept. It returns false if it was
+    /// cancelled.
+    ///
+    /// # Errors
+    /// Returns an error if a world can't be read, the frames don't fit a planner's steps, or a file can't be written.
+    pub fn drive(
+        &self,
+        writer: &mut DatasetWriter,
+        planners: &[(Plugin, Wants)],
+        tasks: &[TaskRef],
+        kept: Kept,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<bool, DatasetError> {
+        let features = writer.features().to_vec();
+        let mut every = Vec::new();
+        for (_, wants) in planners {
+            every.push(steps_of_a_frame(self.hz, &wants.name, wants.control_period)?);
+        }
+        let sites = Sites { making: self, loaded: Mutex::default() };
+        let total = planners.len() * tasks.len();
+        let make = |index: usize| {
+            if index >= total || self.cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            let (plugin, wants) = &planners[index / tasks.len()];
+            let task = &tasks[index % tasks.len()];
+            let every = every[index / tasks.len()];
+            let episode = self.task(&sites, &features, (index, task), plugin, (wants, every), kept);
+            (!self.cancel.load(Ordering::Relaxed)).then_some(episode)
+        };
+        self.gather(writer, make, progress, &|_| false)
+    }
+
+    fn task(
+        &self,
+        sites: &Sites<'_>,
+        features: &[Feature],
+        (index, wanted): (usize, &TaskRef),
+        plugin: &Plugin,
+        (wants, every): (&Wants, u64),
+        kept: Kept,
+    ) -> Result<Option<Episode>, DatasetError> {
+        let site = sites.site(&wanted.world)?;
+        let Some(task) = site.place.world.task(&wanted.task) else { return Ok(None) };
+        let name = wanted.to_string();
+        let drive = Drive { task, name, instruction: "Drive to the goal.", index, wants, every };
+        let mut driver = PluginDriver::new(plugin);
+        let episode = self.episode(&site, features, &drive, &mut driver)?;
+        Ok(episode.filter(|(_, outcome)| kept.keeps(*outcome)).map(|(episode, _)| episode))
+    }
+
+    /// Lets a driver drive, and records it; `None` if it was cancelled.
+    fn episode(
+        &self,
+        site: &Site,
+        features: &[Feature],
+        drive: &Drive<'_>,
+        driver: &mut dyn Driver,
+    ) -> Result<Option<(Episode, Outcome)>, DatasetError> {
+        let Drive { task, wants, .. } = *drive;
+        let mut recorder = Recorder::new(features, &site.ground, task.goal, drive.every);
+        let keep = Keep { trace: TraceMode::None, logs: LogMode::default() };
+        let name = driver.name();
+        let driven =
+            self.setting.drive(&site.place, task, wants, driver, &mut recorder, keep, self.cancel)?;
+        let Some(TrialResult { record, .. }) = driven else { return Ok(None) };
+        let start = [task.start.x, task.start.y, task.start.yaw];
+        let info = EpisodeInfo {
+            instruction: drive.instruction.to_owned(),
+            drive: drive.index as u64,
+            driver: name,
+            world: site.place.world.id.clone(),
+            world_hash: site.hash.clone(),
+            task: drive.name.clone(),
+            elevation: record.elevation.name().to_owned(),
+            terrain: record.terrain.name().to_owned(),
+            density: record.density.name().to_owned(),
+            outcome: record.outcome.name().to_owned(),
+            reason: record.reason,
+            time_s: record.time_s,
+            start,
+            goal: task.goal,
+            state_hash: record.state_hash,
+            ..EpisodeInfo::default()
+        };
+        Ok(Some((recorder.finish(info), record.outcome)))
+    }
+}
+
+/// The number of a driver's steps for each frame.
+pub(crate) fn steps_of_a_frame(hz: u32, driver: &str, period: f64) -> Result<u64, DatasetError> {
+    let steps = 1.0 / (f64::from(hz) * period);
+    if steps.round() >= 1.0 && (steps - steps.round()).abs() < 1e-6 {
+        return Ok(steps.round() as u64);
+    }
+    let possible = (1.0 / period).floor().max(1.0).to_string();
+    Err(DatasetError::Rate { hz, driver: driver.to_owned(), period, possible })
+}

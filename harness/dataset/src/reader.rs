@@ -1,0 +1,140 @@
+//! Reading a dataset.
+
+use std::path::{Path, PathBuf};
+
+use vb_world::Suite;
+
+use crate::episode::{Episode, EpisodeInfo};
+use crate::error::DatasetError;
+use crate::feature::{Feature, Values};
+use crate::header::{DATASET_SCHEMA, Header};
+use crate::lerobot::{Batch, Row, data_path, episodes_path, read_data, read_episodes};
+
+/// The file that says what a dataset follows from.
+pub(crate) const HEADER: &str = "dataset.json";
+/// The file with the hashes of all others, which is written last.
+pub(crate) const SUMS: &str = "SHA256SUMS";
+/// The folder of the suite that the worlds are of.
+pub(crate) const WORLDS: &str = "suite";
+
+/// Reads `dataset.json`.
+pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
+    let path = dir.join(HEADER);
+    if !path.is_file() {
+        return Err(DatasetError::Missing { dir: dir.to_owned() });
+    }
+    let text = vb_files::read_text(&path, vb_files::DOCUMENT).map_err(DatasetError::io("read", &path))?;
+    let damaged = |e: serde_json::Error| DatasetError::damaged(&path, &e.to_string());
+    let value: serde_json::Value = serde_json::from_str(&text).map_err(damaged)?;
+    let found = value.get("schema").and_then(serde_json::Value::as_u64).unwrap_or(0);
+    if found > u64::from(DATASET_SCHEMA) {
+        return Err(DatasetError::Schema { path, found, supported: DATASET_SCHEMA });
+    }
+    serde_json::from_value(value).map_err(damaged)
+}
+
+/// A finished dataset in a folder.
+pub struct Dataset {
+    dir: PathBuf,
+    header: Header,
+    features: Vec<Feature>,
+    rows: Vec<Row>,
+}
+
+impl Dataset {
+    /// Opens the dataset in a folder.
+    ///
+    /// # Errors
+    /// Returns an error if there is none, it isn't finished, or what tells of its episodes can't be read.
+    pub fn open(dir: &Path) -> Result<Self, DatasetError> {
+        let header = read_header(dir)?;
+        if !dir.join(SUMS).is_file() {
+            return Err(DatasetError::Unfinished { dir: dir.to_owned() });
+        }
+        let mut rows = Vec::new();
+        for number in 0.. {
+            let path = dir.join(episodes_path(number));
+            if !path.is_file() {
+                break;
+            }
+            rows.extend(read_episodes(&path)?);
+        }
+        let features = header.layout.features();
+        Ok(Self { dir: dir.to_owned(), header, features, rows })
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What it says of itself.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The columns of each frame.
+    #[must_use]
+    pub fn features(&self) -> &[Feature] {
+        &self.features
+    }
+
+    /// What is said of each episode, with the number of its frames, in order.
+    pub fn infos(&self) -> impl ExactSizeIterator<Item = (&EpisodeInfo, usize)> {
+        self.rows.iter().map(|r| (&r.info, r.place.to - r.place.from))
+    }
+
+    /// The number of frames.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.rows.last().map_or(0, |r| r.place.to)
+    }
+
+    /// The suite with the worlds.
+    ///
+    /// # Errors
+    /// Returns an error if it can't be read.
+    pub fn worlds(&self) -> Result<Suite, DatasetError> {
+        Ok(Suite::open(self.dir.join(WORLDS))?)
+    }
+
+    /// The episodes in order, one data file in memory at a time. After an error nothing comes any more.
+    pub fn episodes(&self) -> impl Iterator<Item = Result<Episode, DatasetError>> + '_ {
+        let mut open: Option<(usize, Batch, usize)> = None;
+        let mut failed = false;
+        self.rows.iter().map_while(move |row| {
+            if failed {
+                return None;
+            }
+            let episode = self.episode(row, &mut open);
+            failed = episode.is_err();
+            Some(episode)
+        })
+    }
+
+    fn episode(&self, row: &Row, open: &mut Option<(usize, Batch, usize)>) -> Result<Episode, DatasetError> {
+        let path = self.dir.join(data_path(row.place.file));
+        let (batch, first) = match open {
+            Some((file, batch, first)) if *file == row.place.file => (batch, *first),
+            _ => {
+                let batch = read_data(&path, &self.features)?;
+                let (_, batch, first) = open.insert((row.place.file, batch, row.place.from));
+                (batch, *first)
+            }
+        };
+        let (from, to) = (row.place.from.wrapping_sub(first), row.place.to.wrapping_sub(first));
+        if from > to || to > batch.len() {
+            let detail = format!("it has no frames {} to {}", row.place.from, row.place.to);
+            return Err(DatasetError::damaged(&path, &detail));
+        }
+        let columns = self.features.iter().zip(&batch.columns);
+        let columns = columns.map(|(f, all)| {
+            let mut own = Values::new(f.dtype);
+            own.append(all, from * f.width()..to * f.width());
+            own
+        });
+        Ok(Episode { info: row.info.clone(), frames: to - from, columns: columns.collect() })
+    }
+}

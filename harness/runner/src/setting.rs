@@ -1,0 +1,197 @@
+//! What the trials of a run have in common, and how each is made of it.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use vb_host::{Metadata, Plugin};
+use vb_record::{LogMode, TraceMode};
+use vb_score::{Rules, StartRule};
+use vb_sdk::Param;
+use vb_sdk::metadata::Need;
+use vb_sense::rays::Scene;
+use vb_sense::{Perception, Profile};
+use vb_sim::{SimOptions, SoilSet, Start};
+use vb_vehicle::VehicleModel;
+use vb_world::{Suite, SuiteError, Task, World};
+
+use crate::brief::{Terms, planner_vehicle};
+use crate::driver::{Driver, Witness};
+use crate::run::{Soils, Vehicle};
+use crate::shape::static_shape;
+use crate::{RunError, Trial, TrialResult};
+
+/// A world, and what sensors see of it.
+#[derive(Clone)]
+pub struct Place {
+    /// The world, scaled.
+    pub world: Arc<World>,
+    /// The world as sensors see it.
+    pub scene: Arc<Scene>,
+}
+
+impl Place {
+    /// A world as a place; lengths are multiplied by the scale.
+    #[must_use]
+    pub fn new(world: World, scale: f64) -> Self {
+        let world = Arc::new(if scale == 1.0 { world } else { world.scaled(scale) });
+        Self { scene: Arc::new(Scene::new(world.clone())), world }
+    }
+
+    /// A world of a suite.
+    ///
+    /// # Errors
+    /// Returns an error if the world can't be read or isn't the one that the suite's index states.
+    pub fn load(suite: &Suite, world: &str, scale: f64) -> Result<Self, SuiteError> {
+        Ok(Self::new(suite.load_world(world)?, scale))
+    }
+}
+
+/// Everything but place, task and driver that decides the result of a trial.
+pub struct Setting {
+    /// The vehicle, with its linkages solved.
+    pub model: VehicleModel,
+    /// The vehicle as drivers are told of it.
+    pub vehicle: vb_sdk::Vehicle,
+    /// The soils of deformable ground.
+    pub soils: SoilSet,
+    /// The rules.
+    pub rules: Rules,
+    /// The settings by which the simulation is stepped.
+    pub options: SimOptions,
+    /// What is known of the world, and how well.
+    pub perception: Profile,
+    /// The factor on every length of the worlds.
+    pub scale: f64,
+    /// The seed of all that is random.
+    pub seed: u64,
+}
+
+/// What a driver asks for.
+#[derive(Clone, Debug)]
+pub struct Wants {
+    /// The name of the driver, for messages.
+    pub name: String,
+    /// The time between its steps, s.
+    pub control_period: f64,
+    /// The sensors that it needs.
+    pub needs: Vec<Need>,
+    /// Its parameters.
+    pub params: Vec<Param>,
+}
+
+impl Wants {
+    /// What a plugin asks for under a perception profile.
+    #[must_use]
+    pub fn of(plugin: &Plugin, perception: &Profile, params: Vec<Param>) -> Self {
+        let Metadata { name, control_period, .. } = plugin.metadata();
+        let needs = plugin.metadata().sensors(perception.gives_all_maps());
+        Self { name: name.clone(), control_period: *control_period, needs, params }
+    }
+}
+
+/// What is kept of a trial.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Keep {
+    /// The samples of the trace.
+    pub trace: TraceMode,
+    /// Whether the record has the planner's log.
+    pub logs: LogMode,
+}
+
+/// The way in which the simulator starts a trial under a rule, in a world of this scale.
+#[must_use]
+pub fn start(rule: StartRule, scale: f64) -> Start {
+    match rule {
+        StartRule::Settled => Start::Settled,
+        StartRule::Dropped { height_m, raster_stretch } => {
+            Start::Dropped { height: height_m * scale, stretch: raster_stretch }
+        }
+    }
+}
+
+impl Setting {
+    /// A setting; `time_step` is that of the simulation, s.
+    ///
+    /// # Errors
+    /// Returns an error if the scale is no positive number, or the vehicle can't be simulated.
+    pub fn new(
+        vehicle: &Vehicle,
+        soils: &Soils,
+        rules: &Rules,
+        perception: &Profile,
+        time_step: f64,
+        scale: f64,
+        seed: u64,
+    ) -> Result<Self, RunError> {
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(RunError::Scale(scale));
+        }
+        let options = SimOptions {
+            step: time_step,
+            soil_resolution: soils.resolution,
+            start: start(rules.start, scale),
+            ..SimOptions::default()
+        };
+        let model = VehicleModel::new(vehicle.spec.clone())?;
+        let shape = static_shape(&model, options)?;
+        let vehicle = planner_vehicle(model.spec(), &shape, scale);
+        let (soils, rules, perception) = (soils.set.clone(), rules.clone(), perception.clone());
+        Ok(Self { model, vehicle, soils, rules, options, perception, scale, seed })
+    }
+
+    /// The sensors of a task's vehicle, and what its driver is told.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile doesn't offer what the driver asks for.
+    pub fn brief(
+        &self,
+        place: &Place,
+        task: &Task,
+        wants: &Wants,
+    ) -> Result<(Perception, vb_sdk::Task), RunError> {
+        let terms = Terms {
+            rules: &self.rules,
+            scale: self.scale,
+            control_period: wants.control_period,
+            seed: self.seed,
+            profile: &self.perception,
+        };
+        let seed = terms.perception_seed(&place.world, task);
+        let perception =
+            Perception::new(&self.perception, &wants.needs, &place.scene, self.model.spec(), &seed)
+                .map_err(|source| RunError::Perception { planner: wants.name.clone(), source })?;
+        let (vehicle, params) = (self.vehicle.clone(), wants.params.clone());
+        let brief = terms.brief(&place.world, task, vehicle, params, &perception);
+        Ok((perception, brief))
+    }
+
+    /// Lets a driver drive a task; `None` if `cancel` was set before the end came.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile doesn't offer what the driver asks for.
+    #[allow(clippy::too_many_arguments, reason = "each is a role of its own in a trial")]
+    pub fn drive(
+        &self,
+        place: &Place,
+        task: &Task,
+        wants: &Wants,
+        driver: &mut dyn Driver,
+        witness: &mut dyn Witness,
+        keep: Keep,
+        cancel: &AtomicBool,
+    ) -> Result<Option<TrialResult>, RunError> {
+        let (perception, brief) = self.brief(place, task, wants)?;
+        let trial = Trial {
+            world: &place.world,
+            task,
+            brief: &brief,
+            vehicle: &self.model,
+            soils: &self.soils,
+            options: self.options,
+            rules: &self.rules,
+            trace: keep.trace,
+            logs: keep.logs,
+        };
+        Ok(trial.run(driver, perception, witness, cancel))
+    }
+}
