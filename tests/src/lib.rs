@@ -184,6 +184,19 @@ impl Bench {
         found
     }
 
+    /// These columns of a Parquet file, row by row.
+    #[must_use]
+    pub fn columns(&self, name: &str, wanted: &[&str]) -> Vec<Vec<Value>> {
+        let file = fs::File::open(self.path(name)).unwrap();
+        let reader = SerializedFileReader::new(file).unwrap();
+        let of = |row: &Row, wanted: &str| {
+            let found = row.get_column_iter().find(|(name, _)| *name == wanted);
+            value(found.unwrap_or_else(|| panic!("{name} has no column {wanted}")).1)
+        };
+        let row = |row: Row| wanted.iter().map(|name| of(&row, name)).collect();
+        reader.get_row_iter(None).unwrap().map(|r| row(r.unwrap())).collect()
+    }
+
     /// The rows of a Parquet file as objects by the names of the columns, read as any user reads them.
     #[must_use]
     pub fn parquet(&self, name: &str) -> Vec<Value> {
@@ -200,8 +213,9 @@ fn value(field: &Field) -> Value {
         Field::Double(x) => (*x).into(),
         Field::Float(x) => (*x).into(),
         Field::Int(x) => (*x).into(),
+        Field::Long(x) => (*x).into(),
         Field::Str(x) => x.as_str().into(),
-        other => panic!("no file of a run has a field such as {other:?}"),
+        other => panic!("no test reads a field such as {other:?}"),
     }
 }
 

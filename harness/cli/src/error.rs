@@ -20,7 +20,7 @@ pub(crate) const CHECKS_FAILED: u8 = 6;
 pub(crate) const HOST_ERRORS: u8 = 7;
 /// The checks of a planner were made, but it failed some.
 pub(crate) const NOT_CONFORMING: u8 = 8;
-/// A submission does not verify.
+/// A submission, or a dataset, does not verify.
 pub(crate) const NOT_VERIFIED: u8 = 9;
 /// The run was ended early: the planner failed alike in all of the first tasks, before its first command.
 pub(crate) const FAILED_START: u8 = 10;
@@ -38,7 +38,7 @@ pub(crate) const MEANINGS: [(u8, &str); 12] = [
     (CHECKS_FAILED, "completed, but the vehicle failed some checks of its test"),
     (HOST_ERRORS, "completed, but the harness or the machine failed some tasks; --resume runs them again"),
     (NOT_CONFORMING, "completed, but the planner failed some checks of check"),
-    (NOT_VERIFIED, "a submission does not verify"),
+    (NOT_VERIFIED, "a submission, or a dataset, does not verify"),
     (
         FAILED_START,
         "ended early: the planner failed alike in all of the first tasks, before its first command",

@@ -67,7 +67,7 @@ pub(crate) fn card(
          | vehicle | {} (`{}`) |\n| perception | {} (`{}`) |\n| rules | {} (`{}`) |\n| soils | {} (`{}`) |\n\
          | worlds | {} (`{}`), scale {scale}, in the folder `suite` |\n\
          | seed | {seed} |\n| licence | {licence} |\n| made by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
-         The numbers in brackets are SHA-256. None of the worlds belongs to a suite that planners are judged on.\n\n\
+         The numbers in brackets are SHA-256. {}\n\n\
          To make it again, byte for byte, with that version of the harness:\n\n\
          ```console\n$ vb-harness {} --out DIR\n```\n\n\
          ## Columns\n\n\
@@ -91,6 +91,11 @@ pub(crate) fn card(
         header.soils.hash,
         header.worlds.name,
         header.worlds.hash,
+        if header.of_a_suite {
+            "**The worlds belong to a suite that planners are judged on: this is for looking at, and nothing may be trained or tuned on it.**"
+        } else {
+            "None of the worlds belongs to a suite that planners are judged on."
+        },
         header.command.join(" "),
     )
 }

@@ -29,6 +29,8 @@ pub struct EpisodeInfo {
     pub terrain: String,
     /// The density of the world's obstacles: `sparse`, `medium` or `dense`.
     pub density: String,
+    /// The kind of ground under the vehicle at the end.
+    pub ground: String,
     /// The outcome by the rules, as runs have it.
     pub outcome: String,
     /// Why it ended, in words.
@@ -45,7 +47,7 @@ pub struct EpisodeInfo {
     pub state_hash: String,
     /// Where a part of an episode comes from: the episode, and from which second; empty for whole ones.
     pub origin: String,
-    /// The cause of a failure, for those that were looked into; else empty.
+    /// The cause of a rollover, or of getting stuck; else empty.
     pub cause: String,
 }
 
@@ -109,10 +111,11 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The episode; `info` lacks but the distance.
+    /// The episode; `info` lacks but the distance and the ground.
     pub(crate) fn finish(mut self, info: EpisodeInfo) -> Episode {
         self.complete(Some(info.outcome == vb_score::Outcome::Success.name()));
-        let info = EpisodeInfo { distance_m: self.distance, ..info };
+        let ground = self.last.map(|[x, y, _]| self.ground.world.class_at(x, y).name().to_owned());
+        let info = EpisodeInfo { distance_m: self.distance, ground: ground.unwrap_or_default(), ..info };
         Episode { info, frames: self.frames, columns: self.columns }
     }
 

@@ -2,15 +2,27 @@
 
 use std::path::{Path, PathBuf};
 
+use vb_record::StoreError;
 use vb_runner::RunError;
 use vb_world::SuiteError;
+
+/// What to do about an error of the operating system.
+fn hint(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded => {
+            " (free some space, then give the same command and --resume; what was written is safe)"
+        }
+        std::io::ErrorKind::PermissionDenied => " (give another --out, or change its permissions)",
+        _ => "",
+    }
+}
 
 /// An error of a dataset. Each message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
     /// The operating system refuses.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
     Io {
         /// What was tried.
         action: &'static str,
@@ -99,6 +111,14 @@ pub enum DatasetError {
         /// A rate that is possible.
         possible: String,
     },
+    /// A planner fails before it has driven.
+    #[error("{task}: {reason}")]
+    Planner {
+        /// The task.
+        task: String,
+        /// Who failed, where and why, and what to do.
+        reason: String,
+    },
     /// There is nowhere to start.
     #[error(
         "world {world} has no place where {vehicle} may start (loosen the exploration's start.tilt_deg or start.clearance_m)"
@@ -109,6 +129,17 @@ pub enum DatasetError {
         /// The vehicle.
         vehicle: String,
     },
+    /// A recorded trial doesn't come to its end again.
+    #[error(
+        "{task} can't be repeated by its trace: another version of the harness drove it, or the trace is too coarse (drive the run again, with --trace full)"
+    )]
+    NotRepeated {
+        /// The task.
+        task: String,
+    },
+    /// A run's record can't be read.
+    #[error(transparent)]
+    Record(#[from] StoreError),
     /// Nothing is left to be recorded.
     #[error("no episode is left: {0}")]
     Empty(String),

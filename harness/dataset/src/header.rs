@@ -104,6 +104,9 @@ pub struct Header {
     /// The planners that drove, if any did.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub planners: Vec<PlannerHeader>,
+    /// Whether the worlds belong to a suite: such a dataset is for looking at, and nothing may be trained on it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_a_suite: bool,
     /// What else was asked for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub options: BTreeMap<String, Value>,

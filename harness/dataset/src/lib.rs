@@ -6,22 +6,30 @@
 //! bytes.
 
 mod card;
+mod combine;
 mod episode;
 mod error;
 pub mod explore;
+mod failure;
 mod feature;
 mod header;
 pub mod lerobot;
 mod make;
 mod ordered;
+mod playback;
 mod reader;
+mod validate;
+mod worlds;
 mod writer;
 
+pub use combine::{Part, merge, split};
 pub use episode::{Episode, EpisodeInfo};
 pub use error::DatasetError;
 pub use explore::{Exploration, ExplorationError};
+pub use failure::{SECONDS, failures};
 pub use feature::{CROP_SIDE, Dtype, Feature, Layout, Values};
 pub use header::{DATASET_SCHEMA, Header, Kind, LICENCE, PlannerHeader};
 pub use make::{Amount, Kept, Making, Progress, keep_apart};
 pub use reader::Dataset;
+pub use validate::{Findings, validate};
 pub use writer::{DatasetWriter, Finished, Summary};

@@ -7,17 +7,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
-use vb_record::{LogMode, TraceMode};
-use vb_runner::{Driver, Keep, Place, PluginDriver, Setting, TrialResult, Wants};
-use vb_score::Outcome;
+use vb_record::{LogMode, RunReader, TraceMode};
+use vb_runner::{Driver, Keep, Place, PluginDriver, SAMPLE_PERIOD, Setting, TrialResult, Wants};
+use vb_score::cause::Body;
+use vb_score::{Outcome, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_world::{Suite, Task, TaskRef};
 
 use crate::episode::{Episode, EpisodeInfo, Recorder};
 use crate::error::DatasetError;
 use crate::explore::{Exploration, Explorer, random_start};
+use crate::failure::cause_of;
 use crate::feature::{Feature, Ground};
 use crate::ordered::ordered;
+use crate::playback::Playback;
 use crate::writer::DatasetWriter;
 
 /// Episodes of exploration in a row on the same world, so that few worlds are in memory.
@@ -298,7 +301,72 @@ impl Making<'_> {
         let drive = Drive { task, name, instruction: "Drive to the goal.", index, wants, every };
         let mut driver = PluginDriver::new(plugin);
         let episode = self.episode(&site, features, &drive, &mut driver)?;
+        // It would fail in all others alike.
+        if let Some((episode, Outcome::PlannerError)) = &episode
+            && episode.frames == 0
+        {
+            let reason = episode.info.reason.clone();
+            return Err(DatasetError::Planner { task: drive.name, reason });
+        }
         Ok(episode.filter(|(_, outcome)| kept.keeps(*outcome)).map(|(episode, _)| episode))
+    }
+
+    /// Repeats the failures of a run by their recorded commands, and adds the last seconds of each. It returns false if it was
+    /// cancelled.
+    ///
+    /// # Errors
+    /// Returns an error if a trace can't be read, a trial doesn't come to its recorded end, or a file can't be written.
+    pub fn failures_again(
+        &self,
+        writer: &mut DatasetWriter,
+        run: &RunReader,
+        records: &[TaskRecord],
+        seconds: f64,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<bool, DatasetError> {
+        let features = writer.features().to_vec();
+        let header = run.header();
+        let name = format!("planner {} {}", header.plugin.name, header.plugin.version);
+        let wants = Wants {
+            name: name.clone(),
+            control_period: SAMPLE_PERIOD,
+            needs: Need::DEFAULT.to_vec(),
+            params: Vec::new(),
+        };
+        let every = steps_of_a_frame(self.hz, &name, SAMPLE_PERIOD)?;
+        let frames = (seconds * self.setting.scale.sqrt() * f64::from(self.hz)).round() as usize;
+        let sites = Sites { making: self, loaded: Mutex::default() };
+        let again = |index: usize, record: &TaskRecord| {
+            let site = sites.site(&record.world)?;
+            let wanted = record.task.split_once('/').and_then(|(_, task)| site.place.world.task(task));
+            let Some(task) = wanted else { return Ok(None) };
+            let trace = run.trace(&record.task)?;
+            let mut driver = Playback::new(name.clone(), &trace);
+            let (instruction, task_name) = ("Drive to the goal.", record.task.clone());
+            let drive = Drive { task, name: task_name, instruction, index, wants: &wants, every };
+            let Some((episode, _)) = self.episode(&site, &features, &drive, &mut driver)? else {
+                return Ok(None);
+            };
+            if episode.info.state_hash != record.state_hash {
+                return Err(DatasetError::NotRepeated { task: record.task.clone() });
+            }
+            let mut clip = episode.tail(&features, frames);
+            let from = (episode.frames - clip.frames) as f64 / f64::from(self.hz);
+            clip.info.origin = format!("run of {}: {} from {from:.1} s", header.plugin.name, record.task);
+            clip.info.state_hash = String::new();
+            Ok(Some(clip))
+        };
+        let make = |index: usize| {
+            let record = records.get(index)?;
+            let clip = again(index, record);
+            (!self.cancel.load(Ordering::Relaxed)).then_some(clip)
+        };
+        self.gather(writer, make, progress, &|_| false)
+    }
+
+    fn body(&self) -> Body {
+        let vb_sdk::Vehicle { mass, length, width, wheel_radius, scale, .. } = self.setting.vehicle;
+        Body { mass, length, width, wheel_radius, scale }
     }
 
     /// Lets a driver drive, and records it; `None` if it was cancelled.
@@ -335,7 +403,10 @@ impl Making<'_> {
             state_hash: record.state_hash,
             ..EpisodeInfo::default()
         };
-        Ok(Some((recorder.finish(info), record.outcome)))
+        let mut episode = recorder.finish(info);
+        let cause = cause_of(&episode, features, self.hz, &site.ground, &self.body());
+        episode.info.cause = cause.map(|c| c.name().to_owned()).unwrap_or_default();
+        Ok(Some((episode, record.outcome)))
     }
 }
 

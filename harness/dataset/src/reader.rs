@@ -85,6 +85,18 @@ impl Dataset {
     pub fn infos(&self) -> impl ExactSizeIterator<Item = (&EpisodeInfo, usize)> {
         self.rows.iter().map(|r| (&r.info, r.place.to - r.place.from))
     }
+    /// What is known of each episode.
+    pub(crate) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The hash of the dataset: the SHA-256 of its `SHA256SUMS`.
+    ///
+    /// # Errors
+    /// Returns an error if that file can't be read.
+    pub fn hash(&self) -> Result<String, DatasetError> {
+        crate::writer::hash_file(&self.dir.join(SUMS))
+    }
 
     /// The number of frames.
     #[must_use]

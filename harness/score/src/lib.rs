@@ -5,6 +5,7 @@
 //! from the traces of a finished run, under other rules if wanted. Everything is a function of the samples alone, in
 //! one pass and a fixed order, so that the same samples give the same bits.
 
+pub mod cause;
 mod measures;
 mod metrics;
 mod outcome;
@@ -16,6 +17,7 @@ mod stats;
 mod summary;
 mod table;
 
+pub use cause::{Cause, cause};
 pub use measures::{Measured, Reader};
 pub use metrics::Metrics;
 pub use outcome::{Fault, Outcome, ThreeWay};

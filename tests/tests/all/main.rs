@@ -6,6 +6,7 @@ mod bad_input;
 #[path = "../../../harness/sim/tests/all/bits.rs"]
 mod bits;
 mod check;
+mod dataset;
 mod determinism;
 mod fail_fast;
 mod full_disk;

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use vb_dataset::Part;
 
 use super::values::{key_value, positive, scale};
-use super::{FormatArgs, JobsArgs};
+use super::{FormatArgs, JobsArgs, ReplayData};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum DatasetCommand {
@@ -13,6 +14,97 @@ pub(crate) enum DatasetCommand {
     Explore(ExploreArgs),
     /// Let planners drive the tasks of training worlds: demonstrations
     Drive(DatasetDriveArgs),
+    /// Cut the last seconds before each rollover, or getting stuck, out of a dataset or a run
+    Failures(FailuresArgs),
+    /// Check whether a dataset is what it should be: hashes, gaps, ranges, totals, worlds
+    Validate(DatasetValidateArgs),
+    /// Put several datasets into one
+    Merge(MergeArgs),
+    /// Split a dataset by its worlds, so that no world is in two parts
+    Split(SplitArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct FailuresArgs {
+    /// The directory of a dataset, or of a run
+    #[arg(value_name = "DATASET|RUN")]
+    pub(crate) of: PathBuf,
+    /// Directory for the dataset
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Seconds before each failure
+    #[arg(long, value_name = "S", default_value_t = vb_dataset::SECONDS, value_parser = positive)]
+    pub(crate) seconds: f64,
+    /// What the dataset is called; default: what it is of
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Take a run on a suite that planners are judged on: for looking at, nothing may be trained on it
+    #[arg(long)]
+    pub(crate) of_a_suite: bool,
+    /// Rows and columns of crops of the maps, for failures of a run; none for 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=128))]
+    pub(crate) crops: u16,
+    #[command(flatten)]
+    pub(crate) data: ReplayData,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DatasetValidateArgs {
+    /// The directory of the dataset
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Another suite whose worlds must not be in the dataset, beside those that come with the harness; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub(crate) apart_from: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// The directories of the datasets
+    #[arg(value_name = "DATASET", required = true, num_args = 1..)]
+    pub(crate) datasets: Vec<PathBuf>,
+    /// Directory for the dataset
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What the dataset is called; default: merged and the vehicle
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SplitArgs {
+    /// The directory of the dataset
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Directory for the parts
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// The parts and their fractions of the worlds
+    #[arg(long, value_name = "NAME=FRACTION,…", default_value = "train=0.8,validation=0.1,test=0.1", value_delimiter = ',', value_parser = part)]
+    pub(crate) parts: Vec<Part>,
+    /// Seed by which worlds are dealt out
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// A part of a dataset, e.g. `train=0.8`.
+fn part(text: &str) -> Result<Part, String> {
+    let (name, fraction) = key_value(text)?;
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if name.is_empty() || !name.chars().all(plain) {
+        return Err(format!("\"{name}\" is no name of letters, digits, - and _"));
+    }
+    Ok(Part { name, fraction: positive(&fraction)? })
 }
 
 /// What the datasets that are driven have in common.

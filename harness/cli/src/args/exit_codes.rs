@@ -11,7 +11,7 @@ use crate::error::{
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
 
 /// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 10] = [
+const OF: [(&str, &[u8]); 12] = [
     ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
@@ -19,6 +19,8 @@ const OF: [(&str, &[u8]); 10] = [
     ("check", &[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]),
     ("dataset explore", &[INTERRUPTED]),
     ("dataset drive", &[INTERRUPTED]),
+    ("dataset failures", &[INTERRUPTED]),
+    ("dataset validate", &[NOT_VERIFIED]),
     ("vehicle test", &[CHECKS_FAILED]),
     ("terrain train", &[INTERRUPTED]),
     // The program without a command is `run`, but its help is that of all commands.

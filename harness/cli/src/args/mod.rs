@@ -15,7 +15,10 @@ mod vehicle;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
-pub(crate) use dataset::{DatasetCommand, DatasetDriveArgs, ExploreArgs, Keeping, SceneArgs};
+pub(crate) use dataset::{
+    DatasetCommand, DatasetDriveArgs, DatasetValidateArgs, ExploreArgs, FailuresArgs, Keeping, MergeArgs,
+    SceneArgs, SplitArgs,
+};
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, RunArgs, ScoreArgs};
@@ -66,7 +69,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Show a task of one or more runs in three dimensions, in the browser
     Replay(ReplayArgs),
-    /// Make datasets for those who learn from data: exploration and demonstrations
+    /// Make, check, merge and split datasets for those who learn from data
     #[command(subcommand)]
     Dataset(DatasetCommand),
     /// Make a submission of a planner, or of a finished run: a small folder that others can verify

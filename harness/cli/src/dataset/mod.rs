@@ -1,5 +1,7 @@
 //! `vb-harness dataset`.
 
+mod failures;
+mod hold;
 mod scene;
 
 use std::path::Path;
@@ -24,6 +26,10 @@ impl DatasetCommand {
         match self {
             Self::Explore(args) => explore(args),
             Self::Drive(args) => drive(args),
+            Self::Failures(args) => failures::failures(args),
+            Self::Validate(args) => hold::validate(args),
+            Self::Merge(args) => hold::merge(args),
+            Self::Split(args) => hold::split(args),
         }
     }
 }
@@ -165,9 +171,16 @@ fn finish(writer: DatasetWriter, done: bool, out: &Path, format: MessageFormat) 
             writer.episodes()
         )));
     }
-    let Finished { episodes, frames, hash, summary } = writer.finish().map_err(|e| failure(&e))?;
+    tell(&writer.finish().map_err(|e| failure(&e))?, out, format);
+    Ok(())
+}
+
+/// Says what a finished dataset has.
+fn tell(finished: &Finished, out: &Path, format: MessageFormat) {
+    let Finished { episodes, frames, hash, summary } = finished;
+    let (episodes, frames) = (*episodes, *frames);
     match format {
-        MessageFormat::Json => output::json(&Message::Finished { out, episodes, frames, hash: &hash }),
+        MessageFormat::Json => output::json(&Message::Finished { out, episodes, frames, hash }),
         MessageFormat::Human => {
             let outcomes: Vec<String> =
                 summary.outcomes.iter().map(|(name, n)| format!("{n} {name}")).collect();
@@ -179,7 +192,6 @@ fn finish(writer: DatasetWriter, done: bool, out: &Path, format: MessageFormat) 
             ));
         }
     }
-    Ok(())
 }
 
 /// A data file's name and hash.

@@ -89,6 +89,7 @@ impl<'a> Scene<'a> {
             worlds: named(&self.worlds.meta().name, &self.worlds.hash()),
             exploration: None,
             planners: Vec::new(),
+            of_a_suite: false,
             options: std::collections::BTreeMap::new(),
         }
     }
@@ -107,7 +108,7 @@ impl<'a> Scene<'a> {
 }
 
 /// The arguments that the program was called with, without those that change nothing of a dataset.
-fn command() -> Vec<String> {
+pub(super) fn command() -> Vec<String> {
     let mut kept = Vec::new();
     let mut args = std::env::args_os().skip(1).map(|a| PathBuf::from(a).display().to_string());
     while let Some(arg) = args.next() {

@@ -1,0 +1,151 @@
+//! `vb-harness dataset failures`.
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+use vb_dataset::{
+    DATASET_SCHEMA, Dataset, DatasetWriter, Header, Kind, LICENCE, Layout, Making, PlannerHeader, keep_apart,
+};
+use vb_record::{RunHeader, RunReader};
+use vb_runner::Setting;
+use vb_score::{Outcome, Rules, TaskRecord};
+use vb_world::Suite;
+
+use super::{Told, Total, failure, finish, named, scene};
+use crate::args::FailuresArgs;
+use crate::error::CliError;
+use crate::{places, replay, run};
+
+/// Frames a second of the failures of a run.
+const HZ: u32 = 10;
+
+pub(super) fn failures(args: &FailuresArgs) -> Result<(), CliError> {
+    if args.of.join("dataset.json").is_file() { of_dataset(args) } else { of_run(args) }
+}
+
+fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
+    let dataset = Dataset::open(&args.of).map_err(|e| failure(&e))?;
+    let before = dataset.header();
+    let of = json!({"name": before.name, "hash": dataset.hash().map_err(|e| failure(&e))?});
+    let header = Header {
+        name: args.name.clone().unwrap_or_else(|| format!("failures-of-{}", before.name)),
+        kind: Kind::Failures,
+        command: scene::command(),
+        options: [("of".to_owned(), of), ("seconds".to_owned(), json!(args.seconds))].into(),
+        ..before.clone()
+    };
+    let worlds = dataset.worlds().map_err(|e| failure(&e))?;
+    let frames = (args.seconds * f64::from(before.hz)).ceil() as usize;
+    let mut writer = DatasetWriter::create(&args.out, header, &worlds, frames).map_err(|e| failure(&e))?;
+    if vb_dataset::failures(&dataset, &mut writer, args.seconds).map_err(|e| failure(&e))? == 0 {
+        return Err(CliError::input(format!("{}: no episode of it failed", args.of.display())));
+    }
+    finish(writer, true, &args.out, args.format.get())
+}
+
+fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
+    let reader = RunReader::open(&args.of).map_err(CliError::input)?;
+    let mut records: Vec<TaskRecord> = reader.records().map_err(CliError::input)?;
+    records.retain(|r| [Outcome::Rollover, Outcome::Stuck].contains(&r.outcome));
+    // Runs write their records as the tasks end.
+    records.sort_by(|a, b| a.task.cmp(&b.task));
+    if records.is_empty() {
+        return Err(CliError::input(format!(
+            "{}: no task of it rolled over or got stuck",
+            args.of.display()
+        )));
+    }
+    let header = reader.header();
+    let suite = replay::suite_of(header, args.data.suite.as_deref())?;
+    let of_a_suite = match suites_apart(&suite) {
+        Ok(()) => false,
+        Err(_) if args.of_a_suite => true,
+        Err(e) => {
+            return Err(CliError::usage(format!(
+                "{e}; or give --of-a-suite if the failures are only to be looked at"
+            )));
+        }
+    };
+    let setting = setting(args, header)?;
+    let layout = Layout {
+        wheels: setting.vehicle.wheels as usize,
+        speed: false,
+        goal: true,
+        truth: !setting.perception.tells_the_truth(),
+        crops: usize::from(args.crops),
+    };
+    let planner = PlannerHeader {
+        name: header.plugin.name.clone(),
+        version: header.plugin.version.clone(),
+        sha256: header.plugin.sha256.clone(),
+        params: header.params.clone().into_iter().collect::<BTreeMap<_, _>>(),
+    };
+    let own = Header {
+        schema: DATASET_SCHEMA,
+        name: args.name.clone().unwrap_or_else(|| format!("failures-of-{}", header.plugin.name)),
+        kind: Kind::Failures,
+        licence: LICENCE.to_owned(),
+        harness_version: env!("CARGO_PKG_VERSION").to_owned(),
+        harness_commit: env!("VB_COMMIT").to_owned(),
+        command: scene::command(),
+        seed: header.seed,
+        hz: HZ,
+        layout,
+        vehicle: header.vehicle.clone(),
+        soils: header.soils.clone(),
+        rules: named(&header.rules.name, &header.rules.hash),
+        perception: header.perception.clone(),
+        scale: header.scale,
+        time_step: header.time_step,
+        worlds: named(&suite.meta().name, &suite.hash()),
+        exploration: None,
+        planners: vec![planner],
+        of_a_suite,
+        options: [("seconds".to_owned(), json!(args.seconds))].into(),
+    };
+    let frames = (args.seconds * f64::from(HZ)).ceil() as usize;
+    let mut writer = DatasetWriter::create(&args.out, own, &suite, frames).map_err(|e| failure(&e))?;
+    let cancel = run::stop_on_ctrl_c()?;
+    let jobs = args.jobs.get();
+    let making = Making { setting: &setting, worlds: &suite, hz: HZ, jobs, cancel: &cancel };
+    let mut told = Told::new(args.format.get(), Total::Drives(records.len()), HZ);
+    let done = making
+        .failures_again(&mut writer, &reader, &records, args.seconds, &mut |p| told.progress(p))
+        .map_err(|e| failure(&e))?;
+    finish(writer, done, &args.out, args.format.get())
+}
+
+/// Whether the worlds are in no suite that comes with the harness.
+fn suites_apart(suite: &Suite) -> Result<(), CliError> {
+    let mut others = Vec::new();
+    for dir in places::suites()? {
+        others.push(Suite::open(dir).map_err(CliError::input)?);
+    }
+    keep_apart(suite, &others).map_err(|e| failure(&e))
+}
+
+/// What a run's trials have in common, with the data at hand if they are those of the run.
+fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError> {
+    let vehicle = run::vehicle(args.data.vehicle.as_deref().unwrap_or(&header.vehicle.name))?;
+    let soils = run::soils(args.data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)?;
+    let perception = run::perception(&header.perception.name)?;
+    let at_hand = [
+        ("vehicle", &header.vehicle.name, &header.vehicle.hash, &vehicle.hash),
+        ("soils", &header.soils.name, &header.soils.hash, &soils.hash),
+        (
+            "perception profile",
+            &header.perception.name,
+            &header.perception.hash,
+            &perception.sha256().to_owned(),
+        ),
+    ];
+    if let Some((what, name, ..)) = at_hand.iter().find(|(_, _, own, now)| own != now) {
+        return Err(CliError::input(format!(
+            "the {what} {name} at hand is not that of the run (name the run's file with --vehicle or --soils, or drive the run again)"
+        )));
+    }
+    let rules: Rules = serde_json::from_value(header.rules.profile.clone())
+        .map_err(|e| CliError::input(format!("{}: rules: {e}", args.of.display())))?;
+    Setting::new(&vehicle, &soils, &rules, &perception, header.time_step, header.scale, header.seed)
+        .map_err(run::run_error)
+}

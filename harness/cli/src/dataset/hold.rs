@@ -1,0 +1,68 @@
+//! `vb-harness dataset validate`, `merge` and `split`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use vb_dataset::Dataset;
+use vb_world::Suite;
+
+use super::{failure, scene, tell};
+use crate::args::{DatasetValidateArgs, MergeArgs, MessageFormat, SplitArgs};
+use crate::error::CliError;
+use crate::{output, places};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Validated { dataset: &'a Path, findings: &'a [String] },
+}
+
+pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
+    let mut suites = Vec::new();
+    for dir in places::suites()?.iter().chain(&args.apart_from) {
+        suites.push(Suite::open(dir).map_err(CliError::input)?);
+    }
+    let findings = vb_dataset::validate(&args.dataset, &suites).map_err(|e| failure(&e))?.0;
+    match args.format.get() {
+        MessageFormat::Json => {
+            output::json(&Message::Validated { dataset: &args.dataset, findings: &findings });
+        }
+        MessageFormat::Human => {
+            for finding in &findings {
+                output::text(&format!("{}\n", vb_host::one_line(finding)));
+            }
+        }
+    }
+    match findings.len() {
+        0 => {
+            if args.format.get() == MessageFormat::Human {
+                output::text(&format!("{}: all is as it should be\n", args.dataset.display()));
+            }
+            Ok(())
+        }
+        n => Err(CliError::not_verified(format!(
+            "{}: {n} findings (take the dataset from its source again, or make it again by the command in its README.md)",
+            args.dataset.display()
+        ))),
+    }
+}
+
+pub(super) fn merge(args: &MergeArgs) -> Result<(), CliError> {
+    let mut datasets = Vec::new();
+    for dir in &args.datasets {
+        datasets.push(Dataset::open(dir).map_err(|e| failure(&e))?);
+    }
+    let merged = vb_dataset::merge(&datasets, &args.out, args.name.as_deref(), scene::command());
+    tell(&merged.map_err(|e| failure(&e))?, &args.out, args.format.get());
+    Ok(())
+}
+
+pub(super) fn split(args: &SplitArgs) -> Result<(), CliError> {
+    let dataset = Dataset::open(&args.dataset).map_err(|e| failure(&e))?;
+    let parts = vb_dataset::split(&dataset, &args.parts, args.seed, &args.out, &scene::command());
+    let parts = parts.map_err(|e| failure(&e))?;
+    for (part, finished) in args.parts.iter().zip(&parts) {
+        tell(finished, &args.out.join(&part.name), args.format.get());
+    }
+    Ok(())
+}

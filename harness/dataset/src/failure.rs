@@ -1,0 +1,136 @@
+//! Failures: their causes, and the last seconds before them.
+
+use vb_score::cause::{Body, Moment, WheelMoment};
+use vb_score::{Cause, Outcome};
+
+use crate::episode::{Episode, EpisodeInfo};
+use crate::error::DatasetError;
+use crate::feature::{Feature, Ground, Values};
+use crate::reader::Dataset;
+use crate::writer::DatasetWriter;
+
+/// The seconds before a failure that are looked at and kept, as in the paper.
+pub const SECONDS: f64 = 10.0;
+
+/// Whether an episode ended as the paper's failures do: rolled over, or stuck.
+pub(crate) fn is_failure(info: &EpisodeInfo) -> bool {
+    [Outcome::Rollover, Outcome::Stuck].iter().any(|o| o.name() == info.outcome)
+}
+
+/// The columns of an episode by their names.
+struct Columns<'a> {
+    features: &'a [Feature],
+    values: &'a [Values],
+}
+
+impl Columns<'_> {
+    /// The values of a frame in a column; none if there is no such column.
+    fn row(&self, name: &str, frame: usize) -> Vec<f64> {
+        let found = self.features.iter().zip(self.values).find(|(f, _)| f.name == name);
+        let row = |(f, values): (&Feature, &Values)| {
+            let width = f.width();
+            (frame * width..(frame + 1) * width).map(|k| values.number(k)).collect()
+        };
+        found.map(row).unwrap_or_default()
+    }
+}
+
+/// The column of the true state, which is one of its own where the driver didn't know it.
+fn true_state(features: &[Feature]) -> &'static str {
+    if features.iter().any(|f| f.name == "truth.state") { "truth.state" } else { "observation.state" }
+}
+
+/// The last seconds of an episode, as a judgement of causes takes them.
+fn moments(episode: &Episode, features: &[Feature], hz: f64, seconds: f64) -> Vec<Moment> {
+    let columns = Columns { features, values: &episode.columns };
+    let first = episode.frames.saturating_sub((seconds * hz).ceil() as usize);
+    let moment = |k: usize| {
+        let (state, applied) = (columns.row(true_state(features), k), columns.row("action.applied", k));
+        let (spins, loads) = (columns.row("observation.wheels", k), columns.row("truth.wheels", k));
+        let wheel =
+            |(spin, load): (&[f64], &[f64])| WheelMoment { spin: spin[0], load: load[0], sinkage: load[1] };
+        Moment {
+            time: k as f64 / hz,
+            position: [state[0], state[1], state[2]],
+            roll: state[3],
+            pitch: state[4],
+            yaw: state[5],
+            velocity: [state[6], state[7], state[8]],
+            yaw_rate: state[11],
+            throttle: applied[1],
+            reverse: applied[3] < 0.0,
+            wheels: spins.chunks_exact(2).zip(loads.chunks_exact(2)).map(wheel).collect(),
+        }
+    };
+    (first..episode.frames).map(moment).collect()
+}
+
+/// The cause of an episode's failure; none if it didn't fail.
+pub(crate) fn cause_of(
+    episode: &Episode,
+    features: &[Feature],
+    hz: u32,
+    ground: &Ground,
+    body: &Body,
+) -> Option<Cause> {
+    if !is_failure(&episode.info) {
+        return None;
+    }
+    let moments = moments(episode, features, f64::from(hz), SECONDS * body.scale.sqrt());
+    let rolled_over = episode.info.outcome == Outcome::Rollover.name();
+    Some(vb_score::cause(&moments, body, ground.outlines(), rolled_over))
+}
+
+impl Episode {
+    /// The last frames of an episode, as an episode of its own.
+    #[must_use]
+    pub(crate) fn tail(&self, features: &[Feature], frames: usize) -> Self {
+        let first = self.frames.saturating_sub(frames);
+        let columns = features.iter().zip(&self.columns).map(|(f, all)| {
+            let mut own = Values::new(f.dtype);
+            own.append(all, first * f.width()..self.frames * f.width());
+            own
+        });
+        let mut tail =
+            Self { info: self.info.clone(), frames: self.frames - first, columns: columns.collect() };
+        tail.info.distance_m = tail.way(features);
+        tail
+    }
+
+    /// The length of the way from frame to frame, m.
+    fn way(&self, features: &[Feature]) -> f64 {
+        let columns = Columns { features, values: &self.columns };
+        let at = |k: usize| columns.row(true_state(features), k);
+        let step = |k: usize| {
+            let (a, b) = (at(k - 1), at(k));
+            (0..3).map(|i| (b[i] - a[i]) * (b[i] - a[i])).sum::<f64>().sqrt()
+        };
+        (1..self.frames).map(step).sum()
+    }
+}
+
+/// Adds the last seconds before each failure of a dataset; how many there were.
+///
+/// # Errors
+/// Returns an error if the dataset can't be read, or a file can't be written.
+pub fn failures(of: &Dataset, writer: &mut DatasetWriter, seconds: f64) -> Result<usize, DatasetError> {
+    let header = of.header();
+    let (hz, name) = (f64::from(header.hz), header.name.clone());
+    let frames = (seconds * header.scale.sqrt() * hz).round() as usize;
+    let mut found = 0;
+    for (index, episode) in of.episodes().enumerate() {
+        let episode = episode?;
+        if !is_failure(&episode.info) {
+            continue;
+        }
+        found += 1;
+        let mut clip = episode.tail(of.features(), frames);
+        let from = (episode.frames - clip.frames) as f64 / hz;
+        clip.info.origin = format!("{name}: episode {index} from {from:.1} s");
+        clip.info.drive = index as u64;
+        // The hash is that of the whole drive.
+        clip.info.state_hash = String::new();
+        writer.add(&clip)?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,232 @@
+//! Datasets, as their users make, check, cut and join them.
+
+use std::fs;
+use std::path::Path;
+
+use vb_tests::{Bench, PluginKind, pid, plugin, root};
+
+const USAGE: i32 = 2;
+const BAD_INPUT: i32 = 3;
+const OUTPUT: i32 = 4;
+const NOT_VERIFIED: i32 = 9;
+
+/// Exploration of few worlds, with crops that are so large that a data file has two episodes.
+fn explore<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let args = ["dataset", "explore", "--worlds", "3", "--episodes", "8", "--seed", "5", "--crops", "64"];
+    [&args[..], &["--out", out], more].concat()
+}
+
+fn sums(bench: &Bench, dataset: &str) -> String {
+    fs::read_to_string(bench.path(dataset).join("SHA256SUMS")).expect("a finished dataset")
+}
+
+/// What is said of the episodes, without their statistics.
+fn episodes(bench: &Bench, dataset: &str) -> Vec<(String, String, i64)> {
+    let mut all = Vec::new();
+    for file in 0.. {
+        let name = format!("{dataset}/meta/episodes/chunk-000/file-{file:03}.parquet");
+        if !bench.path(&name).is_file() {
+            break;
+        }
+        all.extend(bench.columns(&name, &["outcome", "world", "length"]).into_iter().map(|row| {
+            let text = |k: usize| row[k].as_str().expect("text").to_owned();
+            (text(0), text(1), row[2].as_i64().expect("a number"))
+        }));
+    }
+    all
+}
+
+#[test]
+fn exploration_gives_the_same_bytes_whatever_the_jobs_and_after_kills() {
+    let bench = Bench::new();
+    bench.ok(&explore("whole", &["--jobs", "2"]));
+    bench.ok(&explore("alone", &["--jobs", "1"]));
+    assert_eq!(sums(&bench, "whole"), sums(&bench, "alone"));
+    for kill in 0..3 {
+        let more: &[&str] = if kill == 0 { &["--jobs", "1"] } else { &["--jobs", "1", "--resume"] };
+        let mut making = bench.watch(&explore("broken", more));
+        // Each dataset file has two episodes, so that a few are on disk by now, and one is begun.
+        while making.until("progress")["episodes"].as_u64() < Some(2 * kill + 3) {}
+        making.kill();
+        assert!(!bench.path("broken/SHA256SUMS").exists(), "the kill came too late to test anything");
+    }
+    bench.ok(&explore("broken", &["--resume"]));
+    assert_eq!(sums(&bench, "whole"), sums(&bench, "broken"));
+    bench.ok(&["dataset", "validate", "broken"]);
+    // Another seed drives otherwise.
+    let other: Vec<&str> =
+        explore("other", &[]).into_iter().map(|a| if a == "5" { "6" } else { a }).collect();
+    bench.ok(&other);
+    assert_ne!(sums(&bench, "whole"), sums(&bench, "other"));
+    // Other settings don't go on with what was begun.
+    let e = bench.run(&explore("whole", &["--resume", "--hz", "20"])).error(OUTPUT);
+    assert!(e.contains("whole") && e.contains("hz is 20, and was 10"), "{e}");
+    let e = bench.run(&explore("whole", &[])).error(OUTPUT);
+    assert!(e.contains("whole holds something already"), "{e}");
+}
+
+#[test]
+fn what_was_changed_or_cut_off_is_found() {
+    let bench = Bench::new();
+    bench.ok(&explore("d", &[]));
+    bench.ok(&["dataset", "validate", "d"]);
+    let data = bench.path("d/data/chunk-000/file-000.parquet");
+    let whole = fs::read(&data).expect("a data file");
+    let findings = |says: &str| {
+        let done = bench.run(&["dataset", "validate", "d"]);
+        assert!(done.stdout.contains(says), "{says} is not in {}", done.stdout);
+        let e = done.error(NOT_VERIFIED);
+        assert!(e.contains("findings"), "{e}");
+    };
+    fs::write(&data, &whole[..whole.len() / 2]).expect("written");
+    findings("file-000.parquet: it is not as it was written");
+    let e = bench.run(&["dataset", "split", "d", "--out", "s"]).error(BAD_INPUT);
+    assert!(e.contains("file-000.parquet") && e.contains("truncated"), "{e}");
+    fs::write(&data, &whole).expect("written");
+    bench.ok(&["dataset", "validate", "d"]);
+    bench.write("d/data/extra.parquet", "x");
+    findings("data/extra.parquet: it is not of the dataset");
+    fs::remove_file(bench.path("d/data/extra.parquet")).expect("removed");
+    let header = fs::read_to_string(bench.path("d/dataset.json")).expect("a header");
+    bench.write("d/dataset.json", header.replace("\"schema\": 1", "\"schema\": 2"));
+    let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
+    assert!(e.contains("version 2 of datasets, this build reads version 1"), "{e}");
+    fs::remove_file(bench.path("d/SHA256SUMS")).expect("removed");
+    bench.write("d/dataset.json", header);
+    let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
+    assert!(e.contains("not finished") && e.contains("--resume"), "{e}");
+    let e = bench.run(&["dataset", "validate", "nowhere"]).error(BAD_INPUT);
+    assert!(e.contains("nowhere: no dataset is here"), "{e}");
+}
+
+#[test]
+fn suites_and_training_worlds_are_kept_apart_in_both_directions() {
+    let bench = Bench::new();
+    let generate = |seed: &str, more: &[&str]| {
+        let args = ["suite", "generate", "--worlds", "1", "--seed", seed, "--out", "g"];
+        bench.run(&[&args, more].concat())
+    };
+    let e = generate("7500", &[]).error(USAGE);
+    assert!(e.contains("7000 to 7999") && e.contains("--training"), "{e}");
+    let e = generate("12", &["--training"]).error(USAGE);
+    assert!(e.contains("--seed 12") && e.contains("7000 to 7999"), "{e}");
+    // By their content, whatever they are called.
+    vb_tests::copy_dir(&root().join("tasks/smoke"), &bench.path("mine"));
+    let e = bench
+        .run(&["dataset", "explore", "--suite", "mine", "--episodes", "1", "--out", "d"])
+        .error(BAD_INPUT);
+    assert!(e.contains("must not have worlds of a suite") && e.contains("smoke/w001"), "{e}");
+    assert!(!bench.path("d").exists());
+    // A suite of one's own, such as a hidden one, is told.
+    let _ = generate("7500", &["--training"]).ok();
+    let from_g = ["dataset", "explore", "--suite", "g", "--episodes", "2"];
+    bench.ok(&[&from_g[..], &["--out", "d"]].concat());
+    let e = bench.run(&[&from_g[..], &["--out", "e", "--apart-from", "g"]].concat()).error(BAD_INPUT);
+    assert!(e.contains("must not have worlds of a suite"), "{e}");
+    let done = bench.run(&["dataset", "validate", "d", "--apart-from", "g"]);
+    assert!(done.stdout.contains("must not have worlds of a suite"), "{}", done.stdout);
+    let _ = done.error(NOT_VERIFIED);
+}
+
+#[test]
+fn planners_drive_and_only_their_successes_are_kept_if_that_is_wanted() {
+    let bench = Bench::new();
+    let (pid, pursuit) = (pid(), plugin("pursuit", PluginKind::Native));
+    let path = |p: &Path| p.to_str().expect("paths of tests are text").to_owned();
+    let (pid, pursuit) = (path(&pid), path(&pursuit));
+    let drive = |out: &str, more: &[&str]| {
+        let args = ["dataset", "drive", "--plugin", &pid, "--plugin", &pursuit, "--worlds", "3"];
+        bench.ok(&[&args[..], &["--tasks", "w*/t00-t01", "--out", out], more].concat())
+    };
+    drive("all", &[]);
+    drive("good", &["--keep", "success"]);
+    drive("bad", &["--keep", "failure"]);
+    let of = |name: &str| episodes(&bench, name);
+    let good: Vec<_> = of("all").into_iter().filter(|e| e.0 == "success").collect();
+    let bad: Vec<_> = of("all").into_iter().filter(|e| e.0 != "success").collect();
+    assert_eq!(of("all").len(), 12);
+    assert!(!good.is_empty() && !bad.is_empty(), "{good:?} {bad:?}");
+    assert_eq!((of("good"), of("bad")), (good, bad));
+    bench.ok(&["dataset", "failures", "all", "--out", "failures"]);
+    bench.ok(&["dataset", "validate", "failures"]);
+    let clips = of("failures");
+    assert!(clips.iter().all(|(outcome, _, length)| outcome != "success" && *length <= 100), "{clips:?}");
+    let e = bench.run(&["dataset", "failures", "good", "--out", "none"]).error(BAD_INPUT);
+    assert!(e.contains("no episode of it failed"), "{e}");
+    let two =
+        ["dataset", "drive", "--plugin", &pid, "--plugin", &pursuit, "--param", "speed=2", "--out", "x"];
+    assert!(bench.run(&two).error(USAGE).contains("--param"));
+}
+
+#[test]
+fn failures_of_a_run_are_repeated_exactly_and_marked_where_nothing_may_be_learnt_from_them() {
+    let bench = Bench::new();
+    let pid = pid();
+    let pid = pid.to_str().expect("paths of tests are text");
+    bench.ok(&["--plugin", pid, "--suite", "smoke", "--tasks", "w003,w009/t00-t03", "--out", "run"]);
+    let e = bench.run(&["dataset", "failures", "run", "--out", "f"]).error(USAGE);
+    assert!(e.contains("smoke") && e.contains("--of-a-suite"), "{e}");
+    bench.ok(&["dataset", "failures", "run", "--of-a-suite", "--out", "f"]);
+    let failed = bench
+        .records("run")
+        .values()
+        .filter(|r| r["outcome"] == "stuck" || r["outcome"] == "rollover")
+        .count();
+    assert!(failed > 0);
+    assert_eq!(episodes(&bench, "f").len(), failed);
+    assert!(
+        fs::read_to_string(bench.path("f/README.md")).expect("a card").contains("nothing may be trained")
+    );
+    bench.ok(&["dataset", "validate", "f"]);
+    // They can't slip into training data.
+    bench.ok(&explore("d", &[]));
+    let e = bench.run(&["dataset", "merge", "d", "f", "--out", "m"]).error(BAD_INPUT);
+    assert!(e.contains("don't fit together"), "{e}");
+}
+
+#[test]
+fn datasets_are_split_by_world_and_joined() {
+    let bench = Bench::new();
+    bench.ok(&explore("a", &[]));
+    let other: Vec<&str> = explore("b", &[]).into_iter().map(|a| if a == "5" { "6" } else { a }).collect();
+    bench.ok(&[&other[..], &["--world-seed", "7200"]].concat());
+    bench.ok(&["dataset", "merge", "a", "b", "--out", "ab"]);
+    bench.ok(&["dataset", "validate", "ab"]);
+    let all = episodes(&bench, "ab");
+    assert_eq!(all.len(), 16);
+    // Worlds of the same name that are others become others.
+    let worlds = |list: &[(String, String, i64)]| -> std::collections::BTreeSet<String> {
+        list.iter().map(|e| e.1.clone()).collect()
+    };
+    assert_eq!(worlds(&all).len(), 2);
+    bench.ok(&["dataset", "split", "ab", "--parts", "train=0.5,rest=0.5", "--out", "parts", "--seed", "3"]);
+    let (train, rest) = (episodes(&bench, "parts/train"), episodes(&bench, "parts/rest"));
+    assert_eq!(train.len() + rest.len(), 16);
+    assert!(worlds(&train).is_disjoint(&worlds(&rest)));
+    bench.ok(&["dataset", "validate", "parts/train"]);
+    let e = bench.run(&["dataset", "split", "ab", "--parts", "a b=1", "--out", "p"]).error(USAGE);
+    assert!(e.contains("a b"), "{e}");
+}
+
+#[test]
+fn what_can_not_be_explored_is_refused_in_one_line() {
+    let bench = Bench::new();
+    let refused = |more: &[&str], code: i32, says: &[&str]| {
+        let args = [&["dataset", "explore", "--worlds", "1", "--episodes", "1", "--out", "d"], more].concat();
+        let e = bench.run(&args).error(code);
+        assert!(says.iter().all(|s| e.contains(s)), "{says:?}: {e}");
+    };
+    refused(&["--vehicle", "tricycle"], BAD_INPUT, &["there is no vehicle tricycle", "hmmwv"]);
+    refused(&["--exploration", "wander"], BAD_INPUT, &["wander", "default, paper"]);
+    refused(&["--perception", "blind"], BAD_INPUT, &["blind", "oracle"]);
+    refused(&["--world-seed", "12"], USAGE, &["--seed 12", "7000 to 7999"]);
+    refused(&["--hz", "0"], USAGE, &["0"]);
+    // A planner that can't begin ends it at once; one that dies on the way leaves what it drove.
+    let faulty = plugin("faulty", PluginKind::Wasm);
+    let faulty = faulty.to_str().expect("paths of tests are text");
+    let args = ["dataset", "drive", "--plugin", faulty, "--worlds", "1", "--tasks", "w001/t00"];
+    let e = bench.run(&[&args[..], &["--out", "f", "--param", "fault=init-error"]].concat()).error(BAD_INPUT);
+    assert!(e.contains("faulty") && e.contains("init"), "{e}");
+    bench.ok(&[&args[..], &["--out", "g", "--param", "fault=panic", "--param", "at=7"]].concat());
+    assert_eq!(episodes(&bench, "g"), [("planner_error".to_owned(), "w001".to_owned(), 7)]);
+}
