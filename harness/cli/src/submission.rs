@@ -119,7 +119,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
 pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     let submission = Submission::open(&args.submission).map_err(failed)?;
     let m = submission.manifest();
-    if args.ranked && m.division != Division::Ranked {
+    if args.ranked && m.division == Division::Open {
         let why = m
             .open_because
             .first()
@@ -251,6 +251,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     let mut wanted = RunArgs::new(&args.plugin);
     wanted.suite = Some(suite.dir().to_owned());
     (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
+    wanted.perception.clone_from(&args.perception);
     (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
     // A planner's own words may tell of the suite, and one that fails in all tasks has its scores, too.
     wanted.keep_going = true;

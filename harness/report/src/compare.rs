@@ -91,7 +91,7 @@ fn value(measure: Measure, row: &Row) -> Option<f64> {
     (r.weight > 0.0).then(|| r.sum / r.weight)
 }
 
-fn pair(runs: &Runs, a: usize, b: usize) -> Pair {
+pub(crate) fn pair(runs: &Runs, a: usize, b: usize) -> Pair {
     let rows: Vec<(&Row, &Row)> = common(&runs.runs[a], &runs.runs[b]).collect();
     let count = |f: fn(bool, bool) -> bool| {
         rows.iter().filter(|(x, y)| f(x.succeeded(), y.succeeded())).count() as u64

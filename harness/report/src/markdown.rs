@@ -36,6 +36,30 @@ fn mean(e: Option<Estimate>, measure: Measure) -> String {
 }
 
 impl Report {
+    /// The planners that were run under several perception profiles, if there are any.
+    fn markdown_robustness(&self, s: &mut String) {
+        let Some(r) = &self.robustness else { return };
+        s.push_str(
+            "\n| planner | perception | success % | difference, points | rollover % | stuck % |\n|:--|:--|--:|--:|--:|--:|\n",
+        );
+        for (line, point) in r.lines.iter().flat_map(|line| line.points.iter().map(move |p| (line, p))) {
+            let all = &self.figures[point.run].all;
+            let percent = |o: Outcome| number(100.0 * all.count(o) as f64 / all.tasks.max(1) as f64, 1);
+            let difference = point.difference.as_ref().and_then(|d| d.difference);
+            let _ = writeln!(
+                s,
+                "| {} | {} | {} | {} | {} | {} |",
+                text(&line.label),
+                text(&r.profiles[point.profile]),
+                mean(all.mean(Measure::Success), Measure::Success),
+                mean(difference, Measure::Success),
+                percent(Outcome::Rollover),
+                percent(Outcome::Stuck),
+            );
+        }
+        s.push_str("\nDifferences are from the planner's first perception profile, paired by tasks.\n");
+    }
+
     /// The results, and the comparison if there is one, as GitHub-flavoured Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
@@ -73,6 +97,7 @@ impl Report {
                 run.header.tasks
             );
         }
+        self.markdown_robustness(&mut s);
         let Some(c) = &self.comparison else { return s };
         s.push_str(
             "\n| second − first | success, points | only first / only second | p (McNemar) | time s | p (Wilcoxon) | \\|roll\\| ° | p | \

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::compare::Comparison;
 use crate::figures::RunFigures;
 use crate::page;
+use crate::robustness::Robustness;
 use crate::runs::Runs;
 
 /// Runs with their figures and comparison.
@@ -13,6 +14,7 @@ pub struct Report {
     pub(crate) runs: Runs,
     pub(crate) figures: Vec<RunFigures>,
     pub(crate) comparison: Option<Comparison>,
+    pub(crate) robustness: Option<Robustness>,
 }
 
 impl Report {
@@ -21,7 +23,8 @@ impl Report {
     pub fn new(runs: Runs) -> Self {
         let figures = runs.runs.iter().map(|run| RunFigures::new(&runs, run)).collect();
         let comparison = Comparison::new(&runs);
-        Self { runs, figures, comparison }
+        let robustness = Robustness::new(&runs);
+        Self { runs, figures, comparison, robustness }
     }
 
     /// The runs.
@@ -40,6 +43,12 @@ impl Report {
     #[must_use]
     pub fn comparison(&self) -> Option<&Comparison> {
         self.comparison.as_ref()
+    }
+
+    /// How the planners bear what they perceive; none if none was run under several perception profiles.
+    #[must_use]
+    pub fn robustness(&self) -> Option<&Robustness> {
+        self.robustness.as_ref()
     }
 
     /// The page: one file that needs nothing else, no network either. `replays` are the tasks of which there is a page

@@ -290,7 +290,7 @@ impl Runs {
 }
 
 /// What the user chose of a planner and its surroundings, by name.
-fn settings(h: &RunHeader) -> BTreeMap<String, String> {
+pub(crate) fn settings(h: &RunHeader) -> BTreeMap<String, String> {
     let mut s: BTreeMap<String, String> = h.params.clone();
     s.insert("version".into(), h.plugin.version.clone());
     s.insert("kind".into(), h.plugin.kind.clone());

@@ -294,6 +294,55 @@ fn runs_of_one_planner_are_told_apart_by_what_differs() {
 }
 
 #[test]
+fn planners_under_several_profiles_have_a_line_each_with_paired_differences() {
+    let dir = tempfile::tempdir().unwrap();
+    let under = |name: &str, profile: &str, success: &dyn Fn(usize, usize) -> bool| {
+        let perception = DataHeader { name: profile.into(), hash: profile.into() };
+        let header = RunHeader { perception, ..header(name, 36) };
+        write(&dir.path().join(format!("{name}-{profile}")), &header, tasks(9, success))
+    };
+    // Of four tasks a world: three succeed, two of those and another one, one of those.
+    let dirs = [
+        under("a", "degraded", &|_, t| t == 0),
+        under("a", "oracle", &|_, t| t < 3),
+        under("b", "oracle", &|_, t| t < 2),
+        under("a", "onboard", &|_, t| t < 2 || t == 3),
+        under("b", "onboard", &|_, t| t < 2),
+    ];
+    let report = Report::new(Runs::read(&dirs).unwrap());
+    let r = report.robustness().unwrap();
+    assert_eq!(r.profiles, ["oracle", "degraded", "onboard"], "the exact one first, the others as they come");
+    let labels: Vec<&str> = r.lines.iter().map(|l| l.label.as_str()).collect();
+    assert_eq!(labels, ["a", "b"]);
+    let points: Vec<(usize, usize)> = r.lines[0].points.iter().map(|p| (p.run, p.profile)).collect();
+    assert_eq!(points, [(1, 0), (0, 1), (3, 2)]);
+    let difference = |line: usize, point: usize| {
+        let d = r.lines[line].points[point].difference.clone().unwrap();
+        (d.tasks, d.difference.unwrap().mean, d.p.unwrap())
+    };
+    assert!(r.lines[0].points[0].difference.is_none());
+    // One of four instead of three: 18 tasks fewer of 36, all lost: p = 2 · 2⁻¹⁸.
+    let (common, lost, p) = difference(0, 1);
+    assert_eq!((common, lost), (36, -0.5));
+    assert!((p * f64::from(1 << 18) / 2.0 - 1.0).abs() < 1e-9, "{p}");
+    // Nine lost and nine won.
+    assert_eq!(difference(0, 2), (36, 0.0, 1.0));
+    assert_eq!(difference(1, 1), (36, 0.0, 1.0));
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(page.contains("id=\"robustness\"") && page.contains("Success against the perception profile"));
+    assert!(report.markdown().contains("| a | degraded | 25.0"), "{}", report.markdown());
+
+    // Other parameters are another planner, and one profile is no curve.
+    let other = RunHeader { params: BTreeMap::from([("k".into(), "2".into())]), ..header("b", 36) };
+    let perception = DataHeader { name: "onboard".into(), hash: "o".into() };
+    let other = RunHeader { perception, ..other };
+    let alone = write(&dir.path().join("b-2"), &other, tasks(9, |_, _| true));
+    let report = Report::new(Runs::read(&[dirs[2].clone(), alone]).unwrap());
+    assert_eq!(report.robustness(), None);
+    assert!(!report.page(&BTreeSet::new(), &[]).contains("id=\"robustness\""));
+}
+
+#[test]
 fn tables_hold_every_task_with_its_figures_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
     let mut records = tasks(2, |w, _| w == 0);

@@ -415,7 +415,7 @@ fn check_summary(
 
 fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Findings) {
     let reasons = open_reasons(&m.run, shipped);
-    same(found, "division", "division", m.division.name(), division(&reasons).name());
+    same(found, "division", "division", m.division.name(), division(&m.run, &reasons).name());
     for d in differences(&m.open_because, &reasons) {
         let text = format!("is {}, by the rules it is {}", d.a, d.b);
         found.push(Finding::new("division", format!("{MANIFEST}: open_because.{}", d.path), text));

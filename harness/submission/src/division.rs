@@ -16,22 +16,41 @@ pub enum Division {
     /// The list of WASM planners as they are, under the benchmark's own conditions: every result can be repeated bit
     /// for bit by everybody, and all had the same means.
     Ranked,
+    /// The list of planners that meet the same conditions, but under the perception profile `onboard`.
+    Onboard,
+    /// The list of planners that meet the same conditions, but under the perception profile `degraded`.
+    Degraded,
     /// The list of all other results.
     Open,
 }
 
 impl Division {
+    /// All, in the order of the site.
+    pub const ALL: [Self; 4] = [Self::Ranked, Self::Onboard, Self::Degraded, Self::Open];
+
     /// The name of the division in files and on pages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Ranked => "ranked",
+            Self::Onboard => "onboard",
+            Self::Degraded => "degraded",
             Self::Open => "open",
+        }
+    }
+
+    /// The perception profile under which its results are made; `None` for the open division, which has any.
+    #[must_use]
+    pub fn profile(self) -> Option<&'static str> {
+        match self {
+            Self::Ranked => Some(ORACLE),
+            Self::Onboard | Self::Degraded => Some(self.name()),
+            Self::Open => None,
         }
     }
 }
 
-/// A condition of the ranked division that a run doesn't meet.
+/// A condition of all divisions but the open one that a run doesn't meet.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OpenReason {
@@ -79,7 +98,7 @@ const SOIL_RESOLUTION: f64 = 0.1;
 /// The seed with which results are ranked: one seed, so that nobody can enter the best of many.
 const SEED: u64 = 0;
 
-/// The conditions of the ranked division that a run doesn't meet.
+/// The conditions of all divisions but the open one that a run doesn't meet.
 pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason> {
     let mut reasons = Vec::new();
     let mut unless = |good: bool, field: &str, text: String| {
@@ -134,12 +153,13 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         format!("{} ({}), not the default", run.soils.name, short(&run.soils.hash)),
     );
     let perception = &run.perception;
+    let shipped = Profile::built_in(&perception.name);
+    // Runs from before there were profiles don't say the hash, and were driven under the first.
+    let is_first = perception.name == ORACLE && perception.hash.is_empty();
     unless(
-        // Runs from before there were profiles don't say the hash.
-        perception.name == ORACLE
-            && (perception.hash.is_empty() || perception.hash == Profile::oracle().sha256()),
+        is_first || shipped.is_some_and(|p| p.sha256() == perception.hash),
         "perception",
-        format!("{} ({}), not {ORACLE}", perception.name, short(&perception.hash)),
+        format!("{} ({}) is none that comes with the harness", perception.name, short(&perception.hash)),
     );
     unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
     unless(
@@ -152,6 +172,8 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
 }
 
 /// The division of a run with these reasons.
-pub(crate) fn division(reasons: &[OpenReason]) -> Division {
-    if reasons.is_empty() { Division::Ranked } else { Division::Open }
+pub(crate) fn division(run: &RunHeader, reasons: &[OpenReason]) -> Division {
+    let of = |division: &Division| division.profile() == Some(run.perception.name.as_str());
+    let own = Division::ALL.into_iter().find(of).filter(|_| reasons.is_empty());
+    own.unwrap_or(Division::Open)
 }

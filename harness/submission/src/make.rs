@@ -77,7 +77,7 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
     let manifest = Manifest {
         schema: SUBMISSION_SCHEMA,
         entrant: request.entrant.clone(),
-        division: division(&reasons),
+        division: division(&header, &reasons),
         open_because: reasons,
         abi: request.plugin.abi().name().to_owned(),
         suite_version: request.suite.meta().version.clone(),

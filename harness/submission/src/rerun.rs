@@ -62,7 +62,7 @@ pub fn verify(
         submission_sha256: submission.sha256(),
         plugin_sha256: expected.plugin_sha256.to_owned(),
         suite_hash: expected.suite.hash(),
-        division: division(&open_reasons(&m.run, expected.shipped)),
+        division: division(&m.run, &open_reasons(&m.run, expected.shipped)),
         checks,
         findings: Vec::new(),
         more_findings: 0,

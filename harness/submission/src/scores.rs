@@ -33,6 +33,9 @@ pub struct Scores {
     pub vehicle: String,
     /// The name of the rules.
     pub rules: String,
+    /// The name of the perception profile; `oracle` for scores from before there were others.
+    #[serde(default = "oracle")]
+    pub perception: String,
     /// The number of tasks.
     pub tasks: u64,
     /// The number of tasks by outcome.
@@ -47,6 +50,10 @@ pub struct Scores {
     pub roll_mean_deg: Option<f64>,
     /// The mean |pitch|, degrees, to a tenth.
     pub pitch_mean_deg: Option<f64>,
+}
+
+fn oracle() -> String {
+    vb_sense::profile::ORACLE.to_owned()
 }
 
 impl Scores {
@@ -69,6 +76,7 @@ impl Scores {
             plugin_sha256: run.header.plugin.sha256.clone(),
             vehicle: text(&run.header.vehicle.name),
             rules: text(&run.header.rules.name),
+            perception: text(&run.header.perception.name),
             tasks: figures.tasks,
             outcomes: Outcome::ALL.into_iter().map(|o| (o, figures.count(o))).collect(),
             success_percent: mean(Measure::Success).unwrap_or(0.0),

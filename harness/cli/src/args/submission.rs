@@ -101,6 +101,9 @@ pub(crate) struct EvaluateArgs {
     /// Vehicle: a name, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     pub(crate) vehicle: String,
+    /// What the planner is told and how wrong it is: oracle, onboard, degraded, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
+    pub(crate) perception: String,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
     /// File for the scores, e.g. holdout.json of an accepted submission

@@ -3,6 +3,7 @@
 mod comparison;
 mod figure;
 mod plot;
+mod robustness;
 mod sections;
 mod tasks;
 
@@ -19,7 +20,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     let first = &report.runs.runs[0].header;
     let title = match &report.runs.runs[..] {
         [one] => one.label.clone(),
-        many => format!("{} planners", many.len()),
+        many => format!("{} runs", many.len()),
     };
     let tasks: u64 = report.figures.iter().map(|f| f.all.tasks).sum();
     let suite = report.runs.scope();
@@ -37,6 +38,9 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     let mut sections: Vec<(&str, &str)> = vec![("overview", "Overview"), ("figure", "Figure")];
     if report.comparison.is_some() {
         sections.push(("comparison", "Comparison"));
+    }
+    if report.robustness.is_some() {
+        sections.push(("robustness", "Robustness"));
     }
     sections.extend([
         ("outcomes", "Outcomes"),
@@ -66,6 +70,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
                 );
             }
             "comparison" => comparison::comparison(&mut s, report),
+            "robustness" => robustness::robustness(&mut s, report),
             "outcomes" => sections::outcomes(&mut s, report),
             "worlds" => sections::worlds(&mut s, report),
             "distributions" => sections::distributions(&mut s, report),

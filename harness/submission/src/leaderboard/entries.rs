@@ -72,9 +72,11 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
         path if path.exists() => {
             let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA)?;
             let run = &submission.manifest().run;
-            let own = [&run.plugin.sha256, &run.vehicle.name, &run.harness_version];
-            if own != [&scores.plugin_sha256, &scores.vehicle, &scores.harness_version] {
-                let what = "another plugin, vehicle or version of the harness";
+            let own = [&run.plugin.sha256, &run.vehicle.name, &run.perception.name, &run.harness_version];
+            let theirs =
+                [&scores.plugin_sha256, &scores.vehicle, &scores.perception, &scores.harness_version];
+            if own != theirs {
+                let what = "another plugin, vehicle, perception profile or version of the harness";
                 return fail(format!("{HOLDOUT} is of {what} (evaluate this one)"));
             }
             Some(scores)

@@ -13,8 +13,24 @@ pub(super) const STYLE: &str = include_str!("site.css");
 const SCRIPT: &str = include_str!("site.js");
 
 /// What stands behind the figures of a division.
-const RANKED: &str = "WASM planners under the benchmark's own conditions, verified by driving tasks again.";
-const OPEN: &str = "Other conditions or kinds of plugin: each entry says what differs. Figures are verified, ranks say less.";
+fn about(division: Division) -> &'static str {
+    match division {
+        Division::Ranked => {
+            "WASM planners under the benchmark's own conditions, verified by driving tasks again."
+        }
+        Division::Onboard => {
+            "The same conditions, but with what a vehicle of today perceives: a coarse map without obstacles, a pose that drifts, \
+             sensors with their usual errors."
+        }
+        Division::Degraded => {
+            "The same conditions, but on a bad day for perception: no map beforehand, several times the errors, spells without \
+             satellites and in dust."
+        }
+        Division::Open => {
+            "Other conditions or kinds of plugin: each entry says what differs. Figures are verified, ranks say less."
+        }
+    }
+}
 
 pub(super) fn page(title: &str, boards: &[Board]) -> String {
     let title = one_line(title, 120);
@@ -68,10 +84,7 @@ fn board(s: &mut String, b: &Board) {
         "<section class=\"board\" data-suite=\"{suite}\" data-vehicle=\"{vehicle}\" data-division=\"{division}\"><h2>{suite} \
          <small>{vehicle}</small> <span class=\"tag {division}\">{division}</span></h2><p class=\"sub\">{} {} tasks{}; rules {}; \
          harness {}; {}; suite hash <code title=\"{hash}\">{}</code></p>",
-        match b.division {
-            Division::Ranked => RANKED,
-            Division::Open => OPEN,
-        },
+        about(b.division),
         grouped(m.run.tasks),
         m.run.selector.as_ref().map_or_else(String::new, |t| {
             let of = m.run.suite.tasks.map_or_else(String::new, |of| format!("of {}: ", grouped(of)));

@@ -97,9 +97,31 @@ fn every_condition_of_the_ranked_division_is_one() {
     with("o5", "/scale", 0.5.into());
     with("o6", "/limits/memory_bytes", (1u64 << 30).into());
     with("o7", "/limits/wasm_watchdog", 1.into());
+    b.copy("run", "o8");
+    let mut header = b.json("run/run.json");
+    header["perception"]["hash"] = "0".repeat(64).into();
+    b.write_json("o8/run.json", &header);
+    assert_eq!(b.make("o8", "o8-out").unwrap().open_because[0].field, "perception");
     let rules = vb_score::Rules::resolve("dev").unwrap();
     b.run("dev-rules", |c| c.rules = rules);
     let manifest = b.make("dev-rules", "dev-out").unwrap();
     assert_eq!(manifest.open_because[0].text.split(' ').next(), Some("dev"));
     assert!(b.verify("dev-out", None).unwrap().verified);
+}
+
+#[test]
+fn each_perception_profile_that_comes_with_the_harness_has_a_division() {
+    let b = bench();
+    for (division, profile) in Division::ALL.into_iter().filter_map(|d| d.profile().map(|p| (d, p))) {
+        let out = format!("{profile}-out");
+        b.run(profile, |c| c.perception = vb_sense::Profile::built_in(profile).unwrap());
+        let manifest = b.make(profile, &out).unwrap();
+        assert_eq!((manifest.division, manifest.open_because), (division, vec![]), "{profile}");
+        let own: &'static _ = Box::leak(Box::new(vb_sense::Profile::built_in(profile).unwrap()));
+        let load = |_: &vb_host::Limits| Ok(b.plugin.clone());
+        let verdict = b.verify_with(&out, None, &load, |expected| expected.perception = own);
+        assert!(verdict.is_ok_and(|v| v.verified && v.division == division), "{profile}");
+    }
+    let names = Division::ALL.map(|d| d.profile().unwrap_or("any"));
+    assert_eq!(names, ["oracle", "onboard", "degraded", "any"]);
 }

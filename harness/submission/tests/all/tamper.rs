@@ -195,8 +195,8 @@ fn a_field_that_is_there_twice_or_unknown_is_found() {
         let verdict = b.verify("twice", Some((1, 1)));
         assert!(found(&verdict), "{to}");
     };
-    forge("\"abi\": \"0.1\",", "\"abi\": \"0.1\", \"abi\": \"0.1\",");
-    forge("\"abi\": \"0.1\",", "\"abi\": \"0.1\", \"bonus\": 1,");
+    forge("\"abi\": \"0.2\",", "\"abi\": \"0.2\", \"abi\": \"0.1\",");
+    forge("\"abi\": \"0.2\",", "\"abi\": \"0.2\", \"bonus\": 1,");
     // In a list of names the last one would count.
     forge(
         "\"tasks\": {",
