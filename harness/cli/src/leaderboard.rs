@@ -11,7 +11,7 @@ use vb_submission::leaderboard::{self, Entry};
 use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
 use crate::output;
-use crate::replay::Player;
+use crate::replay::{Player, Senses};
 use crate::submission::failed;
 
 impl LeaderboardCommand {
@@ -62,7 +62,7 @@ fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, C
     if tasks.is_empty() {
         return Ok(made);
     }
-    let mut player = Player::new(runs, &ReplayData::default(), &tasks)?;
+    let mut player = Player::new(runs, &ReplayData::default(), Senses::default(), &tasks)?;
     for task in tasks {
         let Some(replay) = player.replay(&task)? else { continue };
         let path = out.join(format!("{task}.html"));

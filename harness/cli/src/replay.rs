@@ -6,10 +6,14 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
-use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Setting, page, write_mcap};
+use vb_replay::{
+    Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
+};
 use vb_report::Runs;
 use vb_runner::Soils;
 use vb_score::{Rules, TaskRecord};
+use vb_sdk::metadata::Need;
+use vb_sense::{Perception, Profile, Seed};
 use vb_sim::SimOptions;
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, World};
@@ -27,7 +31,8 @@ enum Message<'a> {
 pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     let runs = Runs::read(&args.runs).map_err(CliError::input)?;
     let tasks = BTreeSet::from([args.task.clone()]);
-    let mut player = Player::new(&runs, &args.data, &tasks)?;
+    let senses = Senses { sensors: args.sensors.as_deref(), perception: args.perception.as_deref() };
+    let mut player = Player::new(&runs, &args.data, senses, &tasks)?;
     let replay = player.replay(&args.task)?.ok_or_else(|| {
         // A single task that some run lacks is a mistake; of many it is one that isn't done yet.
         let without = runs.runs.iter().find(|r| r.rows.iter().all(|row| *row.task != *args.task));
@@ -111,6 +116,62 @@ struct Part {
     vehicle: VehicleModel,
     /// None where vehicle or soils at hand are not those of the run.
     soils: Option<Soils>,
+    /// The profile, and the sensors that are shown under it; none where there are none beside pose and wheels.
+    senses: Option<(Profile, Vec<Need>)>,
+}
+
+/// What is shown of sensors.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Senses<'a> {
+    /// The sensors; those that the planner had if it isn't said.
+    sensors: Option<&'a [String]>,
+    /// The profile; that of the run if it isn't said.
+    perception: Option<&'a str>,
+}
+
+impl Senses<'_> {
+    /// The profile and the sensors for a run.
+    fn of(self, header: &RunHeader) -> Result<Option<(Profile, Vec<Need>)>, CliError> {
+        let named = match self.sensors {
+            Some([none]) if none == "none" => return Ok(None),
+            Some(named) => named,
+            None => &header.plugin.sensors,
+        };
+        let mut needs = Vec::new();
+        for text in named {
+            Need::add(&mut needs, text).map_err(|e| CliError::usage(format!("--sensors {text}: {e}")))?;
+        }
+        let name = self.perception.unwrap_or(&header.perception.name);
+        let shows_nothing = needs.is_empty()
+            || (needs.iter().all(|n| Need::DEFAULT.iter().any(|d| d.sensor == n.sensor))
+                && self.sensors.is_none()
+                && name == vb_sense::profile::ORACLE);
+        if shows_nothing {
+            return Ok(None);
+        }
+        let profile = run::perception(name)?;
+        if self.perception.is_none() && profile.sha256() != header.perception.hash {
+            output::note(&format!(
+                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (name the run's \
+                 file with --perception)"
+            ));
+            return Ok(None);
+        }
+        vb_sense::check_needs(&profile, &needs).map_err(|e| CliError::usage(format!("--sensors: {e}")))?;
+        Ok(Some((profile, needs)))
+    }
+}
+
+impl Part {
+    /// The sensors of a task's vehicle; none if none is shown.
+    fn sensors(&self, world: &Arc<World>, task: &str) -> Option<Sensors> {
+        let (profile, needs) = self.senses.as_ref()?;
+        let seed = Seed { run: self.header.seed, task: task.to_owned() };
+        let scene = Sensors::scene(world);
+        // The needs were held against the profile when the run was opened.
+        let perception = Perception::new(profile, needs, &scene, self.vehicle.spec(), &seed).ok()?;
+        Some(Sensors { perception })
+    }
 }
 
 /// Makes replays of tasks.
@@ -122,7 +183,12 @@ pub(crate) struct Player {
 
 impl Player {
     /// Opens what replays of `tasks` take.
-    pub(crate) fn new(runs: &Runs, data: &ReplayData, tasks: &BTreeSet<String>) -> Result<Self, CliError> {
+    pub(crate) fn new(
+        runs: &Runs,
+        data: &ReplayData,
+        senses: Senses<'_>,
+        tasks: &BTreeSet<String>,
+    ) -> Result<Self, CliError> {
         let first = &runs.runs[0];
         for other in &runs.runs[1..] {
             if other.header.scale != first.header.scale {
@@ -134,7 +200,8 @@ impl Player {
             }
         }
         let suite = suite_of(&first.header, data.suite.as_deref())?;
-        let parts = runs.runs.iter().map(|r| part(r, data, tasks)).collect::<Result<_, CliError>>()?;
+        let parts =
+            runs.runs.iter().map(|r| part(r, data, senses, tasks)).collect::<Result<_, CliError>>()?;
         Ok(Self { suite, parts, world: None })
     }
 
@@ -188,14 +255,16 @@ impl Player {
                     soils: &soils.set,
                     options,
                 };
-                Motion::repeated(&trace, &setting, &record.state_hash)
+                Motion::repeated(&trace, &setting, part.sensors(&world, task), &record.state_hash)
             });
-            let motion = repeated.unwrap_or_else(|| Motion::sampled(&trace, Some(&part.vehicle)));
+            let alone = || (Motion::sampled(&trace, Some(&part.vehicle)), Sensed::default());
+            let (motion, sensed) = repeated.unwrap_or_else(alone);
             runs.push(ReplayRun {
                 label: part.label.clone(),
                 record: record.clone(),
                 vehicle: Arc::new(part.vehicle.spec().clone()),
                 motion,
+                sensed,
                 series: PlannerSeries::new(part.reader.debug(task).map_err(CliError::input)?),
             });
         }
@@ -225,7 +294,12 @@ pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suit
     })
 }
 
-fn part(r: &vb_report::Run, data: &ReplayData, tasks: &BTreeSet<String>) -> Result<Part, CliError> {
+fn part(
+    r: &vb_report::Run,
+    data: &ReplayData,
+    senses: Senses<'_>,
+    tasks: &BTreeSet<String>,
+) -> Result<Part, CliError> {
     let header = r.header.clone();
     let vehicle = run::vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
         .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
@@ -246,6 +320,7 @@ fn part(r: &vb_report::Run, data: &ReplayData, tasks: &BTreeSet<String>) -> Resu
         soils: soils.filter(|s| same_vehicle && s.hash == header.soils.hash),
         rules: serde_json::from_value(header.rules.profile.clone()).ok(),
         label: r.label.clone(),
+        senses: senses.of(&header)?,
         header,
         reader,
         records,

@@ -8,7 +8,7 @@ use vb_report::{Report, ReportError, Runs, write_csv, write_parquet};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
-use crate::replay::Player;
+use crate::replay::{Player, Senses};
 use crate::{output, suite};
 
 #[derive(Serialize)]
@@ -72,10 +72,10 @@ fn replays(
     selector: &str,
     out: &Path,
 ) -> Result<BTreeSet<String>, CliError> {
-    let player = Player::new(report.runs(), &args.data, &BTreeSet::new())?;
+    let player = Player::new(report.runs(), &args.data, Senses::default(), &BTreeSet::new())?;
     let chosen = suite::select(player.suite(), Some(selector))?;
     let chosen: BTreeSet<String> = chosen.iter().map(ToString::to_string).collect();
-    let mut player = Player::new(report.runs(), &args.data, &chosen)?;
+    let mut player = Player::new(report.runs(), &args.data, Senses::default(), &chosen)?;
     let mut made = BTreeSet::new();
     for task in chosen {
         let Some(replay) = player.replay(&task)? else { continue };

@@ -167,6 +167,26 @@ fn crops(episode: &Episode, features: &[Feature], state: &[Vec<f64>]) {
 }
 
 #[test]
+fn the_docs_have_every_column_cause_and_field() {
+    let docs = include_str!("../../../docs/datasets.md");
+    let layout = Layout { wheels: 4, speed: true, goal: true, truth: true, crops: 8 };
+    for feature in layout.features() {
+        assert!(docs.contains(&format!("`{}`", feature.name)), "{}", feature.name);
+    }
+    for cause in vb_score::Cause::ALL {
+        assert!(docs.contains(&format!("`{cause}`")), "{cause}");
+    }
+    let text = serde_json::to_value(Exploration::resolve("default").unwrap()).unwrap();
+    for (block, fields) in text.as_object().unwrap() {
+        assert!(docs.contains(&format!("`{block}")), "{block}");
+        for field in fields.as_object().into_iter().flatten().map(|(name, _)| name) {
+            let there = docs.contains(&format!("`{block}.{field}`")) || docs.contains(&format!("`.{field}`"));
+            assert!(there, "{block}.{field}");
+        }
+    }
+}
+
+#[test]
 fn what_the_driver_saw_and_what_was_true_are_apart_where_they_differ() {
     let dir = tempfile::tempdir().unwrap();
     let profile = Profile::built_in("degraded").unwrap();

@@ -45,6 +45,9 @@ pub struct PluginHeader {
     /// Whether results of a planner of this kind may be ranked: those of a command may not.
     #[serde(default = "yes")]
     pub eligible_for_ranking: bool,
+    /// The sensors that the planner got, as its metadata name them, e.g. `lidar 10`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<String>,
     /// The confinement of the process of a native planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxHeader>,

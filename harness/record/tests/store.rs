@@ -39,6 +39,7 @@ fn header() -> RunHeader {
             kind: "wasm".into(),
             path: "pid.wasm".into(),
             eligible_for_ranking: true,
+            sensors: Vec::new(),
             sandbox: None,
         },
         params: BTreeMap::from([("speed".into(), "3".into())]),

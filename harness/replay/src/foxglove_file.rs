@@ -18,9 +18,10 @@ use vb_world::World;
 use crate::debug::Lines;
 use crate::motion::attitude;
 use crate::scene::{Mesh, class_colour, ground, obstacles, parts};
+use crate::sensors_file::write_sensors;
 use crate::{Replay, ReplayError, ReplayRun};
 
-const WORLD: &str = "world";
+pub(crate) const WORLD: &str = "world";
 /// Height of lines above the ground, m.
 const ABOVE: f64 = 0.15;
 
@@ -34,13 +35,13 @@ const PLANNER_SCHEMA: &str =
     r#"{"title":"vb.Planner","type":"object","additionalProperties":{"type":"number"}}"#;
 
 /// A time of the simulation as a time since the epoch.
-fn at(time: f64) -> (Timestamp, PartialMetadata) {
+pub(crate) fn at(time: f64) -> (Timestamp, PartialMetadata) {
     let nanos = (time.max(0.0) * 1e9).round() as u64;
     let stamp = Timestamp::new((nanos / 1_000_000_000) as u32, (nanos % 1_000_000_000) as u32);
     (stamp, PartialMetadata::with_log_time(nanos))
 }
 
-fn vector(v: [f64; 3]) -> Vector3 {
+pub(crate) fn vector(v: [f64; 3]) -> Vector3 {
     Vector3 { x: v[0], y: v[1], z: v[2] }
 }
 
@@ -48,7 +49,7 @@ fn point(v: [f64; 3]) -> Point3 {
     Point3 { x: v[0], y: v[1], z: v[2] }
 }
 
-fn quaternion(q: UnitQuaternion<f64>) -> Quaternion {
+pub(crate) fn quaternion(q: UnitQuaternion<f64>) -> Quaternion {
     Quaternion { x: q.i, y: q.j, z: q.k, w: q.w }
 }
 
@@ -62,7 +63,8 @@ const RUN_COLOURS: [[u8; 3]; 6] =
 
 /// Writes the replay. Time is that of the simulation, as if it had begun at the epoch. Topics: `/world` (ground, obstacles,
 /// global path, start and goal), `/tf` (chassis and wheels), and of each run, `/runN` its vehicle (`vehicle`), odometry
-/// (`odometry`), angles and commands (`state`), the planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`).
+/// (`odometry`), angles and commands (`state`), what its sensors measured (`lidar`, `depth`, `local_map`, `estimate`, `gnss`, `imu`), the
+/// planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`).
 ///
 /// # Errors
 /// If the file can't be written.
@@ -85,7 +87,7 @@ pub fn write_mcap(replay: &Replay, path: &Path) -> Result<(), ReplayError> {
     std::io::Write::flush(&mut file).map_err(|e| fail(e.to_string()))
 }
 
-fn json_channel(
+pub(crate) fn json_channel(
     topic: String,
     schema: (&str, &'static str),
     context: &Arc<Context>,
@@ -152,6 +154,7 @@ fn write_run(
         });
         state.log_with_meta(message.to_string().as_bytes(), meta);
     }
+    write_sensors(&run.sensed, &frame, context)?;
     for lines in run.series.lines() {
         let (stamp, meta) = at(lines.time);
         plan.log_with_meta(&plan_scene(replay, &lines, stamp), meta);
@@ -195,7 +198,7 @@ fn triangles(mesh: &Mesh, colour: Color) -> TriangleListPrimitive {
     }
 }
 
-fn pose(position: [f64; 3]) -> Pose {
+pub(crate) fn pose(position: [f64; 3]) -> Pose {
     Pose { position: Some(vector(position)), orientation: Some(quaternion(UnitQuaternion::identity())) }
 }
 

@@ -11,6 +11,8 @@ mod foxglove_file;
 mod motion;
 mod page;
 mod scene;
+mod sensed;
+mod sensors_file;
 
 pub use debug::PlannerSeries;
 pub use error::ReplayError;
@@ -18,3 +20,4 @@ pub use foxglove_file::write_mcap;
 pub use motion::{Motion, Repeat, Rut, Setting, WheelFrame};
 pub use page::page;
 pub use scene::{Replay, ReplayRun};
+pub use sensed::{Sensed, Sensors};

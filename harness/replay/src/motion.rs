@@ -6,9 +6,12 @@ use std::sync::Arc;
 use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
 use vb_runner::{StateHash, commanded_gear, sample};
+use vb_sense::Truth;
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
+
+use crate::sensed::{Sensed, Sensors};
 
 /// Time between the frames of a repeated simulation, s.
 const FRAME_PERIOD: f64 = 0.02;
@@ -82,9 +85,17 @@ pub struct Setting<'a> {
 }
 
 impl Motion {
-    /// The motion by the simulation repeated in `setting`; none if it doesn't come to the `state_hash` of the record.
+    /// The motion by the simulation repeated in `setting`, and what the sensors measured in it, if some are given; none if it
+    /// doesn't come to the `state_hash` of the record.
     #[must_use]
-    pub fn repeated(trace: &Trace, setting: &Setting<'_>, state_hash: &str) -> Option<Self> {
+    pub fn repeated(
+        trace: &Trace,
+        setting: &Setting<'_>,
+        sensors: Option<Sensors>,
+        state_hash: &str,
+    ) -> Option<(Self, Sensed)> {
+        let mut perception = sensors.map(|s| s.perception);
+        let mut sensed = perception.as_ref().map(Sensed::new).unwrap_or_default();
         let period = trace.meta.sample_period;
         let end = trace.samples.last()?.time;
         let samples = (end / period).round() as u64;
@@ -122,6 +133,10 @@ impl Motion {
             }
             sim.visit_state(|x| hash.push(x));
             let state = sim.state();
+            if let Some(perception) = &mut perception {
+                perception.sample(Truth { state: &state, ruts: Some(&sim) });
+                sensed.take(perception, &state);
+            }
             for (angle, wheel) in angles.iter_mut().zip(&state.wheels) {
                 *angle += wheel.speed * if k > 0 { period } else { 0.0 };
             }
@@ -133,7 +148,7 @@ impl Motion {
                 motion.look_at_ruts(&sim, &mut told);
             }
         }
-        (hash.hex() == state_hash).then_some(motion)
+        (hash.hex() == state_hash).then_some((motion, sensed))
     }
 
     /// The motion as it was sampled; of a vehicle with other wheels than the trace's, without wheels.

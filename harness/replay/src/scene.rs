@@ -13,6 +13,7 @@ use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
 
 use crate::debug::PlannerSeries;
 use crate::motion::{Motion, Repeat, attitude};
+use crate::sensed::Sensed;
 
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
 const NODES: usize = 513;
@@ -30,6 +31,8 @@ pub struct ReplayRun {
     pub motion: Motion,
     /// What the planner sent.
     pub series: PlannerSeries,
+    /// What the sensors measured; nothing where the simulation can't be repeated.
+    pub sensed: Sensed,
 }
 
 /// A task with its runs.
@@ -107,6 +110,16 @@ pub(crate) fn class_colour(class: TerrainClass) -> [u8; 3] {
         TerrainClass::Mud => [104, 79, 66],
         TerrainClass::Sand => [243, 213, 110],
         TerrainClass::Snow => [236, 245, 255],
+    }
+}
+
+/// The colour of a label of the depth camera, sRGB.
+pub(crate) fn label_colour(label: u8) -> [u8; 3] {
+    match TerrainClass::from_label(label) {
+        Some(class) => class_colour(class),
+        // An obstacle; nothing.
+        None if label == 10 => [192, 65, 43],
+        None => [0, 0, 0],
     }
 }
 
@@ -227,5 +240,6 @@ fn run(run: &ReplayRun) -> Value {
             "length": spec.length,
         },
         "series": run.series.json(),
+        "sensed": run.sensed.json(&m.frames),
     })
 }

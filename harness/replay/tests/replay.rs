@@ -8,12 +8,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use foxglove::Decode as _;
-use foxglove::messages::{FrameTransforms, Log, Odometry, SceneUpdate};
+use foxglove::messages::{FrameTransforms, Grid, Log, Odometry, PointCloud, RawImage, SceneUpdate};
 use sha2::{Digest as _, Sha256};
 use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
-use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayRun, Setting, page, write_mcap};
+use vb_replay::{
+    Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
+};
 use vb_runner::StateHash;
 use vb_score::{Outcome, TaskRecord};
+use vb_sdk::metadata::Need;
+use vb_sense::{Perception, Profile, Readings, Seed, Truth};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Obstacle, ObstacleKind, Pose2, Task, TerrainClass, World};
@@ -106,7 +110,55 @@ impl Drive {
             soils: &self.soils,
             options: SimOptions::default(),
         };
-        Motion::repeated(&self.trace, &setting, hash)
+        Motion::repeated(&self.trace, &setting, None, hash).map(|(motion, _)| motion)
+    }
+
+    /// The sensors that it drives with here.
+    fn perception(&self, profile: &str) -> Perception {
+        let needs: Vec<Need> = ["pose", "lidar 10", "depth 5", "local-map 5", "gnss", "imu 50"]
+            .map(|n| Need::parse(n).unwrap())
+            .into();
+        let profile = Profile::built_in(profile).unwrap();
+        let seed = Seed { run: 3, task: "w001/t00".into() };
+        let scene = Sensors::scene(&self.world);
+        Perception::new(&profile, &needs, &scene, self.vehicle.spec(), &seed).unwrap()
+    }
+
+    /// What these sensors measure when the simulation is repeated.
+    fn sensed(&self, profile: &str) -> Sensed {
+        let setting = Setting {
+            world: &self.world,
+            task: &self.task,
+            vehicle: &self.vehicle,
+            soils: &self.soils,
+            options: SimOptions::default(),
+        };
+        let sensors = Sensors { perception: self.perception(profile) };
+        Motion::repeated(&self.trace, &setting, Some(sensors), &self.hash).unwrap().1
+    }
+
+    /// What a planner that looks ten times a second is told by them while it drives.
+    fn told(&self, profile: &str) -> Vec<Readings> {
+        let start = self.task.start;
+        let mut sim =
+            Simulation::new(self.world.clone(), &self.vehicle, &self.soils, start, SimOptions::default())
+                .unwrap();
+        let mut perception = self.perception(profile);
+        let mut told = Vec::new();
+        for k in 0..=400 {
+            if k > 0 {
+                // A sample has the command that was applied up to it, ten a second.
+                let s = &self.trace.samples[usize::try_from((k + 9) / 10).unwrap()];
+                let Sample { steering, throttle, .. } = *s;
+                sim.advance(Controls { steering, throttle, ..Controls::default() }, 10).unwrap();
+            }
+            let state = sim.state();
+            perception.sample(Truth { state: &state, ruts: Some(&sim) });
+            if k % 10 == 0 {
+                told.push(perception.read(&state));
+            }
+        }
+        told
     }
 
     fn replay(&self, label: &str) -> Replay {
@@ -151,6 +203,7 @@ impl Drive {
                 vehicle: Arc::new(self.vehicle.spec().clone()),
                 motion: self.repeated(&self.hash).unwrap(),
                 series,
+                sensed: Sensed::default(),
             }],
         }
     }
@@ -284,4 +337,98 @@ fn the_official_library_reads_the_mcap_file_back() {
     assert!(log.message.starts_with("stuck: "), "{}", log.message);
     let state: serde_json::Value = serde_json::from_slice(&topics["/run0/state"].last().unwrap().1).unwrap();
     assert_eq!(state["throttle"], 1.0);
+}
+
+#[test]
+fn what_is_shown_of_the_sensors_is_what_the_planner_was_told() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let (sensed, told) = (drive.sensed("onboard"), drive.told("onboard"));
+    let all = |f: fn(&Readings) -> usize| told.iter().map(f).sum::<usize>();
+    assert_eq!(sensed.scans, told.iter().filter_map(|r| r.lidar.clone()).collect::<Vec<_>>());
+    assert_eq!(sensed.images, told.iter().filter_map(|r| r.depth.clone()).collect::<Vec<_>>());
+    assert_eq!(sensed.imu.len(), all(|r| r.imu.len()));
+    assert!(sensed.imu.iter().eq(told.iter().flat_map(|r| &r.imu)));
+    assert!(sensed.fixes.iter().eq(told.iter().filter_map(|r| r.gnss.as_ref())));
+    let (maps, own) = (told.iter().filter_map(|r| r.local_map.as_ref()), &sensed.maps);
+    assert!(own.len() > 15 && own.len() == maps.clone().count());
+    for (a, b) in own.iter().zip(maps) {
+        let bits = |m: &vb_sdk::LocalMap| m.elevation.data.iter().map(|z| z.to_bits()).collect::<Vec<_>>();
+        assert_eq!((a.time, bits(a), &a.occupancy), (b.time, bits(b), &b.occupancy));
+    }
+    // Four seconds at 10, 5 and 50 Hz.
+    assert_eq!((sensed.scans.len(), sensed.images.len(), sensed.imu.len()), (40, 21, 200));
+    assert!(!sensed.exact && drive.sensed("oracle").exact);
+}
+
+#[test]
+fn point_clouds_images_and_maps_are_in_the_mcap_file_where_the_ground_is() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let mut replay = drive.replay("pid");
+    replay.runs[0].sensed = drive.sensed("oracle");
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("t.mcap");
+    write_mcap(&replay, &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let own = topics.entry(message.channel.topic.clone()).or_default();
+        own.push((message.log_time, message.data.to_vec()));
+    }
+    let times = |topic: &str| topics[topic].iter().map(|m| m.0).collect::<Vec<_>>();
+    assert_eq!(times("/run0/lidar")[..2], [100_000_000, 200_000_000]);
+    assert_eq!(times("/run0/depth/image"), times("/run0/depth/labels"));
+    assert_eq!(times("/run0/estimate").len(), 41);
+    // The vehicle has hardly moved yet: seen from its pose, the points lie on the level ground at 0, or on the boulder.
+    let cloud = PointCloud::decode(&topics["/run0/lidar"][0].1[..]).unwrap();
+    assert_eq!((cloud.frame_id.as_str(), cloud.point_stride), ("run0", 20));
+    let start = &replay.runs[0].motion.frames[0];
+    let about = |axis, angle| nalgebra::UnitQuaternion::from_axis_angle(&axis, angle);
+    let turn = about(nalgebra::Vector3::z_axis(), start.yaw)
+        * about(nalgebra::Vector3::y_axis(), start.pitch)
+        * about(nalgebra::Vector3::x_axis(), start.roll);
+    let mut on_ground = 0;
+    for point in cloud.data.chunks_exact(20) {
+        let at = |k: usize| f64::from(f32::from_le_bytes(point[4 * k..4 * k + 4].try_into().unwrap()));
+        let p = turn * nalgebra::Vector3::new(at(0), at(1), at(2))
+            + nalgebra::Vector3::new(start.x, start.y, start.z);
+        let from_boulder = vb_math::hypot(p.x - 20.0, p.y - 20.0);
+        if from_boulder > 3.0 {
+            // The tenth of a second in which the vehicle begins to lean back, times the distance.
+            let distance = vb_math::hypot(at(0), at(1));
+            assert!(p.z.abs() < 0.02 + 0.006 * distance, "{} at {distance} m", p.z);
+            on_ground += 1;
+        }
+    }
+    assert!(on_ground > 3000, "{on_ground}");
+    let image = RawImage::decode(&topics["/run0/depth/image"][0].1[..]).unwrap();
+    assert_eq!((image.width, image.height, image.encoding.as_str()), (96, 64, "32FC1"));
+    assert_eq!(image.data.len(), 4 * 96 * 64);
+    let grid = Grid::decode(&topics["/run0/local_map"].last().unwrap().1[..]).unwrap();
+    let cells: Vec<f32> =
+        grid.data.chunks_exact(6).map(|c| f32::from_le_bytes(c[..4].try_into().unwrap())).collect();
+    assert_eq!((grid.column_count, cells.len()), (80, 6400));
+    let known: Vec<&f32> = cells.iter().filter(|z| z.is_finite()).collect();
+    // Mud yields by decimetres under wheels, and nowhere else.
+    assert!(known.len() > 1000 && known.iter().all(|z| z.abs() < 0.4));
+    let level = known.iter().filter(|z| z.abs() < 0.02).count();
+    assert!(level * 10 > known.len() * 8, "{level} of {}", known.len());
+}
+
+#[test]
+fn a_page_of_many_scans_stays_small() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let mut replay = drive.replay("pid");
+    let mut sensed = drive.sensed("oracle");
+    // Ten minutes of scans.
+    let scans = sensed.scans.clone();
+    for k in 1..150 {
+        sensed.scans.extend(
+            scans.iter().map(|s| vb_sdk::LidarScan { time: s.time + 4.0 * f64::from(k), ..s.clone() }),
+        );
+    }
+    replay.runs[0].sensed = sensed;
+    let page = page(&replay);
+    assert!(page.len() < 16 << 20, "{}", page.len());
+    assert!(page.contains("\"scans_of\":6000"));
 }

@@ -36,6 +36,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
             kind: "wasm".into(),
             path: "p.wasm".into(),
             eligible_for_ranking: true,
+            sensors: Vec::new(),
             sandbox: None,
         },
         params: BTreeMap::new(),

@@ -308,6 +308,11 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             sha256: config.plugin.sha256().to_owned(),
             kind: config.plugin.kind().name().to_owned(),
             path: config.plugin_path.display().to_string(),
+            sensors: metadata
+                .sensors(config.perception.gives_all_maps())
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
             eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {
                 landlock: s.landlock,

@@ -72,6 +72,40 @@ fn a_report_is_shown_sorted_filtered_and_leads_to_replays() {
 }
 
 #[test]
+fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
+    let Some(mut browser) = Browser::start(1280, 900) else { return };
+    let bench = Bench::new();
+    let pid = pid();
+    let pid = pid.to_str().expect("paths of tests are text");
+    bench.ok(&["--plugin", pid, "--suite", "smoke", "--tasks", "w001/t03", "--out", "run"]);
+    // The planner had neither: what would they have seen?
+    bench.ok(&[
+        "replay",
+        "run",
+        "--task",
+        "w001/t03",
+        "--sensors",
+        "lidar,depth,local-map",
+        "--out",
+        "r.html",
+    ]);
+    browser.open(&bench.path("r.html"));
+    browser.eval("replay.seek(5)");
+    let mut number = |what: &str| browser.eval(what).as_f64().expect("a number");
+    assert!(number("replay.sensed().points") > 1000.0);
+    assert!(number("replay.sensed().cells") > 1000.0);
+    assert_eq!(number("Number(replay.sensed().depth)"), 1.0);
+    // Points lie on the ground, but for those on obstacles and the lift that keeps them in sight.
+    let off = "(() => { const n = replay.sensed().points; let near = 0; for (let k = 0; k < n; k += 1) { \
+        const [x, y, z] = replay.sensed().point(k); if (Math.abs(z - replay.height(x, y)) < 0.12) near += 1; } return near / n; })()";
+    let near = number(off);
+    assert!(near > 0.9, "{near}");
+    assert_eq!(number("(document.querySelector('input[name=lidar]').click(), replay.sensed().points)"), 0.0);
+    let e = bench.run(&["replay", "run", "--task", "w001/t03", "--sensors", "radar", "--out", "x.html"]);
+    assert!(e.error(2).contains("there is no sensor `radar`"));
+}
+
+#[test]
 fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     let Some(mut browser) = Browser::start(1280, 800) else { return };
     let bench = Bench::new();

@@ -61,7 +61,7 @@ fn tasks_that_are_said_to_be_proven_are_done_again_with_the_same_states() {
         let proof: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(file).expect("a proof")).expect("JSON");
         let tasks = proof["tasks"].as_object().expect("tasks");
-        // Seven in ten: what is left are soft and high worlds, whose ledges that expert could not back away from.
+        // Seven in ten: what is left are soft and high worlds.
         assert!(tasks.len() * 10 >= 7 * (tasks.len() + proof["unproven"].as_array().map_or(0, Vec::len)));
         // The first task of the first two provers.
         for prover in 0..2 {

@@ -51,6 +51,13 @@ pub(crate) struct ReplayArgs {
     /// Directories of runs of one suite; the first is followed, others are ghosts
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
+    /// Sensors whose measurements are shown, e.g. lidar,depth,local-map: of any run, as they would have measured, or none;
+    /// default: those that the planner had
+    #[arg(long, value_name = "SENSOR,…", value_delimiter = ',')]
+    pub(crate) sensors: Option<Vec<String>>,
+    /// How wrong the sensors are: oracle, onboard, degraded, or a file; default: as in the run
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) perception: Option<String>,
     /// The task, e.g. w012/t03
     #[arg(long, value_name = "WORLD/TASK")]
     pub(crate) task: String,

@@ -4,6 +4,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { gradient, locate, read, signal } from './data.js';
 import { world as makeWorld } from './ground.js';
 import { Plots } from './plots.js';
+import { Sensed } from './sensed.js';
 import { Run } from './vehicle.js';
 
 const $ = (id) => document.getElementById(id);
@@ -39,6 +40,10 @@ const world = makeWorld(data, unit);
 scene.add(world.group);
 const runs = data.runs.map((run, k) => new Run(run, k > 0, world, unit, resolution));
 for (const run of runs) scene.add(run.group);
+const senses = data.runs.map((run) => new Sensed(run.sensed, data.semantics.classes, unit));
+for (const sensed of senses) scene.add(sensed.group);
+// What of the sensors is shown.
+const wanted = { lidar: true, map: true, depth: true, estimate: true };
 
 let time = 0;
 let playing = false;
@@ -74,8 +79,24 @@ function banner() {
   box.textContent = over ? `${run.outcome} after ${stamp(run.time)} s${run.success ? '' : `: ${run.reason}`}` : '';
 }
 
+// The sensors of the vehicle that is followed.
+function showSenses() {
+  senses.forEach((sensed, k) => {
+    sensed.group.visible = k === followed;
+    if (k !== followed) return;
+    const at = runs[k].pose(time).at;
+    sensed.hidden = { lidar: !wanted.lidar, map: !wanted.map };
+    sensed.show(time, world.height(at.x, at.y));
+    sensed.estimate.visible = wanted.estimate;
+  });
+  const box = $('depth');
+  box.hidden = !wanted.depth || !senses[followed].has.depth;
+  if (!box.hidden) senses[followed].drawDepth($('depth-image'), time);
+}
+
 function show() {
   for (const run of runs) run.show(time);
+  showSenses();
   const own = runs[followed];
   const { at, turn } = own.pose(time);
   const moved = at.clone().sub(centre);
@@ -178,6 +199,15 @@ for (const c of data.semantics.classes.filter((x) => x.there)) {
   li.append(swatch, c.soil ? `${c.name}, ${c.soil}` : c.name);
   legend.append(li);
 }
+$('depth').addEventListener('click', () => {
+  for (const sensed of senses) sensed.labels = !sensed.labels;
+  showSenses();
+});
+const thin = data.runs.map((run) => run.sensed).find((s) => s.scans_of || s.maps_of || s.images_of);
+if (thin) {
+  const of = [['scans', 'scans'], ['images', 'images'], ['maps', 'maps']].filter(([key]) => thin[`${key}_of`]);
+  $('sensed').textContent = `sensors: ${of.map(([key, name]) => `${thin[key].length} of ${thin[`${key}_of`]} ${name}`).join(', ')} are shown`;
+}
 const slider = $('slider');
 slider.max = data.end;
 slider.step = 0.01;
@@ -202,7 +232,9 @@ const toggles = {
   plan: (on) => { for (const run of runs) for (const plan of run.plans) plan.lines.visible = on; },
   ghosts: (on) => { runs.forEach((run, k) => { run.group.visible = on || k === followed; }); },
 };
-const unused = { ruts: data.runs.every((r) => !r.ruts.length), plan: runs.every((r) => !r.plans.length), ghosts: runs.length < 2 };
+for (const name of Object.keys(wanted)) toggles[name] = (on) => { wanted[name] = on; showSenses(); };
+const there = (name) => senses.some((sensed) => sensed.has[name]);
+const unused = { lidar: !there('lidar'), map: !there('map'), depth: !there('depth'), estimate: !there('estimate'), ruts: data.runs.every((r) => !r.ruts.length), plan: runs.every((r) => !r.plans.length), ghosts: runs.length < 2 };
 for (const box of document.querySelectorAll('#toggles input')) {
   if (unused[box.name]) box.parentElement.hidden = true;
   box.addEventListener('change', () => { toggles[box.name](box.checked); dirty = true; });
@@ -264,6 +296,13 @@ window.replay = {
   position: (k = 0) => runs[k].body.position.toArray(),
   wheel: (w = 0, k = 0) => runs[k].wheels[w]?.quaternion.toArray(),
   made,
+  sensed: () => ({
+    points: senses[followed].lidar.visible ? (senses[followed].lidar.geometry.attributes.position?.count ?? 0) : 0,
+    point: (k) => [...senses[followed].lidar.geometry.attributes.position.array.subarray(3 * k, 3 * k + 3)],
+    cells: senses[followed].map.visible ? (senses[followed].map.children[0]?.geometry.attributes.position.count ?? 0) / 6 : 0,
+    depth: !$('depth').hidden,
+  }),
+  height: (x, y) => world.height(x, y),
   ruts: (k = 0) => runs[k].ruts.geometry.drawRange.count / 6,
   info: () => ({ ...renderer.info.render }),
 };

@@ -34,6 +34,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             kind: "wasm".into(),
             path: "pid.wasm".into(),
             eligible_for_ranking: true,
+            sensors: Vec::new(),
             sandbox: None,
         },
         params: BTreeMap::new(),
