@@ -155,8 +155,13 @@ impl Browser {
 
     /// Opens a file and waits until it is loaded.
     pub fn open(&mut self, file: &Path) {
-        self.loaded = false;
         let url = format!("file://{}", std::path::absolute(file).unwrap().display());
+        self.open_url(&url);
+    }
+
+    /// Opens a page by its address and waits until it has loaded.
+    pub fn open_url(&mut self, url: &str) {
+        self.loaded = false;
         let result = self.call("Page.navigate", json!({"url": url}));
         assert!(result["errorText"].is_null(), "{url}: {result}");
         while !self.loaded {

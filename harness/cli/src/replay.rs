@@ -98,7 +98,7 @@ fn temporary(page: &str) -> Result<PathBuf, CliError> {
 }
 
 /// Opens the page if there is a screen.
-fn open(path: &Path) {
+pub(crate) fn open(path: &Path) {
     let screen =
         ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some_and(|v| !v.is_empty()));
     if (cfg!(target_os = "linux") && !screen) || open::that_detached(path).is_err() {

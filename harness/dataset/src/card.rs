@@ -35,6 +35,17 @@ fn about(header: &Header) -> String {
     }
 }
 
+/// How the dataset is made again.
+fn again(header: &Header) -> String {
+    let command = format!("```console\n$ vb-harness {} --out DIR\n```", header.command.join(" "));
+    match header.kind {
+        Kind::Teleop => {
+            format!("A person drove, so it can't be made again; more is recorded by\n\n{command}")
+        }
+        _ => format!("To make it again, byte for byte, with that version of the harness:\n\n{command}"),
+    }
+}
+
 /// The text of the card.
 pub(crate) fn card(
     header: &Header,
@@ -68,8 +79,7 @@ pub(crate) fn card(
          | worlds | {} (`{}`), scale {scale}, in the folder `suite` |\n\
          | seed | {seed} |\n| licence | {licence} |\n| made by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
          The numbers in brackets are SHA-256. {}\n\n\
-         To make it again, byte for byte, with that version of the harness:\n\n\
-         ```console\n$ vb-harness {} --out DIR\n```\n\n\
+         {}\n\n\
          ## Columns\n\n\
          The layout is LeRobot's, version 3.0. Units are SI and angles radians; the world's axes are x east, y north, z up, the\n\
          body's x forward, y left, z up. A frame has what was seen and what was commanded at its `timestamp`.\n\n\
@@ -96,7 +106,7 @@ pub(crate) fn card(
         } else {
             "None of the worlds belongs to a suite that planners are judged on."
         },
-        header.command.join(" "),
+        again(header),
     )
 }
 

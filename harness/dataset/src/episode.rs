@@ -89,6 +89,7 @@ pub(crate) struct Recorder<'a> {
     columns: Vec<Values>,
     distance: f64,
     last: Option<[f64; 3]>,
+    time: f64,
 }
 
 /// The name under which a driver tells the speed that it aims at, among the series that it sends.
@@ -108,7 +109,13 @@ impl<'a> Recorder<'a> {
             columns: features.iter().map(|f| Values::new(f.dtype)).collect(),
             distance: 0.0,
             last: None,
+            time: 0.0,
         }
+    }
+
+    /// The time of the last sample, s.
+    pub(crate) fn time(&self) -> f64 {
+        self.time
     }
 
     /// The episode; `info` lacks but the distance and the ground.
@@ -183,6 +190,7 @@ impl Witness for Recorder<'_> {
             let (dx, dy, dz) = (sample.x - x, sample.y - y, sample.z - z);
             self.distance += (dx * dx + dy * dy + dz * dz).sqrt();
         }
+        self.time = sample.time;
         self.last = Some([sample.x, sample.y, sample.z]);
         if let Some(p) = &mut self.pending {
             p.steering = (p.steering.0 + state.steering, p.steering.1 + 1);

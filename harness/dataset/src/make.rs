@@ -7,11 +7,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
-use vb_record::{LogMode, RunReader, TraceMode};
-use vb_runner::{Driver, Keep, Place, PluginDriver, SAMPLE_PERIOD, Setting, TrialResult, Wants};
+use vb_record::{LogMode, RunReader, Sample, TraceMode};
+use vb_runner::{Driver, Keep, Place, PluginDriver, SAMPLE_PERIOD, Setting, TrialResult, Wants, Witness};
 use vb_score::cause::Body;
 use vb_score::{Outcome, TaskRecord};
 use vb_sdk::metadata::Need;
+use vb_sdk::{Command, Observation};
+use vb_sim::{Controls, Simulation, VehicleState};
 use vb_world::{Suite, Task, TaskRef};
 
 use crate::episode::{Episode, EpisodeInfo, Recorder};
@@ -22,6 +24,9 @@ use crate::feature::{Feature, Ground};
 use crate::ordered::ordered;
 use crate::playback::Playback;
 use crate::writer::DatasetWriter;
+
+/// The outcome of an episode that its driver ended before the rules did.
+pub const ENDED: &str = "ended";
 
 /// Episodes of exploration in a row on the same world, so that few worlds are in memory.
 const IN_A_ROW: usize = 8;
@@ -141,6 +146,21 @@ impl Sites<'_> {
             loaded.pop_front();
         }
         Ok(site)
+    }
+}
+
+/// Two who look on.
+struct Both<'a>(&'a mut dyn Witness, &'a mut dyn Witness);
+
+impl Witness for Both<'_> {
+    fn step(&mut self, state: &VehicleState, observation: &Observation, given: &Command, taken: Controls) {
+        self.0.step(state, observation, given, taken);
+        self.1.step(state, observation, given, taken);
+    }
+
+    fn sample(&mut self, sim: &Simulation, state: &VehicleState, sample: &Sample) {
+        self.0.sample(sim, state, sample);
+        self.1.sample(sim, state, sample);
     }
 }
 
@@ -369,6 +389,36 @@ impl Making<'_> {
         Body { mass, length, width, wheel_radius, scale }
     }
 
+    /// Lets somebody drive a task by hand while an onlooker looks on; the episode. If `cancel` is set, it ends as it is then,
+    /// with the outcome [`ENDED`].
+    ///
+    /// # Errors
+    /// Returns an error if the world can't be read, or the frames don't fit the driver's steps.
+    pub fn by_hand(
+        &self,
+        features: &[Feature],
+        wanted: &TaskRef,
+        wants: &Wants,
+        driver: &mut dyn Driver,
+        onlooker: &mut dyn Witness,
+        index: u64,
+    ) -> Result<Option<Episode>, DatasetError> {
+        let every = steps_of_a_frame(self.hz, &wants.name, wants.control_period)?;
+        let sites = Sites { making: self, loaded: Mutex::default() };
+        let site = sites.site(&wanted.world)?;
+        let Some(task) = site.place.world.task(&wanted.task) else { return Ok(None) };
+        let instruction = "Drive to the goal.";
+        let index = usize::try_from(index).unwrap_or(usize::MAX);
+        let drive = Drive { task, name: wanted.to_string(), instruction, index, wants, every };
+        let mut recorder = Recorder::new(features, &site.ground, task.goal, every);
+        let mut both = Both(&mut recorder, onlooker);
+        let keep = Keep { trace: TraceMode::None, logs: LogMode::default() };
+        let name = driver.name();
+        let driven = self.setting.drive(&site.place, task, wants, driver, &mut both, keep, self.cancel)?;
+        let record = driven.map(|d| d.record);
+        Ok(Some(self.recorded(recorder, &site, features, &drive, name, record)))
+    }
+
     /// Lets a driver drive, and records it; `None` if it was cancelled.
     fn episode(
         &self,
@@ -384,29 +434,52 @@ impl Making<'_> {
         let driven =
             self.setting.drive(&site.place, task, wants, driver, &mut recorder, keep, self.cancel)?;
         let Some(TrialResult { record, .. }) = driven else { return Ok(None) };
+        let outcome = record.outcome;
+        Ok(Some((self.recorded(recorder, site, features, drive, name, Some(record)), outcome)))
+    }
+
+    /// The episode of a drive; without a record it was ended before the rules did.
+    fn recorded(
+        &self,
+        recorder: Recorder<'_>,
+        site: &Site,
+        features: &[Feature],
+        drive: &Drive<'_>,
+        name: String,
+        record: Option<TaskRecord>,
+    ) -> Episode {
+        let Drive { task, .. } = *drive;
+        let world = &site.place.world;
+        let (outcome, reason, time_s, state_hash) = match record {
+            Some(r) => (r.outcome.name(), r.reason, r.time_s, r.state_hash),
+            None => {
+                let time = recorder.time();
+                (ENDED, format!("the driver ended it at {time:.2} s"), time, String::new())
+            }
+        };
         let start = [task.start.x, task.start.y, task.start.yaw];
         let info = EpisodeInfo {
             instruction: drive.instruction.to_owned(),
             drive: drive.index as u64,
             driver: name,
-            world: site.place.world.id.clone(),
+            world: world.id.clone(),
             world_hash: site.hash.clone(),
             task: drive.name.clone(),
-            elevation: record.elevation.name().to_owned(),
-            terrain: record.terrain.name().to_owned(),
-            density: record.density.name().to_owned(),
-            outcome: record.outcome.name().to_owned(),
-            reason: record.reason,
-            time_s: record.time_s,
+            elevation: world.elevation.name().to_owned(),
+            terrain: world.terrain.name().to_owned(),
+            density: world.density.name().to_owned(),
+            outcome: outcome.to_owned(),
+            reason,
+            time_s,
             start,
             goal: task.goal,
-            state_hash: record.state_hash,
+            state_hash,
             ..EpisodeInfo::default()
         };
         let mut episode = recorder.finish(info);
         let cause = cause_of(&episode, features, self.hz, &site.ground, &self.body());
         episode.info.cause = cause.map(|c| c.name().to_owned()).unwrap_or_default();
-        Ok(Some((episode, record.outcome)))
+        episode
     }
 }
 

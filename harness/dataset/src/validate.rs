@@ -9,7 +9,7 @@ use vb_world::Suite;
 use crate::error::DatasetError;
 use crate::feature::Values;
 use crate::lerobot::{Batch, data_path, read_data};
-use crate::make::keep_apart;
+use crate::make::{ENDED, keep_apart};
 use crate::reader::{Dataset, SUMS, read_header};
 use crate::writer::{files, hash_file};
 
@@ -132,7 +132,7 @@ fn episodes(dataset: &Dataset, worlds: Option<&Suite>, findings: &mut Findings) 
             return;
         }
         next = place.to;
-        if !Outcome::ALL.iter().any(|o| o.name() == info.outcome) {
+        if info.outcome != ENDED && !Outcome::ALL.iter().any(|o| o.name() == info.outcome) {
             findings.add(format!("episode {k}: outcome: {:?} is none", info.outcome));
         }
         if let Some(suite) = worlds

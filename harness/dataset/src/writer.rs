@@ -237,6 +237,15 @@ impl DatasetWriter {
     /// # Errors
     /// Returns an error if there is no episode, or a file can't be written.
     pub fn finish(mut self) -> Result<Finished, DatasetError> {
+        self.save()
+    }
+
+    /// Makes a whole dataset of what there is, to which more can be added: the episodes of people come one by one, and each is
+    /// to be safe.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::finish`].
+    pub fn save(&mut self) -> Result<Finished, DatasetError> {
         self.flush()?;
         let Done { episodes, frames, .. } = self.done;
         if episodes == 0 {
@@ -260,7 +269,8 @@ impl DatasetWriter {
         self.write(Path::new("README.md"), text.as_bytes())?;
         let sums = sums(&self.dir)?;
         self.write(Path::new(SUMS), sums.as_bytes())?;
-        Ok(Finished { episodes, frames, hash: sha256(sums.as_bytes()), summary: self.done.summary })
+        let summary = self.done.summary.clone();
+        Ok(Finished { episodes, frames, hash: sha256(sums.as_bytes()), summary })
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Page<'a> {
     pub script: &'a str,
     /// Whether the script makes images of its own (`blob:`).
     pub makes_images: bool,
+    /// Whether the script speaks with the server that the page comes from.
+    pub connects: bool,
 }
 
 impl Page<'_> {
@@ -40,7 +42,8 @@ impl Page<'_> {
         if !self.script.is_empty() {
             let own =
                 base64::engine::general_purpose::STANDARD.encode(Sha256::digest(self.script.as_bytes()));
-            policy = format!("; script-src 'sha256-{own}'");
+            let connects = if self.connects { "; connect-src 'self'" } else { "" };
+            policy = format!("; script-src 'sha256-{own}'{connects}");
             scripts = format!("{scripts}<script>{}</script>", self.script);
         }
         let space = if self.attributes.is_empty() { "" } else { " " };

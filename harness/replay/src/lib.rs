@@ -18,6 +18,6 @@ pub use debug::PlannerSeries;
 pub use error::ReplayError;
 pub use foxglove_file::write_mcap;
 pub use motion::{Motion, Repeat, Rut, Setting, WheelFrame};
-pub use page::page;
-pub use scene::{Replay, ReplayRun};
+pub use page::{live_page, page};
+pub use scene::{Replay, ReplayRun, live_scene};
 pub use sensed::{Sensed, Sensors};

@@ -24,3 +24,25 @@ pub fn page(replay: &Replay) -> String {
     }
     .html()
 }
+
+/// The script of the page in which a person drives, made as the other.
+const LIVE_SCRIPT: &str = include_str!("../assets/teleop.min.js");
+const LIVE_STYLE: &str = include_str!("../web/src/teleop.css");
+const LIVE_BODY: &str = include_str!("../web/src/teleop.html");
+
+/// The page in which a person drives. It speaks with the server that it comes from, and with nobody else; `data` is there from
+/// the start, scenes ([`crate::live_scene`]) come later.
+#[must_use]
+pub fn live_page(title: &str, data: &serde_json::Value) -> String {
+    Page {
+        title,
+        styles: &[STYLE, LIVE_STYLE],
+        body: LIVE_BODY,
+        data: Some(data),
+        script: LIVE_SCRIPT,
+        makes_images: true,
+        connects: true,
+        ..Page::default()
+    }
+    .html()
+}

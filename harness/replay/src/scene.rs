@@ -199,6 +199,32 @@ impl Replay {
     }
 }
 
+fn vehicle(spec: &VehicleSpec) -> Value {
+    json!({
+        "name": spec.name,
+        "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
+        "wheels": spec.wheel_sizes(),
+        "belt": spec.tracks.as_ref().map(|t| t.thickness),
+        "length": spec.length,
+    })
+}
+
+/// A task with its vehicle, for a page in which somebody drives: what a replay has, without runs.
+#[must_use]
+pub fn live_scene(
+    world: &Arc<World>,
+    task: &Task,
+    suite: &str,
+    goal_radius: f64,
+    spec: &VehicleSpec,
+) -> Value {
+    let (world, task) = (world.clone(), task.clone());
+    let goal_radius = Some(goal_radius);
+    let mut scene = Replay { world, task, suite: suite.to_owned(), goal_radius, runs: Vec::new() }.json();
+    scene["vehicle"] = vehicle(spec);
+    scene
+}
+
 fn run(run: &ReplayRun) -> Value {
     let m = &run.motion;
     let r = &run.record;
@@ -232,13 +258,7 @@ fn run(run: &ReplayRun) -> Value {
         "wheel_count": m.wheels,
         "wheels": floats(wheels),
         "ruts": floats(ruts),
-        "vehicle": {
-            "name": spec.name,
-            "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
-            "wheels": spec.wheel_sizes(),
-            "belt": spec.tracks.as_ref().map(|t| t.thickness),
-            "length": spec.length,
-        },
+        "vehicle": vehicle(spec),
         "series": run.series.json(),
         "sensed": run.sensed.json(&m.frames),
     })

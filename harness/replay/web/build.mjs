@@ -1,4 +1,4 @@
-// Bundles the page's script with three.js into ../assets/replay.min.js. The first line has a hash of what it was made
+// Bundles the pages' scripts with three.js into ../assets. The first line has a hash of what it was made
 // from, by which a test of the Rust crate finds a bundle that is out of date.
 import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
@@ -10,15 +10,19 @@ for (const file of sources) hash.update(readFileSync(`src/${file}`));
 hash.update(readFileSync('package-lock.json'));
 const licence = readFileSync('node_modules/three/LICENSE', 'utf8').trim();
 
-const result = await build({
-  entryPoints: ['src/main.js'],
-  bundle: true,
-  minify: true,
-  write: false,
-  format: 'iife',
-  target: ['es2022'],
-  legalComments: 'none',
-});
-// No end of a script element in the text.
-const text = result.outputFiles[0].text.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
-writeFileSync('../assets/replay.min.js', `/* sources ${hash.digest('hex')} */\n/*! three.js\n${licence}\n*/\n${text}`);
+// The page of a replay, and the one in which a person drives.
+for (const [entry, file] of [['main', 'replay'], ['teleop', 'teleop']]) {
+  const result = await build({
+    entryPoints: [`src/${entry}.js`],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: 'iife',
+    target: ['es2022'],
+    legalComments: 'none',
+  });
+  // No end of a script element in the text.
+  const text = result.outputFiles[0].text.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
+  const head = `/* sources ${hash.copy().digest('hex')} */\n/*! three.js\n${licence}\n*/\n`;
+  writeFileSync(`../assets/${file}.min.js`, head + text);
+}

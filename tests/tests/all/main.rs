@@ -23,5 +23,6 @@ mod sites;
 mod streams;
 mod submission;
 mod submission_ci;
+mod teleop;
 mod vehicle;
 mod vehicles;

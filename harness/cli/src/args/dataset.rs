@@ -14,6 +14,8 @@ pub(crate) enum DatasetCommand {
     Explore(ExploreArgs),
     /// Let planners drive the tasks of training worlds: demonstrations
     Drive(DatasetDriveArgs),
+    /// Drive yourself, in the browser, with keyboard or gamepad: demonstrations by people
+    Teleop(TeleopArgs),
     /// Cut the last seconds before each rollover, or getting stuck, out of a dataset or a run
     Failures(FailuresArgs),
     /// Check whether a dataset is what it should be: hashes, gaps, ranges, totals, worlds
@@ -22,6 +24,21 @@ pub(crate) enum DatasetCommand {
     Merge(MergeArgs),
     /// Split a dataset by its worlds, so that no world is in two parts
     Split(SplitArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TeleopArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Tasks to choose from, e.g. w001-w004,elevation=high; default: all
+    #[arg(long, value_name = "SELECTOR")]
+    pub(crate) tasks: Option<String>,
+    /// Port of this machine; 0 for any
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub(crate) port: u16,
+    /// Don't open the page in the browser
+    #[arg(long)]
+    pub(crate) no_browser: bool,
 }
 
 #[derive(Debug, Args)]

@@ -11,7 +11,7 @@ use crate::error::{
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
 
 /// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 12] = [
+const OF: [(&str, &[u8]); 13] = [
     ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
@@ -19,6 +19,7 @@ const OF: [(&str, &[u8]); 12] = [
     ("check", &[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]),
     ("dataset explore", &[INTERRUPTED]),
     ("dataset drive", &[INTERRUPTED]),
+    ("dataset teleop", &[INTERRUPTED]),
     ("dataset failures", &[INTERRUPTED]),
     ("dataset validate", &[NOT_VERIFIED]),
     ("vehicle test", &[CHECKS_FAILED]),

@@ -17,7 +17,7 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
 pub(crate) use dataset::{
     DatasetCommand, DatasetDriveArgs, DatasetValidateArgs, ExploreArgs, FailuresArgs, Keeping, MergeArgs,
-    SceneArgs, SplitArgs,
+    SceneArgs, SplitArgs, TeleopArgs,
 };
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};

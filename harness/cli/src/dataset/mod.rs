@@ -3,6 +3,7 @@
 mod failures;
 mod hold;
 mod scene;
+mod teleop;
 
 use std::path::Path;
 
@@ -26,6 +27,7 @@ impl DatasetCommand {
         match self {
             Self::Explore(args) => explore(args),
             Self::Drive(args) => drive(args),
+            Self::Teleop(args) => teleop::teleop(args),
             Self::Failures(args) => failures::failures(args),
             Self::Validate(args) => hold::validate(args),
             Self::Merge(args) => hold::merge(args),
