@@ -16,17 +16,17 @@ pub(crate) fn subset(of: &Suite, worlds: &[&str], dir: &Path) -> Result<Suite, D
     Ok(writer.finish()?)
 }
 
+/// The names that worlds have in a suite of several, by the number of their own suite and their name there.
+pub(crate) type Names = BTreeMap<(usize, String), String>;
+
 /// The worlds of several suites in one, and the name that each has there, by the suite's number and its name. The same world in
 /// two suites is one.
-pub(crate) fn union(
-    suites: &[Suite],
-    dir: &Path,
-) -> Result<(Suite, BTreeMap<(usize, String), String>), DatasetError> {
+pub(crate) fn union(suites: &[Suite], dir: &Path) -> Result<(Suite, Names), DatasetError> {
     let first = suites[0].meta();
     let description = "Training worlds of several suites.".to_owned();
     let meta = SuiteMeta { name: "training-merged".into(), description, ..first.clone() };
     let mut writer = SuiteWriter::create(dir, meta)?;
-    let (mut names, mut by_hash) = (BTreeMap::new(), BTreeMap::<String, String>::new());
+    let (mut names, mut by_hash) = (Names::new(), BTreeMap::<String, String>::new());
     for (k, suite) in suites.iter().enumerate() {
         for info in suite.worlds() {
             let own = match by_hash.get(&info.sha256) {
