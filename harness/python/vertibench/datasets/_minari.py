@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import numpy as np
@@ -35,9 +36,7 @@ def to_minari(
         import minari
         from minari.data_collector import EpisodeBuffer
     except ImportError as e:
-        raise DatasetError(
-            "to_minari", f"a package is missing: {e.name}", "pip install 'vertibench[minari]'"
-        ) from None
+        raise _missing(e) from None
     if dataset.info.of_a_suite:
         raise DatasetError(
             dataset.folder, "planners are judged on its worlds, so nothing may be trained on it", "take another dataset"
@@ -67,21 +66,19 @@ def to_minari(
         "jpeg_encoding": False,
         **more,
     }
-    if not _knows(minari.create_dataset_from_buffers, "jpeg_encoding"):
+    make = minari.create_dataset_from_buffers
+    if "jpeg_encoding" not in inspect.signature(make).parameters:
         settings.pop("jpeg_encoding")
-    return minari.create_dataset_from_buffers(
-        dataset_id,
-        buffers,
-        observation_space=gymnasium.spaces.Dict(spaces),
-        action_space=gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32),
-        **settings,
-    )
+    observations = gymnasium.spaces.Dict(spaces)
+    actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
+    try:
+        return make(dataset_id, buffers, observation_space=observations, action_space=actions, **settings)
+    except ImportError as e:
+        raise _missing(e) from None
 
 
-def _knows(function: Any, argument: str) -> bool:
-    import inspect
-
-    return argument in inspect.signature(function).parameters
+def _missing(e: ImportError) -> DatasetError:
+    return DatasetError("to_minari", f"a package is missing: {e.name}", "pip install 'vertibench[minari]'")
 
 
 def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:
