@@ -61,13 +61,15 @@ def test_episodes_say_everything_that_is_in_the_files(explored):
     where = {"episode_index", "tasks", "dataset_from_index", "dataset_to_index"}
     said = {n for n in names if n not in where and not n.startswith(("stats/", "data/", "meta/"))}
     assert said == {f.name for f in dataclasses.fields(datasets.Episode)} - {"index"}
+    settled = []
     for k, episode in enumerate(dataset.episodes):
         first, last = dataset[k]["observation.state"][[0, -1]]
-        # On steep ground it slides a little while it settles, before the first frame.
-        assert np.allclose(first[[0, 1]], episode.start[:2], atol=0.5)
-        assert abs(np.angle(np.exp(1j * (first[5] - episode.start[2])))) < 0.1
+        turn = abs(np.angle(np.exp(1j * (first[5] - episode.start[2]))))
+        settled.append([np.hypot(*(first[:2] - episode.start[:2])), turn])
         assert episode.length == pytest.approx(episode.time_s * 10, abs=1)
         assert np.hypot(*(last - first)[:2]) <= episode.distance_m
+    # On steep ground a vehicle slides a little while it settles, before the first frame; most don't.
+    assert (np.median(settled, axis=0) < [0.05, 0.02]).all() and np.max(settled) < 0.5
     assert (dataset.info.kind, dataset.info.vehicle, dataset.info.licence) == ("explore", "hmmwv", "CC-BY-4.0")
     assert json.loads((explored / "dataset.json").read_text()) == dataset.info.header
 
