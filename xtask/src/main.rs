@@ -46,7 +46,7 @@ Environment:
   VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]
   VB_LANGUAGES=1        Let `test` install those compilers too, and fail where one is missing
   VB_PYTHON=PROGRAM     Python for the tests of planners in Python [default: python3]
-  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas and pyarrow, if they aren't installed
+  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas, pyarrow and minari, if they aren't installed
   VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
 fn main() -> ExitCode {

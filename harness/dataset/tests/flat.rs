@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use vb_dataset::{
-    Amount, DATASET_SCHEMA, Dataset, DatasetWriter, Episode, Exploration, Feature, Header, Kind, Layout,
-    Making,
+    Amount, DATASET_SCHEMA, Dataset, DatasetWriter, Episode, EpisodeInfo, Exploration, Feature, Header, Kind,
+    Layout, Making,
 };
 use vb_math::{cos, sin};
 use vb_record::DataHeader;
@@ -171,7 +171,25 @@ fn the_docs_have_every_column_cause_and_field() {
     let docs = include_str!("../../../docs/datasets.md");
     let layout = Layout { wheels: 4, speed: true, goal: true, truth: true, crops: 8 };
     for feature in layout.features() {
-        assert!(docs.contains(&format!("`{}`", feature.name)), "{}", feature.name);
+        let name = feature.name;
+        let mut rows = docs.lines().filter(|line| line.starts_with(&format!("| `{name}` |")));
+        let row = rows.next().unwrap_or_else(|| panic!("no row of {name}"));
+        let shape = match (feature.shape.as_slice(), name.ends_with(".wheels")) {
+            ([8], true) => "2 a wheel".to_owned(),
+            ([8, 8], _) => "N × N".to_owned(),
+            ([n], _) => n.to_string(),
+            other => panic!("{other:?}"),
+        };
+        assert!(row.contains(&format!("| {} | {shape} |", feature.dtype.name())), "{row}");
+        // The names of entries end in their units.
+        for entry in feature.names.iter().filter(|_| name != "truth.state") {
+            let entry = entry.strip_prefix("wheel").map_or(entry.as_str(), |wheel| &wheel[2..]);
+            assert!(row.contains(&format!("`{entry}`")), "{name}: {entry}");
+        }
+    }
+    let said = serde_json::to_value(EpisodeInfo::default()).unwrap();
+    for field in said.as_object().unwrap().keys() {
+        assert!(docs.contains(&format!("`{field}`")), "{field}");
     }
     for cause in vb_score::Cause::ALL {
         assert!(docs.contains(&format!("`{cause}`")), "{cause}");

@@ -1,7 +1,7 @@
 //! Datasets, as their users make, check, cut and join them.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use vb_tests::{Bench, Done, PluginKind, pid, plugin, root};
@@ -209,36 +209,63 @@ fn datasets_are_split_by_world_and_joined() {
     assert!(e.contains("a b"), "{e}");
 }
 
-/// Python with pandas: what `VB_PYTHON` names, or that of the path.
-fn pandas() -> Option<Command> {
+/// Python with these packages and that of this repository: what `VB_PYTHON` names, or that of the path.
+fn python(packages: &str) -> Option<Command> {
     let program = std::env::var("VB_PYTHON").unwrap_or_else(|_| "python3".into());
+    let mut folders = vec![root().join("harness/python")];
+    folders.extend(std::env::var_os("VB_PYTHON_LIBS").map(PathBuf::from));
+    let path = std::env::join_paths(folders).expect("folders without colons");
     let python = || {
         let mut python = Command::new(&program);
-        python.envs(std::env::var_os("VB_PYTHON_LIBS").map(|libs| ("PYTHONPATH", libs)));
+        python.env("PYTHONPATH", &path).arg("-B");
         python
     };
-    if python().args(["-c", "import numpy, pandas, pyarrow"]).output().is_ok_and(|o| o.status.success()) {
+    let import = format!("import {packages}");
+    if python().args(["-c", &import]).output().is_ok_and(|o| o.status.success()) {
         return Some(python());
     }
-    vb_testing::skip(format_args!("{program} lacks pandas or pyarrow (pip install pandas pyarrow)"));
+    vb_testing::skip(format_args!(
+        "{program} lacks one of {packages} (pip install them, or set VB_PYTHON or VB_PYTHON_LIBS)"
+    ));
     None
 }
 
 #[test]
 fn the_example_learns_from_a_dataset_what_the_bicycle_does_not_know() {
-    let Some(mut python) = pandas() else { return };
+    let Some(mut python) = python("numpy, pyarrow") else { return };
     let bench = Bench::new();
     bench.ok(&["dataset", "explore", "--worlds", "15", "--episodes", "120", "--seed", "1", "--out", "d"]);
     let script = root().join("examples/dataset/fit_bicycle.py");
     let told = Done::of(python.arg(script).arg(bench.path("d"))).ok();
-    let metres = |line: &str| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let at = words.iter().position(|w| *w == "m").expect("metres");
-        words[at - 1].parse::<f64>().expect("a number")
-    };
-    let errors: Vec<f64> = told.lines().map(metres).collect();
+    let words: Vec<&str> = told.split_whitespace().collect();
+    let metres = words.windows(2).filter(|w| w[1].trim_end_matches(',') == "m");
+    let errors: Vec<f64> = metres.map(|w| w[0].parse().expect("a number")).collect();
     // In worlds that it never saw, the residual takes away an eighth of the error at least.
     assert!(errors.len() == 2 && errors[1] < 0.875 * errors[0], "{told}");
+}
+
+#[test]
+fn the_docs_quote_the_example_as_it_is() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).expect("a text");
+    let (docs, example) = (read("docs/datasets.md"), read("examples/dataset/fit_bicycle.py"));
+    let (_, code) = example.split_once("\n").expect("a line that says what it is");
+    assert!(docs.contains(&format!("```python\n{code}```\n")), "examples/dataset/fit_bicycle.py was changed");
+}
+
+#[test]
+fn the_python_package_s_own_tests_pass() {
+    let Some(mut python) = python("numpy, pyarrow, pytest") else { return };
+    let bench = Bench::new();
+    python
+        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--basetemp"])
+        .arg(bench.path("pytest"));
+    python.env("VB_HARNESS", bench.command::<&str>(&[]).get_program());
+    let done = Done::of(python.current_dir(root().join("harness/python")));
+    assert!(done.status.success(), "{}", done.stdout);
+    for reason in done.stdout.lines().filter(|line| line.starts_with("SKIPPED")) {
+        assert!(reason.contains("not installed"), "{reason}");
+        vb_testing::skip(format_args!("harness/python: {reason}"));
+    }
 }
 
 #[test]

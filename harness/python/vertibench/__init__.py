@@ -1,0 +1,3 @@
+"""Verti-Bench in Rust, for Python. See `vertibench.datasets`."""
+
+__version__ = "0.2.0"

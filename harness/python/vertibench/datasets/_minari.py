@@ -1,0 +1,96 @@
+"""Datasets of Minari, for offline reinforcement learning (minari.farama.org)."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+import numpy as np
+
+from ._dataset import Dataset, Episode
+from ._errors import DatasetError
+
+#: What the entries of `action` may be: steering, throttle, brake, gear.
+_LOW, _HIGH = np.array([-1, 0, 0, -1], np.float32), np.array([1, 1, 1, 1], np.float32)
+#: Outcomes by which the state ends an episode; any other cuts it off.
+_ENDS = ("success", "rollover", "stuck", "out_of_bounds")
+
+
+def to_minari(
+    dataset: Dataset, dataset_id: str, *, author: str | None = None, author_email: str | None = None, **more: Any
+) -> Any:
+    """Writes a dataset into Minari's store, where `minari.load_dataset(dataset_id)` finds it, and returns it.
+
+    An observation is a dictionary of the parts `state`, `wheels`, and so on: the columns `observation.*`. A step goes from
+    one frame to the next, so an episode of n frames has n observations and n − 1 steps; an episode of one frame is left
+    out. The action is the command within its range, which is what the vehicle gets. The reward is 1 for the step that ends
+    at the goal and 0 otherwise, so all are 0 where there is no goal. Success, rollover, getting stuck and leaving the world
+    terminate an episode; what runs out of time, or ends by a fault, is truncated. The columns `truth.*` and
+    `action.applied` of the frame where a step begins are its `infos`; the last entry is that of the last frame.
+
+    `author` and `author_email` are those who are named in the dataset; `more` goes to
+    `minari.create_dataset_from_buffers`. Licence and origin are in the description.
+    """
+    try:
+        import gymnasium
+        import minari
+        from minari.data_collector import EpisodeBuffer
+    except ImportError as e:
+        raise _missing(e) from None
+    if dataset.info.of_a_suite:
+        raise DatasetError(
+            dataset.folder, "planners are judged on its worlds, so nothing may be trained on it", "take another dataset"
+        )
+    parts = [c for c in dataset.columns.values() if c.name.startswith("observation.")]
+    spaces = {}
+    for c in parts:
+        low, high = (0, 255) if c.dtype == np.uint8 else (-np.inf, np.inf)
+        spaces[c.name.removeprefix("observation.")] = gymnasium.spaces.Box(low, high, c.shape, c.dtype)
+    told = [name for name in dataset.columns if name.startswith("truth.") or name == "action.applied"]
+    names = [c.name for c in parts] + ["action"] + told
+    info = dataset.info
+    # Made one by one, so that only one data file is in memory.
+    buffers = (
+        _buffer(EpisodeBuffer, episode, dataset.frames(k, names), [c.name for c in parts], told)
+        for k, episode in enumerate(dataset.episodes)
+        if episode.length > 1
+    )
+    drivers = sorted({e.driver for e in dataset.episodes})
+    settings = {
+        "algorithm_name": ", ".join(drivers),
+        "author": author or "Verti-Bench",
+        "author_email": author_email,
+        "description": f"{info.name}: driving over rough ground in simulation by {', '.join(drivers)}; vehicle "
+        f"{info.vehicle}, {info.hz} Hz. Licence: {info.licence}. Made by vb-harness {info.harness_version}; hash {info.hash}.",
+        # Lossless: pictures would become JPEG.
+        "jpeg_encoding": False,
+        **more,
+    }
+    make = minari.create_dataset_from_buffers
+    if "jpeg_encoding" not in inspect.signature(make).parameters:
+        settings.pop("jpeg_encoding")
+    observations = gymnasium.spaces.Dict(spaces)
+    actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
+    try:
+        return make(dataset_id, buffers, observation_space=observations, action_space=actions, **settings)
+    except ImportError as e:
+        raise _missing(e) from None
+
+
+def _missing(e: ImportError) -> DatasetError:
+    return DatasetError("to_minari", f"a package is missing: {e.name}", "pip install 'vertibench[minari]'")
+
+
+def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:
+    steps = episode.length - 1
+    last = np.arange(steps) == steps - 1
+    ends = episode.outcome in _ENDS
+    return kind(
+        id=episode.index,
+        observations={name.removeprefix("observation."): frames[name] for name in seen},
+        actions=np.clip(frames["action"][:-1], _LOW, _HIGH),
+        rewards=np.where(last & (episode.outcome == "success"), 1.0, 0.0),
+        terminations=last & ends,
+        truncations=last & (not ends),
+        infos={name: frames[name] for name in told},
+    )
