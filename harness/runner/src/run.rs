@@ -264,10 +264,9 @@ fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
 pub fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
     let metadata = plugin.metadata();
     let planner = || metadata.name.clone();
-    let all_maps = profile.gives_all_maps();
-    vb_sense::check_needs(profile, &metadata.sensors(all_maps))
+    vb_sense::check_needs(profile, &profile.sensors_of(metadata))
         .map_err(|source| RunError::Perception { planner: planner(), source })?;
-    if plugin.abi() == AbiVersion::V0_1 && !all_maps {
+    if plugin.abi() == AbiVersion::V0_1 && !profile.gives_all_maps() {
         return Err(RunError::NoMaps { planner: planner(), profile: profile.name().to_owned() });
     }
     Ok(())
@@ -308,11 +307,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             sha256: config.plugin.sha256().to_owned(),
             kind: config.plugin.kind().name().to_owned(),
             path: config.plugin_path.display().to_string(),
-            sensors: metadata
-                .sensors(config.perception.gives_all_maps())
-                .iter()
-                .map(ToString::to_string)
-                .collect(),
+            sensors: config.perception.sensors_of(metadata).iter().map(ToString::to_string).collect(),
             eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {
                 landlock: s.landlock,

@@ -84,7 +84,7 @@ impl Wants {
     #[must_use]
     pub fn of(plugin: &Plugin, perception: &Profile, params: Vec<Param>) -> Self {
         let Metadata { name, control_period, .. } = plugin.metadata();
-        let needs = plugin.metadata().sensors(perception.gives_all_maps());
+        let needs = perception.sensors_of(plugin.metadata());
         Self { name: name.clone(), control_period: *control_period, needs, params }
     }
 }

@@ -252,13 +252,19 @@ fn check_suite(m: &Manifest, suite: &Suite, found: &mut Findings) {
 }
 
 /// What the plugin says of itself.
-pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, found: &mut Findings) {
+pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, perception: &Profile, found: &mut Findings) {
     let p = &m.run.plugin;
     same(found, "plugin", "run.plugin.sha256", p.sha256.as_str(), plugin.sha256());
     same(found, "plugin", "run.plugin.name", &p.name, &plugin.metadata().name);
     same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
     same(found, "plugin", "run.plugin.kind", p.kind.as_str(), plugin.kind().name());
     let eligible = plugin.kind() != PluginKind::Command;
+    // A run from before there were profiles doesn't say them.
+    let sensors: Vec<_> = perception.sensors_of(plugin.metadata()).iter().map(ToString::to_string).collect();
+    if !p.sensors.is_empty() {
+        let list = |sensors: &[String]| sensors.join(", ");
+        same(found, "plugin", "run.plugin.sensors", &list(&p.sensors), &list(&sensors));
+    }
     same(found, "plugin", "run.plugin.eligible_for_ranking", &p.eligible_for_ranking, &eligible);
     same(found, "plugin", "run.plugin.sandbox", &p.sandbox.is_some(), &plugin.sandbox().is_some());
     same(found, "plugin", "abi", m.abi.as_str(), plugin.abi().name());

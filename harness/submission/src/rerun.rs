@@ -81,7 +81,7 @@ pub fn verify(
                 "the plugin's file was changed while it was verified",
             ));
         }
-        check_plugin(m, plugin, &mut findings);
+        check_plugin(m, plugin, expected.perception, &mut findings);
     }
     if let (true, Some(plugin), Ok(rules)) = (findings.is_empty(), &plugin, m.rules()) {
         let sample: BTreeSet<String> = match sampling.draw {

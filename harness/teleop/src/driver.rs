@@ -1,7 +1,7 @@
 //! The person's part in a trial: commands from the page, in real time, and the vehicle's motion to the page.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
@@ -11,6 +11,8 @@ use vb_runner::{Driver, Witness};
 use vb_sdk::{Command, Gear, Observation, Task};
 use vb_sim::{Simulation, VehicleState};
 use vb_vehicle::{VehicleModel, kinematics::Side};
+
+use crate::server::Motion;
 
 /// The time between two looks at what the person does, s.
 pub const CONTROL_PERIOD: f64 = 0.02;
@@ -93,15 +95,15 @@ impl Driver for PersonDriver {
 /// of the chassis and the angle that it has turned (rad).
 pub struct Live<'a> {
     vehicle: &'a VehicleModel,
-    to: mpsc::Sender<Vec<u8>>,
+    to: Motion,
     angles: Vec<f64>,
     last: f64,
 }
 
 impl<'a> Live<'a> {
-    /// Shows a vehicle to whoever takes what is sent.
+    /// Shows a vehicle.
     #[must_use]
-    pub fn new(vehicle: &'a VehicleModel, to: mpsc::Sender<Vec<u8>>) -> Self {
+    pub fn new(vehicle: &'a VehicleModel, to: Motion) -> Self {
         Self { vehicle, to, angles: vec![0.0; 2 * vehicle.axles().len()], last: 0.0 }
     }
 }
@@ -133,8 +135,8 @@ impl Witness for Live<'_> {
                 values.push(self.angles[2 * a + i]);
             }
         }
-        // Whoever looks may have gone; the trial goes on.
-        let _ = self.to.send(values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect());
+        let values: Vec<f32> = values.iter().map(|v| *v as f32).collect();
+        self.to.send(&values);
     }
 }
 

@@ -7,4 +7,4 @@ mod driver;
 mod server;
 
 pub use driver::{CONTROL_PERIOD, Live, PersonDriver, Wheel};
-pub use server::{Ask, Server, TeleopError};
+pub use server::{Ask, Motion, Server, TeleopError};

@@ -136,17 +136,19 @@ impl Server {
 
     /// Where the motion goes.
     #[must_use]
-    pub fn motion(&self) -> mpsc::Sender<Vec<u8>> {
-        let (sender, receiver) = mpsc::channel::<Vec<u8>>();
-        let shared = Arc::clone(&self.shared);
-        let forward = move || {
-            for bytes in receiver {
-                shared.send(Out::Binary(bytes));
-            }
-        };
-        // Without a thread there is nothing to be seen, but the drive is recorded.
-        let _ = std::thread::Builder::new().spawn(forward);
-        sender
+    pub fn motion(&self) -> Motion {
+        Motion(Arc::clone(&self.shared))
+    }
+}
+
+/// Where the motion of a drive goes: to the page, after all that it was told before.
+#[derive(Clone)]
+pub struct Motion(Arc<Shared>);
+
+impl Motion {
+    /// Sends numbers of 32 bits, little-endian; without a page they go nowhere.
+    pub(crate) fn send(&self, values: &[f32]) {
+        self.0.send(Out::Binary(values.iter().flat_map(|v| v.to_le_bytes()).collect()));
     }
 }
 

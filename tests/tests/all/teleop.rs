@@ -106,6 +106,7 @@ fn keys_move_the_vehicle_and_what_is_driven_is_kept() {
     // Given up: it isn't kept.
     browser.eval("void document.querySelector('#reset').click()");
     assert_eq!(serving.until("episode")["episodes"], 0);
+    wait(&mut browser, "!teleop.driving", 5);
     // Who closes the tab keeps what was driven.
     browser.eval("void document.querySelector('#start').click()");
     wait(&mut browser, "teleop.driving && teleop.state.length > 15 && teleop.state[0] < 2", 20);

@@ -12,6 +12,8 @@ pub(crate) use confusion::{OBSTACLE, Recogniser, UNKNOWN};
 use crate::SenseError;
 use serde::Deserialize;
 use std::path::Path;
+
+use vb_sdk::metadata::{Metadata, Need};
 use vb_world::yaml;
 
 /// A profile, and what its file is told apart by.
@@ -403,6 +405,12 @@ impl Profile {
     pub fn gives_all_maps(&self) -> bool {
         let prior = &self.data.prior;
         prior.elevation.is_some() && prior.semantics.is_some() && prior.occupancy.is_some()
+    }
+
+    /// The sensors that a planner gets.
+    #[must_use]
+    pub fn sensors_of(&self, planner: &Metadata) -> Vec<Need> {
+        planner.sensors(self.gives_all_maps())
     }
 
     /// Tells whether a planner that asks for its pose and its wheels is told the truth.
