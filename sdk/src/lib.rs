@@ -24,6 +24,7 @@ pub mod metadata;
 pub mod mppi;
 #[cfg(not(target_family = "wasm"))]
 pub mod native;
+pub mod nn;
 pub mod path;
 mod planner;
 pub mod recovery;

@@ -62,6 +62,48 @@ pub struct Episode {
     pub columns: Vec<Values>,
 }
 
+/// An episode with the names of its columns.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    features: &'a [Feature],
+    values: &'a [Values],
+}
+
+impl Episode {
+    /// The episode with the features of its dataset.
+    #[must_use]
+    pub fn view<'a>(&'a self, features: &'a [Feature]) -> View<'a> {
+        View { features, values: &self.columns }
+    }
+}
+
+impl View<'_> {
+    /// The values of a frame in a column; none if there is no such column.
+    ///
+    /// # Panics
+    /// Panics if there is the column, but not the frame.
+    #[must_use]
+    pub fn row(&self, name: &str, frame: usize) -> Vec<f64> {
+        let found = self.features.iter().zip(self.values).find(|(f, _)| f.name == name);
+        let row = |(f, values): (&Feature, &Values)| {
+            let width = f.width();
+            (frame * width..(frame + 1) * width).map(|k| values.number(k)).collect()
+        };
+        found.map(row).unwrap_or_default()
+    }
+
+    /// The state of a frame as it was in truth, with the entries of `observation.state`.
+    ///
+    /// # Panics
+    /// Panics if there is no such frame.
+    #[must_use]
+    pub fn state(&self, frame: usize) -> Vec<f64> {
+        // Where the driver knew the truth, it has no column of its own.
+        let row = self.row("truth.state", frame);
+        if row.is_empty() { self.row("observation.state", frame) } else { row }
+    }
+}
+
 /// A command with what was seen before it; its frame is complete when the next begins.
 struct Pending {
     state: VehicleState,

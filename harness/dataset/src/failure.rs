@@ -17,36 +17,13 @@ pub(crate) fn is_failure(info: &EpisodeInfo) -> bool {
     [Outcome::Rollover, Outcome::Stuck].iter().any(|o| o.name() == info.outcome)
 }
 
-/// The columns of an episode by their names.
-struct Columns<'a> {
-    features: &'a [Feature],
-    values: &'a [Values],
-}
-
-impl Columns<'_> {
-    /// The values of a frame in a column; none if there is no such column.
-    fn row(&self, name: &str, frame: usize) -> Vec<f64> {
-        let found = self.features.iter().zip(self.values).find(|(f, _)| f.name == name);
-        let row = |(f, values): (&Feature, &Values)| {
-            let width = f.width();
-            (frame * width..(frame + 1) * width).map(|k| values.number(k)).collect()
-        };
-        found.map(row).unwrap_or_default()
-    }
-}
-
-/// The column of the true state, which is one of its own where the driver didn't know it.
-fn true_state(features: &[Feature]) -> &'static str {
-    if features.iter().any(|f| f.name == "truth.state") { "truth.state" } else { "observation.state" }
-}
-
 /// The last seconds of an episode, as a judgement of causes takes them.
 fn moments(episode: &Episode, features: &[Feature], hz: f64, seconds: f64) -> Vec<Moment> {
-    let columns = Columns { features, values: &episode.columns };
+    let view = episode.view(features);
     let first = episode.frames.saturating_sub((seconds * hz).ceil() as usize);
     let moment = |k: usize| {
-        let (state, applied) = (columns.row(true_state(features), k), columns.row("action.applied", k));
-        let (spins, loads) = (columns.row("observation.wheels", k), columns.row("truth.wheels", k));
+        let (state, applied) = (view.state(k), view.row("action.applied", k));
+        let (spins, loads) = (view.row("observation.wheels", k), view.row("truth.wheels", k));
         let wheel =
             |(spin, load): (&[f64], &[f64])| WheelMoment { spin: spin[0], load: load[0], sinkage: load[1] };
         Moment {
@@ -99,10 +76,9 @@ impl Episode {
 
     /// The length of the way from frame to frame, m.
     fn way(&self, features: &[Feature]) -> f64 {
-        let columns = Columns { features, values: &self.columns };
-        let at = |k: usize| columns.row(true_state(features), k);
+        let view = self.view(features);
         let step = |k: usize| {
-            let (a, b) = (at(k - 1), at(k));
+            let (a, b) = (view.state(k - 1), view.state(k));
             (0..3).map(|i| (b[i] - a[i]) * (b[i] - a[i])).sum::<f64>().sqrt()
         };
         (1..self.frames).map(step).sum()

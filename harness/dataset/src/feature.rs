@@ -207,7 +207,7 @@ impl Layout {
                 grid(
                     "observation.friction_crop",
                     Dtype::F32,
-                    "The friction coefficient of rigid ground there; 0 beyond the world",
+                    "The friction coefficient of the ground there; 0 where it yields and beyond the world",
                     Fill::FrictionCrop,
                 ),
             ),

@@ -23,7 +23,7 @@ mod worlds;
 mod writer;
 
 pub use combine::{Part, merge, split};
-pub use episode::{Episode, EpisodeInfo};
+pub use episode::{Episode, EpisodeInfo, View};
 pub use error::DatasetError;
 pub use explore::{Exploration, ExplorationError};
 pub use failure::{SECONDS, failures};

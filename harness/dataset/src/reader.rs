@@ -85,6 +85,7 @@ impl Dataset {
     pub fn infos(&self) -> impl ExactSizeIterator<Item = (&EpisodeInfo, usize)> {
         self.rows.iter().map(|r| (&r.info, r.place.to - r.place.from))
     }
+
     /// What is known of each episode.
     pub(crate) fn rows(&self) -> &[Row] {
         &self.rows
@@ -114,13 +115,22 @@ impl Dataset {
 
     /// The episodes in order, one data file in memory at a time. After an error nothing comes any more.
     pub fn episodes(&self) -> impl Iterator<Item = Result<Episode, DatasetError>> + '_ {
+        self.select(0..self.rows.len())
+    }
+
+    /// Some of the episodes, by their numbers in ascending order, one data file in memory at a time. After an error, or a
+    /// number that no episode has, nothing comes any more.
+    pub fn select<'a>(
+        &'a self,
+        numbers: impl IntoIterator<Item = usize> + 'a,
+    ) -> impl Iterator<Item = Result<Episode, DatasetError>> + 'a {
         let mut open: Option<(usize, Batch, usize)> = None;
         let mut failed = false;
-        self.rows.iter().map_while(move |row| {
+        numbers.into_iter().map_while(move |number| {
             if failed {
                 return None;
             }
-            let episode = self.episode(row, &mut open);
+            let episode = self.episode(self.rows.get(number)?, &mut open);
             failed = episode.is_err();
             Some(episode)
         })
@@ -132,7 +142,9 @@ impl Dataset {
             Some((file, batch, first)) if *file == row.place.file => (batch, *first),
             _ => {
                 let batch = read_data(&path, &self.features)?;
-                let (_, batch, first) = open.insert((row.place.file, batch, row.place.from));
+                // Those before it in the file come first, whether they are asked for or not.
+                let first = self.rows.partition_point(|r| r.place.file < row.place.file);
+                let (_, batch, first) = open.insert((row.place.file, batch, self.rows[first].place.from));
                 (batch, *first)
             }
         };

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use vb_tests::{Bench, Done, PluginKind, pid, plugin, root};
+use vb_tests::{Bench, Browser, Done, PluginKind, pid, plugin, root};
 
 const USAGE: i32 = 2;
 const BAD_INPUT: i32 = 3;
@@ -266,6 +266,40 @@ fn the_python_package_s_own_tests_pass() {
         assert!(reason.contains("not installed"), "{reason}");
         vb_testing::skip(format_args!("harness/python: {reason}"));
     }
+}
+
+#[test]
+fn a_dataset_is_looked_at_and_its_examples_lead_to_replays() {
+    let bench = Bench::new();
+    bench.ok(&["dataset", "explore", "--worlds", "3", "--episodes", "8", "--seed", "5", "--out", "d"]);
+    bench.ok(&["dataset", "show", "d", "--out", "page", "--clips", "3"]);
+    bench.ok(&["dataset", "mcap", "d", "--out", "mcap", "--episodes", "0,2-3"]);
+    let files = bench.files("mcap");
+    assert_eq!(files.len(), 3);
+    // The magic bytes of MCAP at both ends of each file.
+    assert!(files.values().all(|f| f.starts_with(b"\x89MCAP0\r\n") && f.ends_with(b"\x89MCAP0\r\n")));
+    let e = bench.run(&["dataset", "mcap", "d", "--out", "x", "--episodes", "8"]).error(USAGE);
+    assert!(e.contains("there is no episode 8 (the dataset has 8, from 0)"), "{e}");
+    let e = bench.run(&["dataset", "show", "d", "--vehicle", "man"]).error(BAD_INPUT);
+    assert!(e.contains("the vehicle man at hand is not that of the dataset"), "{e}");
+    let Some(mut browser) = Browser::start(1400, 900) else { return };
+    browser.open(&bench.path("page/index.html"));
+    // Every table counts each episode once.
+    let sums = browser.eval(
+        "[...document.querySelectorAll('#outcomes table')].slice(0, 3).map(t => \
+         [...t.querySelectorAll('tbody td:last-child')].reduce((s, c) => s + Number(c.textContent), 0))",
+    );
+    assert_eq!(sums, serde_json::json!([8, 8, 8]));
+    assert_eq!(browser.eval("document.querySelectorAll('#distributions svg').length"), 8);
+    assert!(browser.screenshot().content() > 0.1, "a page without content");
+    let links =
+        browser.eval("[...document.querySelectorAll('#episodes a')].map(a => a.getAttribute('href'))");
+    let links = links.as_array().expect("a list");
+    assert_eq!(links.len(), 3);
+    assert_eq!(browser.errors(), [] as [String; 0]);
+    browser.open(&bench.path("page").join(links[0].as_str().expect("an address")));
+    assert!(browser.screenshot().content() > 0.1, "a replay without content");
+    assert_eq!(browser.errors(), [] as [String; 0]);
 }
 
 #[test]

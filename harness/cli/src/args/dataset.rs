@@ -1,5 +1,6 @@
 //! `vb-harness dataset`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -18,6 +19,10 @@ pub(crate) enum DatasetCommand {
     Teleop(TeleopArgs),
     /// Cut the last seconds before each rollover, or getting stuck, out of a dataset or a run
     Failures(FailuresArgs),
+    /// Look at a dataset: a page with its figures, and replays of example episodes
+    Show(DatasetShowArgs),
+    /// Write episodes of a dataset as MCAP files, which Foxglove shows
+    Mcap(DatasetMcapArgs),
     /// Check whether a dataset is what it should be: hashes, gaps, ranges, totals, worlds
     Validate(DatasetValidateArgs),
     /// Put several datasets into one
@@ -67,6 +72,51 @@ pub(crate) struct FailuresArgs {
     pub(crate) jobs: JobsArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DatasetShowArgs {
+    /// The directory of the dataset
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Directory for index.html and the replays; default: a temporary one, which is opened in the browser
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of example episodes, of each outcome in turn
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    pub(crate) clips: usize,
+    /// Vehicle, if it is not at hand by the name that the dataset has: a name, or a file
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DatasetMcapArgs {
+    /// The directory of the dataset
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Directory for the files, one an episode
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Episodes, e.g. 3,10-19; default: all
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = episodes)]
+    pub(crate) episodes: Vec<RangeInclusive<usize>>,
+    /// Vehicle, if it is not at hand by the name that the dataset has: a name, or a file
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// Numbers of episodes, e.g. `7` or `10-19`.
+fn episodes(text: &str) -> Result<RangeInclusive<usize>, String> {
+    let (from, to) = text.split_once('-').unwrap_or((text, text));
+    match (from.parse(), to.parse()) {
+        (Ok(from), Ok(to)) if from <= to => Ok(from..=to),
+        _ => Err(format!("\"{text}\" is no number, and no range as 10-19")),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -16,8 +16,8 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
 pub(crate) use dataset::{
-    DatasetCommand, DatasetDriveArgs, DatasetValidateArgs, ExploreArgs, FailuresArgs, Keeping, MergeArgs,
-    SceneArgs, SplitArgs, TeleopArgs,
+    DatasetCommand, DatasetDriveArgs, DatasetMcapArgs, DatasetShowArgs, DatasetValidateArgs, ExploreArgs,
+    FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs, TeleopArgs,
 };
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};

@@ -3,6 +3,7 @@
 mod failures;
 mod hold;
 mod scene;
+mod show;
 mod teleop;
 
 use std::path::Path;
@@ -29,6 +30,8 @@ impl DatasetCommand {
             Self::Drive(args) => drive(args),
             Self::Teleop(args) => teleop::teleop(args),
             Self::Failures(args) => failures::failures(args),
+            Self::Show(args) => show::show(args),
+            Self::Mcap(args) => show::mcap(args),
             Self::Validate(args) => hold::validate(args),
             Self::Merge(args) => hold::merge(args),
             Self::Split(args) => hold::split(args),

@@ -1,0 +1,164 @@
+//! `vb-harness dataset show` and `mcap`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde_json::json;
+use vb_dataset::Dataset;
+use vb_dataset_report::{Clip, Figures, Overview, clip, examples};
+use vb_vehicle::VehicleModel;
+use vb_world::{Suite, World};
+
+use super::failure;
+use crate::args::{DatasetMcapArgs, DatasetShowArgs};
+use crate::error::CliError;
+use crate::{output, replay, run};
+
+/// Worlds that are kept in memory at most.
+const WORLDS: usize = 128;
+
+/// The worlds of a dataset, at its scale.
+struct Worlds {
+    suite: Suite,
+    scale: f64,
+    loaded: BTreeMap<String, Arc<World>>,
+}
+
+impl Worlds {
+    fn load(&mut self, id: &str) -> Result<Arc<World>, CliError> {
+        if let Some(world) = self.loaded.get(id) {
+            return Ok(world.clone());
+        }
+        if self.loaded.len() == WORLDS {
+            self.loaded.clear();
+        }
+        let world = self.suite.load_world(id).map_err(CliError::input)?;
+        let world = Arc::new(if self.scale == 1.0 { world } else { world.scaled(self.scale) });
+        self.loaded.insert(id.to_owned(), world.clone());
+        Ok(world)
+    }
+}
+
+fn open(dir: &Path) -> Result<(Dataset, Worlds), CliError> {
+    let dataset = Dataset::open(dir).map_err(|e| failure(&e))?;
+    let suite = dataset.worlds().map_err(|e| failure(&e))?;
+    let worlds = Worlds { suite, scale: dataset.header().scale, loaded: BTreeMap::new() };
+    Ok((dataset, worlds))
+}
+
+/// The vehicle of a dataset, if what is at hand, or what the user names, is it.
+fn vehicle(dataset: &Dataset, wanted: Option<&str>) -> Result<VehicleModel, CliError> {
+    let own = &dataset.header().vehicle;
+    let found = run::vehicle(wanted.unwrap_or(&own.name));
+    match found {
+        Ok(found) if found.hash == own.hash => VehicleModel::new(found.spec).map_err(CliError::input),
+        Err(e) if wanted.is_some() => Err(e),
+        _ => Err(CliError::input(format!(
+            "the vehicle {} at hand is not that of the dataset (name its file with --vehicle)",
+            wanted.unwrap_or(&own.name)
+        ))),
+    }
+}
+
+/// The name of an episode's file.
+fn file(index: usize, kind: &str) -> String {
+    format!("episode-{index:06}.{kind}")
+}
+
+pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
+    let (dataset, mut worlds) = open(&args.dataset)?;
+    let vehicle = match vehicle(&dataset, args.vehicle.as_deref()) {
+        Ok(vehicle) => Some(vehicle),
+        Err(e) if args.vehicle.is_some() => return Err(e),
+        Err(e) => {
+            output::note(&format!("{e}: there are no replays"));
+            None
+        }
+    };
+    let out = match &args.out {
+        Some(dir) => dir.clone(),
+        None => tempfile::Builder::new()
+            .prefix("vb-dataset-")
+            .tempdir()
+            .map_err(|e| {
+                CliError::output(format!("cannot make a temporary directory: {e} (give --out DIR)"))
+            })?
+            .keep(),
+    };
+    create(&out)?;
+    let chosen = examples(&dataset, args.clips);
+    let (mut figures, mut clips) = (Figures::default(), Vec::new());
+    for (index, episode) in dataset.episodes().enumerate() {
+        let episode = episode.map_err(|e| failure(&e))?;
+        let world = worlds.load(&episode.info.world)?;
+        figures.add(dataset.features(), &episode, &world);
+        if !chosen.contains(&index) {
+            continue;
+        }
+        let mut replay = None;
+        if let Some(vehicle) = &vehicle {
+            let name = file(index, "html");
+            write(&out.join(&name), &vb_replay::page(&clip(&dataset, index, &episode, &world, vehicle)))?;
+            replay = Some(name);
+        }
+        clips.push(Clip::new(&dataset, index, &episode, &world, replay));
+    }
+    let hash = dataset.hash().map_err(|e| failure(&e))?;
+    let overview = Overview { header: dataset.header(), hash: &hash, figures: &figures, clips: &clips };
+    let index = out.join("index.html");
+    write(&index, &overview.html())?;
+    if args.format.is_json() {
+        let (episodes, clips) = (figures.episodes, clips.len());
+        output::json(&json!({"event": "shown", "page": index, "episodes": episodes, "clips": clips}));
+    } else {
+        output::note(&format!("wrote {}", index.display()));
+    }
+    if args.out.is_none() {
+        replay::open(&index);
+    }
+    Ok(())
+}
+
+pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
+    let (dataset, mut worlds) = open(&args.dataset)?;
+    let vehicle = vehicle(&dataset, args.vehicle.as_deref())?;
+    let count = dataset.infos().len();
+    if let Some(range) = args.episodes.iter().find(|r| *r.end() >= count) {
+        return Err(CliError::usage(format!(
+            "--episodes: there is no episode {} (the dataset has {count}, from 0)",
+            range.end()
+        )));
+    }
+    let all = vec![0..=count.saturating_sub(1)];
+    let ranges = if args.episodes.is_empty() { &all } else { &args.episodes };
+    let chosen: BTreeSet<usize> = ranges.iter().cloned().flatten().collect();
+    create(&args.out)?;
+    let mut files: Vec<PathBuf> = Vec::new();
+    for (index, episode) in chosen.iter().zip(dataset.select(chosen.iter().copied())) {
+        let episode = episode.map_err(|e| failure(&e))?;
+        let world = worlds.load(&episode.info.world)?;
+        let path = args.out.join(file(*index, "mcap"));
+        vb_replay::write_mcap(&clip(&dataset, *index, &episode, &world, &vehicle), &path)
+            .map_err(CliError::output)?;
+        files.push(path);
+    }
+    if args.format.is_json() {
+        output::json(&json!({"event": "written", "files": files}));
+    } else {
+        output::note(&format!("wrote {} files to {}", files.len(), args.out.display()));
+    }
+    Ok(())
+}
+
+fn create(dir: &Path) -> Result<(), CliError> {
+    std::fs::create_dir_all(dir).map_err(|e| unwritten(dir, &e))
+}
+
+fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
+    CliError::output(format!("cannot write {}: {e}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    std::fs::write(path, text).map_err(|e| unwritten(path, &e))
+}

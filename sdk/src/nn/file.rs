@@ -1,0 +1,165 @@
+//! The file of weights.
+//!
+//! It begins with lines of text, `key: value`, of which the first is `vb-nn: 1`. A line `layer: NAME INPUTS OUTPUTS` announces
+//! a layer. After an empty line come the layers' numbers in the order of these lines, little-endian with 32 bits: of each layer the
+//! weights, row by row (a row for each output), then the bias. All other lines are for whoever trained the weights.
+
+use super::Network;
+
+/// The version of the format.
+const VERSION: &str = "1";
+/// The most numbers that a file may have.
+const NUMBERS: usize = 1 << 22;
+
+/// A dense layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// The name, `NETWORK.NUMBER`.
+    pub name: String,
+    /// The number of inputs.
+    pub inputs: usize,
+    /// The number of outputs.
+    pub outputs: usize,
+    /// `outputs` rows of `inputs` weights.
+    pub weights: Vec<f32>,
+    /// What is added to each output.
+    pub bias: Vec<f32>,
+}
+
+/// Networks with what is said of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weights {
+    /// What the file says of them, in its order.
+    pub notes: Vec<(String, String)>,
+    /// The layers, in the order of the file.
+    pub layers: Vec<Layer>,
+}
+
+/// Why weights can't be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WeightsError(String);
+
+impl std::fmt::Display for WeightsError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "weights: {}", self.0)
+    }
+}
+
+impl std::error::Error for WeightsError {}
+
+impl From<WeightsError> for crate::PlannerError {
+    fn from(e: WeightsError) -> Self {
+        Self::new(e.to_string())
+    }
+}
+
+fn wrong<T>(text: impl Into<String>) -> Result<T, WeightsError> {
+    Err(WeightsError(text.into()))
+}
+
+impl Weights {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Returns an error if it is of another version, cut off, or has a number that is infinite or none.
+    pub fn parse(bytes: &[u8]) -> Result<Self, WeightsError> {
+        let Some(end) = bytes.windows(2).position(|w| w == b"\n\n") else {
+            return wrong("there is no empty line after the head");
+        };
+        let Ok(head) = std::str::from_utf8(&bytes[..end]) else {
+            return wrong("the head is no text");
+        };
+        let mut numbers =
+            bytes[end + 2..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let mut own = Self::default();
+        for (n, line) in head.lines().enumerate() {
+            let Some((key, value)) = line.split_once(": ") else {
+                return wrong(format!("line {}: \"{line}\" is not \"key: value\"", n + 1));
+            };
+            match (n, key) {
+                (0, "vb-nn") if value == VERSION => {}
+                (0, "vb-nn") => return wrong(format!("format {value} is not supported (only {VERSION} is)")),
+                (0, _) => return wrong("these are no weights: the first line is not \"vb-nn: 1\""),
+                (_, "layer") => {
+                    let layer = own.layer(value, &mut numbers)?;
+                    own.layers.push(layer);
+                }
+                _ => own.notes.push((key.to_owned(), value.to_owned())),
+            }
+        }
+        if bytes[end + 2..].len() % 4 != 0 || numbers.next().is_some() {
+            return wrong("there are more numbers than the layers have");
+        }
+        Ok(own)
+    }
+
+    /// A layer that a line of the head announces.
+    fn layer(&self, value: &str, numbers: &mut impl Iterator<Item = f32>) -> Result<Layer, WeightsError> {
+        let words: Vec<&str> = value.split(' ').collect();
+        let size = |k: usize| {
+            words.get(k).and_then(|w| w.parse::<usize>().ok()).filter(|n| (1..NUMBERS).contains(n))
+        };
+        let (Some(inputs), Some(outputs), 3) = (size(1), size(2), words.len()) else {
+            return wrong(format!("layer \"{value}\" is not \"NAME INPUTS OUTPUTS\""));
+        };
+        let before: usize = self.layers.iter().map(|l| l.weights.len() + l.bias.len()).sum();
+        let count = inputs.saturating_mul(outputs).saturating_add(outputs);
+        if before.saturating_add(count) > NUMBERS {
+            return wrong(format!("there are more than {NUMBERS} numbers"));
+        }
+        let name = words[0].to_owned();
+        let all: Vec<f32> = numbers.take(count).collect();
+        if all.len() < count {
+            return wrong(format!("layer {name} is cut off"));
+        }
+        if let Some(k) = all.iter().position(|v| !v.is_finite()) {
+            return wrong(format!("layer {name}: number {k} is {}", all[k]));
+        }
+        let (weights, bias) = all.split_at(inputs * outputs);
+        Ok(Layer { name, inputs, outputs, weights: weights.to_vec(), bias: bias.to_vec() })
+    }
+
+    /// The bytes of the file.
+    #[must_use]
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut head = format!("vb-nn: {VERSION}\n");
+        for (key, value) in &self.notes {
+            head += &format!("{key}: {value}\n");
+        }
+        for l in &self.layers {
+            head += &format!("layer: {} {} {}\n", l.name, l.inputs, l.outputs);
+        }
+        let numbers = self.layers.iter().flat_map(|l| l.weights.iter().chain(&l.bias));
+        head.into_bytes().into_iter().chain(*b"\n").chain(numbers.flat_map(|v| v.to_le_bytes())).collect()
+    }
+
+    /// What the file says under a key.
+    #[must_use]
+    pub fn note(&self, key: &str) -> Option<&str> {
+        self.notes.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
+    }
+
+    /// The network whose layers are called `NAME.0`, `NAME.1` and so on, with so many inputs and outputs.
+    ///
+    /// # Errors
+    /// Returns an error if it isn't there, its layers don't fit together, or it has other inputs or outputs.
+    pub fn network(&self, name: &str, inputs: usize, outputs: usize) -> Result<Network, WeightsError> {
+        let named = |k: usize| self.layers.iter().find(|l| l.name == format!("{name}.{k}")).cloned();
+        let layers: Vec<Layer> = (0..).map_while(named).collect();
+        if layers.is_empty() {
+            return wrong(format!("there is no network {name}"));
+        }
+        let Some(network) = Network::new(layers) else {
+            return wrong(format!("the layers of {name} don't fit together"));
+        };
+        if (network.inputs(), network.outputs()) != (inputs, outputs) {
+            return wrong(format!(
+                "{name} turns {} inputs into {} outputs, and not {inputs} into {outputs}: it was trained for another version of the \
+                 planner",
+                network.inputs(),
+                network.outputs()
+            ));
+        }
+        Ok(network)
+    }
+}
