@@ -167,13 +167,15 @@ impl Overview<'_> {
                 Some(to) => format!("<a href=\"{}\">Episode {index}</a>", escape(to)),
                 None => format!("Episode {index}"),
             };
-            let cause =
-                if info.cause.is_empty() { String::new() } else { format!(": {}", plain(&info.cause)) };
+            // The names of some causes begin with the outcome.
+            let end = match info.cause.as_str() {
+                "" => plain(&info.outcome),
+                cause if cause.starts_with(&info.outcome) => plain(cause),
+                cause => format!("{}: {}", plain(&info.outcome), plain(cause)),
+            };
             let _ = write!(
                 s,
-                "<figure><figcaption>{name}: {}{}</figcaption>{}<p>{}, {} relief, {} ground; {:.1} s, {:.1} m; ends on {}</p></figure>",
-                plain(&info.outcome),
-                cause,
+                "<figure><figcaption>{name}: {end}</figcaption>{}<p>{}, {} relief, {} ground; {:.1} s, {:.1} m; ends on {}</p></figure>",
                 clip.picture,
                 escape(&info.world),
                 escape(&info.elevation),
