@@ -1,0 +1,203 @@
+//! The motion of a vehicle in six degrees of freedom.
+
+use std::cell::RefCell;
+
+use vb_sdk::mppi::{LANES, Lanes, Model};
+use vb_sdk::nn::{Network, Scratch};
+use vb_sdk::{Observation, PlannerError, Vehicle, math};
+
+use crate::table::{CHANNELS, Table};
+use crate::terrain::Terrain;
+
+/// The time of a step at full scale, s.
+pub const DT: f32 = 0.2;
+/// Inputs of the network.
+pub const INPUTS: usize = 10 + CHANNELS;
+/// Outputs of the network: by how much the change of speed, the yaw rate, the sideways speed, roll and pitch differ from those of a
+/// bicycle on a plane, in the units of [`SCALES`].
+pub const OUTPUTS: usize = 5;
+/// Units of the outputs: m/s, rad/s, m/s, rad, rad at full scale.
+pub const SCALES: [f32; OUTPUTS] = [0.5, 0.3, 0.5, 0.1, 0.1];
+/// The wheelbase that is full scale, m: that of the HMMWV.
+const FULL: f64 = 3.302;
+
+/// What turns lengths, speeds and rates into those of full scale (Froude's rule: times go with the root of lengths).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// Multiplies speeds.
+    pub speed: f32,
+    /// Multiplies angular velocities.
+    pub rate: f32,
+}
+
+impl Units {
+    /// The units of a vehicle.
+    #[must_use]
+    pub fn of(vehicle: &Vehicle) -> Self {
+        let root = (vehicle.wheelbase / FULL).sqrt() as f32;
+        Self { speed: 1.0 / root, rate: root }
+    }
+}
+
+/// The states of [`LANES`] vehicles; the reference point lies halfway between the outer axles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Positions, m.
+    pub x: Lanes,
+    /// Positions, m.
+    pub y: Lanes,
+    /// Cosines of the headings.
+    pub cos: Lanes,
+    /// Sines of the headings.
+    pub sin: Lanes,
+    /// Forward speeds, m/s.
+    pub speed: Lanes,
+    /// Speeds to the left, m/s.
+    pub side: Lanes,
+    /// Yaw rates, rad/s.
+    pub turn: Lanes,
+    /// The steering that the wheels have, in -1 to 1.
+    pub steering: Lanes,
+    /// Rolls, rad, positive with the right side down.
+    pub roll: Lanes,
+    /// Pitches, rad, positive with the nose down.
+    pub pitch: Lanes,
+}
+
+impl State {
+    /// The state in which every vehicle is as observed.
+    ///
+    /// # Errors
+    /// Returns an error if the observation has no pose.
+    pub fn of(o: &Observation) -> Result<Self, PlannerError> {
+        let p = o.pose()?;
+        let (sin, cos) = math::sin_cos(p.yaw);
+        let all = |v: f64| [v as f32; LANES];
+        Ok(Self {
+            x: all(p.position.x),
+            y: all(p.position.y),
+            cos: all(cos),
+            sin: all(sin),
+            speed: all(p.linear_velocity.x),
+            side: all(p.linear_velocity.y),
+            turn: all(p.angular_velocity.z),
+            steering: all(o.steering),
+            roll: all(p.roll),
+            pitch: all(p.pitch),
+        })
+    }
+}
+
+/// A bicycle on the plane through its wheels, corrected by a network.
+#[derive(Clone, Debug)]
+pub struct Kinodynamics {
+    terrain: Terrain,
+    table: Table,
+    network: Network,
+    units: Units,
+    /// Of the path at full lock, 1/m.
+    curvature: f32,
+    /// 1/s.
+    steer_rate: f32,
+    scratch: RefCell<Scratch>,
+}
+
+/// The time constant with which the speed follows its command, s, and the most that it changes by, m/s², both at full scale.
+const LAG: f32 = 0.5;
+const ACCELERATION: f32 = 3.0;
+
+impl Kinodynamics {
+    /// The model of a vehicle on a terrain, with a network of [`INPUTS`] inputs and [`OUTPUTS`] outputs.
+    #[must_use]
+    pub fn new(terrain: Terrain, table: Table, network: Network, vehicle: &Vehicle) -> Self {
+        Self {
+            terrain,
+            table,
+            network,
+            units: Units::of(vehicle),
+            curvature: (1.0 / vehicle.min_turn_radius) as f32,
+            steer_rate: vehicle.max_steer_rate as f32,
+            scratch: RefCell::default(),
+        }
+    }
+
+    /// The terrain that it drives on.
+    #[must_use]
+    pub fn terrain(&self) -> &Terrain {
+        &self.terrain
+    }
+}
+
+/// What the network is told beside the ground: the state and the commands, at full scale.
+#[must_use]
+pub fn inputs(s: &State, [_, bank, rise]: &[Lanes; 3], command: &[Lanes; 2], units: Units) -> [Lanes; 10] {
+    let scaled = |v: &Lanes, by: f32| v.map(|v| v * by);
+    [
+        scaled(&s.speed, 0.25 * units.speed),
+        scaled(&s.side, units.speed),
+        scaled(&s.turn, 2.0 * units.rate),
+        scaled(&s.roll, 3.0),
+        scaled(&s.pitch, 3.0),
+        scaled(bank, 3.0),
+        scaled(rise, 3.0),
+        s.steering,
+        command[0],
+        scaled(&command[1], 0.25 * units.speed),
+    ]
+}
+
+impl Model<2> for Kinodynamics {
+    type State = State;
+
+    fn step(&self, s: &mut State, command: &[Lanes; 2], dt: f32) {
+        let units = self.units;
+        let plane = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
+        let mut input = [[0.0; LANES]; INPUTS];
+        input[..10].copy_from_slice(&inputs(s, &plane, command, units));
+        let mut ground = [[0.0; LANES]; CHANNELS];
+        self.table.at([&s.x, &s.y], [&s.cos, &s.sin], &mut ground);
+        input[10..].copy_from_slice(&ground);
+        let mut out = [[0.0; LANES]; OUTPUTS];
+        self.network.run(&input, &mut out, &mut self.scratch.borrow_mut());
+        // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
+        let part = dt * units.rate_inverse() / DT;
+        let most = self.steer_rate * dt;
+        let gain = (dt * units.rate_inverse() / LAG).min(1.0);
+        let change = ACCELERATION * dt;
+        for l in 0..LANES {
+            s.steering[l] += (command[0][l] - s.steering[l]).clamp(-most, most);
+            let before = s.speed[l];
+            s.speed[l] += (gain * (command[1][l] - before)).clamp(-change, change)
+                + part * SCALES[0] * out[0][l] / units.speed;
+            let way = 0.5 * dt * (before + s.speed[l]);
+            s.turn[l] = s.speed[l] * self.curvature * s.steering[l] + SCALES[1] * out[1][l] / units.rate;
+            s.side[l] = SCALES[2] * out[2][l] / units.speed;
+            let (turn, aside) = (s.turn[l] * dt, s.side[l] * dt);
+            // Seen from above, a way on a slope is shorter by the cosine of its pitch.
+            let level = 1.0 - 0.5 * plane[2][l] * plane[2][l];
+            let (way, half, square) = (way * level, 0.5 * turn, turn * turn);
+            let (c, n) = (s.cos[l], s.sin[l]);
+            // Along the heading of the middle of the step.
+            let (mc, mn) = (c - half * n, n + half * c);
+            s.x[l] += way * mc - aside * mn;
+            s.y[l] += way * mn + aside * mc;
+            let (a, b) = (1.0 - 0.5 * square, turn * (1.0 - square / 6.0));
+            let (c, n) = (c * a - n * b, n * a + c * b);
+            let length = 1.5 - 0.5 * (c * c + n * n);
+            (s.cos[l], s.sin[l]) = (c * length, n * length);
+        }
+        let [_, bank, rise] = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
+        for l in 0..LANES {
+            s.roll[l] = bank[l] + SCALES[3] * out[3][l];
+            s.pitch[l] = rise[l] + SCALES[4] * out[4][l];
+        }
+    }
+}
+
+impl Units {
+    /// Turns times into those of full scale.
+    #[must_use]
+    pub fn rate_inverse(self) -> f32 {
+        1.0 / self.rate
+    }
+}

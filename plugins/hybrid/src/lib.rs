@@ -1,0 +1,18 @@
+//! What the planners with learned models share.
+//!
+//! - [`Terrain`] tells how the ground lies under a vehicle: the plane through its wheels, and the patch about it.
+//! - [`Table`] holds what a network makes of the patch at every place and heading, made once in `init`: the ground doesn't change,
+//!   so that roll-outs only look up.
+//! - [`Kinodynamics`] moves the vehicle in six degrees of freedom: a bicycle on the plane through its wheels, and what a network
+//!   has learned that these two get wrong.
+//!
+//! Lengths are measured in wheelbases and times by Froude's rule, so that a model serves a vehicle class at any scale.
+//! `tools/model-train` trains with the very functions that the planners roll out.
+
+mod kinodynamics;
+mod table;
+mod terrain;
+
+pub use kinodynamics::{DT, INPUTS, Kinodynamics, OUTPUTS, SCALES, State, Units};
+pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};
+pub use terrain::{CLASSES, PATCH, Terrain};

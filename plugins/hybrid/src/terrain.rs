@@ -1,0 +1,140 @@
+//! The ground under a vehicle.
+
+use vb_sdk::mppi::{Field, LANES, Lanes};
+use vb_sdk::{HeightMap, LabelMap, Vehicle};
+
+/// Kinds of ground, by their labels.
+pub const CLASSES: usize = 10;
+/// Points of the patch along the vehicle and across it.
+const ALONG: usize = 10;
+const ACROSS: usize = 5;
+/// What a patch has: heights, and the fractions of the wheels that stand on each kind of ground.
+pub const PATCH: usize = ALONG * ACROSS + CLASSES;
+/// Where the patch begins and ends, from the reference point forward, in wheelbases.
+const REACH: [f32; 2] = [-0.75, 1.25];
+/// Half its width in tracks.
+const HALF_WIDTH: f32 = 0.7;
+/// Heights are told in units of so many wheelbases.
+const HEIGHT: f32 = 0.1;
+
+/// The ground, as a vehicle stands on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terrain {
+    heights: Field,
+    classes: Option<LabelMap>,
+    wheelbase: f32,
+    track: f32,
+}
+
+impl Terrain {
+    /// The ground of these maps under this vehicle; `None` if the map of heights has fewer than 2 × 2 samples. Without a map of
+    /// classes no wheel stands on any.
+    #[must_use]
+    pub fn new(heights: &HeightMap, classes: Option<&LabelMap>, vehicle: &Vehicle) -> Option<Self> {
+        let mut values = heights.data.iter();
+        // Samples come in the order in which they are asked for.
+        let field = Field::new(heights.frame, |_, _| values.next().map_or(0.0, |v| f64::from(*v)))?;
+        Some(Self {
+            heights: field,
+            classes: classes.cloned(),
+            wheelbase: vehicle.wheelbase as f32,
+            track: vehicle.track as f32,
+        })
+    }
+
+    /// The heights at points of the body plane, m.
+    fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], forward: f32, left: f32) -> Lanes {
+        let px: Lanes = std::array::from_fn(|l| x[l] + forward * cos[l] - left * sin[l]);
+        let py: Lanes = std::array::from_fn(|l| y[l] + forward * sin[l] + left * cos[l]);
+        self.heights.at(&px, &py)
+    }
+
+    /// The plane that fits the ground under the four outer wheels best: its height under the reference point (m), its roll and its
+    /// pitch (rad, by small angles' sines; right side and nose down positive).
+    #[must_use]
+    pub fn plane(&self, place: [&Lanes; 2], direction: [&Lanes; 2]) -> [Lanes; 3] {
+        let (a, b) = (0.5 * self.wheelbase, 0.5 * self.track);
+        let [fl, fr, rl, rr] =
+            [(a, b), (a, -b), (-a, b), (-a, -b)].map(|(u, v)| self.at(place, direction, u, v));
+        let (per_track, per_base) = (0.5 / self.track, 0.5 / self.wheelbase);
+        let mut plane = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            let (front, rear) = (fl[l] + fr[l], rl[l] + rr[l]);
+            let (rise, bank) = ((front - rear) * per_base, (fl[l] + rl[l] - fr[l] - rr[l]) * per_track);
+            // A slope to the angle: atan to the third order, which is off by 0.3 degrees at 30.
+            plane[0][l] = 0.25 * (front + rear);
+            plane[1][l] = bank * (1.0 - bank * bank * (1.0 / 3.0 - 0.2 * bank * bank));
+            plane[2][l] = -rise * (1.0 - rise * rise * (1.0 / 3.0 - 0.2 * rise * rise));
+        }
+        plane
+    }
+
+    /// The patch about the vehicle: heights over the plane under its wheels in units of a tenth of a wheelbase, rear to front and
+    /// right to left, then the fraction of the wheels on each kind of ground.
+    pub fn patch(&self, place: [&Lanes; 2], direction: [&Lanes; 2], patch: &mut [Lanes; PATCH]) {
+        let [z, roll, pitch] = self.plane(place, direction);
+        let unit = 1.0 / (HEIGHT * self.wheelbase);
+        for i in 0..ALONG {
+            let forward = self.wheelbase * (REACH[0] + (REACH[1] - REACH[0]) * i as f32 / (ALONG - 1) as f32);
+            for j in 0..ACROSS {
+                let left = self.track * HALF_WIDTH * (2.0 * j as f32 / (ACROSS - 1) as f32 - 1.0);
+                let heights = self.at(place, direction, forward, left);
+                patch[i * ACROSS + j] = std::array::from_fn(|l| {
+                    // The plane, by the tangents that its small angles nearly are.
+                    let plane = z[l] + left * roll[l] - forward * pitch[l];
+                    ((heights[l] - plane) * unit).clamp(-4.0, 4.0)
+                });
+            }
+        }
+        let kinds = &mut patch[ALONG * ACROSS..];
+        kinds.fill([0.0; LANES]);
+        let Some(classes) = &self.classes else { return };
+        let (a, b) = (0.5 * self.wheelbase, 0.5 * self.track);
+        for (u, v) in [(a, b), (a, -b), (-a, b), (-a, -b)] {
+            for l in 0..LANES {
+                let x = place[0][l] + u * direction[0][l] - v * direction[1][l];
+                let y = place[1][l] + u * direction[1][l] + v * direction[0][l];
+                let class = usize::from(classes.nearest(f64::from(x), f64::from(y)));
+                if let Some(kind) = kinds.get_mut(class) {
+                    kind[l] += 0.25;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sdk::{GridFrame, Map};
+
+    /// A plane that rises by 0.2 to the east and by 0.1 to the north, of gravel (4) in the east and mud (7) in the west.
+    fn slope() -> Terrain {
+        let frame = GridFrame { rows: 41, cols: 41, resolution: 1.0, origin_x: -20.0, origin_y: -20.0 };
+        let height = |k: usize| 0.2 * (k % 41) as f32 + 0.1 * (k / 41) as f32;
+        let class = |k: usize| if k % 41 > 20 { 4 } else { 7 };
+        let heights = Map { frame, data: (0..41 * 41).map(height).collect() };
+        let classes = Map { frame, data: (0..41 * 41).map(class).collect() };
+        let vehicle = Vehicle { wheelbase: 3.0, track: 2.0, ..Vehicle::default() };
+        Terrain::new(&heights, Some(&classes), &vehicle).unwrap()
+    }
+
+    #[test]
+    fn a_slope_is_its_own_plane_and_its_patch_is_flat() {
+        let terrain = slope();
+        let (x, y) = ([3.3; LANES], [-2.6; LANES]);
+        // Uphill to the east, the left side higher; to the north, uphill with the right side higher.
+        for (cos, sin, roll, pitch) in [(1.0, 0.0, 0.1_f32, -0.2_f32), (0.0, 1.0, -0.2, -0.1)] {
+            let direction = [&[cos; LANES], &[sin; LANES]];
+            let plane = terrain.plane([&x, &y], direction);
+            assert!((plane[0][0] - (0.2 * 23.3 + 0.1 * 17.4)).abs() < 1e-4, "{plane:?}");
+            assert!((plane[1][0] - roll.atan()).abs() < 1e-3, "{plane:?}");
+            assert!((plane[2][0] - pitch.atan()).abs() < 1e-3, "{plane:?}");
+            let mut patch = [[0.0; LANES]; PATCH];
+            terrain.patch([&x, &y], direction, &mut patch);
+            assert!(patch[..ALONG * ACROSS].iter().all(|v| v[0].abs() < 0.15), "{patch:?}");
+            let kinds: Vec<f32> = patch[ALONG * ACROSS..].iter().map(|v| v[0]).collect();
+            assert_eq!((kinds[4], kinds.iter().sum::<f32>()), (1.0, 1.0));
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Windows of datasets: what happened in some seconds, and on which ground.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use hybrid::Terrain;
+use vb_dataset::{Dataset, Episode};
+use vb_sdk::Vehicle;
+use vb_sense::{PriorMaps, Profile, Seed};
+use vb_world::{World, geometry};
+
+use crate::TrainError;
+
+/// Frames of a step of the model, of datasets of ten frames a second.
+pub const STRIDE: usize = 2;
+/// Frames a second of the datasets.
+const HZ: u32 = 10;
+/// Steps of a window: 3 s.
+pub const STEPS: usize = 15;
+/// How far windows begin from each other, in frames.
+const SPACING: usize = 3;
+/// A vehicle that comes nearer to an obstacle than this, in lengths of its own, may touch it: obstacles are not in the model.
+const CLEAR: f64 = 0.55;
+/// Beyond this tilt the vehicle is overturned and the model ends, rad.
+const TILT: f64 = 1.0;
+
+/// What a frame has of the state and the command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point {
+    /// m.
+    pub x: f32,
+    /// m.
+    pub y: f32,
+    /// rad.
+    pub yaw: f32,
+    /// rad.
+    pub roll: f32,
+    /// rad.
+    pub pitch: f32,
+    /// m/s.
+    pub speed: f32,
+    /// m/s, to the left.
+    pub side: f32,
+    /// rad/s.
+    pub turn: f32,
+    /// Of the wheels.
+    pub steering: f32,
+    /// Commands: steering, and speed in m/s.
+    pub command: [f32; 2],
+}
+
+/// Three seconds of driving.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// The place of its world in [`Data::places`].
+    pub place: usize,
+    /// The states at the ends of the steps, the start first.
+    pub points: Vec<Point>,
+    /// Whether the vehicle hardly moves although it is commanded to.
+    pub stands: bool,
+}
+
+/// A world, with the ground as the model sees it.
+pub struct PlaceOf {
+    /// The content hash of the world.
+    pub hash: String,
+    /// `rigid`, `deformable` or `mixed`.
+    pub kind: String,
+    /// The ground.
+    pub terrain: Terrain,
+}
+
+/// All windows.
+#[derive(Default)]
+pub struct Data {
+    /// The worlds.
+    pub places: Vec<PlaceOf>,
+    /// The windows, world by world in no order that matters.
+    pub windows: Vec<Window>,
+    /// The hashes of the datasets.
+    pub hashes: Vec<String>,
+}
+
+impl Data {
+    /// Reads a dataset of exploration.
+    ///
+    /// # Errors
+    /// Returns an error if it can't be read or lacks what models are trained on.
+    pub fn read(&mut self, dir: &Path, vehicle: &Vehicle) -> Result<(), TrainError> {
+        let dataset = Dataset::open(dir)?;
+        let header = dataset.header();
+        let unfit = |why: String| TrainError::Unfit { dir: dir.to_owned(), why };
+        if header.of_a_suite {
+            return Err(unfit("its worlds are those of a suite: nothing may be trained on it".into()));
+        }
+        if header.vehicle.name != vehicle.name {
+            return Err(unfit(format!("it is of the vehicle {}, and not of {}", header.vehicle.name, vehicle.name)));
+        }
+        if !header.layout.speed || header.hz != HZ {
+            return Err(unfit(format!("it is no exploration with {HZ} frames a second")));
+        }
+        let suite = dataset.worlds()?;
+        let mut known: BTreeMap<String, (usize, Arc<World>)> = BTreeMap::new();
+        for episode in dataset.episodes() {
+            let episode = episode?;
+            let id = &episode.info.world;
+            if !known.contains_key(id) {
+                let world = suite.load_world(id).map_err(vb_dataset::DatasetError::from)?;
+                let world = if header.scale == 1.0 { world } else { world.scaled(header.scale) };
+                let seed = Seed { run: 0, task: String::new() };
+                let maps = PriorMaps::new(&Profile::oracle(), &world, &seed);
+                let heights = maps.elevation.ok_or_else(|| unfit(format!("{id} has no heights")))?;
+                let terrain = Terrain::new(&heights, maps.semantics.as_ref(), vehicle)
+                    .ok_or_else(|| unfit(format!("{id} is too small")))?;
+                known.insert(id.clone(), (self.places.len(), Arc::new(world)));
+                let (hash, kind) = (episode.info.world_hash.clone(), episode.info.terrain.clone());
+                self.places.push(PlaceOf { hash, kind, terrain });
+            }
+            let (place, world) = &known[id];
+            self.cut(&dataset, &episode, *place, world, vehicle);
+        }
+        self.hashes.push(dataset.hash()?);
+        Ok(())
+    }
+
+    /// Cuts an episode into windows.
+    fn cut(&mut self, dataset: &Dataset, episode: &Episode, place: usize, world: &World, vehicle: &Vehicle) {
+        let view = episode.view(dataset.features());
+        let outlines: Vec<_> = world.obstacles.iter().map(vb_world::Obstacle::footprint).collect();
+        let mut points = Vec::with_capacity(episode.frames);
+        // Whether a window may have the frame.
+        let mut fit = Vec::with_capacity(episode.frames);
+        for k in 0..episode.frames {
+            let (s, action, speed) = (view.state(k), view.row("action", k), view.row("action.speed", k));
+            let near = outlines.iter().any(|o| {
+                let far = (o[0][0] - s[0]).abs().max((o[0][1] - s[1]).abs()) > 12.0 * world.scale;
+                !far && geometry::point_to_polygon([s[0], s[1]], o) < CLEAR * vehicle.length
+            });
+            let upright = s[3].abs().max(s[4].abs()) < TILT;
+            fit.push(!near && upright && s[14] > 0.0 && speed[0] > 0.0);
+            points.push(Point {
+                x: s[0] as f32,
+                y: s[1] as f32,
+                yaw: s[5] as f32,
+                roll: s[3] as f32,
+                pitch: s[4] as f32,
+                speed: s[6] as f32,
+                side: s[7] as f32,
+                turn: s[11] as f32,
+                steering: s[12] as f32,
+                command: [action[0] as f32, speed[0] as f32],
+            });
+        }
+        for first in (0..points.len()).step_by(SPACING) {
+            let last = first + STEPS * STRIDE;
+            if last >= points.len() {
+                break;
+            }
+            if !fit[first..=last].iter().all(|f| *f) {
+                continue;
+            }
+            let own: Vec<Point> = (first..=last).step_by(STRIDE).map(|k| points[k]).collect();
+            let (a, b) = (own[0], own[STEPS]);
+            let stands = (a.x - b.x).hypot(a.y - b.y) < 0.15 * vehicle.wheelbase as f32;
+            self.windows.push(Window { place, points: own, stands });
+        }
+    }
+}

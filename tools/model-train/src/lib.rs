@@ -1,0 +1,40 @@
+//! Trains the models of the hybrid planners: what a bicycle on the plane through its wheels gets wrong about motion over rough
+//! ground, learned from datasets of exploration. The networks are those that `hybrid` and `vb_sdk::nn` evaluate in planners.
+
+pub mod data;
+pub mod model;
+pub mod network;
+pub mod train;
+
+use std::path::PathBuf;
+
+/// The reason why there is no model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrainError {
+    /// A dataset can't be read.
+    #[error(transparent)]
+    Dataset(#[from] vb_dataset::DatasetError),
+    /// Models can't be trained on a dataset.
+    #[error("{}: {why}", dir.display())]
+    Unfit {
+        /// The folder.
+        dir: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// The vehicle can't be used.
+    #[error("{0}")]
+    Vehicle(String),
+    /// A file can't be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// Tensors can't be computed with.
+    #[error("internal error: {0}")]
+    Tensor(#[from] candle_core::Error),
+}

@@ -1,0 +1,139 @@
+//! `vb-model-train`: datasets in, weights and their card out.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use serde_json::json;
+use vb_model_train::TrainError;
+use vb_model_train::data::{Data, Window};
+use vb_model_train::model::Motion;
+use vb_model_train::train::{Way, measure, train};
+use vb_sdk::nn::Weights;
+
+/// Train the model of motion of the hybrid planners on datasets of exploration
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// Datasets that `vb-harness dataset explore` has made
+    #[arg(long, value_name = "DIR", required = true, num_args = 1..)]
+    data: Vec<PathBuf>,
+    /// File of the vehicle
+    #[arg(long, value_name = "FILE", default_value = "tasks/vehicles/hmmwv.yaml")]
+    vehicle: PathBuf,
+    /// Where the weights go; their card goes beside them as .json
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Steps of training
+    #[arg(long, value_name = "N", default_value_t = 6000)]
+    steps: usize,
+    /// Names all random draws
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            note(&format!("error: {e}"));
+            ExitCode::from(match e {
+                TrainError::Write { .. } => 4,
+                TrainError::Tensor(_) => 1,
+                _ => 3,
+            })
+        }
+    }
+}
+
+fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+fn vehicle(args: &Args) -> Result<vb_sdk::Vehicle, TrainError> {
+    let wrong = |e: &dyn std::fmt::Display| TrainError::Vehicle(format!("{}: {e}", args.vehicle.display()));
+    let text = vb_files::read_text(&args.vehicle, vb_files::DOCUMENT).map_err(|e| wrong(&e))?;
+    let spec = vb_vehicle::VehicleSpec::parse(&text, &args.vehicle.display().to_string()).map_err(|e| wrong(&e))?;
+    let scale = spec.scale;
+    let own = vb_runner::Vehicle { spec, hash: String::new() };
+    let soils =
+        vb_runner::Soils { set: vb_sim::SoilSet::default(), hash: String::new(), resolution: 0.1 };
+    let rules = vb_score::Rules::resolve("exploration").map_err(|e| wrong(&e))?;
+    let oracle = vb_sense::Profile::oracle();
+    let setting = vb_runner::Setting::new(&own, &soils, &rules, &oracle, 0.001, scale, 0).map_err(|e| wrong(&e))?;
+    Ok(setting.vehicle)
+}
+
+fn run(args: &Args) -> Result<(), TrainError> {
+    let vehicle = vehicle(args)?;
+    let mut data = Data::default();
+    for dir in &args.data {
+        data.read(dir, &vehicle)?;
+    }
+    // Every fifth world is held out, by its hash, so that it stays the same whatever else there is.
+    let held_out = |w: &&Window| u8::from_str_radix(&data.places[w.place].hash[..2], 16).unwrap_or(0) % 5 == 0;
+    let (test, own): (Vec<&Window>, Vec<&Window>) = data.windows.iter().partition(held_out);
+    note(&format!("{} windows in {} worlds; {} windows are held out", own.len(), data.places.len(), test.len()));
+    let model = Motion::new(&vehicle, args.seed)?;
+    train(&model, &data, &own, args.steps, args.seed, |step, loss| note(&format!("step {step}: loss {loss:.4}")))?;
+    let kinds = ["all", "rigid", "deformable", "mixed"];
+    let mut card = serde_json::Map::new();
+    for kind in kinds {
+        let part: Vec<&Window> = test
+            .iter()
+            .copied()
+            .filter(|w| !w.stands && (kind == "all" || data.places[w.place].kind == kind))
+            .collect();
+        if part.is_empty() {
+            continue;
+        }
+        let ways = [("constant velocity", Way::Constant), ("bicycle and plane", Way::Bicycle), ("learned", Way::Learned)];
+        let mut own = serde_json::Map::new();
+        for (name, way) in ways {
+            let errors = measure(&model, &data, &part, way)?;
+            for e in &errors {
+                note(&format!(
+                    "{kind:10} {name:18} {:.1} s: {:.3} m, {:.3} rad, {:.3} m/s, roll {:.2} deg, pitch {:.2} deg",
+                    e.time_s,
+                    e.position_m,
+                    e.yaw_rad,
+                    e.speed_m_per_s,
+                    e.roll_rad.to_degrees(),
+                    e.pitch_rad.to_degrees()
+                ));
+            }
+            own.insert(name.into(), json!(errors));
+        }
+        card.insert(kind.into(), own.into());
+    }
+    let notes = [
+        ("vehicle", vehicle.name.clone()),
+        ("datasets", data.hashes.join(" ")),
+        ("seed", args.seed.to_string()),
+        ("steps", args.steps.to_string()),
+    ];
+    let weights = Weights {
+        notes: notes.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
+        layers: [model.ground.layers()?, model.motion.layers()?].concat(),
+    };
+    let bytes = weights.bytes();
+    let write = |path: &PathBuf, bytes: &[u8]| {
+        std::fs::write(path, bytes).map_err(|source| TrainError::Write { path: path.clone(), source })
+    };
+    write(&args.out, &bytes)?;
+    let card = json!({
+        "weights_sha256": vb_files::sha256(&bytes),
+        "vehicle": vehicle.name,
+        "datasets": data.hashes,
+        "seed": args.seed,
+        "steps": args.steps,
+        "windows": own.len(),
+        "windows_held_out": test.len(),
+        "errors_in_worlds_held_out": card,
+    });
+    let text = serde_json::to_string_pretty(&card).unwrap_or_default() + "\n";
+    write(&args.out.with_extension("json"), text.as_bytes())?;
+    note(&format!("{} is written", args.out.display()));
+    Ok(())
+}

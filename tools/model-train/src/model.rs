@@ -1,0 +1,181 @@
+//! The model of motion, as it is rolled out in training: the same sums as [`hybrid::Kinodynamics`] has, on tensors.
+
+use candle_core::{Device, Result, Tensor};
+use hybrid::{CHANNELS, DT, INPUTS, OUTPUTS, PATCH, SCALES, Units, heading, heading_of};
+use vb_sdk::Vehicle;
+use vb_sdk::mppi::{LANES, Lanes};
+
+use crate::data::{Data, Point, Window};
+use crate::network::Dense;
+
+/// The networks of the model, and the vehicle.
+pub struct Motion {
+    /// From a patch to [`CHANNELS`] numbers.
+    pub ground: Dense,
+    /// From state, commands and ground to corrections.
+    pub motion: Dense,
+    units: Units,
+    curvature: f64,
+    steer_rate: f64,
+    dt: f64,
+}
+
+/// Hidden values of the networks.
+const GROUND: usize = 24;
+const MOTION: usize = 24;
+
+/// The state of many windows, one number each.
+pub struct State {
+    /// x, y, yaw, speed, side, turn, steering, roll, pitch.
+    pub values: [Tensor; 9],
+}
+
+fn column(values: Vec<f32>) -> Result<Tensor> {
+    let n = values.len();
+    Tensor::from_vec(values, (n, 1), &Device::Cpu)
+}
+
+fn numbers(t: &Tensor) -> Result<Vec<f32>> {
+    t.flatten_all()?.to_vec1()
+}
+
+/// The plane under the vehicles, and the patches where they are wanted: computed eight at a time, each eight in one world.
+fn ground(data: &Data, windows: &[&Window], at: [&Tensor; 3], patches: bool) -> Result<([Tensor; 2], Option<Tensor>)> {
+    let [x, y, yaw] = [numbers(at[0])?, numbers(at[1])?, numbers(at[2])?];
+    let n = windows.len();
+    let (mut bank, mut rise) = (vec![0.0; n], vec![0.0; n]);
+    let mut all = vec![0.0; if patches { n * PATCH } else { 0 }];
+    let mut patch = [[0.0; LANES]; PATCH];
+    for first in (0..n).step_by(LANES) {
+        let terrain = &data.places[windows[first].place].terrain;
+        let of = |v: &[f32]| -> Lanes { std::array::from_fn(|l| v[first + l]) };
+        let (px, py) = (of(&x), of(&y));
+        let angles: [(f64, f64); LANES] = of(&yaw).map(|a| vb_math::sin_cos(f64::from(a)));
+        let (cos, sin) = (angles.map(|a| a.1 as f32), angles.map(|a| a.0 as f32));
+        let [_, b, r] = terrain.plane([&px, &py], [&cos, &sin]);
+        bank[first..first + LANES].copy_from_slice(&b);
+        rise[first..first + LANES].copy_from_slice(&r);
+        if patches {
+            // Planners have patches at some headings only.
+            let headings: [[f32; 2]; LANES] = std::array::from_fn(|l| heading(heading_of(cos[l], sin[l])));
+            let (cos, sin) = (headings.map(|h| h[0]), headings.map(|h| h[1]));
+            terrain.patch([&px, &py], [&cos, &sin], &mut patch);
+            for l in 0..LANES {
+                for (k, values) in patch.iter().enumerate() {
+                    all[(first + l) * PATCH + k] = values[l];
+                }
+            }
+        }
+    }
+    let patches = patches.then(|| Tensor::from_vec(all, (n, PATCH), &Device::Cpu)).transpose()?;
+    Ok(([column(bank)?, column(rise)?], patches))
+}
+
+impl Motion {
+    /// A model of a vehicle that corrects nothing yet.
+    ///
+    /// # Errors
+    /// Returns an error if there is no memory.
+    pub fn new(vehicle: &Vehicle, seed: u64) -> Result<Self> {
+        let units = Units::of(vehicle);
+        Ok(Self {
+            ground: Dense::new("ground", &[PATCH, GROUND, CHANNELS], seed)?,
+            motion: Dense::new("motion", &[INPUTS, MOTION, MOTION, OUTPUTS], seed)?,
+            units,
+            curvature: 1.0 / vehicle.min_turn_radius,
+            steer_rate: vehicle.max_steer_rate,
+            // Of steps at the vehicle's own scale.
+            dt: f64::from(DT) * f64::from(units.rate),
+        })
+    }
+
+    /// The state at the start of windows.
+    ///
+    /// # Errors
+    /// Returns an error if there is no memory.
+    pub fn start(windows: &[&Window]) -> Result<State> {
+        let fields: [fn(&Point) -> f32; 9] = [
+            |p| p.x,
+            |p| p.y,
+            |p| p.yaw,
+            |p| p.speed,
+            |p| p.side,
+            |p| p.turn,
+            |p| p.steering,
+            |p| p.roll,
+            |p| p.pitch,
+        ];
+        let values = fields.map(|f| column(windows.iter().map(|w| f(&w.points[0])).collect()));
+        Ok(State { values: all(values)? })
+    }
+
+    /// Moves the windows' vehicles on by a step; without `learned`, as a bicycle on the plane.
+    ///
+    /// # Errors
+    /// Returns an error if there is no memory.
+    pub fn step(&self, data: &Data, windows: &[&Window], s: &State, index: usize, learned: bool) -> Result<State> {
+        let [x, y, yaw, speed, side, turn, steering, roll, pitch] = &s.values;
+        let command = |c: usize| column(windows.iter().map(|w| w.points[index].command[c]).collect());
+        let (steer, pace) = (command(0)?, command(1)?);
+        let ([bank, rise], patches) = ground(data, windows, [x, y, yaw], learned)?;
+        let (per_speed, per_rate) = (f64::from(self.units.speed), f64::from(self.units.rate));
+        let out = match patches {
+            Some(patches) => {
+                let parts = [
+                    (speed * (0.25 * per_speed))?,
+                    (side * per_speed)?,
+                    (turn * (2.0 * per_rate))?,
+                    (roll * 3.0)?,
+                    (pitch * 3.0)?,
+                    (&bank * 3.0)?,
+                    (&rise * 3.0)?,
+                    steering.clone(),
+                    steer.clone(),
+                    (&pace * (0.25 * per_speed))?,
+                    self.ground.forward(&patches)?,
+                ];
+                self.motion.forward(&Tensor::cat(&parts, 1)?)?
+            }
+            None => Tensor::zeros((windows.len(), OUTPUTS), candle_core::DType::F32, &Device::Cpu)?,
+        };
+        let correction = |k: usize| out.narrow(1, k, 1)? * f64::from(SCALES[k]);
+        let dt = self.dt;
+        let most = self.steer_rate * dt;
+        let steering = (steering + (&steer - steering)?.clamp(-most, most)?)?;
+        // Lag of 0.5 s and 3 m/s² of change at most, as in the planners.
+        let gain = f64::from(DT) / 0.5;
+        let own = ((&pace - speed)? * gain)?.clamp(-3.0 * dt, 3.0 * dt)?;
+        let next = ((speed + own)? + (correction(0)? / per_speed)?)?;
+        let way = ((speed + &next)? * (0.5 * dt))?;
+        let turn = ((&next * self.curvature)? * &steering)?.add(&(correction(1)? / per_rate)?)?;
+        let side = (correction(2)? / per_speed)?;
+        let level = ((rise.sqr()? * -0.5)? + 1.0)?;
+        let way = (way * level)?;
+        let middle = (yaw + (&turn * (0.5 * dt))?)?;
+        let (cos, sin) = (middle.cos()?, middle.sin()?);
+        let aside = (&side * dt)?;
+        let x = ((x + (&way * &cos)?)? - (&aside * &sin)?)?;
+        let y = ((y + (&way * &sin)?)? + (&aside * &cos)?)?;
+        let yaw = (yaw + (&turn * dt)?)?;
+        let ([bank, rise], _) = ground(data, windows, [&x, &y, &yaw], false)?;
+        let (roll, pitch) = ((bank + correction(3)?)?, (rise + correction(4)?)?);
+        Ok(State { values: [x, y, yaw, next, side, turn, steering, roll, pitch] })
+    }
+}
+
+fn all<const N: usize>(values: [Result<Tensor>; N]) -> Result<[Tensor; N]> {
+    let values = values.into_iter().collect::<Result<Vec<_>>>()?;
+    values.try_into().map_err(|_| candle_core::Error::Msg("another number of tensors".into()))
+}
+
+/// Where the windows' vehicles were at the end of a step: x, y, yaw, speed, side, turn, steering, roll, pitch.
+///
+/// # Errors
+/// Returns an error if there is no memory.
+pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 9]> {
+    let ended: Vec<Window> = windows
+        .iter()
+        .map(|w| Window { place: w.place, points: vec![w.points[index]], stands: w.stands })
+        .collect();
+    Ok(Motion::start(&ended.iter().collect::<Vec<_>>())?.values)
+}
