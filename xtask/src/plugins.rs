@@ -28,7 +28,11 @@ fn packages(root: &Path) -> Result<Vec<String>, Failure> {
         let folder = root.join(folder);
         let entries =
             std::fs::read_dir(&folder).map_err(|e| Failure::new(format!("{}: {e}", folder.display())))?;
-        let crates = entries.flatten().filter(|e| e.path().join("Cargo.toml").is_file());
+        // What planners share is a library and no plugin.
+        let is_plugin = |folder: &Path| {
+            std::fs::read_to_string(folder.join("Cargo.toml")).is_ok_and(|text| text.contains("\"cdylib\""))
+        };
+        let crates = entries.flatten().filter(|e| is_plugin(&e.path()));
         names.extend(crates.map(|e| e.file_name().to_string_lossy().into_owned()));
     }
     names.sort();

@@ -18,6 +18,10 @@ pub const INPUTS: usize = 10 + CHANNELS;
 pub const OUTPUTS: usize = 5;
 /// Units of the outputs: m/s, rad/s, m/s, rad, rad at full scale.
 pub const SCALES: [f32; OUTPUTS] = [0.5, 0.3, 0.5, 0.1, 0.1];
+/// Outputs of the network of hazards: the logits of getting stuck and of tipping over within [`SOON`].
+pub const HAZARDS: usize = 2;
+/// The time within which hazards are foreseen, at full scale, s.
+pub const SOON: f32 = 1.5;
 /// The wheelbase that is full scale, m: that of the HMMWV.
 const FULL: f64 = 3.302;
 
@@ -62,6 +66,10 @@ pub struct State {
     pub roll: Lanes,
     /// Pitches, rad, positive with the nose down.
     pub pitch: Lanes,
+    /// Probabilities of getting stuck within [`SOON`].
+    pub stuck: Lanes,
+    /// Probabilities of tipping over within [`SOON`].
+    pub over: Lanes,
 }
 
 impl State {
@@ -84,6 +92,8 @@ impl State {
             steering: all(o.steering),
             roll: all(p.roll),
             pitch: all(p.pitch),
+            stuck: all(0.0),
+            over: all(0.0),
         })
     }
 }
@@ -94,6 +104,7 @@ pub struct Kinodynamics {
     terrain: Terrain,
     table: Table,
     network: Network,
+    hazards: Network,
     units: Units,
     /// Of the path at full lock, 1/m.
     curvature: f32,
@@ -107,13 +118,15 @@ const LAG: f32 = 0.5;
 const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
-    /// The model of a vehicle on a terrain, with a network of [`INPUTS`] inputs and [`OUTPUTS`] outputs.
+    /// The model of a vehicle on a terrain, with networks of [`INPUTS`] inputs: of motion with [`OUTPUTS`] outputs and of hazards with
+    /// [`HAZARDS`].
     #[must_use]
-    pub fn new(terrain: Terrain, table: Table, network: Network, vehicle: &Vehicle) -> Self {
+    pub fn new(terrain: Terrain, table: Table, [network, hazards]: [Network; 2], vehicle: &Vehicle) -> Self {
         Self {
             terrain,
             table,
             network,
+            hazards,
             units: Units::of(vehicle),
             curvature: (1.0 / vehicle.min_turn_radius) as f32,
             steer_rate: vehicle.max_steer_rate as f32,
@@ -146,6 +159,14 @@ pub fn inputs(s: &State, [_, bank, rise]: &[Lanes; 3], command: &[Lanes; 2], uni
     ]
 }
 
+/// The logistic function, within 0.012: by Lambert's fraction for tanh, without an exponential.
+#[must_use]
+pub fn probability(logit: f32) -> f32 {
+    let t = (0.5 * logit).clamp(-3.0, 3.0);
+    let square = t * t;
+    0.5 + 0.5 * t * (27.0 + square) / (27.0 + 9.0 * square)
+}
+
 impl Model<2> for Kinodynamics {
     type State = State;
 
@@ -158,7 +179,10 @@ impl Model<2> for Kinodynamics {
         self.table.at([&s.x, &s.y], [&s.cos, &s.sin], &mut ground);
         input[10..].copy_from_slice(&ground);
         let mut out = [[0.0; LANES]; OUTPUTS];
+        let mut ahead = [[0.0; LANES]; HAZARDS];
         self.network.run(&input, &mut out, &mut self.scratch.borrow_mut());
+        self.hazards.run(&input, &mut ahead, &mut self.scratch.borrow_mut());
+        (s.stuck, s.over) = (ahead[0].map(probability), ahead[1].map(probability));
         // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
         let part = dt * units.rate_inverse() / DT;
         let most = self.steer_rate * dt;
@@ -199,5 +223,20 @@ impl Units {
     #[must_use]
     pub fn rate_inverse(self) -> f32 {
         1.0 / self.rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_are_those_of_the_logistic_function() {
+        for k in -100..=100 {
+            let logit = 0.1 * k as f32;
+            let exact = 1.0 / (1.0 + (-f64::from(logit)).exp());
+            assert!((f64::from(probability(logit)) - exact).abs() < 0.012, "{logit}");
+        }
+        assert!(probability(f32::NAN).is_nan());
     }
 }

@@ -5,14 +5,19 @@
 //!   so that roll-outs only look up.
 //! - [`Kinodynamics`] moves the vehicle in six degrees of freedom: a bicycle on the plane through its wheels, and what a network
 //!   has learned that these two get wrong.
+//! - [`Objective`] is what a course costs.
 //!
 //! Lengths are measured in wheelbases and times by Froude's rule, so that a model serves a vehicle class at any scale.
 //! `tools/model-train` trains with the very functions that the planners roll out.
 
 mod kinodynamics;
+mod objective;
 mod table;
 mod terrain;
 
-pub use kinodynamics::{DT, INPUTS, Kinodynamics, OUTPUTS, SCALES, State, Units};
+pub use kinodynamics::{
+    DT, HAZARDS, INPUTS, Kinodynamics, OUTPUTS, SCALES, SOON, State, Units, probability,
+};
+pub use objective::{Objective, Weights};
 pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};
 pub use terrain::{CLASSES, PATCH, Terrain};

@@ -22,6 +22,12 @@ pub const STEPS: usize = 15;
 const SPACING: usize = 3;
 /// A vehicle that comes nearer to an obstacle than this, in lengths of its own, may touch it: obstacles are not in the model.
 const CLEAR: f64 = 0.55;
+/// Frames in which a vehicle that stands hardly moves: 2 s.
+const STAND: usize = 20;
+/// A vehicle moves if it is faster than this, in wheelbases a second.
+const MOVING: f32 = 0.12;
+/// A vehicle that tilts so far tips over, rad.
+const TIPS: f64 = 0.7;
 /// Beyond this tilt the vehicle is overturned and the model ends, rad.
 const TILT: f64 = 1.0;
 
@@ -61,6 +67,17 @@ pub struct Window {
     pub stands: bool,
 }
 
+/// A moment of driving, and what comes of it.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// The state, as a window without steps.
+    pub window: Window,
+    /// Whether the vehicle comes to a stand within [`hybrid::SOON`] although it is commanded to drive.
+    pub stuck: bool,
+    /// Whether it tips over within that time.
+    pub over: bool,
+}
+
 /// A world, with the ground as the model sees it.
 pub struct PlaceOf {
     /// The content hash of the world.
@@ -78,6 +95,8 @@ pub struct Data {
     pub places: Vec<PlaceOf>,
     /// The windows, world by world in no order that matters.
     pub windows: Vec<Window>,
+    /// Moments in which the vehicle moves.
+    pub moments: Vec<Moment>,
     /// The hashes of the datasets.
     pub hashes: Vec<String>,
 }
@@ -152,6 +171,7 @@ impl Data {
                 command: [action[0] as f32, speed[0] as f32],
             });
         }
+        self.watch(&points, &fit, place, vehicle);
         for first in (0..points.len()).step_by(SPACING) {
             let last = first + STEPS * STRIDE;
             if last >= points.len() {
@@ -164,6 +184,28 @@ impl Data {
             let (a, b) = (own[0], own[STEPS]);
             let stands = (a.x - b.x).hypot(a.y - b.y) < 0.15 * vehicle.wheelbase as f32;
             self.windows.push(Window { place, points: own, stands });
+        }
+    }
+
+    /// Notes the moments of an episode in which the vehicle moves, and what comes of them.
+    fn watch(&mut self, points: &[Point], fit: &[bool], place: usize, vehicle: &Vehicle) {
+        let soon = (hybrid::SOON * HZ as f32) as usize;
+        let wheelbase = vehicle.wheelbase as f32;
+        let stands = |k: usize| {
+            let (a, b) = (points[k], points[(k + STAND).min(points.len() - 1)]);
+            k + STAND < points.len() && a.command[1] > 0.0 && (a.x - b.x).hypot(a.y - b.y) < 0.1 * wheelbase
+        };
+        let tips = |k: usize| f64::from(points[k].roll.abs().max(points[k].pitch.abs())) > TIPS;
+        for k in (0..points.len()).step_by(SPACING) {
+            let end = (k + soon).min(points.len());
+            // What comes must be known: to the end of the time, or the end of the episode by tipping over.
+            let over = (k..end).any(tips);
+            let known = over || end + STAND < points.len();
+            if !fit[k] || !known || points[k].speed < MOVING * wheelbase {
+                continue;
+            }
+            let window = Window { place, points: vec![points[k]], stands: false };
+            self.moments.push(Moment { window, stuck: (k..end).any(stands), over });
         }
     }
 }

@@ -7,9 +7,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use serde_json::json;
 use vb_model_train::TrainError;
-use vb_model_train::data::{Data, Window};
+use vb_model_train::data::{Data, Moment, Window};
 use vb_model_train::model::Motion;
-use vb_model_train::train::{Way, measure, train};
+use vb_model_train::train::{Way, foreseen, measure, train};
 use vb_sdk::nn::Weights;
 
 /// Train the model of motion of the hybrid planners on datasets of exploration
@@ -72,11 +72,12 @@ fn run(args: &Args) -> Result<(), TrainError> {
         data.read(dir, &vehicle)?;
     }
     // Every fifth world is held out, by its hash, so that it stays the same whatever else there is.
-    let held_out = |w: &&Window| u8::from_str_radix(&data.places[w.place].hash[..2], 16).unwrap_or(0) % 5 == 0;
-    let (test, own): (Vec<&Window>, Vec<&Window>) = data.windows.iter().partition(held_out);
+    let held_out = |w: &Window| u8::from_str_radix(&data.places[w.place].hash[..2], 16).unwrap_or(0) % 5 == 0;
+    let (test, own): (Vec<&Window>, Vec<&Window>) = data.windows.iter().partition(|w| held_out(w));
+    let (unseen, watched): (Vec<&Moment>, Vec<&Moment>) = data.moments.iter().partition(|m| held_out(&m.window));
     note(&format!("{} windows in {} worlds; {} windows are held out", own.len(), data.places.len(), test.len()));
     let model = Motion::new(&vehicle, args.seed)?;
-    train(&model, &data, &own, args.steps, args.seed, |step, loss| note(&format!("step {step}: loss {loss:.4}")))?;
+    train(&model, &data, (&own, &watched), args.steps, args.seed, |step, loss| note(&format!("step {step}: loss {loss:.4}")))?;
     let kinds = ["all", "rigid", "deformable", "mixed"];
     let mut card = serde_json::Map::new();
     for kind in kinds {
@@ -107,6 +108,13 @@ fn run(args: &Args) -> Result<(), TrainError> {
         }
         card.insert(kind.into(), own.into());
     }
+    let hazards = foreseen(&model, &data, &unseen)?;
+    for (name, h) in ["stuck", "over"].iter().zip(&hazards) {
+        note(&format!("{name}: comes after {:.2} % of moments, AUC {:.3}", 100.0 * h.rate, h.auc));
+        for (p, c, n) in &h.calibration {
+            note(&format!("  foreseen {p:.3}, came {c:.3} ({n})"));
+        }
+    }
     let notes = [
         ("vehicle", vehicle.name.clone()),
         ("datasets", data.hashes.join(" ")),
@@ -115,7 +123,7 @@ fn run(args: &Args) -> Result<(), TrainError> {
     ];
     let weights = Weights {
         notes: notes.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
-        layers: [model.ground.layers()?, model.motion.layers()?].concat(),
+        layers: [model.ground.layers()?, model.motion.layers()?, model.hazards.layers()?].concat(),
     };
     let bytes = weights.bytes();
     let write = |path: &PathBuf, bytes: &[u8]| {
@@ -131,6 +139,7 @@ fn run(args: &Args) -> Result<(), TrainError> {
         "windows": own.len(),
         "windows_held_out": test.len(),
         "errors_in_worlds_held_out": card,
+        "hazards_in_worlds_held_out": {"stuck": hazards[0], "over": hazards[1]},
     });
     let text = serde_json::to_string_pretty(&card).unwrap_or_default() + "\n";
     write(&args.out.with_extension("json"), text.as_bytes())?;

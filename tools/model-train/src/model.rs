@@ -14,6 +14,8 @@ pub struct Motion {
     pub ground: Dense,
     /// From state, commands and ground to corrections.
     pub motion: Dense,
+    /// From the same to the logits of getting stuck and of tipping over.
+    pub hazards: Dense,
     units: Units,
     curvature: f64,
     steer_rate: f64,
@@ -23,6 +25,7 @@ pub struct Motion {
 /// Hidden values of the networks.
 const GROUND: usize = 24;
 const MOTION: usize = 24;
+const HAZARD: usize = 16;
 
 /// The state of many windows, one number each.
 pub struct State {
@@ -81,6 +84,7 @@ impl Motion {
         Ok(Self {
             ground: Dense::new("ground", &[PATCH, GROUND, CHANNELS], seed)?,
             motion: Dense::new("motion", &[INPUTS, MOTION, MOTION, OUTPUTS], seed)?,
+            hazards: Dense::new("hazards", &[INPUTS, HAZARD, hybrid::HAZARDS], seed)?,
             units,
             curvature: 1.0 / vehicle.min_turn_radius,
             steer_rate: vehicle.max_steer_rate,
@@ -109,32 +113,53 @@ impl Motion {
         Ok(State { values: all(values)? })
     }
 
+    /// What the networks are told: the state, the plane and the commands, and the ground.
+    fn inputs(&self, s: &State, [bank, rise, steer, pace]: [Tensor; 4], patches: &Tensor) -> Result<Tensor> {
+        let [_, _, _, speed, side, turn, steering, roll, pitch] = &s.values;
+        let (per_speed, per_rate) = (f64::from(self.units.speed), f64::from(self.units.rate));
+        let parts = [
+            (speed * (0.25 * per_speed))?,
+            (side * per_speed)?,
+            (turn * (2.0 * per_rate))?,
+            (roll * 3.0)?,
+            (pitch * 3.0)?,
+            (bank * 3.0)?,
+            (rise * 3.0)?,
+            steering.clone(),
+            steer,
+            (pace * (0.25 * per_speed))?,
+            self.ground.forward(patches)?,
+        ];
+        Tensor::cat(&parts, 1)
+    }
+
+    /// The logits of the hazards at the start of windows.
+    ///
+    /// # Errors
+    /// Returns an error if there is no memory.
+    pub fn foresee(&self, data: &Data, windows: &[&Window]) -> Result<Tensor> {
+        let s = Self::start(windows)?;
+        let command = |c: usize| column(windows.iter().map(|w| w.points[0].command[c]).collect());
+        let [x, y, yaw, ..] = &s.values;
+        let ([bank, rise], patches) = ground(data, windows, [x, y, yaw], true)?;
+        let patches = patches.ok_or_else(|| candle_core::Error::Msg("no patches".into()))?;
+        self.hazards.forward(&self.inputs(&s, [bank, rise, command(0)?, command(1)?], &patches)?)
+    }
+
     /// Moves the windows' vehicles on by a step; without `learned`, as a bicycle on the plane.
     ///
     /// # Errors
     /// Returns an error if there is no memory.
     pub fn step(&self, data: &Data, windows: &[&Window], s: &State, index: usize, learned: bool) -> Result<State> {
-        let [x, y, yaw, speed, side, turn, steering, roll, pitch] = &s.values;
+        let [x, y, yaw, speed, _, _, steering, _, _] = &s.values;
         let command = |c: usize| column(windows.iter().map(|w| w.points[index].command[c]).collect());
         let (steer, pace) = (command(0)?, command(1)?);
         let ([bank, rise], patches) = ground(data, windows, [x, y, yaw], learned)?;
         let (per_speed, per_rate) = (f64::from(self.units.speed), f64::from(self.units.rate));
         let out = match patches {
             Some(patches) => {
-                let parts = [
-                    (speed * (0.25 * per_speed))?,
-                    (side * per_speed)?,
-                    (turn * (2.0 * per_rate))?,
-                    (roll * 3.0)?,
-                    (pitch * 3.0)?,
-                    (&bank * 3.0)?,
-                    (&rise * 3.0)?,
-                    steering.clone(),
-                    steer.clone(),
-                    (&pace * (0.25 * per_speed))?,
-                    self.ground.forward(&patches)?,
-                ];
-                self.motion.forward(&Tensor::cat(&parts, 1)?)?
+                let own = [bank.clone(), rise.clone(), steer.clone(), pace.clone()];
+                self.motion.forward(&self.inputs(s, own, &patches)?)?
             }
             None => Tensor::zeros((windows.len(), OUTPUTS), candle_core::DType::F32, &Device::Cpu)?,
         };

@@ -1,0 +1,104 @@
+//! What a course costs.
+
+use vb_sdk::mppi::{Cost, Field, LANES, Lanes};
+
+use crate::kinodynamics::State;
+
+/// A touch costs so many times the greatest price of being near.
+const TOUCH: f32 = 10.0;
+
+/// Weights of the parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of the squared distance from the local goal, in look-aheads: as a mean over the steps, and as much again for the end.
+    pub goal: f32,
+    /// Of obstacles and edges.
+    pub obstacle: f32,
+    /// Of the squared deviation from the target speed, as a fraction of it.
+    pub pace: f32,
+    /// Of the squared steering.
+    pub effort: f32,
+    /// Of roll and pitch beyond what is comfortable.
+    pub tilt: f32,
+    /// Of the probability of getting stuck.
+    pub stuck: f32,
+    /// Of the probability of tipping over.
+    pub over: f32,
+}
+
+/// The cost of a course, as means over its steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Objective {
+    /// The local goal, m.
+    pub goal: [f32; 2],
+    /// 1 / look-ahead, 1/m.
+    pub per_lookahead: f32,
+    /// The target speed, m/s.
+    pub target: f32,
+    /// Steps of a course.
+    pub steps: f32,
+    /// Weights of the parts.
+    pub weights: Weights,
+    /// Distance of an axle from the reference point, m.
+    pub axle: f32,
+    /// Radius of the circles about the axles that cover the vehicle's width, m.
+    pub radius: f32,
+    /// How far beyond the circles nearness counts, m.
+    pub margin: f32,
+    /// Roll and pitch up to which nothing is paid, rad; as much again costs one weight.
+    pub comfort: [f32; 2],
+    /// Distance to obstacles and edges, m.
+    pub clearance: Field,
+}
+
+impl Objective {
+    /// Squared distance from the local goal, in look-aheads.
+    fn away(&self, s: &State) -> Lanes {
+        std::array::from_fn(|l| {
+            let (dx, dy) = (s.x[l] - self.goal[0], s.y[l] - self.goal[1]);
+            (dx * dx + dy * dy) * self.per_lookahead * self.per_lookahead
+        })
+    }
+
+    /// Price of a circle at `axle` ahead of the reference point.
+    fn near(&self, s: &State, axle: f32) -> Lanes {
+        let x: Lanes = std::array::from_fn(|l| s.x[l] + axle * s.cos[l]);
+        let y: Lanes = std::array::from_fn(|l| s.y[l] + axle * s.sin[l]);
+        let clearance = self.clearance.at(&x, &y);
+        std::array::from_fn(|l| {
+            let gap = clearance[l] - self.radius;
+            let near = (1.0 - gap / self.margin).clamp(0.0, 1.0);
+            near * near + if gap < 0.0 { TOUCH } else { 0.0 }
+        })
+    }
+}
+
+/// The square of what lies beyond a limit, in limits.
+fn beyond(value: f32, limit: f32) -> f32 {
+    let over = (value.abs() / limit - 1.0).max(0.0);
+    over * over
+}
+
+impl Cost<State, 2> for Objective {
+    fn running(&self, s: &State, [steering, _]: &[Lanes; 2], _: usize) -> Lanes {
+        let w = self.weights;
+        let (away, front, rear) = (self.away(s), self.near(s, self.axle), self.near(s, -self.axle));
+        std::array::from_fn(|l| {
+            let pace = s.speed[l] / self.target - 1.0;
+            let tilt = beyond(s.roll[l], self.comfort[0]) + beyond(s.pitch[l], self.comfort[1]);
+            let cost = w.goal * away[l]
+                + w.obstacle * (front[l] + rear[l])
+                + w.pace * pace * pace
+                + w.effort * steering[l] * steering[l]
+                + w.tilt * tilt
+                + w.stuck * s.stuck[l]
+                + w.over * s.over[l];
+            cost / self.steps
+        })
+    }
+
+    fn terminal(&self, s: &State) -> Lanes {
+        let away = self.away(s);
+        std::array::from_fn::<f32, LANES, _>(|l| self.weights.goal * away[l])
+    }
+}
