@@ -4,6 +4,7 @@ mod compare;
 mod convergence;
 mod examples;
 mod fuzz;
+mod models;
 mod plugins;
 mod prove;
 mod run;
@@ -33,6 +34,7 @@ Tasks:
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
   prove SUITE           Let the expert drive the tasks of a suite, and write who did which as its proof.json
+  models                Explore training worlds, and train the models of the hybrid planners again
   tune eh|mppi          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["abi"] => abi(),
+        ["models"] => models::models(),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),

@@ -99,6 +99,19 @@ impl Dataset {
         crate::writer::hash_file(&self.dir.join(SUMS))
     }
 
+    /// The hash of the frames alone, which is the same whatever version of the harness made them: the SHA-256 of the lines of
+    /// `SHA256SUMS` that are of data files.
+    ///
+    /// # Errors
+    /// Returns an error if that file can't be read.
+    pub fn frames_hash(&self) -> Result<String, DatasetError> {
+        let path = self.dir.join(SUMS);
+        let text = vb_files::read_text(&path, vb_files::DOCUMENT).map_err(DatasetError::io("read", &path))?;
+        let lines: String =
+            text.lines().filter(|l| l.contains("  data/")).map(|l| format!("{l}\n")).collect();
+        Ok(vb_files::sha256(lines.as_bytes()))
+    }
+
     /// The number of frames.
     #[must_use]
     pub fn frames(&self) -> usize {

@@ -98,9 +98,21 @@ impl State {
     }
 }
 
+/// What of the networks' say is heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Learned {
+    /// Everything.
+    All,
+    /// Roll and pitch: place and heading are those of a bicycle, and hazards aren't foreseen.
+    Attitude,
+    /// Nothing: a bicycle on the plane through its wheels.
+    Nothing,
+}
+
 /// A bicycle on the plane through its wheels, corrected by a network.
 #[derive(Clone, Debug)]
 pub struct Kinodynamics {
+    learned: Learned,
     terrain: Terrain,
     table: Table,
     network: Network,
@@ -113,16 +125,50 @@ pub struct Kinodynamics {
     scratch: RefCell<Scratch>,
 }
 
+/// The logit of what surely doesn't come.
+const CERTAIN: f32 = -6.0;
 /// The time constant with which the speed follows its command, s, and the most that it changes by, m/s², both at full scale.
 const LAG: f32 = 0.5;
 const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
+    /// What the networks say: corrections, and logits of hazards.
+    fn ask(
+        &self,
+        s: &State,
+        plane: &[Lanes; 3],
+        command: &[Lanes; 2],
+    ) -> ([Lanes; OUTPUTS], [Lanes; HAZARDS]) {
+        let mut input = [[0.0; LANES]; INPUTS];
+        input[..10].copy_from_slice(&inputs(s, plane, command, self.units));
+        let mut ground = [[0.0; LANES]; CHANNELS];
+        self.table.at([&s.x, &s.y], [&s.cos, &s.sin], &mut ground);
+        input[10..].copy_from_slice(&ground);
+        let (mut out, mut ahead) = ([[0.0; LANES]; OUTPUTS], [[CERTAIN; LANES]; HAZARDS]);
+        let scratch = &mut self.scratch.borrow_mut();
+        if self.learned != Learned::Nothing {
+            self.network.run(&input, &mut out, scratch);
+        }
+        match self.learned {
+            Learned::All => self.hazards.run(&input, &mut ahead, scratch),
+            Learned::Attitude => out[..3].fill([0.0; LANES]),
+            Learned::Nothing => {}
+        }
+        (out, ahead)
+    }
+
     /// The model of a vehicle on a terrain, with networks of [`INPUTS`] inputs: of motion with [`OUTPUTS`] outputs and of hazards with
     /// [`HAZARDS`].
     #[must_use]
-    pub fn new(terrain: Terrain, table: Table, [network, hazards]: [Network; 2], vehicle: &Vehicle) -> Self {
+    pub fn new(
+        terrain: Terrain,
+        table: Table,
+        [network, hazards]: [Network; 2],
+        vehicle: &Vehicle,
+        learned: Learned,
+    ) -> Self {
         Self {
+            learned,
             terrain,
             table,
             network,
@@ -132,6 +178,32 @@ impl Kinodynamics {
             steer_rate: vehicle.max_steer_rate as f32,
             scratch: RefCell::default(),
         }
+    }
+
+    /// What comes of driving straight on at a speed, at these places in a direction: the probabilities of getting stuck and of tipping
+    /// over, and the fraction of its speed that the vehicle would lose in a second (none if it gets faster).
+    #[must_use]
+    pub fn hazards_at(&self, place: [&Lanes; 2], [cos, sin]: [f32; 2], speed: f32) -> [Lanes; 3] {
+        let (cos, sin) = ([cos; LANES], [sin; LANES]);
+        let plane = self.terrain.plane(place, [&cos, &sin]);
+        let zero = [0.0; LANES];
+        let s = State {
+            x: *place[0],
+            y: *place[1],
+            cos,
+            sin,
+            speed: [speed; LANES],
+            side: zero,
+            turn: zero,
+            steering: zero,
+            roll: plane[1],
+            pitch: plane[2],
+            stuck: zero,
+            over: zero,
+        };
+        let (out, ahead) = self.ask(&s, &plane, &[zero, [speed; LANES]]);
+        let per_second = SCALES[0] / (DT * self.units.speed * speed);
+        [ahead[0].map(probability), ahead[1].map(probability), out[0].map(|o| (-o * per_second).max(0.0))]
     }
 
     /// The terrain that it drives on.
@@ -173,15 +245,7 @@ impl Model<2> for Kinodynamics {
     fn step(&self, s: &mut State, command: &[Lanes; 2], dt: f32) {
         let units = self.units;
         let plane = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
-        let mut input = [[0.0; LANES]; INPUTS];
-        input[..10].copy_from_slice(&inputs(s, &plane, command, units));
-        let mut ground = [[0.0; LANES]; CHANNELS];
-        self.table.at([&s.x, &s.y], [&s.cos, &s.sin], &mut ground);
-        input[10..].copy_from_slice(&ground);
-        let mut out = [[0.0; LANES]; OUTPUTS];
-        let mut ahead = [[0.0; LANES]; HAZARDS];
-        self.network.run(&input, &mut out, &mut self.scratch.borrow_mut());
-        self.hazards.run(&input, &mut ahead, &mut self.scratch.borrow_mut());
+        let (out, ahead) = self.ask(s, &plane, command);
         (s.stuck, s.over) = (ahead[0].map(probability), ahead[1].map(probability));
         // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
         let part = dt * units.rate_inverse() / DT;

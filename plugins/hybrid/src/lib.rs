@@ -12,12 +12,16 @@
 
 mod kinodynamics;
 mod objective;
+mod planner;
 mod table;
 mod terrain;
+mod traversability;
 
 pub use kinodynamics::{
-    DT, HAZARDS, INPUTS, Kinodynamics, OUTPUTS, SCALES, SOON, State, Units, probability,
+    DT, HAZARDS, INPUTS, Kinodynamics, Learned, OUTPUTS, SCALES, SOON, State, Units, probability,
 };
 pub use objective::{Objective, Weights};
-pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};
+pub use planner::{Aim, Hybrid};
+pub use table::{CHANNELS, HEADINGS, Table, around, heading, heading_of};
 pub use terrain::{CLASSES, PATCH, Terrain};
+pub use traversability::{Prices, Values, costs};

@@ -3,6 +3,7 @@
 use vb_sdk::mppi::{Cost, Field, LANES, Lanes};
 
 use crate::kinodynamics::State;
+use crate::traversability::Values;
 
 /// A touch costs so many times the greatest price of being near.
 const TOUCH: f32 = 10.0;
@@ -49,11 +50,17 @@ pub struct Objective {
     pub comfort: [f32; 2],
     /// Distance to obstacles and edges, m.
     pub clearance: Field,
+    /// The cost of the way to the goal, which takes the place of the distance from the local goal.
+    pub values: Option<Values>,
 }
 
 impl Objective {
-    /// Squared distance from the local goal, in look-aheads.
+    /// Squared distance from the local goal, or the cost of the way to the goal, in look-aheads.
     fn away(&self, s: &State) -> Lanes {
+        if let Some(values) = &self.values {
+            let way = values.at([&s.x, &s.y], [&s.cos, &s.sin]);
+            return way.map(|v| v * self.per_lookahead);
+        }
         std::array::from_fn(|l| {
             let (dx, dy) = (s.x[l] - self.goal[0], s.y[l] - self.goal[1]);
             (dx * dx + dy * dy) * self.per_lookahead * self.per_lookahead

@@ -11,10 +11,10 @@ pub const CHANNELS: usize = 8;
 /// Headings of the table.
 pub const HEADINGS: usize = 16;
 
-/// The heading of the table that is nearest to a direction. Headings lie at equal distances along the square whose corners are the
-/// axes: nearly equal angles, without a trigonometric function.
+/// A direction as a number of headings, from 0 to [`HEADINGS`]. Headings lie at equal distances along the square whose corners are
+/// the axes: nearly equal angles, without a trigonometric function.
 #[must_use]
-pub fn heading_of(cos: f32, sin: f32) -> usize {
+pub fn around(cos: f32, sin: f32) -> f32 {
     let sum = (cos.abs() + sin.abs()).max(1e-6);
     let around = match (cos >= 0.0, sin >= 0.0) {
         (true, true) => sin / sum,
@@ -22,8 +22,14 @@ pub fn heading_of(cos: f32, sin: f32) -> usize {
         (false, false) => 2.0 - sin / sum,
         (true, false) => 3.0 + cos / sum,
     };
+    around * (HEADINGS / 4) as f32
+}
+
+/// The heading of the table that is nearest to a direction.
+#[must_use]
+pub fn heading_of(cos: f32, sin: f32) -> usize {
     // What is no number becomes 0.
-    (around * (HEADINGS / 4) as f32 + 0.5) as usize % HEADINGS
+    (around(cos, sin) + 0.5) as usize % HEADINGS
 }
 
 /// The cosine and the sine of a heading of the table.

@@ -97,7 +97,7 @@ pub struct Data {
     pub windows: Vec<Window>,
     /// Moments in which the vehicle moves.
     pub moments: Vec<Moment>,
-    /// The hashes of the datasets.
+    /// The hashes of the datasets' frames.
     pub hashes: Vec<String>,
 }
 
@@ -114,7 +114,10 @@ impl Data {
             return Err(unfit("its worlds are those of a suite: nothing may be trained on it".into()));
         }
         if header.vehicle.name != vehicle.name {
-            return Err(unfit(format!("it is of the vehicle {}, and not of {}", header.vehicle.name, vehicle.name)));
+            return Err(unfit(format!(
+                "it is of the vehicle {}, and not of {}",
+                header.vehicle.name, vehicle.name
+            )));
         }
         if !header.layout.speed || header.hz != HZ {
             return Err(unfit(format!("it is no exploration with {HZ} frames a second")));
@@ -139,7 +142,7 @@ impl Data {
             let (place, world) = &known[id];
             self.cut(&dataset, &episode, *place, world, vehicle);
         }
-        self.hashes.push(dataset.hash()?);
+        self.hashes.push(dataset.frames_hash()?);
         Ok(())
     }
 

@@ -54,14 +54,15 @@ fn note(line: &str) {
 fn vehicle(args: &Args) -> Result<vb_sdk::Vehicle, TrainError> {
     let wrong = |e: &dyn std::fmt::Display| TrainError::Vehicle(format!("{}: {e}", args.vehicle.display()));
     let text = vb_files::read_text(&args.vehicle, vb_files::DOCUMENT).map_err(|e| wrong(&e))?;
-    let spec = vb_vehicle::VehicleSpec::parse(&text, &args.vehicle.display().to_string()).map_err(|e| wrong(&e))?;
+    let spec =
+        vb_vehicle::VehicleSpec::parse(&text, &args.vehicle.display().to_string()).map_err(|e| wrong(&e))?;
     let scale = spec.scale;
     let own = vb_runner::Vehicle { spec, hash: String::new() };
-    let soils =
-        vb_runner::Soils { set: vb_sim::SoilSet::default(), hash: String::new(), resolution: 0.1 };
+    let soils = vb_runner::Soils { set: vb_sim::SoilSet::default(), hash: String::new(), resolution: 0.1 };
     let rules = vb_score::Rules::resolve("exploration").map_err(|e| wrong(&e))?;
     let oracle = vb_sense::Profile::oracle();
-    let setting = vb_runner::Setting::new(&own, &soils, &rules, &oracle, 0.001, scale, 0).map_err(|e| wrong(&e))?;
+    let setting =
+        vb_runner::Setting::new(&own, &soils, &rules, &oracle, 0.001, scale, 0).map_err(|e| wrong(&e))?;
     Ok(setting.vehicle)
 }
 
@@ -74,10 +75,18 @@ fn run(args: &Args) -> Result<(), TrainError> {
     // Every fifth world is held out, by its hash, so that it stays the same whatever else there is.
     let held_out = |w: &Window| u8::from_str_radix(&data.places[w.place].hash[..2], 16).unwrap_or(0) % 5 == 0;
     let (test, own): (Vec<&Window>, Vec<&Window>) = data.windows.iter().partition(|w| held_out(w));
-    let (unseen, watched): (Vec<&Moment>, Vec<&Moment>) = data.moments.iter().partition(|m| held_out(&m.window));
-    note(&format!("{} windows in {} worlds; {} windows are held out", own.len(), data.places.len(), test.len()));
+    let (unseen, watched): (Vec<&Moment>, Vec<&Moment>) =
+        data.moments.iter().partition(|m| held_out(&m.window));
+    note(&format!(
+        "{} windows in {} worlds; {} windows are held out",
+        own.len(),
+        data.places.len(),
+        test.len()
+    ));
     let model = Motion::new(&vehicle, args.seed)?;
-    train(&model, &data, (&own, &watched), args.steps, args.seed, |step, loss| note(&format!("step {step}: loss {loss:.4}")))?;
+    train(&model, &data, (&own, &watched), args.steps, args.seed, |step, loss| {
+        note(&format!("step {step}: loss {loss:.4}"))
+    })?;
     let kinds = ["all", "rigid", "deformable", "mixed"];
     let mut card = serde_json::Map::new();
     for kind in kinds {
@@ -89,7 +98,11 @@ fn run(args: &Args) -> Result<(), TrainError> {
         if part.is_empty() {
             continue;
         }
-        let ways = [("constant velocity", Way::Constant), ("bicycle and plane", Way::Bicycle), ("learned", Way::Learned)];
+        let ways = [
+            ("constant velocity", Way::Constant),
+            ("bicycle and plane", Way::Bicycle),
+            ("learned", Way::Learned),
+        ];
         let mut own = serde_json::Map::new();
         for (name, way) in ways {
             let errors = measure(&model, &data, &part, way)?;
@@ -117,7 +130,7 @@ fn run(args: &Args) -> Result<(), TrainError> {
     }
     let notes = [
         ("vehicle", vehicle.name.clone()),
-        ("datasets", data.hashes.join(" ")),
+        ("frames", data.hashes.join(" ")),
         ("seed", args.seed.to_string()),
         ("steps", args.steps.to_string()),
     ];
@@ -133,7 +146,7 @@ fn run(args: &Args) -> Result<(), TrainError> {
     let card = json!({
         "weights_sha256": vb_files::sha256(&bytes),
         "vehicle": vehicle.name,
-        "datasets": data.hashes,
+        "frames_sha256": data.hashes,
         "seed": args.seed,
         "steps": args.steps,
         "windows": own.len(),

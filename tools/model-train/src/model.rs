@@ -43,7 +43,12 @@ fn numbers(t: &Tensor) -> Result<Vec<f32>> {
 }
 
 /// The plane under the vehicles, and the patches where they are wanted: computed eight at a time, each eight in one world.
-fn ground(data: &Data, windows: &[&Window], at: [&Tensor; 3], patches: bool) -> Result<([Tensor; 2], Option<Tensor>)> {
+fn ground(
+    data: &Data,
+    windows: &[&Window],
+    at: [&Tensor; 3],
+    patches: bool,
+) -> Result<([Tensor; 2], Option<Tensor>)> {
     let [x, y, yaw] = [numbers(at[0])?, numbers(at[1])?, numbers(at[2])?];
     let n = windows.len();
     let (mut bank, mut rise) = (vec![0.0; n], vec![0.0; n]);
@@ -150,7 +155,14 @@ impl Motion {
     ///
     /// # Errors
     /// Returns an error if there is no memory.
-    pub fn step(&self, data: &Data, windows: &[&Window], s: &State, index: usize, learned: bool) -> Result<State> {
+    pub fn step(
+        &self,
+        data: &Data,
+        windows: &[&Window],
+        s: &State,
+        index: usize,
+        learned: bool,
+    ) -> Result<State> {
         let [x, y, yaw, speed, _, _, steering, _, _] = &s.values;
         let command = |c: usize| column(windows.iter().map(|w| w.points[index].command[c]).collect());
         let (steer, pace) = (command(0)?, command(1)?);
@@ -203,4 +215,95 @@ pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 9]> {
         .map(|w| Window { place: w.place, points: vec![w.points[index]], stands: w.stands })
         .collect();
     Ok(Motion::start(&ended.iter().collect::<Vec<_>>())?.values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::PlaceOf;
+    use hybrid::{Kinodynamics, Learned, Table, Terrain};
+    use vb_sdk::mppi::Model as _;
+    use vb_sdk::nn::{Network, Weights};
+    use vb_sdk::{GridFrame, Map};
+
+    const FRAME: GridFrame =
+        GridFrame { rows: 81, cols: 81, resolution: 1.0, origin_x: -40.0, origin_y: -40.0 };
+
+    fn vehicle() -> Vehicle {
+        Vehicle {
+            wheelbase: 3.302,
+            track: 1.8,
+            min_turn_radius: 5.2,
+            max_steer_rate: 1.5,
+            ..Vehicle::default()
+        }
+    }
+
+    /// A slope of gravel, whose patches are alike everywhere: what a table interpolates is then what the network gives.
+    fn terrain() -> Terrain {
+        let height = |k: usize| 0.08 * (k % 81) as f32 - 0.05 * (k / 81) as f32;
+        let heights = Map { frame: FRAME, data: (0..81 * 81).map(height).collect() };
+        let classes = Map { frame: FRAME, data: vec![4; 81 * 81] };
+        Terrain::new(&heights, Some(&classes), &vehicle()).unwrap()
+    }
+
+    #[test]
+    fn planners_roll_out_what_was_trained() {
+        let model = Motion::new(&vehicle(), 3).unwrap();
+        let mut points = vec![Point::default(); 16];
+        for (k, p) in points.iter_mut().enumerate() {
+            p.command = [0.6 * (0.4 * k as f32).sin(), 2.0 + 0.2 * k as f32];
+        }
+        points[0] = Point { x: 1.5, y: -2.0, yaw: 0.3, speed: 1.0, side: 0.1, turn: 0.05, ..points[0] };
+        let window = Window { place: 0, points, stands: false };
+        let windows = [&window; LANES];
+        let place = PlaceOf { hash: String::new(), kind: "rigid".into(), terrain: terrain() };
+        let data = Data { places: vec![place], ..Data::default() };
+
+        // Through the file, as planners have them.
+        let layers = [model.ground.layers(), model.motion.layers(), model.hazards.layers()];
+        let layers = layers.into_iter().collect::<Result<Vec<_>>>().unwrap().concat();
+        let weights = Weights::parse(&Weights { notes: Vec::new(), layers }.bytes()).unwrap();
+        let network = |name: &str, i, o| -> Network { weights.network(name, i, o).unwrap() };
+        let table = Table::new(FRAME, &terrain(), &network("ground", PATCH, CHANNELS));
+        let networks = [network("motion", INPUTS, OUTPUTS), network("hazards", INPUTS, hybrid::HAZARDS)];
+        let own = Kinodynamics::new(terrain(), table, networks, &vehicle(), Learned::All);
+
+        let p = window.points[0];
+        let all = |v: f32| [v; LANES];
+        let mut s = hybrid::State {
+            x: all(p.x),
+            y: all(p.y),
+            cos: all(p.yaw.cos()),
+            sin: all(p.yaw.sin()),
+            speed: all(p.speed),
+            side: all(p.side),
+            turn: all(p.turn),
+            steering: all(p.steering),
+            roll: all(p.roll),
+            pitch: all(p.pitch),
+            stuck: all(0.0),
+            over: all(0.0),
+        };
+        let mut state = Motion::start(&windows).unwrap();
+        let logits = model.foresee(&data, &windows).unwrap().to_vec2::<f32>().unwrap();
+        for k in 0..15 {
+            state = model.step(&data, &windows, &state, k, true).unwrap();
+            own.step(&mut s, &window.points[k].command.map(all), DT);
+            if k == 0 {
+                assert!((s.stuck[0] - hybrid::probability(logits[0][0])).abs() < 1e-3);
+                assert!((s.over[0] - hybrid::probability(logits[0][1])).abs() < 1e-3);
+            }
+            let trained = state.values.each_ref().map(|t| numbers(t).unwrap()[0]);
+            let yaw = s.sin[0].atan2(s.cos[0]);
+            let rolled =
+                [s.x[0], s.y[0], yaw, s.speed[0], s.side[0], s.turn[0], s.steering[0], s.roll[0], s.pitch[0]];
+            for (i, (a, b)) in trained.iter().zip(rolled).enumerate() {
+                // Planners turn headings by small angles' sines, which after 3 s is off by some millimetres.
+                assert!((a - b).abs() < 0.01, "value {i} after step {k}: trained {a}, rolled out {b}");
+            }
+        }
+        // It has gone somewhere, by a curve.
+        assert!((s.x[0] - 1.5).hypot(s.y[0] + 2.0) > 5.0 && s.cos[0] < 0.99);
+    }
 }

@@ -101,7 +101,8 @@ fn around(e: &Tensor, unit: f64) -> Result<Tensor> {
 fn foresight(model: &Motion, data: &Data, moments: &[&Moment]) -> Result<Tensor> {
     let windows: Vec<&Window> = moments.iter().map(|m| &m.window).collect();
     let logits = model.foresee(data, &windows)?;
-    let should: Vec<f32> = moments.iter().flat_map(|m| [m.stuck, m.over].map(|b| f32::from(u8::from(b)))).collect();
+    let should: Vec<f32> =
+        moments.iter().flat_map(|m| [m.stuck, m.over].map(|b| f32::from(u8::from(b)))).collect();
     let should = Tensor::from_vec(should, (moments.len(), 2), logits.device())?;
     // log(1 + exp(-|z|)) + max(z, 0) - z y.
     let soft = (((logits.abs()? * -1.0)?.exp()? + 1.0)?.log()? + logits.relu()?)?;
@@ -131,9 +132,17 @@ pub fn train(
         let part = step as f64 / steps as f64;
         // Up in the first hundredth, then down along a cosine.
         let warm = (part / 0.01).min(1.0);
-        optimiser.set_learning_rate(RATE * warm * (0.02 + 0.98 * 0.5 * (1.0 + vb_math::cos(std::f64::consts::PI * part))));
+        optimiser.set_learning_rate(
+            RATE * warm * (0.02 + 0.98 * 0.5 * (1.0 + vb_math::cos(std::f64::consts::PI * part))),
+        );
         // First a second, then all three.
-        let horizon = if part < 0.3 { 5 } else if part < 0.6 { 10 } else { STEPS };
+        let horizon = if part < 0.3 {
+            5
+        } else if part < 0.6 {
+            10
+        } else {
+            STEPS
+        };
         let batch = drawn.batch(GROUPS);
         let ahead = foresight(model, data, &watched.batch(GROUPS))?;
         let loss = (loss(model, data, &batch, horizon)? + (ahead * HAZARD)?)?;
@@ -186,8 +195,12 @@ pub fn measure(model: &Motion, data: &Data, windows: &[&Window], way: Way) -> Re
     let mut drawn = Drawn::new(windows, |w| (w.place, false), 0.0, 0);
     while count < MEASURED as f64 && !drawn.worlds.is_empty() {
         let batch = drawn.batch(64);
-        let batch: Vec<&Window> =
-            batch.chunks_exact(LANES).filter(|g| g.iter().all(|w| w.place == g[0].place)).flatten().copied().collect();
+        let batch: Vec<&Window> = batch
+            .chunks_exact(LANES)
+            .filter(|g| g.iter().all(|w| w.place == g[0].place))
+            .flatten()
+            .copied()
+            .collect();
         let mut state = Motion::start(&batch)?;
         for k in 0..STEPS {
             state = match way {

@@ -1,0 +1,240 @@
+//! Where the vehicle can go: what the networks make of every place and heading, and the cost of the way from there to the goal.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use vb_sdk::mppi::{Field, LANES, Lanes};
+use vb_sdk::{GridFrame, Point2};
+
+use crate::kinodynamics::Kinodynamics;
+use crate::table::{HEADINGS, heading};
+
+/// Moves on the grid, one a heading: (columns, rows).
+const MOVES: [(i32, i32); HEADINGS] = [
+    (1, 0),
+    (2, 1),
+    (1, 1),
+    (1, 2),
+    (0, 1),
+    (-1, 2),
+    (-1, 1),
+    (-2, 1),
+    (-1, 0),
+    (-2, -1),
+    (-1, -1),
+    (-1, -2),
+    (0, -1),
+    (1, -2),
+    (1, -1),
+    (2, -1),
+];
+/// What a turn by one heading costs beside its way, in nodes.
+const TURN: f32 = 0.5;
+
+/// What makes a way longer than it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prices {
+    /// Of a probability of one to get stuck, in lengths of the way.
+    pub stuck: f32,
+    /// Of a probability of one to tip over.
+    pub over: f32,
+    /// Of losing as much speed within a second as the target is.
+    pub slow: f32,
+    /// Of touching an obstacle.
+    pub obstacle: f32,
+}
+
+/// The cost of the way to the goal from every place and heading, in m of good ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// By heading, row and column.
+    values: Vec<f32>,
+    rows: usize,
+    cols: usize,
+    per_metre: f32,
+    origin: [f32; 2],
+}
+
+/// What a way over each place costs, by heading, row and column; 1 on good ground.
+#[must_use]
+pub fn costs(
+    frame: GridFrame,
+    model: &Kinodynamics,
+    clearance: &Field,
+    (radius, margin): (f32, f32),
+    target: f32,
+    prices: &Prices,
+) -> Vec<f32> {
+    let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+    let mut costs = vec![1.0; HEADINGS * rows * cols];
+    for h in 0..HEADINGS {
+        let [cos, sin] = heading(h);
+        for row in 0..rows {
+            for first in (0..cols).step_by(LANES) {
+                let at = |l: usize| frame.position(row as u32, (first + l).min(cols - 1) as u32);
+                let x: Lanes = std::array::from_fn(|l| at(l).0 as f32);
+                let y: Lanes = std::array::from_fn(|l| at(l).1 as f32);
+                let [stuck, over, slow] = model.hazards_at([&x, &y], [cos, sin], target);
+                let clear = clearance.at(&x, &y);
+                let own = &mut costs[(h * rows + row) * cols + first..][..LANES.min(cols - first)];
+                for (l, cost) in own.iter_mut().enumerate() {
+                    let near = (1.0 - (clear[l] - radius) / margin).clamp(0.0, 1.0);
+                    *cost += prices.stuck * stuck[l]
+                        + prices.over * over[l]
+                        + prices.slow * slow[l]
+                        + prices.obstacle * (0.1 * near * near + if clear[l] < radius { 1.0 } else { 0.0 });
+                }
+            }
+        }
+    }
+    costs
+}
+
+/// A node that waits: the least cost comes first, ties go to the smaller node.
+#[derive(PartialEq)]
+struct Open {
+    cost: f32,
+    node: usize,
+}
+
+impl Eq for Open {}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Values {
+    /// The costs of the ways to a goal (Dijkstra 1959, from the goal backwards) over these costs of places. The vehicle goes
+    /// straight on by a move, or on by one and by another in the next heading, which is an arc that a car can drive.
+    #[must_use]
+    pub fn new(frame: GridFrame, costs: &[f32], goal: Point2) -> Self {
+        let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+        let area = rows * cols;
+        let mut values = vec![f32::INFINITY; HEADINGS * area];
+        let (r, c) = frame.fractional(goal.x, goal.y);
+        let nearest = |v: f64, n: usize| ((v + 0.5).max(0.0) as usize).min(n - 1);
+        let at = nearest(r, rows) * cols + nearest(c, cols);
+        let mut open = BinaryHeap::new();
+        for h in 0..HEADINGS {
+            values[h * area + at] = 0.0;
+            open.push(Open { cost: 0.0, node: h * area + at });
+        }
+        // The place before a move in a heading, and the cost of the move.
+        let before = |cell: usize, h: usize| {
+            let (dc, dr) = MOVES[h];
+            let (row, col) = ((cell / cols) as i32 - dr, (cell % cols) as i32 - dc);
+            let inside = (0..rows as i32).contains(&row) && (0..cols as i32).contains(&col);
+            inside.then(|| {
+                let from = row as usize * cols + col as usize;
+                let length = ((dc * dc + dr * dr) as f32).sqrt();
+                (from, 0.5 * length * (costs[h * area + from] + costs[h * area + cell]))
+            })
+        };
+        while let Some(Open { cost, node }) = open.pop() {
+            if cost > values[node] {
+                continue;
+            }
+            let (h, cell) = (node / area, node % area);
+            let Some((from, way)) = before(cell, h) else { continue };
+            let mut reach = |node: usize, cost: f32| {
+                if cost < values[node] {
+                    values[node] = cost;
+                    open.push(Open { cost, node });
+                }
+            };
+            reach(h * area + from, cost + way);
+            for turn in [1, HEADINGS - 1] {
+                let earlier = (h + turn) % HEADINGS;
+                if let Some((first, more)) = before(from, earlier) {
+                    reach(earlier * area + first, cost + way + more + TURN);
+                }
+            }
+        }
+        let resolution = frame.resolution as f32;
+        let worst = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
+        // From where there is no way, it is worse than from anywhere else.
+        values.iter_mut().for_each(|v| *v = resolution * if v.is_finite() { *v } else { 1.1 * worst });
+        let origin = [frame.origin_x as f32, frame.origin_y as f32];
+        Self { values, rows, cols, per_metre: 1.0 / resolution, origin }
+    }
+
+    /// The costs at these places (m) and headings, interpolated between the nodes and the two headings about each.
+    #[must_use]
+    pub fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2]) -> Lanes {
+        std::array::from_fn(|l| {
+            let most = |n: usize| (n - 1) as f32;
+            let c = ((x[l] - self.origin[0]) * self.per_metre).clamp(0.0, most(self.cols));
+            let r = ((y[l] - self.origin[1]) * self.per_metre).clamp(0.0, most(self.rows));
+            let (col, row) = ((c as usize).min(self.cols - 2), (r as usize).min(self.rows - 2));
+            let (u, v) = (c - col as f32, r - row as f32);
+            let around = around(cos[l], sin[l]);
+            let lower = around as usize % HEADINGS;
+            let part = around - around.floor();
+            let plane = |h: usize| {
+                let i = (h * self.rows + row) * self.cols + col;
+                let (a, b) = (&self.values[i..i + 2], &self.values[i + self.cols..i + self.cols + 2]);
+                let (south, north) = (a[0] + u * (a[1] - a[0]), b[0] + u * (b[1] - b[0]));
+                south + v * (north - south)
+            };
+            let (a, b) = (plane(lower), plane((lower + 1) % HEADINGS));
+            a + part * (b - a)
+        })
+    }
+}
+
+/// A direction as a number of headings from 0 to [`HEADINGS`].
+fn around(cos: f32, sin: f32) -> f32 {
+    crate::table::around(cos, sin).clamp(0.0, HEADINGS as f32 - 1e-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: GridFrame =
+        GridFrame { rows: 41, cols: 41, resolution: 1.0, origin_x: -20.0, origin_y: -20.0 };
+
+    fn lanes(v: f32) -> Lanes {
+        [v; LANES]
+    }
+
+    #[test]
+    fn on_good_ground_the_way_is_as_long_as_it_is() {
+        let values = Values::new(FRAME, &vec![1.0; HEADINGS * 41 * 41], Point2 { x: 10.0, y: 0.0 });
+        let at = |x: f32, y: f32, cos: f32, sin: f32| {
+            values.at([&lanes(x), &lanes(y)], [&lanes(cos), &lanes(sin)])[0]
+        };
+        assert!((at(-10.0, 0.0, 1.0, 0.0) - 20.0).abs() < 1e-3);
+        assert!((at(-10.5, 0.0, 1.0, 0.0) - 20.5).abs() < 1e-3);
+        // Along the diagonal of the grid.
+        let half = 0.5_f32.sqrt();
+        assert!((at(0.0, -10.0, half, half) - 200_f32.sqrt()).abs() < 1e-2);
+        // Who looks away must turn round first.
+        assert!(at(-10.0, 0.0, -1.0, 0.0) > 28.0);
+    }
+
+    #[test]
+    fn a_way_leads_around_what_is_dear() {
+        // A wall from the south edge to y = 5 that is ten times as dear.
+        let mut costs = vec![1.0; HEADINGS * 41 * 41];
+        for (k, cost) in costs.iter_mut().enumerate() {
+            let (row, col) = (k / 41 % 41, k % 41);
+            if (20..=22).contains(&col) && row < 25 {
+                *cost = 10.0;
+            }
+        }
+        let values = Values::new(FRAME, &costs, Point2 { x: 12.0, y: 0.0 });
+        let at = |x: f32, y: f32| values.at([&lanes(x), &lanes(y)], [&lanes(1.0), &lanes(0.0)])[0];
+        // 22 m straight, of which 3 m cost ten times as much: 49; around the wall's end it is nearer.
+        let way = at(-10.0, 0.0);
+        assert!(way > 24.0 && way < 32.0, "{way}");
+    }
+}
