@@ -149,6 +149,13 @@ impl Hybrid {
     pub fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let start = State::of(o)?;
         let pose = o.pose()?;
+        let (p, v) = (pose.position, pose.linear_velocity);
+        let told = [p.x, p.y, pose.roll, pose.pitch, pose.yaw, v.x, v.y, pose.angular_velocity.z, o.steering];
+        if let Some(wrong) = told.iter().find(|value| !value.is_finite()) {
+            return Err(PlannerError::new(format!(
+                "the observation has the value {wrong}: nothing can be planned from it"
+            )));
+        }
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
         self.objective.goal = [goal.x as f32, goal.y as f32];
