@@ -12,6 +12,9 @@ use crate::figures::{Counts, Figures, QUANTITIES};
 
 const STYLE: &str = include_str!("page.css");
 
+/// What fills a section of the page.
+type Fill<'a> = fn(&Overview<'a>, &mut String);
+
 /// Episodes that show what there is: of each outcome and cause in turn the next one, up to so many.
 #[must_use]
 pub fn examples(dataset: &Dataset, wanted: usize) -> BTreeSet<usize> {
@@ -72,11 +75,11 @@ pub struct Overview<'a> {
     pub clips: &'a [Clip],
 }
 
-impl Overview<'_> {
+impl<'a> Overview<'a> {
     /// The page: one file that needs nothing else.
     #[must_use]
     pub fn html(&self) -> String {
-        let sections: [(&str, &str, fn(&Self, &mut String)); 5] = [
+        let sections: [(&str, &str, Fill<'a>); 5] = [
             ("outcomes", "Outcomes", Self::outcomes),
             ("distributions", "Distributions", Self::distributions),
             ("episodes", "Episodes", Self::episodes),

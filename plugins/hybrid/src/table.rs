@@ -116,9 +116,9 @@ mod tests {
         for h in 0..HEADINGS {
             let [cos, sin] = heading(h);
             assert_eq!(heading_of(cos, sin), h);
-            let angle = sin.atan2(cos).to_degrees().rem_euclid(360.0);
+            let angle = vb_sdk::math::atan2(f64::from(sin), f64::from(cos)).to_degrees().rem_euclid(360.0);
             // Within 5 degrees of equal angles.
-            assert!((angle - 22.5 * h as f32).abs() < 5.0, "{h}: {angle}");
+            assert!((angle - 22.5 * h as f64).abs() < 5.0, "{h}: {angle}");
         }
         assert_eq!(heading_of(f32::NAN, 0.0), heading_of(f32::NAN, 0.0));
         // A full turn: -1 degree is nearest to 0.

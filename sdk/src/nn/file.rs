@@ -87,7 +87,7 @@ impl Weights {
                 _ => own.notes.push((key.to_owned(), value.to_owned())),
             }
         }
-        if bytes[end + 2..].len() % 4 != 0 || numbers.next().is_some() {
+        if !bytes[end + 2..].len().is_multiple_of(4) || numbers.next().is_some() {
             return wrong("there are more numbers than the layers have");
         }
         Ok(own)

@@ -56,6 +56,11 @@ pub struct Point {
     pub command: [f32; 2],
 }
 
+/// The distance between two places, m.
+fn apart(a: Point, b: Point) -> f32 {
+    vb_math::hypot(f64::from(a.x - b.x), f64::from(a.y - b.y)) as f32
+}
+
 /// Three seconds of driving.
 #[derive(Clone, Debug)]
 pub struct Window {
@@ -185,7 +190,7 @@ impl Data {
             }
             let own: Vec<Point> = (first..=last).step_by(STRIDE).map(|k| points[k]).collect();
             let (a, b) = (own[0], own[STEPS]);
-            let stands = (a.x - b.x).hypot(a.y - b.y) < 0.15 * vehicle.wheelbase as f32;
+            let stands = apart(a, b) < 0.15 * vehicle.wheelbase as f32;
             self.windows.push(Window { place, points: own, stands });
         }
     }
@@ -196,7 +201,7 @@ impl Data {
         let wheelbase = vehicle.wheelbase as f32;
         let stands = |k: usize| {
             let (a, b) = (points[k], points[(k + STAND).min(points.len() - 1)]);
-            k + STAND < points.len() && a.command[1] > 0.0 && (a.x - b.x).hypot(a.y - b.y) < 0.1 * wheelbase
+            k + STAND < points.len() && a.command[1] > 0.0 && apart(a, b) < 0.1 * wheelbase
         };
         let tips = |k: usize| f64::from(points[k].roll.abs().max(points[k].pitch.abs())) > TIPS;
         for k in (0..points.len()).step_by(SPACING) {

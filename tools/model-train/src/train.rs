@@ -216,7 +216,7 @@ pub fn measure(model: &Motion, data: &Data, windows: &[&Window], way: Way) -> Re
                 let yaw = f64::from(values[2][i] - p.yaw);
                 let turn = std::f64::consts::TAU;
                 let own = [
-                    f64::from((values[0][i] - p.x).hypot(values[1][i] - p.y)),
+                    vb_math::hypot(f64::from(values[0][i] - p.x), f64::from(values[1][i] - p.y)),
                     (yaw - turn * (yaw / turn).round()).abs(),
                     off(values[3][i], p.speed),
                     off(values[7][i], p.roll),
