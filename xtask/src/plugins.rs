@@ -127,14 +127,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_crate_in_the_planner_folders_is_a_package() {
+    fn every_plugin_in_the_planner_folders_is_a_package() {
         let dir = tempfile::tempdir().unwrap();
         assert!(packages(dir.path()).is_err());
-        for folder in ["plugins/pid", "plugins/notes", "examples/two-words"] {
+        for folder in ["plugins/pid", "plugins/notes", "plugins/shared", "examples/two-words"] {
             std::fs::create_dir_all(dir.path().join(folder)).unwrap();
         }
-        for manifest in ["plugins/pid/Cargo.toml", "examples/two-words/Cargo.toml"] {
-            std::fs::write(dir.path().join(manifest), "").unwrap();
+        for (folder, kind) in
+            [("plugins/pid", "cdylib"), ("plugins/shared", "rlib"), ("examples/two-words", "cdylib")]
+        {
+            let manifest = format!("[lib]\ncrate-type = [\"{kind}\"]\n");
+            std::fs::write(dir.path().join(folder).join("Cargo.toml"), manifest).unwrap();
         }
         assert_eq!(packages(dir.path()).unwrap(), ["pid", "two-words"]);
     }

@@ -280,8 +280,8 @@ fn a_dataset_is_looked_at_and_its_examples_lead_to_replays() {
     assert!(files.values().all(|f| f.starts_with(b"\x89MCAP0\r\n") && f.ends_with(b"\x89MCAP0\r\n")));
     let e = bench.run(&["dataset", "mcap", "d", "--out", "x", "--episodes", "8"]).error(USAGE);
     assert!(e.contains("there is no episode 8 (the dataset has 8, from 0)"), "{e}");
-    let e = bench.run(&["dataset", "show", "d", "--vehicle", "man"]).error(BAD_INPUT);
-    assert!(e.contains("the vehicle man at hand is not that of the dataset"), "{e}");
+    let e = bench.run(&["dataset", "show", "d", "--vehicle", "gator"]).error(BAD_INPUT);
+    assert!(e.contains("the vehicle gator at hand is not that of the dataset"), "{e}");
     let Some(mut browser) = Browser::start(1400, 900) else { return };
     browser.open(&bench.path("page/index.html"));
     // Every table counts each episode once.
