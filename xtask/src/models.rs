@@ -5,18 +5,42 @@ use std::process::Command;
 use crate::run::{Failure, cargo, run, step};
 use crate::{build_harness, built, root, target_dir};
 
-/// A model: the vehicle, the hours of exploration, its seed, the seed of its worlds, and the steps of training.
-struct Model {
+/// What is learned of a vehicle.
+struct Models {
     vehicle: &'static str,
+    explorations: &'static [Exploration],
+    trainings: &'static [Training],
+}
+
+/// A dataset of exploration: its hours and seed, and the seed and number of its worlds.
+struct Exploration {
     hours: &'static str,
     seed: &'static str,
     world_seed: &'static str,
+    worlds: &'static str,
+}
+
+/// A model: what of the ground it sees, with which other it begins, for how many steps it is trained, and what its file has after the
+/// vehicle's name.
+struct Training {
+    sight: &'static str,
+    from: Option<&'static str>,
     steps: &'static str,
+    file: &'static str,
 }
 
 /// All models that planners have.
-const MODELS: [Model; 1] =
-    [Model { vehicle: "hmmwv", hours: "10", seed: "11", world_seed: "7200", steps: "5000" }];
+const MODELS: [Models; 1] = [Models {
+    vehicle: "hmmwv",
+    explorations: &[
+        Exploration { hours: "10", seed: "11", world_seed: "7200", worlds: "90" },
+        Exploration { hours: "30", seed: "12", world_seed: "7210", worlds: "180" },
+    ],
+    trainings: &[
+        Training { sight: "patch", from: None, steps: "10000", file: "" },
+        Training { sight: "attention", from: Some(""), steps: "2000", file: "-attention" },
+    ],
+}];
 
 /// Makes all models again, and writes them with their cards where the planners have them. Exploration that is there is not
 /// repeated.
@@ -24,20 +48,44 @@ pub(crate) fn models() -> Result<(), Failure> {
     build_harness()?;
     cargo(&["build", "--release", "--package", "vb-model-train"])?;
     for m in MODELS {
-        let data = target_dir().join("models").join(m.vehicle);
-        if !data.join("SHA256SUMS").is_file() {
-            step(&format!("exploring with the {} for {} h", m.vehicle, m.hours));
+        let explored =
+            |e: &Exploration| target_dir().join("models").join(format!("{}-{}", m.vehicle, e.seed));
+        for e in m.explorations {
+            let data = explored(e);
+            if data.join("SHA256SUMS").is_file() {
+                continue;
+            }
+            step(&format!("exploring with the {} for {} h", m.vehicle, e.hours));
             let mut explore = Command::new(built("vb-harness"));
-            explore.args(["dataset", "explore", "--vehicle", m.vehicle, "--hours", m.hours]);
-            explore.args(["--seed", m.seed, "--world-seed", m.world_seed, "--resume", "--out"]).arg(&data);
+            explore.args([
+                "dataset",
+                "explore",
+                "--vehicle",
+                m.vehicle,
+                "--hours",
+                e.hours,
+                "--seed",
+                e.seed,
+            ]);
+            explore
+                .args(["--world-seed", e.world_seed, "--worlds", e.worlds, "--resume", "--out"])
+                .arg(&data);
             run(&mut explore)?;
         }
-        step(&format!("training the model of the {}", m.vehicle));
-        let mut train = Command::new(built("vb-model-train"));
-        train.arg("--data").arg(&data).args(["--steps", m.steps, "--vehicle"]);
-        train.arg(root().join(format!("tasks/vehicles/{}.yaml", m.vehicle)));
-        train.arg("--out").arg(root().join(format!("plugins/hybrid/weights/{}.vbnn", m.vehicle)));
-        run(&mut train)?;
+        for t in m.trainings {
+            let weights =
+                |file: &str| root().join(format!("plugins/hybrid/weights/{}{file}.vbnn", m.vehicle));
+            step(&format!("training the model of the {} that sees by {}", m.vehicle, t.sight));
+            let mut train = Command::new(built("vb-model-train"));
+            train.arg("--data").args(m.explorations.iter().map(explored));
+            train.args(["--sight", t.sight, "--steps", t.steps, "--vehicle"]);
+            train.arg(root().join(format!("tasks/vehicles/{}.yaml", m.vehicle)));
+            if let Some(from) = t.from {
+                train.arg("--from").arg(weights(from));
+            }
+            train.arg("--out").arg(weights(t.file));
+            run(&mut train)?;
+        }
     }
     Ok(())
 }

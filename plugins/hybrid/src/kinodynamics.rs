@@ -3,21 +3,26 @@
 use std::cell::RefCell;
 
 use vb_sdk::mppi::{LANES, Lanes, Model};
-use vb_sdk::nn::{Network, Scratch};
-use vb_sdk::{Observation, PlannerError, Vehicle, math};
+use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
+use vb_sdk::{HeightMap, Observation, PlannerError, Vehicle, math};
 
-use crate::table::{CHANNELS, Table};
+use crate::attention::{PLACES, place};
+use crate::sight::{SEEN, Sight};
 use crate::terrain::Terrain;
 
 /// The time of a step at full scale, s.
 pub const DT: f32 = 0.2;
-/// Inputs of the network.
-pub const INPUTS: usize = 10 + CHANNELS;
+/// Inputs of the networks that tell state and commands; those after them are what is seen of the ground.
+pub const TOLD: usize = 11;
 /// Outputs of the network: by how much the change of speed, the yaw rate, the sideways speed, roll and pitch differ from those of a
-/// bicycle on a plane, in the units of [`SCALES`].
-pub const OUTPUTS: usize = 5;
-/// Units of the outputs: m/s, rad/s, m/s, rad, rad at full scale.
-pub const SCALES: [f32; OUTPUTS] = [0.5, 0.3, 0.5, 0.1, 0.1];
+/// bicycle on a plane, and the wheels' slip speed from half of what it was, in the units of [`SCALES`].
+pub const OUTPUTS: usize = 6;
+/// Units of the outputs: m/s, rad/s, m/s, rad, rad, m/s at full scale.
+pub const SCALES: [f32; OUTPUTS] = [0.5, 0.3, 0.5, 0.1, 0.1, 1.0];
+/// What is left of the wheels' slip speed after a step, before the network's say.
+pub const SLIP_KEPT: f32 = 0.5;
+/// The slip speeds that networks are told lie within this, m/s at full scale.
+pub const SLIP_LIMIT: f32 = 8.0;
 /// Outputs of the network of hazards: the logits of getting stuck and of tipping over within [`SOON`].
 pub const HAZARDS: usize = 2;
 /// The time within which hazards are foreseen, at full scale, s.
@@ -62,6 +67,8 @@ pub struct State {
     pub turn: Lanes,
     /// The steering that the wheels have, in -1 to 1.
     pub steering: Lanes,
+    /// Slip speeds of the wheels, as [`slip`] has them, m/s.
+    pub slip: Lanes,
     /// Rolls, rad, positive with the right side down.
     pub roll: Lanes,
     /// Pitches, rad, positive with the nose down.
@@ -70,18 +77,22 @@ pub struct State {
     pub stuck: Lanes,
     /// Probabilities of tipping over within [`SOON`].
     pub over: Lanes,
+    /// The planes through their wheels, as [`Terrain::plane`] tells them: looked up at the end of a step, for the next.
+    pub plane: [Lanes; 3],
 }
 
 impl State {
-    /// The state in which every vehicle is as observed.
+    /// The state in which every vehicle is as observed, on this terrain.
     ///
     /// # Errors
     /// Returns an error if the observation has no pose.
-    pub fn of(o: &Observation) -> Result<Self, PlannerError> {
+    pub fn of(o: &Observation, terrain: &Terrain, vehicle: &Vehicle) -> Result<Self, PlannerError> {
         let p = o.pose()?;
         let (sin, cos) = math::sin_cos(p.yaw);
         let all = |v: f64| [v as f32; LANES];
+        let place = [&all(p.position.x), &all(p.position.y)];
         Ok(Self {
+            plane: terrain.plane(place, [&all(cos), &all(sin)]),
             x: all(p.position.x),
             y: all(p.position.y),
             cos: all(cos),
@@ -90,12 +101,49 @@ impl State {
             side: all(p.linear_velocity.y),
             turn: all(p.angular_velocity.z),
             steering: all(o.steering),
+            slip: all(slip(o.wheels.iter().map(|w| w.spin), p.linear_velocity.x, vehicle)),
             roll: all(p.roll),
             pitch: all(p.pitch),
             stuck: all(0.0),
             over: all(0.0),
         })
     }
+}
+
+impl State {
+    /// The state in which every vehicle is as one of them.
+    #[must_use]
+    pub fn all_as(&self, lane: usize) -> Self {
+        let all = |v: &Lanes| [v[lane]; LANES];
+        Self {
+            x: all(&self.x),
+            y: all(&self.y),
+            cos: all(&self.cos),
+            sin: all(&self.sin),
+            speed: all(&self.speed),
+            side: all(&self.side),
+            turn: all(&self.turn),
+            steering: all(&self.steering),
+            slip: all(&self.slip),
+            roll: all(&self.roll),
+            pitch: all(&self.pitch),
+            stuck: all(&self.stuck),
+            over: all(&self.over),
+            plane: self.plane.each_ref().map(all),
+        }
+    }
+}
+
+/// The slip speed of a vehicle whose wheels turn with these angular velocities (rad/s) while it drives at a speed (m/s): by how
+/// much the treads are faster than the vehicle, as a mean over the wheels, m/s. Without wheels it is 0.
+#[must_use]
+pub fn slip(spins: impl ExactSizeIterator<Item = f64>, speed: f64, vehicle: &Vehicle) -> f64 {
+    let wheels = spins.len();
+    if wheels == 0 {
+        return 0.0;
+    }
+    let most = f64::from(SLIP_LIMIT) * vehicle.scale.sqrt();
+    (vehicle.wheel_radius * spins.sum::<f64>() / wheels as f64 - speed).clamp(-most, most)
 }
 
 /// What of the networks' say is heard.
@@ -114,7 +162,7 @@ pub enum Learned {
 pub struct Kinodynamics {
     learned: Learned,
     terrain: Terrain,
-    table: Table,
+    sight: Sight,
     network: Network,
     hazards: Network,
     units: Units,
@@ -133,36 +181,49 @@ const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
     /// What the networks say: corrections, and logits of hazards.
-    fn ask(
-        &self,
-        s: &State,
-        plane: &[Lanes; 3],
-        command: &[Lanes; 2],
-    ) -> ([Lanes; OUTPUTS], [Lanes; HAZARDS]) {
-        let mut input = [[0.0; LANES]; INPUTS];
-        input[..10].copy_from_slice(&inputs(s, plane, command, self.units));
-        let mut ground = [[0.0; LANES]; CHANNELS];
-        self.table.at([&s.x, &s.y], [&s.cos, &s.sin], &mut ground);
-        input[10..].copy_from_slice(&ground);
-        let (mut out, mut ahead) = ([[0.0; LANES]; OUTPUTS], [[CERTAIN; LANES]; HAZARDS]);
+    fn ask(&self, s: &State, command: &[Lanes; 2]) -> ([Lanes; OUTPUTS], [Lanes; HAZARDS]) {
+        let mut input = [[0.0; LANES]; TOLD + SEEN];
         let scratch = &mut self.scratch.borrow_mut();
+        let input = &mut input[..TOLD + self.sight.seen()];
+        let (told, seen) = input.split_at_mut(TOLD);
+        told.copy_from_slice(&inputs(s, command, self.units));
+        self.sight.look(s, self.terrain.size().0, told, seen, scratch);
+        let (mut out, mut ahead) = ([[0.0; LANES]; OUTPUTS], [[CERTAIN; LANES]; HAZARDS]);
         if self.learned != Learned::Nothing {
-            self.network.run(&input, &mut out, scratch);
+            self.network.run(input, &mut out, scratch);
         }
         match self.learned {
-            Learned::All => self.hazards.run(&input, &mut ahead, scratch),
-            Learned::Attitude => out[..3].fill([0.0; LANES]),
+            Learned::All => self.hazards.run(input, &mut ahead, scratch),
+            Learned::Attitude => {
+                out[..3].fill([0.0; LANES]);
+                out[5] = [0.0; LANES];
+            }
             Learned::Nothing => {}
         }
         (out, ahead)
     }
 
-    /// The model of a vehicle on a terrain, with networks of [`INPUTS`] inputs: of motion with [`OUTPUTS`] outputs and of hazards with
-    /// [`HAZARDS`].
+    /// How much attention is paid to each of [`PLACES`], if the model has any.
+    #[must_use]
+    pub fn attention(&self, s: &State, command: &[Lanes; 2]) -> Option<[Lanes; PLACES.len()]> {
+        let mut seen = [[0.0; LANES]; SEEN];
+        let told = inputs(s, command, self.units);
+        let seen = &mut seen[..self.sight.seen()];
+        self.sight.look(s, self.terrain.size().0, &told, seen, &mut self.scratch.borrow_mut())
+    }
+
+    /// Where the places lie that a model with attention looks at, m.
+    #[must_use]
+    pub fn places(&self, s: &State) -> [[Lanes; 2]; PLACES.len()] {
+        std::array::from_fn(|k| place(k, [&s.x, &s.y], [&s.cos, &s.sin], self.terrain.size().0))
+    }
+
+    /// The model of a vehicle on a terrain, with networks of [`TOLD`] and [`Sight::seen`] inputs: of motion with [`OUTPUTS`] outputs and
+    /// of hazards with [`HAZARDS`].
     #[must_use]
     pub fn new(
         terrain: Terrain,
-        table: Table,
+        sight: Sight,
         [network, hazards]: [Network; 2],
         vehicle: &Vehicle,
         learned: Learned,
@@ -170,7 +231,7 @@ impl Kinodynamics {
         Self {
             learned,
             terrain,
-            table,
+            sight,
             network,
             hazards,
             units: Units::of(vehicle),
@@ -178,6 +239,29 @@ impl Kinodynamics {
             steer_rate: vehicle.max_steer_rate as f32,
             scratch: RefCell::default(),
         }
+    }
+
+    /// The same model as weights describe it, over a map of heights of which the terrain was made.
+    ///
+    /// # Errors
+    /// Returns an error if the weights lack a network.
+    pub fn of(
+        heights: &HeightMap,
+        terrain: Terrain,
+        weights: &Weights,
+        vehicle: &Vehicle,
+        learned: Learned,
+    ) -> Result<Self, WeightsError> {
+        let sight = Sight::new(heights, &terrain, weights)?;
+        let motion = weights.network("motion", TOLD + sight.seen(), OUTPUTS)?;
+        let hazards = weights.network("hazards", TOLD + sight.seen(), HAZARDS)?;
+        Ok(Self::new(terrain, sight, [motion, hazards], vehicle, learned))
+    }
+
+    /// The same model, of which something else is heard.
+    #[must_use]
+    pub fn hearing(self, learned: Learned) -> Self {
+        Self { learned, ..self }
     }
 
     /// What comes of driving straight on at a speed, at these places in a direction: the probabilities of getting stuck and of tipping
@@ -196,12 +280,14 @@ impl Kinodynamics {
             side: zero,
             turn: zero,
             steering: zero,
+            slip: zero,
             roll: plane[1],
             pitch: plane[2],
             stuck: zero,
             over: zero,
+            plane,
         };
-        let (out, ahead) = self.ask(&s, &plane, &[zero, [speed; LANES]]);
+        let (out, ahead) = self.ask(&s, &[zero, [speed; LANES]]);
         let per_second = SCALES[0] / (DT * self.units.speed * speed);
         [ahead[0].map(probability), ahead[1].map(probability), out[0].map(|o| (-o * per_second).max(0.0))]
     }
@@ -215,8 +301,9 @@ impl Kinodynamics {
 
 /// What the network is told beside the ground: the state and the commands, at full scale.
 #[must_use]
-pub fn inputs(s: &State, [_, bank, rise]: &[Lanes; 3], command: &[Lanes; 2], units: Units) -> [Lanes; 10] {
+pub fn inputs(s: &State, command: &[Lanes; 2], units: Units) -> [Lanes; TOLD] {
     let scaled = |v: &Lanes, by: f32| v.map(|v| v * by);
+    let [_, bank, rise] = &s.plane;
     [
         scaled(&s.speed, 0.25 * units.speed),
         scaled(&s.side, units.speed),
@@ -228,6 +315,7 @@ pub fn inputs(s: &State, [_, bank, rise]: &[Lanes; 3], command: &[Lanes; 2], uni
         s.steering,
         command[0],
         scaled(&command[1], 0.25 * units.speed),
+        scaled(&s.slip, 0.25 * units.speed),
     ]
 }
 
@@ -244,8 +332,7 @@ impl Model<2> for Kinodynamics {
 
     fn step(&self, s: &mut State, command: &[Lanes; 2], dt: f32) {
         let units = self.units;
-        let plane = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
-        let (out, ahead) = self.ask(s, &plane, command);
+        let (out, ahead) = self.ask(s, command);
         (s.stuck, s.over) = (ahead[0].map(probability), ahead[1].map(probability));
         // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
         let part = dt * units.rate_inverse() / DT;
@@ -260,9 +347,11 @@ impl Model<2> for Kinodynamics {
             let way = 0.5 * dt * (before + s.speed[l]);
             s.turn[l] = s.speed[l] * self.curvature * s.steering[l] + SCALES[1] * out[1][l] / units.rate;
             s.side[l] = SCALES[2] * out[2][l] / units.speed;
+            let slip = SLIP_KEPT * s.slip[l] * units.speed + SCALES[5] * out[5][l];
+            s.slip[l] = slip.clamp(-SLIP_LIMIT, SLIP_LIMIT) / units.speed;
             let (turn, aside) = (s.turn[l] * dt, s.side[l] * dt);
             // Seen from above, a way on a slope is shorter by the cosine of its pitch.
-            let level = 1.0 - 0.5 * plane[2][l] * plane[2][l];
+            let level = 1.0 - 0.5 * s.plane[2][l] * s.plane[2][l];
             let (way, half, square) = (way * level, 0.5 * turn, turn * turn);
             let (c, n) = (s.cos[l], s.sin[l]);
             // Along the heading of the middle of the step.
@@ -274,7 +363,8 @@ impl Model<2> for Kinodynamics {
             let length = 1.5 - 0.5 * (c * c + n * n);
             (s.cos[l], s.sin[l]) = (c * length, n * length);
         }
-        let [_, bank, rise] = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
+        s.plane = self.terrain.plane([&s.x, &s.y], [&s.cos, &s.sin]);
+        let [_, bank, rise] = s.plane;
         for l in 0..LANES {
             s.roll[l] = bank[l] + SCALES[3] * out[3][l];
             s.pitch[l] = rise[l] + SCALES[4] * out[4][l];

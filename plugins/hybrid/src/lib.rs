@@ -3,25 +3,36 @@
 //! - [`Terrain`] tells how the ground lies under a vehicle: the plane through its wheels, and the patch about it.
 //! - [`Table`] holds what a network makes of the patch at every place and heading, made once in `init`: the ground doesn't change,
 //!   so that roll-outs only look up.
+//! - [`Attention`] looks at places ahead in the same table.
 //! - [`Kinodynamics`] moves the vehicle in six degrees of freedom: a bicycle on the plane through its wheels, and what a network
 //!   has learned that these two get wrong.
+//! - [`costs`] and [`Values`] are the map of traversability and the cost of the way to the goal over it; [`descend`] is where they
+//!   lead.
 //! - [`Objective`] is what a course costs.
 //!
 //! Lengths are measured in wheelbases and times by Froude's rule, so that a model serves a vehicle class at any scale.
 //! `tools/model-train` trains with the very functions that the planners roll out.
 
+mod attention;
+mod explanation;
+mod guide;
 mod kinodynamics;
 mod objective;
 mod planner;
+mod sight;
 mod table;
 mod terrain;
 mod traversability;
 
+pub use attention::{Attention, PLACES, place, weight};
+pub use guide::descend;
 pub use kinodynamics::{
-    DT, HAZARDS, INPUTS, Kinodynamics, Learned, OUTPUTS, SCALES, SOON, State, Units, probability,
+    DT, HAZARDS, Kinodynamics, Learned, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, SOON, State, TOLD, Units,
+    probability, slip,
 };
 pub use objective::{Objective, Weights};
-pub use planner::{Aim, Hybrid};
+pub use planner::{Aim, Hybrid, Prediction};
+pub use sight::{SEEN, Sight};
 pub use table::{CHANNELS, HEADINGS, Table, around, heading, heading_of};
 pub use terrain::{CLASSES, PATCH, Terrain};
 pub use traversability::{Prices, Values, costs};

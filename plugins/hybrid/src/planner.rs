@@ -1,19 +1,22 @@
 //! The planner that the hybrid ones are variants of.
 
-use vb_sdk::mppi::{Field, LANES, Mppi, Settings};
+use vb_sdk::mppi::{Field, Mppi, Settings};
 use vb_sdk::nn;
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
-use vb_sdk::{Command, LogLevel, Observation, PlannerError, Series, Task, log};
+use vb_sdk::{Command, LogLevel, Observation, PlannerError, Task, Vehicle, log};
 
-use crate::kinodynamics::{DT, HAZARDS, INPUTS, Kinodynamics, Learned, OUTPUTS, State};
+use crate::explanation::Explanation;
+use crate::guide::descend;
+use crate::kinodynamics::{DT, Kinodynamics, Learned, State};
 use crate::objective::{Objective, Weights};
-use crate::table::{CHANNELS, Table};
-use crate::terrain::{PATCH, Terrain};
+use crate::terrain::Terrain;
 use crate::traversability::{Prices, Values, costs};
 
-/// The networks of the HMMWV.
-static WEIGHTS: &[u8] = include_bytes!("../weights/hmmwv.vbnn");
+/// The networks of the HMMWV, which see patches.
+static PATCHES: &[u8] = include_bytes!("../weights/hmmwv.vbnn");
+/// The networks of the HMMWV, which pay attention.
+static ATTENTION: &[u8] = include_bytes!("../weights/hmmwv-attention.vbnn");
 /// The gains of the speed controller with which the model was learned: s/m, and 1/m.
 const GAINS: (f64, f64) = (0.6, 0.15);
 
@@ -26,17 +29,32 @@ pub enum Aim {
     Traversability,
 }
 
+/// What a planner predicts by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Prediction {
+    /// What of the networks it hears.
+    pub learned: Learned,
+    /// Whether the networks pay attention to places ahead, or see the patch about the vehicle alone.
+    pub attention: bool,
+}
+
 /// MPPI over learned motion. The parameters are those that the plugins declare.
 pub struct Hybrid {
     follower: Follower,
     lookahead: f64,
     model: Kinodynamics,
+    vehicle: Vehicle,
     objective: Objective,
     mppi: Mppi<2>,
     speed: SpeedController,
+    /// The part of the draws that follows the map.
+    guided: f64,
+    spacing: usize,
+    /// The time of a step of a course, s.
+    dt: f32,
     root: f64,
     period: f64,
-    explain: usize,
+    explanation: Option<Explanation>,
 }
 
 impl Hybrid {
@@ -44,7 +62,11 @@ impl Hybrid {
     ///
     /// # Errors
     /// Returns an error if a parameter is wrong, or the task has no maps.
-    pub fn new(task: &Task, aim: Aim, learned: Learned) -> Result<Self, PlannerError> {
+    pub fn new(
+        task: &Task,
+        aim: Aim,
+        Prediction { learned, attention }: Prediction,
+    ) -> Result<Self, PlannerError> {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
         let root = scale.sqrt();
@@ -102,7 +124,7 @@ impl Hybrid {
             comfort: [positive("roll")?.to_radians() as f32, positive("pitch")?.to_radians() as f32],
             clearance,
         };
-        let weights = nn::Weights::parse(WEIGHTS)?;
+        let weights = nn::Weights::parse(if attention { ATTENTION } else { PATCHES })?;
         let known = weights.note("vehicle").unwrap_or_default();
         if known != vehicle.name {
             let text = format!(
@@ -112,12 +134,15 @@ impl Hybrid {
             log(LogLevel::Warn, &text);
         }
         let learned = if task.param_as::<u8>("learned")? == 0 { Learned::Nothing } else { learned };
-        let ground = weights.network("ground", PATCH, CHANNELS)?;
-        let motion = weights.network("motion", INPUTS, OUTPUTS)?;
-        let hazards = weights.network("hazards", INPUTS, HAZARDS)?;
-        let table = Table::new(heights.frame, &terrain, &ground);
-        let model = Kinodynamics::new(terrain, table, [motion, hazards], vehicle, learned);
+        let model = Kinodynamics::of(heights, terrain, &weights, vehicle, learned)?;
+        let courses: usize = task.param_as("explain")?;
+        let mut explanation = (courses > 0).then(|| Explanation::new(courses, task.control_period / root));
+        let mut guided = 0.0;
         if aim == Aim::Traversability {
+            guided = task.param_f64("guided")?;
+            if !(0.0..=0.9).contains(&guided) {
+                return Err(PlannerError::new(format!("parameter `guided`: {guided} is not from 0 to 0.9")));
+            }
             let price = |key: &str| weight(&format!("price_{key}"));
             let prices = Prices {
                 stuck: price("stuck")?,
@@ -127,18 +152,25 @@ impl Hybrid {
             };
             let reach = (objective.radius, objective.margin);
             let places = costs(heights.frame, &model, &objective.clearance, reach, target as f32, &prices);
+            if let Some(explanation) = &mut explanation {
+                explanation.show(heights.frame, &model, &places);
+            }
             objective.values = Some(Values::new(heights.frame, &places, task.goal));
         }
         Ok(Self {
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             model,
+            vehicle: vehicle.clone(),
             objective,
+            guided,
+            spacing: settings.spacing,
+            dt: settings.dt,
             mppi: Mppi::new(settings, [0.0, target as f32], task.seed),
             speed: SpeedController::new(GAINS.0, GAINS.1),
             root,
             period: task.control_period,
-            explain: task.param_as("explain")?,
+            explanation,
         })
     }
 
@@ -147,10 +179,12 @@ impl Hybrid {
     /// # Errors
     /// Returns an error if the observation has no pose.
     pub fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
-        let start = State::of(o)?;
+        let start = State::of(o, self.model.terrain(), &self.vehicle)?;
         let pose = o.pose()?;
         let (p, v) = (pose.position, pose.linear_velocity);
-        let told = [p.x, p.y, pose.roll, pose.pitch, pose.yaw, v.x, v.y, pose.angular_velocity.z, o.steering];
+        let slip = f64::from(start.slip[0]);
+        let rate = pose.angular_velocity.z;
+        let told = [p.x, p.y, pose.roll, pose.pitch, pose.yaw, v.x, v.y, rate, o.steering, slip];
         if let Some(wrong) = told.iter().find(|value| !value.is_finite()) {
             return Err(PlannerError::new(format!(
                 "the observation has the value {wrong}: nothing can be planned from it"
@@ -159,34 +193,25 @@ impl Hybrid {
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
         self.objective.goal = [goal.x as f32, goal.y as f32];
+        if self.guided > 0.0 {
+            let guide =
+                descend(&self.model, &self.objective, &start, (self.mppi.knots(), self.spacing, self.dt));
+            self.mppi.propose(&guide, self.guided);
+        }
         let weighing = self.mppi.improve(&self.model, &self.objective, &start);
         let [steering, target] = self.mppi.command(0.0);
-        let debug = if self.explain > 0 { self.explanation(&start, weighing.effective) } else { Vec::new() };
+        let debug = match &mut self.explanation {
+            Some(explanation) => {
+                let commands = [steering as f32, target as f32];
+                explanation.tell((&self.mppi, weighing), &self.model, &self.objective, (&start, commands))
+            }
+            None => Vec::new(),
+        };
         self.mppi.advance(self.period);
         // The controller knows speeds at full scale.
         let speed = pose.linear_velocity.x / self.root;
         let (throttle, brake) = self.speed.update(target / self.root, speed, self.period);
         Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })
-    }
-
-    /// Courses as x, y, x, y, … one after the other, their costs, and how many had a say.
-    fn explanation(&self, start: &State, effective: f64) -> Vec<Series> {
-        let blocks = self.explain.div_ceil(LANES).min(self.mppi.costs().len() / LANES);
-        let mut courses = Vec::new();
-        for block in 0..blocks {
-            let mut states = Vec::new();
-            self.mppi.replay(block, &self.model, start, |s| states.push((s.x, s.y)));
-            for lane in 0..LANES {
-                courses.extend(states.iter().flat_map(|(x, y)| [x[lane], y[lane]]));
-            }
-        }
-        let series = |name: &str, values: Vec<f32>| Series { name: name.into(), values };
-        vec![
-            series("trajectories", courses),
-            series("trajectory_costs", self.mppi.costs()[..blocks * LANES].to_vec()),
-            series("local_goal", self.objective.goal.to_vec()),
-            series("effective_samples", vec![effective as f32]),
-        ]
     }
 }
 

@@ -1,10 +1,10 @@
 //! What a network makes of the ground at every place and heading.
 
-use vb_sdk::GridFrame;
+use vb_sdk::HeightMap;
 use vb_sdk::mppi::{LANES, Lanes};
-use vb_sdk::nn::{Network, Scratch};
+use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
 
-use crate::terrain::{PATCH, Terrain};
+use crate::terrain::{Nodes, PATCH, Terrain};
 
 /// Numbers that the network gives for each place and heading.
 pub const CHANNELS: usize = 8;
@@ -59,22 +59,29 @@ pub struct Table {
 }
 
 impl Table {
-    /// Evaluates a network of [`PATCH`] inputs and [`CHANNELS`] outputs on the patch at every node of a frame of at least 2 × 2.
+    /// The table of the network `ground`.
+    ///
+    /// # Errors
+    /// Returns an error if the weights lack it.
+    pub fn of(heights: &HeightMap, terrain: &Terrain, weights: &Weights) -> Result<Self, WeightsError> {
+        Ok(Self::new(heights, terrain, &weights.network("ground", PATCH, CHANNELS)?))
+    }
+
+    /// Evaluates a network of [`PATCH`] inputs and [`CHANNELS`] outputs on the patch at every node of a map of heights, of which a
+    /// terrain was made.
     #[must_use]
-    pub fn new(frame: GridFrame, terrain: &Terrain, network: &Network) -> Self {
+    pub fn new(heights: &HeightMap, terrain: &Terrain, network: &Network) -> Self {
+        let frame = heights.frame;
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
         let mut values = vec![[0.0; CHANNELS]; HEADINGS * rows * cols];
         let (mut patch, mut output) = ([[0.0; LANES]; PATCH], [[0.0; LANES]; CHANNELS]);
         let mut scratch = Scratch::default();
+        let nodes = Nodes::new(heights, terrain);
         for h in 0..HEADINGS {
-            let [cos, sin] = heading(h);
-            let direction = [&[cos; LANES], &[sin; LANES]];
+            let patches = terrain.patches(&nodes, heading(h));
             for row in 0..rows {
                 for first in (0..cols).step_by(LANES) {
-                    let at = |l: usize| frame.position(row as u32, (first + l).min(cols - 1) as u32);
-                    let x: Lanes = std::array::from_fn(|l| at(l).0 as f32);
-                    let y: Lanes = std::array::from_fn(|l| at(l).1 as f32);
-                    terrain.patch([&x, &y], direction, &mut patch);
+                    patches.at(row, first, &mut patch);
                     network.run(&patch, &mut output, &mut scratch);
                     let own = &mut values[(h * rows + row) * cols + first..][..LANES.min(cols - first)];
                     for (l, value) in own.iter_mut().enumerate() {
@@ -89,7 +96,7 @@ impl Table {
 
     /// The numbers at these places (m) and headings, interpolated between the four nodes about each; beyond the edge, those of the
     /// edge.
-    pub fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], output: &mut [Lanes; CHANNELS]) {
+    pub fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], output: &mut [Lanes]) {
         for l in 0..LANES {
             let most = |n: usize| (n - 1) as f32;
             let c = ((x[l] - self.origin[0]) * self.per_metre).clamp(0.0, most(self.cols));

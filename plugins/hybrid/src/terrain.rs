@@ -1,7 +1,7 @@
 //! The ground under a vehicle.
 
 use vb_sdk::mppi::{Field, LANES, Lanes};
-use vb_sdk::{HeightMap, LabelMap, Vehicle};
+use vb_sdk::{GridFrame, HeightMap, LabelMap, Vehicle};
 
 /// Kinds of ground, by their labels.
 pub const CLASSES: usize = 10;
@@ -49,13 +49,35 @@ impl Terrain {
         self.heights.at(&px, &py)
     }
 
+    /// Wheelbase and track of the vehicle, m.
+    #[must_use]
+    pub fn size(&self) -> (f32, f32) {
+        (self.wheelbase, self.track)
+    }
+
+    /// The heights of the ground at places, m.
+    #[must_use]
+    pub fn heights(&self, x: &Lanes, y: &Lanes) -> Lanes {
+        self.heights.at(x, y)
+    }
+
+    /// The kind of ground at a place, if there is a map of it.
+    #[must_use]
+    pub fn class(&self, x: f32, y: f32) -> Option<usize> {
+        self.classes.as_ref().map(|classes| usize::from(classes.nearest(f64::from(x), f64::from(y))))
+    }
+
     /// The plane that fits the ground under the four outer wheels best: its height under the reference point (m), its roll and its
     /// pitch (rad, by small angles' sines; right side and nose down positive).
     #[must_use]
     pub fn plane(&self, place: [&Lanes; 2], direction: [&Lanes; 2]) -> [Lanes; 3] {
+        self.plane_of(|forward, left| self.at(place, direction, forward, left))
+    }
+
+    /// The same of heights at points of the body plane.
+    fn plane_of(&self, heights: impl Fn(f32, f32) -> Lanes) -> [Lanes; 3] {
         let (a, b) = (0.5 * self.wheelbase, 0.5 * self.track);
-        let [fl, fr, rl, rr] =
-            [(a, b), (a, -b), (-a, b), (-a, -b)].map(|(u, v)| self.at(place, direction, u, v));
+        let [fl, fr, rl, rr] = [(a, b), (a, -b), (-a, b), (-a, -b)].map(|(u, v)| heights(u, v));
         let (per_track, per_base) = (0.5 / self.track, 0.5 / self.wheelbase);
         let mut plane = [[0.0; LANES]; 3];
         for l in 0..LANES {
@@ -72,13 +94,24 @@ impl Terrain {
     /// The patch about the vehicle: heights over the plane under its wheels in units of a tenth of a wheelbase, rear to front and
     /// right to left, then the fraction of the wheels on each kind of ground.
     pub fn patch(&self, place: [&Lanes; 2], direction: [&Lanes; 2], patch: &mut [Lanes; PATCH]) {
-        let [z, roll, pitch] = self.plane(place, direction);
+        self.patch_of(|forward, left| self.at(place, direction, forward, left), place, direction, patch);
+    }
+
+    /// The same of heights at points of the body plane.
+    fn patch_of(
+        &self,
+        heights: impl Fn(f32, f32) -> Lanes,
+        place: [&Lanes; 2],
+        direction: [&Lanes; 2],
+        patch: &mut [Lanes; PATCH],
+    ) {
+        let [z, roll, pitch] = self.plane_of(&heights);
         let unit = 1.0 / (HEIGHT * self.wheelbase);
         for i in 0..ALONG {
             let forward = self.wheelbase * (REACH[0] + (REACH[1] - REACH[0]) * i as f32 / (ALONG - 1) as f32);
             for j in 0..ACROSS {
                 let left = self.track * HALF_WIDTH * (2.0 * j as f32 / (ACROSS - 1) as f32 - 1.0);
-                let heights = self.at(place, direction, forward, left);
+                let heights = heights(forward, left);
                 patch[i * ACROSS + j] = std::array::from_fn(|l| {
                     // The plane, by the tangents that its small angles nearly are.
                     let plane = z[l] + left * roll[l] - forward * pitch[l];
@@ -88,18 +121,83 @@ impl Terrain {
         }
         let kinds = &mut patch[ALONG * ACROSS..];
         kinds.fill([0.0; LANES]);
-        let Some(classes) = &self.classes else { return };
         let (a, b) = (0.5 * self.wheelbase, 0.5 * self.track);
         for (u, v) in [(a, b), (a, -b), (-a, b), (-a, -b)] {
             for l in 0..LANES {
                 let x = place[0][l] + u * direction[0][l] - v * direction[1][l];
                 let y = place[1][l] + u * direction[1][l] + v * direction[0][l];
-                let class = usize::from(classes.nearest(f64::from(x), f64::from(y)));
-                if let Some(kind) = kinds.get_mut(class) {
+                if let Some(kind) = self.class(x, y).and_then(|class| kinds.get_mut(class)) {
                     kind[l] += 0.25;
                 }
             }
         }
+    }
+
+    /// The patches at all nodes of the map of heights, for one heading. Every node has its neighbours at the same distances, so
+    /// that rows of heights are taken as they lie.
+    pub(crate) fn patches<'a>(&'a self, nodes: &'a Nodes, [cos, sin]: [f32; 2]) -> Patches<'a> {
+        Patches { terrain: self, nodes, cos, sin }
+    }
+}
+
+/// The heights at the nodes of a map, row by row, with those of its edge repeated as far around it as patches reach.
+pub(crate) struct Nodes {
+    frame: GridFrame,
+    heights: Vec<f32>,
+    /// Nodes around the map.
+    around: usize,
+    /// Nodes of a row with those around it.
+    width: usize,
+    per_metre: f32,
+}
+
+impl Nodes {
+    /// The nodes of the map, for patches of this terrain.
+    pub(crate) fn new(map: &HeightMap, terrain: &Terrain) -> Self {
+        let frame = map.frame;
+        let per_metre = (1.0 / frame.resolution) as f32;
+        let reach = REACH[1] * terrain.wheelbase + HALF_WIDTH * terrain.track;
+        let around = (reach * per_metre) as usize + 2;
+        let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+        let (width, height) = (cols + 2 * around + LANES, rows + 2 * around);
+        let inside = |k: usize, n: usize| k.saturating_sub(around).min(n - 1);
+        let heights = (0..width * height)
+            .map(|k| map.data[inside(k / width, rows) * cols + inside(k % width, cols)])
+            .collect();
+        Self { frame, heights, around, width, per_metre }
+    }
+}
+
+/// The patches of one heading.
+pub(crate) struct Patches<'a> {
+    terrain: &'a Terrain,
+    nodes: &'a Nodes,
+    cos: f32,
+    sin: f32,
+}
+
+impl Patches<'_> {
+    /// The patches at [`LANES`] nodes of a row, from a column on; beyond the last column they are of no use.
+    pub(crate) fn at(&self, row: usize, first: usize, patch: &mut [Lanes; PATCH]) {
+        let nodes = self.nodes;
+        let heights = |forward: f32, left: f32| -> Lanes {
+            let around = nodes.around as f32;
+            let c = (forward * self.cos - left * self.sin) * nodes.per_metre + around;
+            let r = (forward * self.sin + left * self.cos) * nodes.per_metre + around;
+            let (u, v) = (c - c.floor(), r - r.floor());
+            let south = (row + r as usize) * nodes.width + first + c as usize;
+            let south = &nodes.heights[south..south + nodes.width + LANES + 1];
+            let north = &south[nodes.width..];
+            std::array::from_fn(|l| {
+                let low = south[l] + u * (south[l + 1] - south[l]);
+                let high = north[l] + u * (north[l + 1] - north[l]);
+                low + v * (high - low)
+            })
+        };
+        let place = |l: usize| nodes.frame.position(row as u32, (first + l) as u32);
+        let (x, y) = (std::array::from_fn(|l| place(l).0 as f32), std::array::from_fn(|l| place(l).1 as f32));
+        let direction = [&[self.cos; LANES], &[self.sin; LANES]];
+        self.terrain.patch_of(heights, [&x, &y], direction, patch);
     }
 }
 

@@ -5,7 +5,7 @@
 //! course costs what [`hybrid::Objective`] says: the way to a point on the global path, obstacles, roll and pitch.
 //! `docs/planners.md` says what the paper says of it, what the released code does, and what is different here.
 
-use hybrid::{Aim, Hybrid, Learned};
+use hybrid::{Aim, Hybrid, Learned, Prediction};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
 
 vb_sdk::export_planner! {
@@ -37,12 +37,14 @@ vb_sdk::export_planner! {
     }
 }
 
+const PREDICTION: Prediction = Prediction { learned: Learned::All, attention: false };
+
 /// The planner.
 pub struct Mppi6Planner(Hybrid);
 
 impl Planner for Mppi6Planner {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        Hybrid::new(task, Aim::Path, Learned::All).map(Self)
+        Hybrid::new(task, Aim::Path, PREDICTION).map(Self)
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {

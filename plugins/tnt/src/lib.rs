@@ -6,7 +6,7 @@
 //! goal ([`hybrid::Values`]), which courses are drawn towards. `docs/planners.md` says what the paper says of it, what the released
 //! code does, and what is different here.
 
-use hybrid::{Aim, Hybrid, Learned};
+use hybrid::{Aim, Hybrid, Learned, Prediction};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
 
 vb_sdk::export_planner! {
@@ -33,7 +33,8 @@ vb_sdk::export_planner! {
         pitch: 15.0 => "pitch that costs nothing, degrees",
         stuck: 8.0 => "weight of the probability of getting stuck",
         over: 30.0 => "weight of the probability of tipping over",
-        price_stuck: 50.0 => "length of way, over its own, that a probability of one to get stuck is worth avoiding",
+        guided: 0.3 => "part of the courses that is drawn about a descent on the map of traversability, up to 0.9",
+        price_stuck: 25.0 => "length of way, over its own, that a probability of one to get stuck is worth avoiding",
         price_over: 200.0 => "the same of a probability to tip over",
         price_slow: 1.0 => "the same of losing all speed within a second",
         price_obstacle: 30.0 => "the same of touching an obstacle",
@@ -42,12 +43,14 @@ vb_sdk::export_planner! {
     }
 }
 
+const PREDICTION: Prediction = Prediction { learned: Learned::All, attention: false };
+
 /// The planner.
 pub struct TntPlanner(Hybrid);
 
 impl Planner for TntPlanner {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        Hybrid::new(task, Aim::Traversability, Learned::All).map(Self)
+        Hybrid::new(task, Aim::Traversability, PREDICTION).map(Self)
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {

@@ -5,7 +5,7 @@
 //! [`hybrid::Objective`] says: the way to a point on the global path, obstacles, roll and pitch. `docs/planners.md` says what the paper
 //! says of it, what the released code does, and what is different here.
 
-use hybrid::{Aim, Hybrid, Learned};
+use hybrid::{Aim, Hybrid, Learned, Prediction};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
 
 vb_sdk::export_planner! {
@@ -35,12 +35,14 @@ vb_sdk::export_planner! {
     }
 }
 
+const PREDICTION: Prediction = Prediction { learned: Learned::Attitude, attention: false };
+
 /// The planner.
 pub struct WmvctPlanner(Hybrid);
 
 impl Planner for WmvctPlanner {
     fn init(task: &Task) -> Result<Self, PlannerError> {
-        Hybrid::new(task, Aim::Path, Learned::Attitude).map(Self)
+        Hybrid::new(task, Aim::Path, PREDICTION).map(Self)
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {

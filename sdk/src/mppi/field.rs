@@ -78,18 +78,22 @@ impl Field {
     /// of the edge.
     #[must_use]
     pub fn at(&self, x: &Lanes, y: &Lanes) -> Lanes {
-        std::array::from_fn::<f32, LANES, _>(|l| {
-            let most = |n: usize| (n - 1) as f32;
-            let c = ((x[l] - self.origin[0]) * self.per_metre).clamp(0.0, most(self.cols));
-            let r = ((y[l] - self.origin[1]) * self.per_metre).clamp(0.0, most(self.rows));
+        let most = |n: usize| (n - 1) as f32;
+        let (last_col, last_row) = (most(self.cols), most(self.rows));
+        let c: Lanes = x.map(|x| ((x - self.origin[0]) * self.per_metre).clamp(0.0, last_col));
+        let r: Lanes = y.map(|y| ((y - self.origin[1]) * self.per_metre).clamp(0.0, last_row));
+        let mut values = [0.0; LANES];
+        for l in 0..LANES {
             // What is no number becomes 0 here, and stays no number below.
-            let (col, row) = ((c as usize).min(self.cols - 2), (r as usize).min(self.rows - 2));
-            let (u, v) = (c - col as f32, r - row as f32);
+            let (col, row) = ((c[l] as usize).min(self.cols - 2), (r[l] as usize).min(self.rows - 2));
+            let (u, v) = (c[l] - col as f32, r[l] - row as f32);
             let i = row * self.cols + col;
-            let low = self.values[i] + u * (self.values[i + 1] - self.values[i]);
             let j = i + self.cols;
-            let high = self.values[j] + u * (self.values[j + 1] - self.values[j]);
-            low + v * (high - low)
-        })
+            let (south, north) = (&self.values[i..i + 2], &self.values[j..j + 2]);
+            let low = south[0] + u * (south[1] - south[0]);
+            let high = north[0] + u * (north[1] - north[0]);
+            values[l] = low + v * (high - low);
+        }
+        values
     }
 }

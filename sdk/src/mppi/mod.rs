@@ -89,6 +89,8 @@ pub struct Mppi<const C: usize> {
     rng: Rng,
     /// The plan: each command at each knot.
     plan: Vec<[f32; C]>,
+    /// Another plan, about which the last of the blocks are drawn, and their number.
+    guide: (Vec<[f32; C]>, usize),
     /// Commands of all draws: by block of [`LANES`], knot, command.
     draws: Vec<[Lanes; C]>,
     costs: Vec<f32>,
@@ -111,6 +113,7 @@ impl<const C: usize> Mppi<C> {
         Self {
             rng: Rng::new(seed),
             plan: vec![command; knots],
+            guide: (Vec::new(), 0),
             draws: vec![[[0.0; LANES]; C]; blocks * knots],
             costs: vec![0.0; blocks * LANES],
             weights: vec![0.0; blocks * LANES],
@@ -138,6 +141,24 @@ impl<const C: usize> Mppi<C> {
         let spacing = f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64;
         let plan = (0..self.plan.len()).map(|k| self.command(k as f64 * spacing + elapsed).map(|v| v as f32));
         self.plan = plan.collect();
+    }
+
+    /// The number of knots of a plan: one every `spacing` steps of a roll-out, and one at its end or beyond.
+    #[must_use]
+    pub fn knots(&self) -> usize {
+        self.plan.len()
+    }
+
+    /// From now on a part of the draws, in [0, 1], is drawn about another plan with a command for each knot: what a search or a
+    /// policy proposes. The weighing doesn't care about where draws come from, so that a bad proposal costs draws and no more.
+    ///
+    /// # Panics
+    /// Panics if there are not as many commands as knots.
+    pub fn propose(&mut self, guide: &[[f32; C]], part: f64) {
+        assert_eq!(guide.len(), self.plan.len(), "a proposal has a command for each knot");
+        let blocks = self.costs.len() / LANES;
+        // The first block has the plan itself.
+        self.guide = (guide.to_vec(), ((part * blocks as f64) as usize).min(blocks - 1));
     }
 
     /// Draws commands, rolls them out from `start`, and moves the plan to their weighted mean. It returns the
@@ -180,15 +201,32 @@ impl<const C: usize> Mppi<C> {
         }
     }
 
+    /// Rolls the plan out, in all lanes alike, and passes every state, the first included, to `see`: for what it foresees.
+    pub fn unfold<M: Model<C>>(&self, model: &M, start: &M::State, mut see: impl FnMut(&M::State)) {
+        let mut state = start.clone();
+        see(&state);
+        for index in 0..self.settings.horizon {
+            let command = self.command(f64::from(self.settings.dt) * index as f64);
+            model.step(&mut state, &command.map(|c| [c as f32; LANES]), self.settings.dt);
+            see(&state);
+        }
+    }
+
     fn draw(&mut self) {
         let knots = self.plan.len();
         let Settings { spread, low, high, .. } = self.settings;
+        let (guide, guided) = (&self.guide.0, self.guide.1 * knots);
+        let first = self.draws.len() - guided;
         for (i, draw) in self.draws.iter_mut().enumerate() {
-            let mean = self.plan[i % knots];
+            let mean = if i < first { self.plan[i % knots] } else { guide[i % knots] };
             for c in 0..C {
                 for lane in 0..LANES / 2 {
-                    // The first pair is the plan itself.
-                    let noise = if i < knots && lane == 0 { 0.0 } else { spread[c] * normal(&mut self.rng) };
+                    // The first pair is the plan itself, and the proposal.
+                    let noise = if (i < knots || (first..first + knots).contains(&i)) && lane == 0 {
+                        0.0
+                    } else {
+                        spread[c] * normal(&mut self.rng)
+                    };
                     draw[c][lane] = (mean[c] + noise).clamp(low[c], high[c]);
                     draw[c][lane + LANES / 2] = (mean[c] - noise).clamp(low[c], high[c]);
                 }

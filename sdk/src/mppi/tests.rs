@@ -46,6 +46,38 @@ fn settings() -> Settings<1> {
 }
 
 #[test]
+fn a_good_proposal_is_taken_and_a_bad_one_is_not() {
+    // Draws lie so close about the plan that the target, 1 m/s for 2 s away, can't be seen from it.
+    let near = Settings { spread: [0.01], ..settings() };
+    let cost = Quadratic { target: 2.0, effort: 0.01 };
+    let after = |proposal: f32| {
+        let mut mppi = Mppi::new(near.clone(), [0.0], 1);
+        mppi.propose(&vec![[proposal]; mppi.knots()], 0.3);
+        mppi.improve(&Point, &cost, &[0.0; LANES]);
+        mppi.command(0.0)[0]
+    };
+    assert!((after(1.0) - 1.0).abs() < 0.02, "{}", after(1.0));
+    assert!(after(-3.0).abs() < 0.02, "{}", after(-3.0));
+}
+
+#[test]
+fn a_plan_is_unfolded_by_its_own_commands() {
+    let mut mppi = Mppi::new(settings(), [1.5], 1);
+    let mut seen = Vec::new();
+    mppi.unfold(&Point, &[2.0; LANES], |x| seen.push(x[0]));
+    assert_eq!(seen.len(), 21);
+    for (k, x) in seen.iter().enumerate() {
+        assert!((x - (2.0 + 0.15 * k as f32)).abs() < 1e-5, "{k}: {x}");
+    }
+    // A plan that changes: its commands lie on lines between knots.
+    mppi.improve(&Point, &Quadratic { target: 0.0, effort: 0.0 }, &[2.0; LANES]);
+    let way: f64 = (0..20).map(|k| 0.1 * mppi.command(0.1 * f64::from(k))[0]).sum();
+    let mut end = 0.0;
+    mppi.unfold(&Point, &[2.0; LANES], |x| end = f64::from(x[0]));
+    assert!((end - 2.0 - way).abs() < 1e-4, "{end} {way}");
+}
+
+#[test]
 fn a_quadratic_problem_is_solved() {
     // The least of Σ e u² + (Δt Σ u − t)² over n equal steps has every u = t Δt / (e + n Δt²): all steps alike.
     let (n, dt, e, t) = (20.0, 0.1, 0.01, 3.0);

@@ -10,6 +10,6 @@ mod network;
 mod tests;
 
 pub use file::{Layer, Weights, WeightsError};
-pub use network::{LEAK, Network, Scratch};
+pub use network::{LEAK, Network, Scratch, rectify};
 
 pub use crate::mppi::{LANES, Lanes};

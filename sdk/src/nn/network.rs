@@ -63,26 +63,50 @@ impl Network {
             } else {
                 let target = &mut to[..layer.outputs];
                 layer.run(source, target);
-                for value in target.iter_mut().flatten() {
-                    *value = if *value < 0.0 { LEAK * *value } else { *value };
-                }
+                target.iter_mut().for_each(rectify);
                 std::mem::swap(from, to);
             }
         }
     }
 }
 
+/// The activation: the greater of v and [`LEAK`]·v.
+pub fn rectify(values: &mut Lanes) {
+    for value in values {
+        let leak = LEAK * *value;
+        *value = if *value < leak { leak } else { *value };
+    }
+}
+
+/// Outputs that are summed side by side, so that each input is loaded once for all of them.
+const ROWS: usize = 4;
+
 impl Layer {
     /// bias + weights · x, for [`LANES`] x at once.
     fn run(&self, x: &[Lanes], y: &mut [Lanes]) {
-        for ((row, bias), y) in self.weights.chunks_exact(self.inputs).zip(&self.bias).zip(y) {
-            let mut sum = [*bias; LANES];
-            for (w, x) in row.iter().zip(x) {
-                for l in 0..LANES {
-                    sum[l] += w * x[l];
-                }
-            }
-            *y = sum;
+        let (blocks, rest) = y.as_chunks_mut::<ROWS>();
+        let (biases, rest_biases) = self.bias.as_chunks::<ROWS>();
+        let (weights, rest_weights) = self.weights.split_at(blocks.len() * ROWS * self.inputs);
+        for ((rows, biases), y) in weights.chunks_exact(ROWS * self.inputs).zip(biases).zip(blocks) {
+            *y = sums(std::array::from_fn(|r| &rows[r * self.inputs..][..self.inputs]), biases, x);
+        }
+        for ((row, bias), y) in rest_weights.chunks_exact(self.inputs).zip(rest_biases).zip(rest) {
+            [*y] = sums([row], &[*bias], x);
         }
     }
+}
+
+/// The sums of some rows of weights, each in the order of the inputs.
+#[inline]
+fn sums<const N: usize>(rows: [&[f32]; N], biases: &[f32; N], x: &[Lanes]) -> [Lanes; N] {
+    let mut sums = biases.map(|bias| [bias; LANES]);
+    for (i, x) in x.iter().enumerate() {
+        for (sum, row) in sums.iter_mut().zip(&rows) {
+            let w = row[i];
+            for l in 0..LANES {
+                sum[l] += w * x[l];
+            }
+        }
+    }
+    sums
 }

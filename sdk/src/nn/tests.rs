@@ -31,6 +31,21 @@ fn a_network_is_its_sums_with_leaky_rectifiers_between() {
 }
 
 #[test]
+fn each_output_of_a_wide_layer_is_the_sum_of_its_own_row() {
+    let weights: Vec<f32> = (0..6 * 3).map(|k| (k * k % 17) as f32 - 8.0).collect();
+    let bias = [1.0, -2.0, 3.0, -4.0, 5.0, -6.0];
+    let network = Network::new(vec![layer("wide.0", 3, &weights, &bias)]).unwrap();
+    let input: [Lanes; 3] = std::array::from_fn(|i| std::array::from_fn(|l| (i * LANES + l) as f32));
+    let mut output = [[0.0; LANES]; 6];
+    network.run(&input, &mut output, &mut Scratch::default());
+    for (k, values) in output.iter().enumerate() {
+        let sum = |l: usize| bias[k] + (0..3).map(|i| weights[3 * k + i] * input[i][l]).sum::<f32>();
+        // Whole numbers: exact in any order.
+        assert_eq!(*values, std::array::from_fn::<f32, LANES, _>(sum), "output {k}");
+    }
+}
+
+#[test]
 fn what_is_written_is_read_again() {
     let own = weights();
     let bytes = own.bytes();

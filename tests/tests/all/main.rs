@@ -11,6 +11,7 @@ mod determinism;
 mod fail_fast;
 mod full_disk;
 mod golden;
+mod hybrid;
 mod imported;
 mod languages;
 mod pages;

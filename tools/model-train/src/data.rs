@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use hybrid::Terrain;
 use vb_dataset::{Dataset, Episode};
-use vb_sdk::Vehicle;
+use vb_sdk::{HeightMap, Vehicle};
 use vb_sense::{PriorMaps, Profile, Seed};
 use vb_world::{World, geometry};
 
@@ -52,6 +52,8 @@ pub struct Point {
     pub turn: f32,
     /// Of the wheels.
     pub steering: f32,
+    /// The wheels' slip speed, m/s ([`hybrid::slip`]).
+    pub slip: f32,
     /// Commands: steering, and speed in m/s.
     pub command: [f32; 2],
 }
@@ -89,7 +91,9 @@ pub struct PlaceOf {
     pub hash: String,
     /// `rigid`, `deformable` or `mixed`.
     pub kind: String,
-    /// The ground.
+    /// The map of heights.
+    pub heights: HeightMap,
+    /// The ground of this map under the vehicle.
     pub terrain: Terrain,
 }
 
@@ -142,7 +146,7 @@ impl Data {
                     .ok_or_else(|| unfit(format!("{id} is too small")))?;
                 known.insert(id.clone(), (self.places.len(), Arc::new(world)));
                 let (hash, kind) = (episode.info.world_hash.clone(), episode.info.terrain.clone());
-                self.places.push(PlaceOf { hash, kind, terrain });
+                self.places.push(PlaceOf { hash, kind, heights, terrain });
             }
             let (place, world) = &known[id];
             self.cut(&dataset, &episode, *place, world, vehicle);
@@ -176,6 +180,8 @@ impl Data {
                 side: s[7] as f32,
                 turn: s[11] as f32,
                 steering: s[12] as f32,
+                slip: hybrid::slip(view.row("observation.wheels", k).chunks(2).map(|w| w[0]), s[6], vehicle)
+                    as f32,
                 command: [action[0] as f32, speed[0] as f32],
             });
         }

@@ -2,8 +2,10 @@
 //! ground, learned from datasets of exploration. The networks are those that `hybrid` and `vb_sdk::nn` evaluate in planners.
 
 pub mod data;
+pub mod measure;
 pub mod model;
 pub mod network;
+pub mod sight;
 pub mod train;
 
 use std::path::PathBuf;
@@ -26,6 +28,9 @@ pub enum TrainError {
     /// The vehicle can't be used.
     #[error("{0}")]
     Vehicle(String),
+    /// Weights can't be used.
+    #[error("{0}")]
+    Weights(String),
     /// A file can't be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {

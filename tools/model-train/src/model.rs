@@ -1,17 +1,17 @@
 //! The model of motion, as it is rolled out in training: the same sums as [`hybrid::Kinodynamics`] has, on tensors.
 
 use candle_core::{Device, Result, Tensor};
-use hybrid::{CHANNELS, DT, INPUTS, OUTPUTS, PATCH, SCALES, Units, heading, heading_of};
+use hybrid::{DT, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, TOLD, Units};
 use vb_sdk::Vehicle;
-use vb_sdk::mppi::{LANES, Lanes};
 
 use crate::data::{Data, Point, Window};
 use crate::network::Dense;
+use crate::sight::{Ground, Sight};
 
 /// The networks of the model, and the vehicle.
 pub struct Motion {
-    /// From a patch to [`CHANNELS`] numbers.
-    pub ground: Dense,
+    /// What of the ground they see.
+    pub sight: Sight,
     /// From state, commands and ground to corrections.
     pub motion: Dense,
     /// From the same to the logits of getting stuck and of tipping over.
@@ -23,60 +23,22 @@ pub struct Motion {
 }
 
 /// Hidden values of the networks.
-const GROUND: usize = 24;
-const MOTION: usize = 24;
-const HAZARD: usize = 16;
+const MOTION: usize = 32;
+const HAZARD: usize = 32;
 
 /// The state of many windows, one number each.
 pub struct State {
-    /// x, y, yaw, speed, side, turn, steering, roll, pitch.
-    pub values: [Tensor; 9],
+    /// x, y, yaw, speed, side, turn, steering, roll, pitch, slip.
+    pub values: [Tensor; 10],
 }
 
-fn column(values: Vec<f32>) -> Result<Tensor> {
+pub(crate) fn column(values: Vec<f32>) -> Result<Tensor> {
     let n = values.len();
     Tensor::from_vec(values, (n, 1), &Device::Cpu)
 }
 
-fn numbers(t: &Tensor) -> Result<Vec<f32>> {
+pub(crate) fn numbers(t: &Tensor) -> Result<Vec<f32>> {
     t.flatten_all()?.to_vec1()
-}
-
-/// The plane under the vehicles, and the patches where they are wanted: computed eight at a time, each eight in one world.
-fn ground(
-    data: &Data,
-    windows: &[&Window],
-    at: [&Tensor; 3],
-    patches: bool,
-) -> Result<([Tensor; 2], Option<Tensor>)> {
-    let [x, y, yaw] = [numbers(at[0])?, numbers(at[1])?, numbers(at[2])?];
-    let n = windows.len();
-    let (mut bank, mut rise) = (vec![0.0; n], vec![0.0; n]);
-    let mut all = vec![0.0; if patches { n * PATCH } else { 0 }];
-    let mut patch = [[0.0; LANES]; PATCH];
-    for first in (0..n).step_by(LANES) {
-        let terrain = &data.places[windows[first].place].terrain;
-        let of = |v: &[f32]| -> Lanes { std::array::from_fn(|l| v[first + l]) };
-        let (px, py) = (of(&x), of(&y));
-        let angles: [(f64, f64); LANES] = of(&yaw).map(|a| vb_math::sin_cos(f64::from(a)));
-        let (cos, sin) = (angles.map(|a| a.1 as f32), angles.map(|a| a.0 as f32));
-        let [_, b, r] = terrain.plane([&px, &py], [&cos, &sin]);
-        bank[first..first + LANES].copy_from_slice(&b);
-        rise[first..first + LANES].copy_from_slice(&r);
-        if patches {
-            // Planners have patches at some headings only.
-            let headings: [[f32; 2]; LANES] = std::array::from_fn(|l| heading(heading_of(cos[l], sin[l])));
-            let (cos, sin) = (headings.map(|h| h[0]), headings.map(|h| h[1]));
-            terrain.patch([&px, &py], [&cos, &sin], &mut patch);
-            for l in 0..LANES {
-                for (k, values) in patch.iter().enumerate() {
-                    all[(first + l) * PATCH + k] = values[l];
-                }
-            }
-        }
-    }
-    let patches = patches.then(|| Tensor::from_vec(all, (n, PATCH), &Device::Cpu)).transpose()?;
-    Ok(([column(bank)?, column(rise)?], patches))
 }
 
 impl Motion {
@@ -84,12 +46,13 @@ impl Motion {
     ///
     /// # Errors
     /// Returns an error if there is no memory.
-    pub fn new(vehicle: &Vehicle, seed: u64) -> Result<Self> {
+    pub fn new(vehicle: &Vehicle, sight: Sight, seed: u64) -> Result<Self> {
         let units = Units::of(vehicle);
+        let inputs = TOLD + sight.seen();
         Ok(Self {
-            ground: Dense::new("ground", &[PATCH, GROUND, CHANNELS], seed)?,
-            motion: Dense::new("motion", &[INPUTS, MOTION, MOTION, OUTPUTS], seed)?,
-            hazards: Dense::new("hazards", &[INPUTS, HAZARD, hybrid::HAZARDS], seed)?,
+            sight,
+            motion: Dense::new("motion", &[inputs, MOTION, MOTION, OUTPUTS], seed)?,
+            hazards: Dense::new("hazards", &[inputs, HAZARD, hybrid::HAZARDS], seed)?,
             units,
             curvature: 1.0 / vehicle.min_turn_radius,
             steer_rate: vehicle.max_steer_rate,
@@ -98,12 +61,20 @@ impl Motion {
         })
     }
 
+    /// All networks.
+    #[must_use]
+    pub fn networks(&self) -> Vec<&Dense> {
+        let mut all = self.sight.networks();
+        all.extend([&self.motion, &self.hazards]);
+        all
+    }
+
     /// The state at the start of windows.
     ///
     /// # Errors
     /// Returns an error if there is no memory.
     pub fn start(windows: &[&Window]) -> Result<State> {
-        let fields: [fn(&Point) -> f32; 9] = [
+        let fields: [fn(&Point) -> f32; 10] = [
             |p| p.x,
             |p| p.y,
             |p| p.yaw,
@@ -113,15 +84,17 @@ impl Motion {
             |p| p.steering,
             |p| p.roll,
             |p| p.pitch,
+            |p| p.slip,
         ];
         let values = fields.map(|f| column(windows.iter().map(|w| f(&w.points[0])).collect()));
         Ok(State { values: all(values)? })
     }
 
-    /// What the networks are told: the state, the plane and the commands, and the ground.
-    fn inputs(&self, s: &State, [bank, rise, steer, pace]: [Tensor; 4], patches: &Tensor) -> Result<Tensor> {
-        let [_, _, _, speed, side, turn, steering, roll, pitch] = &s.values;
+    /// What the networks are told and see: the state, the plane and the commands, and the ground.
+    fn inputs(&self, s: &State, [steer, pace]: [&Tensor; 2], ground: &Ground) -> Result<Tensor> {
+        let [_, _, _, speed, side, turn, steering, roll, pitch, slip] = &s.values;
         let (per_speed, per_rate) = (f64::from(self.units.speed), f64::from(self.units.rate));
+        let [bank, rise] = &ground.plane;
         let parts = [
             (speed * (0.25 * per_speed))?,
             (side * per_speed)?,
@@ -131,11 +104,19 @@ impl Motion {
             (bank * 3.0)?,
             (rise * 3.0)?,
             steering.clone(),
-            steer,
+            steer.clone(),
             (pace * (0.25 * per_speed))?,
-            self.ground.forward(patches)?,
+            (slip * (0.25 * per_speed))?,
         ];
-        Tensor::cat(&parts, 1)
+        let told = Tensor::cat(&parts, 1)?;
+        let seen = self.sight.see(&told, ground)?;
+        Tensor::cat(&[told, seen], 1)
+    }
+
+    /// The ground under windows' vehicles, as the networks see it.
+    fn ground(&self, data: &Data, windows: &[&Window], s: &State) -> Result<Ground> {
+        let [x, y, yaw, ..] = &s.values;
+        Ground::look(Some(&self.sight), data, windows, [x, y, yaw])
     }
 
     /// The logits of the hazards at the start of windows.
@@ -145,36 +126,21 @@ impl Motion {
     pub fn foresee(&self, data: &Data, windows: &[&Window]) -> Result<Tensor> {
         let s = Self::start(windows)?;
         let command = |c: usize| column(windows.iter().map(|w| w.points[0].command[c]).collect());
-        let [x, y, yaw, ..] = &s.values;
-        let ([bank, rise], patches) = ground(data, windows, [x, y, yaw], true)?;
-        let patches = patches.ok_or_else(|| candle_core::Error::Msg("no patches".into()))?;
-        self.hazards.forward(&self.inputs(&s, [bank, rise, command(0)?, command(1)?], &patches)?)
+        let ground = self.ground(data, windows, &s)?;
+        self.hazards.forward(&self.inputs(&s, [&command(0)?, &command(1)?], &ground)?)
     }
 
-    /// Moves the windows' vehicles on by a step; without `learned`, as a bicycle on the plane.
+    /// Moves the windows' vehicles on by a step.
     ///
     /// # Errors
     /// Returns an error if there is no memory.
-    pub fn step(
-        &self,
-        data: &Data,
-        windows: &[&Window],
-        s: &State,
-        index: usize,
-        learned: bool,
-    ) -> Result<State> {
-        let [x, y, yaw, speed, _, _, steering, _, _] = &s.values;
+    pub fn step(&self, data: &Data, windows: &[&Window], s: &State, index: usize) -> Result<State> {
+        let [x, y, yaw, speed, _, _, steering, _, _, slip] = &s.values;
         let command = |c: usize| column(windows.iter().map(|w| w.points[index].command[c]).collect());
         let (steer, pace) = (command(0)?, command(1)?);
-        let ([bank, rise], patches) = ground(data, windows, [x, y, yaw], learned)?;
+        let ground = self.ground(data, windows, s)?;
         let (per_speed, per_rate) = (f64::from(self.units.speed), f64::from(self.units.rate));
-        let out = match patches {
-            Some(patches) => {
-                let own = [bank.clone(), rise.clone(), steer.clone(), pace.clone()];
-                self.motion.forward(&self.inputs(s, own, &patches)?)?
-            }
-            None => Tensor::zeros((windows.len(), OUTPUTS), candle_core::DType::F32, &Device::Cpu)?,
-        };
+        let out = self.motion.forward(&self.inputs(s, [&steer, &pace], &ground)?)?;
         let correction = |k: usize| out.narrow(1, k, 1)? * f64::from(SCALES[k]);
         let dt = self.dt;
         let most = self.steer_rate * dt;
@@ -186,7 +152,9 @@ impl Motion {
         let way = ((speed + &next)? * (0.5 * dt))?;
         let turn = ((&next * self.curvature)? * &steering)?.add(&(correction(1)? / per_rate)?)?;
         let side = (correction(2)? / per_speed)?;
-        let level = ((rise.sqr()? * -0.5)? + 1.0)?;
+        let kept = (slip * (f64::from(SLIP_KEPT) * per_speed))?;
+        let slip = ((kept + correction(5)?)?.clamp(-SLIP_LIMIT, SLIP_LIMIT)? / per_speed)?;
+        let level = ((ground.plane[1].sqr()? * -0.5)? + 1.0)?;
         let way = (way * level)?;
         let middle = (yaw + (&turn * (0.5 * dt))?)?;
         let (cos, sin) = (middle.cos()?, middle.sin()?);
@@ -194,9 +162,9 @@ impl Motion {
         let x = ((x + (&way * &cos)?)? - (&aside * &sin)?)?;
         let y = ((y + (&way * &sin)?)? + (&aside * &cos)?)?;
         let yaw = (yaw + (&turn * dt)?)?;
-        let ([bank, rise], _) = ground(data, windows, [&x, &y, &yaw], false)?;
+        let [bank, rise] = Ground::look(None, data, windows, [&x, &y, &yaw])?.plane;
         let (roll, pitch) = ((bank + correction(3)?)?, (rise + correction(4)?)?);
-        Ok(State { values: [x, y, yaw, next, side, turn, steering, roll, pitch] })
+        Ok(State { values: [x, y, yaw, next, side, turn, steering, roll, pitch, slip] })
     }
 }
 
@@ -205,11 +173,11 @@ fn all<const N: usize>(values: [Result<Tensor>; N]) -> Result<[Tensor; N]> {
     values.try_into().map_err(|_| candle_core::Error::Msg("another number of tensors".into()))
 }
 
-/// Where the windows' vehicles were at the end of a step: x, y, yaw, speed, side, turn, steering, roll, pitch.
+/// Where the windows' vehicles were at the end of a step: x, y, yaw, speed, side, turn, steering, roll, pitch, slip.
 ///
 /// # Errors
 /// Returns an error if there is no memory.
-pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 9]> {
+pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 10]> {
     let ended: Vec<Window> = windows
         .iter()
         .map(|w| Window { place: w.place, points: vec![w.points[index]], stands: w.stands })
@@ -221,9 +189,10 @@ pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 9]> {
 mod tests {
     use super::*;
     use crate::data::PlaceOf;
-    use hybrid::{Kinodynamics, Learned, Table, Terrain};
+    use hybrid::{Kinodynamics, Learned, Terrain};
+    use vb_sdk::mppi::LANES;
     use vb_sdk::mppi::Model as _;
-    use vb_sdk::nn::{Network, Weights};
+    use vb_sdk::nn::Weights;
     use vb_sdk::{GridFrame, Map};
 
     const FRAME: GridFrame =
@@ -240,46 +209,61 @@ mod tests {
     }
 
     /// A slope of gravel, whose patches are alike everywhere: what a table interpolates is then what the network gives.
-    fn terrain() -> Terrain {
+    fn terrain() -> (Map<f32>, Terrain) {
         let height = |k: usize| 0.08 * (k % 81) as f32 - 0.05 * (k / 81) as f32;
         let heights = Map { frame: FRAME, data: (0..81 * 81).map(height).collect() };
         let classes = Map { frame: FRAME, data: vec![4; 81 * 81] };
-        Terrain::new(&heights, Some(&classes), &vehicle()).unwrap()
+        let terrain = Terrain::new(&heights, Some(&classes), &vehicle()).unwrap();
+        (heights, terrain)
     }
 
     #[test]
     fn planners_roll_out_what_was_trained() {
-        let model = Motion::new(&vehicle(), 3).unwrap();
+        for sight in [Sight::patch(3), Sight::attention(3)] {
+            held_against_each_other(sight.unwrap());
+        }
+    }
+
+    fn held_against_each_other(sight: Sight) {
+        let note = ("sight".to_owned(), sight.name().to_owned());
+        let model = Motion::new(&vehicle(), sight, 3).unwrap();
         let mut points = vec![Point::default(); 16];
         for (k, p) in points.iter_mut().enumerate() {
             p.command = [0.6 * vb_math::sin(0.4 * k as f64) as f32, 2.0 + 0.2 * k as f32];
         }
-        points[0] = Point { x: 1.5, y: -2.0, yaw: 0.3, speed: 1.0, side: 0.1, turn: 0.05, ..points[0] };
+        points[0] =
+            Point { x: 1.5, y: -2.0, yaw: 0.3, speed: 1.0, side: 0.1, turn: 0.05, slip: 0.7, ..points[0] };
         let window = Window { place: 0, points, stands: false };
         let windows = [&window; LANES];
-        let place = PlaceOf { hash: String::new(), kind: "rigid".into(), terrain: terrain() };
+        let (heights, terrain) = terrain();
+        let place = PlaceOf {
+            hash: String::new(),
+            kind: "rigid".into(),
+            heights: heights.clone(),
+            terrain: terrain.clone(),
+        };
         let data = Data { places: vec![place], ..Data::default() };
 
         // Through the file, as planners have them.
-        let layers = [model.ground.layers(), model.motion.layers(), model.hazards.layers()];
-        let layers = layers.into_iter().collect::<Result<Vec<_>>>().unwrap().concat();
-        let weights = Weights::parse(&Weights { notes: Vec::new(), layers }.bytes()).unwrap();
-        let network = |name: &str, i, o| -> Network { weights.network(name, i, o).unwrap() };
-        let table = Table::new(FRAME, &terrain(), &network("ground", PATCH, CHANNELS));
-        let networks = [network("motion", INPUTS, OUTPUTS), network("hazards", INPUTS, hybrid::HAZARDS)];
-        let own = Kinodynamics::new(terrain(), table, networks, &vehicle(), Learned::All);
+        let layers = model.networks().into_iter().map(Dense::layers);
+        let layers = layers.collect::<Result<Vec<_>>>().unwrap().concat();
+        let weights = Weights::parse(&Weights { notes: vec![note], layers }.bytes()).unwrap();
+        let own = Kinodynamics::of(&heights, terrain, &weights, &vehicle(), Learned::All).unwrap();
 
         let p = window.points[0];
         let all = |v: f32| [v; LANES];
+        let (cos, sin) = (vb_math::cos(f64::from(p.yaw)) as f32, vb_math::sin(f64::from(p.yaw)) as f32);
         let mut s = hybrid::State {
+            plane: own.terrain().plane([&all(p.x), &all(p.y)], [&all(cos), &all(sin)]),
             x: all(p.x),
             y: all(p.y),
-            cos: all(vb_math::cos(f64::from(p.yaw)) as f32),
-            sin: all(vb_math::sin(f64::from(p.yaw)) as f32),
+            cos: all(cos),
+            sin: all(sin),
             speed: all(p.speed),
             side: all(p.side),
             turn: all(p.turn),
             steering: all(p.steering),
+            slip: all(p.slip),
             roll: all(p.roll),
             pitch: all(p.pitch),
             stuck: all(0.0),
@@ -288,7 +272,7 @@ mod tests {
         let mut state = Motion::start(&windows).unwrap();
         let logits = model.foresee(&data, &windows).unwrap().to_vec2::<f32>().unwrap();
         for k in 0..15 {
-            state = model.step(&data, &windows, &state, k, true).unwrap();
+            state = model.step(&data, &windows, &state, k).unwrap();
             own.step(&mut s, &window.points[k].command.map(all), DT);
             if k == 0 {
                 assert!((s.stuck[0] - hybrid::probability(logits[0][0])).abs() < 1e-3);
@@ -297,13 +281,13 @@ mod tests {
             let trained = state.values.each_ref().map(|t| numbers(t).unwrap()[0]);
             let yaw = vb_math::atan2(f64::from(s.sin[0]), f64::from(s.cos[0])) as f32;
             let rolled =
-                [s.x[0], s.y[0], yaw, s.speed[0], s.side[0], s.turn[0], s.steering[0], s.roll[0], s.pitch[0]];
-            for (i, (a, b)) in trained.iter().zip(rolled).enumerate() {
+                [s.x, s.y, [yaw; LANES], s.speed, s.side, s.turn, s.steering, s.roll, s.pitch, s.slip];
+            for (i, (a, b)) in trained.iter().zip(rolled.map(|v| v[0])).enumerate() {
                 // Planners turn headings by small angles' sines, which after 3 s is off by some millimetres.
                 assert!((a - b).abs() < 0.01, "value {i} after step {k}: trained {a}, rolled out {b}");
             }
         }
         // It has gone somewhere, by a curve.
-        assert!(s.x[0] - 1.5 > 5.0 && s.cos[0] < 0.99, "{s:?}");
+        assert!(s.x[0] - 1.5 > 5.0 && s.cos[0] < 0.995, "{s:?}");
     }
 }

@@ -2,7 +2,15 @@
 
 use candle_core::{Device, Result, Tensor, Var};
 use vb_math::rng::Stream;
-use vb_sdk::nn::{LEAK, Layer};
+use vb_sdk::nn::{LEAK, Layer, Weights};
+
+/// The activation: max(x, leak · x).
+///
+/// # Errors
+/// Returns an error if there is no memory.
+pub fn rectify(x: &Tensor) -> Result<Tensor> {
+    x.maximum(&(x * f64::from(LEAK))?)
+}
 
 /// Dense layers with leaky rectifiers between them.
 pub struct Dense {
@@ -32,6 +40,34 @@ impl Dense {
         Ok(Self { name: name.to_owned(), layers })
     }
 
+    /// Begins with the weights of a trained network of this name, if there is one. Inputs that it hasn't got, at the end, count for
+    /// nothing at first.
+    ///
+    /// # Errors
+    /// Returns an error if its layers have other sizes.
+    pub fn begin_with(&self, trained: &Weights) -> Result<()> {
+        for (k, (weights, bias)) in self.layers.iter().enumerate() {
+            let name = format!("{}.{k}", self.name);
+            let Some(layer) = trained.layers.iter().find(|l| l.name == name) else { continue };
+            let (inputs, outputs) = weights.dims2()?;
+            if layer.outputs != outputs || layer.inputs > inputs {
+                let (from, to) = (layer.inputs, layer.outputs);
+                candle_core::bail!(
+                    "layer {name} turns {inputs} inputs into {outputs} outputs, not {from} into {to}"
+                );
+            }
+            let mut values = vec![0.0_f32; inputs * outputs];
+            for (o, row) in layer.weights.chunks_exact(layer.inputs).enumerate() {
+                for (i, w) in row.iter().enumerate() {
+                    values[i * outputs + o] = *w;
+                }
+            }
+            weights.set(&Tensor::from_vec(values, (inputs, outputs), &Device::Cpu)?)?;
+            bias.set(&Tensor::from_vec(layer.bias.clone(), outputs, &Device::Cpu)?)?;
+        }
+        Ok(())
+    }
+
     /// The variables.
     pub fn variables(&self) -> impl Iterator<Item = Var> {
         self.layers.iter().flat_map(|(w, b)| [w.clone(), b.clone()])
@@ -46,8 +82,7 @@ impl Dense {
         for (k, (weights, bias)) in self.layers.iter().enumerate() {
             x = x.matmul(weights)?.broadcast_add(bias)?;
             if k + 1 < self.layers.len() {
-                // max(x, leak · x).
-                x = x.maximum(&(&x * f64::from(LEAK))?)?;
+                x = rectify(&x)?;
             }
         }
         Ok(x)

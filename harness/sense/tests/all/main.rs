@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod common;
+mod docs;
 mod facade;
 mod images;
 mod inertial;

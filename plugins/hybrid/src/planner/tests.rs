@@ -1,9 +1,9 @@
 //! What the planners do on ground that is known beforehand.
 
 use super::*;
-use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Vec3, Vehicle};
+use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Series, Vec3, Vehicle};
 
-const PARAMS: [(&str, &str); 22] = [
+const PARAMS: [(&str, &str); 23] = [
     ("speed", "4"),
     ("lookahead", "12"),
     ("samples", "400"),
@@ -22,6 +22,7 @@ const PARAMS: [(&str, &str); 22] = [
     ("pitch", "15"),
     ("stuck", "8"),
     ("over", "8"),
+    ("guided", "0.3"),
     ("price_stuck", "50"),
     ("price_over", "200"),
     ("price_slow", "1"),
@@ -48,6 +49,7 @@ fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
             track: 1.819,
             width: 2.2,
             min_turn_radius: 5.2,
+            wheel_radius: 0.467,
             max_steer_rate: 1.5,
             max_speed: 30.0,
             ..Vehicle::default()
@@ -69,31 +71,35 @@ fn observed(x: f64, y: f64, speed: f64) -> Observation {
     Observation::of(Pose { position, linear_velocity, ..Pose::default() })
 }
 
+fn hears(learned: Learned) -> Prediction {
+    Prediction { learned, attention: false }
+}
+
+const ATTENDS: Prediction = Prediction { learned: Learned::All, attention: true };
+
 /// The mean steering after some steps at a place.
-fn steering(task: &Task, aim: Aim, learned: Learned, o: &Observation) -> f64 {
-    let mut planner = Hybrid::new(task, aim, learned).unwrap();
+fn steering(task: &Task, aim: Aim, by: Prediction, o: &Observation) -> f64 {
+    let mut planner = Hybrid::new(task, aim, by).unwrap();
     (0..8).map(|_| planner.step(o).unwrap().steering).skip(3).sum::<f64>() / 5.0
 }
 
 #[test]
 fn on_flat_ground_every_planner_drives_on_and_towards_its_way() {
     let flat = task(|_, _| 0.0, &[]);
-    for (aim, learned) in [
-        (Aim::Path, Learned::All),
-        (Aim::Path, Learned::Attitude),
-        (Aim::Path, Learned::Nothing),
-        (Aim::Traversability, Learned::All),
+    for (aim, by) in [
+        (Aim::Path, hears(Learned::All)),
+        (Aim::Path, hears(Learned::Attitude)),
+        (Aim::Path, hears(Learned::Nothing)),
+        (Aim::Path, ATTENDS),
+        (Aim::Traversability, hears(Learned::All)),
     ] {
-        let mut planner = Hybrid::new(&flat, aim, learned).unwrap();
+        let mut planner = Hybrid::new(&flat, aim, by).unwrap();
         let c = planner.step(&observed(-25.0, 0.0, 1.0)).unwrap();
-        assert!(c.throttle > 0.5 && c.brake == 0.0, "{aim:?} {learned:?}: {c:?}");
-        assert!(
-            steering(&flat, aim, learned, &observed(-20.0, 0.0, 3.0)).abs() < 0.25,
-            "{aim:?} {learned:?}"
-        );
+        assert!(c.throttle > 0.5 && c.brake == 0.0, "{aim:?} {by:?}: {c:?}");
+        assert!(steering(&flat, aim, by, &observed(-20.0, 0.0, 3.0)).abs() < 0.25, "{aim:?} {by:?}");
         for y in [-8.0, 8.0] {
-            let s = steering(&flat, aim, learned, &observed(10.0, y, 3.0));
-            assert!(s * y < 0.0, "{aim:?} {learned:?} at y = {y}: {s}");
+            let s = steering(&flat, aim, by, &observed(10.0, y, 3.0));
+            assert!(s * y < 0.0, "{aim:?} {by:?} at y = {y}: {s}");
         }
     }
 }
@@ -104,14 +110,30 @@ fn ground_that_it_foresees_to_be_impassable_is_gone_around() {
     for side in [1.0, -1.0] {
         let ditch =
             move |x: f64, y: f64| if (-6.0..-2.0).contains(&x) && y * side < 4.0 { -3.0 } else { 0.0 };
-        let s = steering(&task(ditch, &[]), Aim::Traversability, Learned::All, &observed(-20.0, 0.0, 3.0));
+        let s =
+            steering(&task(ditch, &[]), Aim::Traversability, hears(Learned::All), &observed(-20.0, 0.0, 3.0));
         assert!(s * side > 0.05, "side {side}: {s}");
     }
 }
 
 #[test]
+fn a_descent_turns_towards_the_goal_and_goes_straight_once_it_looks_there() {
+    let planner = Hybrid::new(&task(|_, _| 0.0, &[]), Aim::Traversability, hears(Learned::All)).unwrap();
+    // The goal lies at (25, 0).
+    let descent = |x: f64, y: f64| {
+        let o = observed(x, y, 4.0);
+        let start = State::of(&o, planner.model.terrain(), &planner.vehicle).unwrap();
+        descend(&planner.model, &planner.objective, &start, (5, 5, 0.2))
+    };
+    assert!(descent(10.0, 15.0)[0][0] < -0.4 && descent(10.0, -15.0)[0][0] > 0.4);
+    let straight = descent(-20.0, 0.0);
+    assert_eq!(straight.len(), 5);
+    assert!(straight.iter().all(|c| c[0].abs() < 0.5 && c[1] == 4.0), "{straight:?}");
+}
+
+#[test]
 fn what_is_missing_or_wrong_is_named() {
-    let new = |task: &Task| match Hybrid::new(task, Aim::Traversability, Learned::All) {
+    let new = |task: &Task| match Hybrid::new(task, Aim::Traversability, hears(Learned::All)) {
         Ok(_) => panic!("it was taken"),
         Err(e) => e.to_string(),
     };
@@ -127,14 +149,81 @@ fn what_is_missing_or_wrong_is_named() {
     }
     // Without kinds of ground it goes by the heights alone.
     let blind = Task { semantics: None, ..flat() };
-    assert!(Hybrid::new(&blind, Aim::Path, Learned::All).is_ok());
+    assert!(Hybrid::new(&blind, Aim::Path, hears(Learned::All)).is_ok());
 }
 
 #[test]
 fn what_it_considers_is_told_on_request() {
-    let mut planner = Hybrid::new(&task(|_, _| 0.0, &[("explain", "12")]), Aim::Path, Learned::All).unwrap();
-    let c = planner.step(&observed(-20.0, 0.0, 3.0)).unwrap();
-    let series = |name: &str| c.debug.iter().find(|s| s.name == name).unwrap().values.len();
+    let explained = task(|x, _| 0.05 * x, &[("explain", "12")]);
+    let told = |aim: Aim, by: Prediction| {
+        let mut planner = Hybrid::new(&explained, aim, by).unwrap();
+        let steps: Vec<Vec<Series>> =
+            (0..12).map(|_| planner.step(&observed(-20.0, 0.0, 3.0)).unwrap().debug).collect();
+        move |step: usize, name: &str| {
+            steps[step].iter().find(|s| s.name == name).map(|s| s.values.clone()).unwrap_or_default()
+        }
+    };
+    let series = told(Aim::Path, ATTENDS);
     // 16 courses of 21 points.
-    assert_eq!((series("trajectories"), series("trajectory_costs")), (16 * 21 * 2, 16));
+    assert_eq!((series(0, "trajectories").len(), series(0, "trajectory_costs").len()), (16 * 21 * 2, 16));
+    // The plan lies on the ground, from the vehicle on.
+    let plan = series(0, "plan.xyz");
+    assert_eq!(plan.len(), 21 * 3);
+    assert!(plan.chunks(3).all(|p| (p[2] - 0.05 * p[0]).abs() < 1e-3) && plan[0] == -20.0, "{plan:?}");
+    // A vehicle that doesn't move is by and by where it wasn't foreseen to be.
+    assert!(series(9, "prediction_error").is_empty() && series(10, "prediction_error")[0] > 0.5);
+    // All attention together is one.
+    let shares = series(0, "attention.cost");
+    assert!(shares.len() == 5 && (shares.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{shares:?}");
+    assert!(shares.iter().all(|s| *s > 0.0), "{shares:?}");
+    // The map is told once.
+    let series = told(Aim::Traversability, hears(Learned::All));
+    assert_eq!(series(0, "traversability.cost").len(), 81 * 81);
+    assert!(series(1, "traversability.cost").is_empty() && series(1, "attention.cost").is_empty());
+    assert!(series(0, "way_left")[0] > 40.0);
+}
+
+#[test]
+fn maps_of_any_resolution_and_worlds_of_any_scale_are_driven_in() {
+    // The same slope as a map of 2 m and of half a metre, and all of it at a tenth.
+    for (resolution, scale) in [(2.0, 1.0), (0.5, 1.0), (0.1, 0.1), (1.0, 1.0 / 6.0)] {
+        let n = (80.0 * scale / resolution) as u32 + 1;
+        let frame =
+            GridFrame { rows: n, cols: n, resolution, origin_x: -40.0 * scale, origin_y: -40.0 * scale };
+        let flat = task(|_, _| 0.0, &[]);
+        let heights = (0..n * n).map(|k| 0.05 * (frame.position(k / n, k % n).0 as f32)).collect();
+        let own = Task {
+            elevation: Some(Map { frame, data: heights }),
+            semantics: Some(Map { frame, data: vec![4; (n * n) as usize] }),
+            occupancy: Some(Map { frame, data: vec![0; (n * n) as usize] }),
+            path: flat.path.iter().map(|p| Point2 { x: p.x * scale, y: p.y * scale }).collect(),
+            goal: Point2 { x: 25.0 * scale, y: 0.0 },
+            vehicle: Vehicle {
+                scale,
+                wheelbase: 3.302 * scale,
+                track: 1.819 * scale,
+                width: 2.2 * scale,
+                min_turn_radius: 5.2 * scale,
+                wheel_radius: 0.467 * scale,
+                max_steer_rate: 1.5 / scale.sqrt(),
+                max_speed: 30.0 * scale.sqrt(),
+                ..flat.vehicle.clone()
+            },
+            ..flat
+        };
+        for (aim, by) in [(Aim::Path, ATTENDS), (Aim::Traversability, hears(Learned::All))] {
+            let s = steering(&own, aim, by, &observed(10.0 * scale, 8.0 * scale, 3.0 * scale.sqrt()));
+            assert!(s < 0.0, "{resolution} m at scale {scale}, {aim:?}: {s}");
+        }
+    }
+}
+
+#[test]
+fn an_observation_that_is_no_number_is_an_error() {
+    let flat = task(|_, _| 0.0, &[]);
+    let mut planner = Hybrid::new(&flat, Aim::Path, ATTENDS).unwrap();
+    let mut o = observed(-20.0, 0.0, 3.0);
+    o.wheels = vec![vb_sdk::Wheel { spin: f64::NAN, travel: 0.0 }];
+    let e = planner.step(&o).unwrap_err().to_string();
+    assert!(e.contains("NaN"), "{e}");
 }

@@ -1,0 +1,123 @@
+//! Attention to the ground at places that the vehicle may come to.
+//!
+//! What a network makes of the patch about a place is the same wherever the vehicle is, so the table that has it for the vehicle's own
+//! place has it for those ahead as well. A step looks at [`PLACES`], pays attention to them by what the vehicle does and by what is there,
+//! and takes their mean. The idea is that of Datar et al., *Terrain-Attentive Learning for Efficient 6-DoF Kinodynamic Modeling on
+//! Vertically Challenging Terrain* (IROS 2024): what matters of the ground depends on the motion.
+
+use vb_sdk::HeightMap;
+use vb_sdk::mppi::{LANES, Lanes};
+use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
+
+use crate::kinodynamics::TOLD;
+use crate::table::{CHANNELS, Table};
+use crate::terrain::Terrain;
+
+/// The places that are looked at, forward and to the left, in wheelbases; the first is the vehicle's own.
+pub const PLACES: [[f32; 2]; 5] = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.6, 0.6], [1.6, -0.6]];
+
+/// Where a place of vehicles with this wheelbase lies, m.
+#[must_use]
+pub fn place(place: usize, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], wheelbase: f32) -> [Lanes; 2] {
+    let [forward, left] = PLACES[place].map(|v| v * wheelbase);
+    [
+        std::array::from_fn(|l| x[l] + forward * cos[l] - left * sin[l]),
+        std::array::from_fn(|l| y[l] + forward * sin[l] + left * cos[l]),
+    ]
+}
+
+/// A weight above 0 that grows with z: z/2 + √(z²/4 + 1), Barron's squareplus (*Squareplus: A Softplus-Like Algebraic Rectifier*, 2021),
+/// which needs no exponential.
+#[must_use]
+pub fn weight(z: f32) -> f32 {
+    0.5 * z + (0.25 * z * z + 1.0).sqrt()
+}
+
+/// The table of the ground, and the networks that say how much a place of it matters.
+#[derive(Clone, Debug)]
+pub struct Attention {
+    table: Table,
+    query: Network,
+    key: Network,
+}
+
+impl Attention {
+    /// The attention that weights describe, over a map of heights of which a terrain was made.
+    ///
+    /// # Errors
+    /// Returns an error if the weights lack a network.
+    pub fn new(heights: &HeightMap, terrain: &Terrain, weights: &Weights) -> Result<Self, WeightsError> {
+        Ok(Self {
+            table: Table::of(heights, terrain, weights)?,
+            query: weights.network("query", TOLD, PLACES.len())?,
+            key: weights.network("key", CHANNELS, 1)?,
+        })
+    }
+
+    /// What is seen by vehicles of this wheelbase that are told this of themselves: the ground where they are, then the mean over all
+    /// places by the attention that is paid to each. It returns the attention by place; of each vehicle its sum is 1.
+    pub fn look(
+        &self,
+        (at, direction): ([&Lanes; 2], [&Lanes; 2]),
+        wheelbase: f32,
+        told: &[Lanes],
+        seen: &mut [Lanes],
+        scratch: &mut Scratch,
+    ) -> [Lanes; PLACES.len()] {
+        let mut asked = [[0.0; LANES]; PLACES.len()];
+        self.query.run(told, &mut asked, scratch);
+        let mut weights = [[0.0; LANES]; PLACES.len()];
+        let mut total = [0.0; LANES];
+        let (own, mean) = seen.split_at_mut(CHANNELS);
+        mean.fill([0.0; LANES]);
+        let mut there = [[0.0; LANES]; CHANNELS];
+        for (k, asked) in asked.iter().enumerate() {
+            let [x, y] = place(k, at, direction, wheelbase);
+            self.table.at([&x, &y], direction, &mut there);
+            if k == 0 {
+                own.copy_from_slice(&there);
+            }
+            let mut key = [[0.0; LANES]];
+            self.key.run(&there, &mut key, scratch);
+            for l in 0..LANES {
+                weights[k][l] = weight(asked[l] + key[0][l]);
+                total[l] += weights[k][l];
+            }
+            for (sum, value) in mean.iter_mut().zip(&there) {
+                for l in 0..LANES {
+                    sum[l] += weights[k][l] * value[l];
+                }
+            }
+        }
+        let part = total.map(|t| 1.0 / t);
+        for values in mean.iter_mut().chain(&mut weights) {
+            values.iter_mut().zip(part).for_each(|(v, part)| *v *= part);
+        }
+        weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_lie_ahead_of_the_vehicle_and_to_both_sides() {
+        // It looks north from (10, 20); a wheelbase is 3 m.
+        let (x, y, cos, sin) = ([10.0; LANES], [20.0; LANES], [0.0; LANES], [1.0; LANES]);
+        let at = |k: usize| place(k, [&x, &y], [&cos, &sin], 3.0).map(|v| v[0]);
+        let expected = [[10.0, 20.0], [10.0, 23.0], [10.0, 26.0], [8.2, 24.8], [11.8, 24.8]];
+        for (k, expected) in expected.iter().enumerate() {
+            assert!(at(k).iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{k}: {:?}", at(k));
+        }
+    }
+
+    #[test]
+    fn weights_are_above_nothing_and_grow() {
+        // squareplus(0) = 1; far from 0 it is z, or goes to -1/z.
+        assert_eq!(weight(0.0), 1.0);
+        assert!((weight(30.0) - 30.0 - 1.0 / 30.0).abs() < 1e-3 && (weight(-30.0) - 1.0 / 30.0).abs() < 1e-3);
+        let all: Vec<f32> = (-100..=100).map(|k| weight(0.1 * k as f32)).collect();
+        assert!(all[0] > 0.0 && all.windows(2).all(|w| w[0] < w[1]));
+    }
+}

@@ -1,0 +1,116 @@
+//! What a planner considers, as series that `vb-harness replay` draws (docs/planners.md#what-the-hybrid-planners-consider).
+
+use std::collections::VecDeque;
+
+use vb_sdk::mppi::{LANES, Mppi, Weighing};
+use vb_sdk::{GridFrame, Series, math};
+
+use crate::kinodynamics::{DT, Kinodynamics, State};
+use crate::objective::Objective;
+use crate::table::HEADINGS;
+
+/// After how long a prediction is held against what came, s at full scale.
+const AHEAD: f32 = 1.0;
+
+fn series(name: &str, values: Vec<f32>) -> Series {
+    Series { name: name.into(), values }
+}
+
+/// What is told, and what must be remembered for it.
+pub(crate) struct Explanation {
+    courses: usize,
+    /// Control periods until [`AHEAD`].
+    periods: usize,
+    /// Where the plans of the last second had the vehicle after [`AHEAD`], m.
+    predictions: VecDeque<[f32; 2]>,
+    /// The map of traversability, which is told once.
+    map: Vec<Series>,
+}
+
+impl Explanation {
+    /// So many courses are shown, of a planner with this control period, s at full scale.
+    pub(crate) fn new(courses: usize, period: f64) -> Self {
+        let periods = (f64::from(AHEAD) / period + 0.5) as usize;
+        Self { courses, periods, predictions: VecDeque::new(), map: Vec::new() }
+    }
+
+    /// The price of each place, as the binary logarithm of its mean over all headings, is to be shown with the next step.
+    pub(crate) fn show(&mut self, frame: GridFrame, model: &Kinodynamics, costs: &[f32]) {
+        let area = (frame.rows * frame.cols) as usize;
+        let (mut points, mut prices) = (Vec::new(), Vec::new());
+        for node in 0..area {
+            let (x, y) = frame.position(node as u32 / frame.cols, node as u32 % frame.cols);
+            place(&mut points, model, x as f32, y as f32);
+            let mean = (0..HEADINGS).map(|h| costs[h * area + node]).sum::<f32>() / HEADINGS as f32;
+            prices.push(math::ln(f64::from(mean)) as f32 / std::f32::consts::LN_2);
+        }
+        self.map = vec![series("traversability.xyz", points), series("traversability.cost", prices)];
+    }
+
+    /// The series of a step.
+    pub(crate) fn tell(
+        &mut self,
+        (mppi, weighing): (&Mppi<2>, Weighing),
+        model: &Kinodynamics,
+        objective: &Objective,
+        (start, command): (&State, [f32; 2]),
+    ) -> Vec<Series> {
+        let blocks = self.courses.div_ceil(LANES).min(mppi.costs().len() / LANES);
+        let mut courses = Vec::new();
+        for block in 0..blocks {
+            let mut states = Vec::new();
+            mppi.replay(block, model, start, |s| states.push((s.x, s.y)));
+            for lane in 0..LANES {
+                courses.extend(states.iter().flat_map(|(x, y)| [x[lane], y[lane]]));
+            }
+        }
+        let (mut plan, mut stuck, mut over) = (Vec::new(), 0.0_f32, 0.0_f32);
+        mppi.unfold(model, start, |s| {
+            plan.extend([s.x[0], s.y[0], s.plane[0][0]]);
+            (stuck, over) = (stuck.max(s.stuck[0]), over.max(s.over[0]));
+        });
+        let mut told = vec![
+            series("trajectories", courses),
+            series("trajectory_costs", mppi.costs()[..blocks * LANES].to_vec()),
+            series("local_goal", objective.goal.to_vec()),
+            series("effective_samples", vec![weighing.effective as f32]),
+            series("stuck_foreseen", vec![stuck]),
+            series("over_foreseen", vec![over]),
+        ];
+        if let Some(off) = self.missed_by(start, &plan) {
+            told.push(series("prediction_error", vec![off]));
+        }
+        told.push(series("plan.xyz", plan));
+        if let Some(values) = &objective.values {
+            let way = values.at([&start.x, &start.y], [&start.cos, &start.sin]);
+            told.push(series("way_left", vec![way[0]]));
+        }
+        if let Some(weights) = model.attention(start, &command.map(|c| [c; LANES])) {
+            let mut points = Vec::new();
+            for [x, y] in model.places(start) {
+                place(&mut points, model, x[0], y[0]);
+            }
+            let shares = weights.iter().map(|w| w[0]).collect();
+            told.extend([series("attention.xyz", points), series("attention.cost", shares)]);
+        }
+        told.append(&mut self.map);
+        told
+    }
+
+    /// How far the vehicle is from where the plan of a second ago had it by now, m.
+    fn missed_by(&mut self, start: &State, plan: &[f32]) -> Option<f32> {
+        let p = plan.chunks_exact(3).nth((AHEAD / DT) as usize)?;
+        self.predictions.push_back([p[0], p[1]]);
+        if self.predictions.len() <= self.periods {
+            return None;
+        }
+        let [x, y] = self.predictions.pop_front()?;
+        Some(math::hypot(f64::from(x - start.x[0]), f64::from(y - start.y[0])) as f32)
+    }
+}
+
+/// Adds a place on the ground, and after it a point that is no number, which parts it from the next.
+fn place(points: &mut Vec<f32>, model: &Kinodynamics, x: f32, y: f32) {
+    let height = model.terrain().heights(&[x; LANES], &[y; LANES])[0];
+    points.extend([x, y, height, f32::NAN, f32::NAN, f32::NAN]);
+}
