@@ -2,12 +2,12 @@
 
 use std::collections::VecDeque;
 
-use vb_sdk::mppi::{LANES, Mppi, Weighing};
+use vb_sdk::mppi::{LANES, Lanes, Mppi, Weighing};
 use vb_sdk::{GridFrame, Series, math};
 
 use crate::kinodynamics::{DT, Kinodynamics, State};
 use crate::objective::Objective;
-use crate::table::HEADINGS;
+use crate::table::{HEADINGS, heading};
 
 /// After how long a prediction is held against what came, s at full scale.
 const AHEAD: f32 = 1.0;
@@ -34,17 +34,27 @@ impl Explanation {
         Self { courses, periods, predictions: VecDeque::new(), map: Vec::new() }
     }
 
-    /// The price of each place, as the binary logarithm of its mean over all headings, is to be shown with the next step.
+    /// The map of traversability is to be shown with the next step: at every second node a stroke in the heading that costs least,
+    /// with the binary logarithm of the mean price over all headings.
     pub(crate) fn show(&mut self, frame: GridFrame, model: &Kinodynamics, costs: &[f32]) {
         let area = (frame.rows * frame.cols) as usize;
-        let (mut points, mut prices) = (Vec::new(), Vec::new());
-        for node in 0..area {
-            let (x, y) = frame.position(node as u32 / frame.cols, node as u32 % frame.cols);
-            place(&mut points, model, x as f32, y as f32);
-            let mean = (0..HEADINGS).map(|h| costs[h * area + node]).sum::<f32>() / HEADINGS as f32;
+        let (mut strokes, mut prices) = (Vec::new(), Vec::new());
+        let (half, above) = (0.6 * frame.resolution as f32, 0.05 * model.terrain().size().0);
+        let every_second = |n: u32| (0..n).step_by(2);
+        for (row, col) in every_second(frame.rows).flat_map(|r| every_second(frame.cols).map(move |c| (r, c)))
+        {
+            let own = |h: usize| costs[h * area + (row * frame.cols + col) as usize];
+            let best = (0..HEADINGS).min_by(|a, b| own(*a).total_cmp(&own(*b))).unwrap_or(0);
+            let ([cos, sin], (x, y)) = (heading(best), frame.position(row, col));
+            for way in [-half, half] {
+                let (x, y) = (x as f32 + way * cos, y as f32 + way * sin);
+                strokes.extend([x, y, height(model, x, y) + above]);
+            }
+            strokes.extend([f32::NAN; 3]);
+            let mean = (0..HEADINGS).map(own).sum::<f32>() / HEADINGS as f32;
             prices.push(math::ln(f64::from(mean)) as f32 / std::f32::consts::LN_2);
         }
-        self.map = vec![series("traversability.xyz", points), series("traversability.cost", prices)];
+        self.map = vec![series("traversability.xyz", strokes), series("traversability.cost", prices)];
     }
 
     /// The series of a step.
@@ -86,10 +96,9 @@ impl Explanation {
             told.push(series("way_left", vec![way[0]]));
         }
         if let Some(weights) = model.attention(start, &command.map(|c| [c; LANES])) {
-            let mut points = Vec::new();
-            for [x, y] in model.places(start) {
-                place(&mut points, model, x[0], y[0]);
-            }
+            let place =
+                |[x, y]: [Lanes; 2]| [x[0], y[0], height(model, x[0], y[0]), f32::NAN, f32::NAN, f32::NAN];
+            let points = model.places(start).into_iter().flat_map(place).collect();
             let shares = weights.iter().map(|w| w[0]).collect();
             told.extend([series("attention.xyz", points), series("attention.cost", shares)]);
         }
@@ -109,8 +118,7 @@ impl Explanation {
     }
 }
 
-/// Adds a place on the ground, and after it a point that is no number, which parts it from the next.
-fn place(points: &mut Vec<f32>, model: &Kinodynamics, x: f32, y: f32) {
-    let height = model.terrain().heights(&[x; LANES], &[y; LANES])[0];
-    points.extend([x, y, height, f32::NAN, f32::NAN, f32::NAN]);
+/// The height of the ground, m.
+fn height(model: &Kinodynamics, x: f32, y: f32) -> f32 {
+    model.terrain().heights(&[x; LANES], &[y; LANES])[0]
 }

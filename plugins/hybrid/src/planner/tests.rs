@@ -178,7 +178,8 @@ fn what_it_considers_is_told_on_request() {
     assert!(shares.iter().all(|s| *s > 0.0), "{shares:?}");
     // The map is told once.
     let series = told(Aim::Traversability, hears(Learned::All));
-    assert_eq!(series(0, "traversability.cost").len(), 81 * 81);
+    assert_eq!(series(0, "traversability.cost").len(), 41 * 41);
+    assert_eq!(series(0, "traversability.xyz").len(), 41 * 41 * 9);
     assert!(series(1, "traversability.cost").is_empty() && series(1, "attention.cost").is_empty());
     assert!(series(0, "way_left")[0] > 40.0);
 }
