@@ -21,7 +21,8 @@
 /// `name` may hold `a-z`, `0-9`, `-` and `_`; `control_period` is in seconds, a multiple of 0.001; `params` may be
 /// left out. `needs: { pose, lidar: 10, local_map: 5 }` after them asks for sensors and says how many times a second they
 /// are to be read (a rate that divides 100); a planner that asks for nothing gets pose and wheels at every step.
-/// `without_maps: { local_map: 10 }` asks for more where the perception profile leaves out one of the task's maps. Version and
+/// `without_maps: { local_map: 10 }` asks for more where the perception profile leaves out one of the task's maps.
+/// `models: [..]` names learned weights, constant texts with hashes, so that a file tells what it has learned from. Version and
 /// authors are those of the crate. Invoke it once in a crate.
 #[macro_export]
 macro_rules! export_planner {
@@ -32,7 +33,8 @@ macro_rules! export_planner {
         control_period: $period:literal
         $(, params: { $($key:ident : $default:literal => $help:literal),* $(,)? })?
         $(, needs: { $($need:ident $(: $rate:literal)?),* $(,)? })?
-        $(, without_maps: { $($more:ident $(: $often:literal)?),* $(,)? })? $(,)?
+        $(, without_maps: { $($more:ident $(: $often:literal)?),* $(,)? })?
+        $(, models: [ $($model:expr),* $(,)? ])? $(,)?
     ) => {
         const _: () = {
             const FIELDS: &[(&str, &str)] = &[
@@ -49,6 +51,7 @@ macro_rules! export_planner {
                 )*)?
                 $($(("need", concat!(stringify!($need) $(, " ", $rate)?)),)*)?
                 $($(("need-without-maps", concat!(stringify!($more) $(, " ", $often)?)),)*)?
+                $($(("model", $model),)*)?
             ];
             const _: () = {
                 assert!($crate::metadata::is_name($name), "name: only a-z, 0-9, - and _");

@@ -5,7 +5,8 @@
 //! `key: value` a line, with `\\`, `\n` and `\r` escaped by a backslash. `param` begins a parameter, to which the
 //! `default` and `help` that follow belong. `need` names a sensor and may say how often it is to be read, in Hz: `need: lidar
 //! 10`; a planner without a need gets [`Need::DEFAULT`]. `need-without-maps` does the same for sensors that it needs only where
-//! the perception profile leaves out one of the task's maps. Unknown keys are ignored, so later versions may add some.
+//! the perception profile leaves out one of the task's maps. `model` names learned weights that the planner has, with their hash and
+//! those of what they were learned from. Unknown keys are ignored, so later versions may add some.
 
 use std::fmt;
 
@@ -38,6 +39,8 @@ pub struct Metadata {
     pub needs: Vec<Need>,
     /// The sensors that it asks for in addition where the perception profile leaves out one of the task's maps.
     pub needs_without_maps: Vec<Need>,
+    /// The learned weights that the planner has, each with its hash and those of what it was learned from.
+    pub models: Vec<String>,
 }
 
 macro_rules! sensors {
@@ -236,6 +239,9 @@ impl Metadata {
         for need in &self.needs_without_maps {
             line("need-without-maps", &need.to_string());
         }
+        for model in &self.models {
+            line("model", model);
+        }
         text
     }
 
@@ -263,6 +269,7 @@ impl Metadata {
         let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
         let (mut authors, mut about, mut params) = (Vec::new(), String::new(), Vec::<ParamSpec>::new());
         let (mut needs, mut without_maps) = (Vec::<Need>::new(), Vec::<Need>::new());
+        let mut models = Vec::new();
         for (number, line) in text.lines().enumerate() {
             let bad = || MetadataError::BadLine { line: number + 1, text: line.to_owned() };
             let (key, value) = line.split_once(": ").ok_or_else(bad)?;
@@ -288,6 +295,7 @@ impl Metadata {
                     Need::add(list, &value)
                         .map_err(|reason| MetadataError::BadNeed { line: number + 1, reason })?;
                 }
+                "model" => models.push(value),
                 _ => {}
             }
         }
@@ -302,6 +310,7 @@ impl Metadata {
             params,
             needs,
             needs_without_maps: without_maps,
+            models,
         })
     }
 }
@@ -450,6 +459,14 @@ mod tests {
             let text = format!("control-period: {period}");
             assert!(matches!(parse(text.as_bytes()), MetadataError::BadLine { .. }), "{period}");
         }
+    }
+
+    #[test]
+    fn models_are_read_and_written() {
+        let text = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\nmodel: a.vbnn sha256 1\nmodel: b\n";
+        let m = Metadata::parse(text.as_bytes()).unwrap();
+        assert_eq!(m.models, ["a.vbnn sha256 1", "b"]);
+        assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
     }
 
     #[test]

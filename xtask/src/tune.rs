@@ -39,14 +39,29 @@ fn candidates(planner: &str) -> Option<&'static [&'static [&'static str]]> {
             &["effort=0.5"],
             &["speed=4"],
         ]),
+        "wmvct" => Some(&[&[], &["speed=3"], &["speed=5"], &["tilt=1"], &["tilt=4"]]),
+        "mppi6" => Some(&[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
+        "tal" => Some(&[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
+        "tnt" => Some(&[
+            &[],
+            &["speed=3"],
+            &["speed=5"],
+            &["guided=0"],
+            &["price_stuck=10"],
+            &["price_stuck=50"],
+            &["tilt=2"],
+            &["over=60"],
+            &["learned=0"],
+        ]),
         _ => None,
     }
 }
 
 /// Drives all candidates of a planner and prints what became of them.
 pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
-    let candidates = candidates(planner)
-        .ok_or_else(|| Failure::new(format!("{planner}: there is nothing to tune; want eh or mppi")))?;
+    let candidates = candidates(planner).ok_or_else(|| {
+        Failure::new(format!("{planner}: there is nothing to tune; want eh, mppi, wmvct, mppi6, tal or tnt"))
+    })?;
     let folder = target_dir().join("tune");
     let worlds = folder.join("worlds");
     if !worlds.join("suite.yaml").is_file() {

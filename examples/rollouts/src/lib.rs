@@ -7,11 +7,11 @@
 //!
 //! What makes it fast in WASM under all that determinism asks for: all arithmetic on blocks of samples in arrays of fixed
 //! size, which the compiler turns into SIMD, no function of a library in the inner loops, and the network in 16-bit
-//! integers (`network.rs` says why).
+//! integers (`vb_sdk::nn::FixedNetwork` says why).
 
-mod network;
+use std::cell::RefCell;
 
-use network::{BLOCK, Block, FixedNetwork, Network, WIDTH};
+use vb_sdk::nn::{FixedNetwork, FixedScratch, LANES, Lanes, Layer, Network, Pair, Scratch, from_fixed};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::rng::Rng;
 use vb_sdk::speed::SpeedController;
@@ -39,19 +39,41 @@ const SHARE: f32 = 0.01;
 /// Distance of the point on the path that roll-outs should come near, m at full scale.
 const AHEAD: f64 = 8.0;
 
+/// Numbers that go into the network and come out of it, and its hidden units.
+const WIDTH: usize = 6;
+const HIDDEN: usize = 64;
+
 /// What is added to the bicycle's motion.
 enum Model {
-    Float(Network),
-    Fixed(FixedNetwork),
+    Float(Network, RefCell<Scratch>),
+    Fixed(FixedNetwork, RefCell<FixedScratch>),
 }
 
 impl Model {
-    fn forward(&self, input: &[Block; WIDTH]) -> [Block; WIDTH] {
+    fn forward(&self, input: &[Lanes; WIDTH]) -> [Lanes; WIDTH] {
         match self {
-            Self::Float(network) => network.forward(input),
-            Self::Fixed(network) => network.forward(input),
+            Self::Float(network, scratch) => {
+                let mut output = [[0.0; LANES]; WIDTH];
+                network.run(input, &mut output, &mut scratch.borrow_mut());
+                output
+            }
+            Self::Fixed(network, scratch) => {
+                let (mut pairs, mut output) = ([Pair::default(); WIDTH / 2], [[0; LANES]; WIDTH]);
+                Pair::fill(&mut pairs, input);
+                network.run(&pairs, &mut output, &mut scratch.borrow_mut());
+                output.map(|values| values.map(from_fixed))
+            }
         }
     }
+}
+
+/// A layer with random weights of variance 2 / inputs (He et al. 2015, *Delving deep into rectifiers*, eq. 10).
+fn layer(inputs: usize, outputs: usize, rng: &mut Rng) -> Layer {
+    let spread = (6.0 / inputs as f64).sqrt();
+    let mut weight = || rng.uniform(-spread, spread) as f32;
+    let weights = (0..inputs * outputs).map(|_| weight()).collect();
+    let bias = (0..outputs).map(|_| 0.1 * weight()).collect();
+    Layer::dense("", inputs, weights, bias)
 }
 
 struct Rollouts {
@@ -66,22 +88,24 @@ struct Rollouts {
     /// Mean steering of every step of the horizon.
     plan: Vec<f32>,
     /// Sampled steering, by block, step and sample.
-    noise: Vec<Block>,
+    noise: Vec<Lanes>,
 }
 
 impl Planner for Rollouts {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let samples: usize = task.param_as("samples")?;
         let horizon: usize = task.param_as("horizon")?;
-        if samples == 0 || !samples.is_multiple_of(BLOCK) || horizon == 0 {
-            return Err(PlannerError::new(format!("want samples in multiples of {BLOCK} and a horizon")));
+        if samples == 0 || !samples.is_multiple_of(LANES) || horizon == 0 {
+            return Err(PlannerError::new(format!("want samples in multiples of {LANES} and a horizon")));
         }
-        let blocks = samples / BLOCK;
+        let blocks = samples / LANES;
         let mut rng = Rng::new(task.seed);
-        let network = Network::random(&mut rng);
+        let layers = [(WIDTH, HIDDEN), (HIDDEN, HIDDEN), (HIDDEN, WIDTH)].map(|(i, o)| layer(i, o, &mut rng));
+        let unfit = || PlannerError::new("the network doesn't fit");
+        let network = Network::new(layers.into()).ok_or_else(unfit)?;
         let model = match task.param_as::<String>("arithmetic")?.as_str() {
-            "float" => Model::Float(network),
-            "fixed" => Model::Fixed(FixedNetwork::of(&network)),
+            "float" => Model::Float(network, RefCell::default()),
+            "fixed" => Model::Fixed(network.fixed(&[WIDTH]).ok_or_else(unfit)?, RefCell::default()),
             other => return Err(PlannerError::new(format!("arithmetic is `{other}`; want fixed or float"))),
         };
         Ok(Self {
@@ -94,7 +118,7 @@ impl Planner for Rollouts {
             spread: task.param_f64("spread")?,
             temperature: task.param_f64("temperature")?,
             plan: vec![0.0; horizon],
-            noise: vec![[0.0; BLOCK]; blocks * horizon],
+            noise: vec![[0.0; LANES]; blocks * horizon],
         })
     }
 
@@ -108,7 +132,7 @@ impl Planner for Rollouts {
         let goal = [(cos * dx + sin * dy) as f32, (cos * dy - sin * dx) as f32];
         self.sample();
         let horizon = self.plan.len();
-        let mut costs = Vec::with_capacity(self.blocks * BLOCK);
+        let mut costs = Vec::with_capacity(self.blocks * LANES);
         for block in 0..self.blocks {
             let noise = &self.noise[block * horizon..(block + 1) * horizon];
             costs.extend(self.roll_out(noise, pose.linear_velocity.x as f32, goal));
@@ -141,16 +165,16 @@ impl Rollouts {
     }
 
     /// Costs of a block of roll-outs: squared distances from the goal, over the horizon.
-    fn roll_out(&self, steering: &[Block], speed: f32, goal: [f32; 2]) -> Block {
+    fn roll_out(&self, steering: &[Lanes], speed: f32, goal: [f32; 2]) -> Lanes {
         let turn = (self.vehicle.max_steer_angle / self.vehicle.wheelbase) as f32;
         let target = self.speed as f32;
-        let (mut x, mut y, mut along, mut across) = ([0.0; BLOCK], [0.0; BLOCK], [1.0; BLOCK], [0.0; BLOCK]);
-        let mut v = [speed; BLOCK];
-        let mut rate = [0.0; BLOCK];
-        let mut cost = [0.0; BLOCK];
+        let (mut x, mut y, mut along, mut across) = ([0.0; LANES], [0.0; LANES], [1.0; LANES], [0.0; LANES]);
+        let mut v = [speed; LANES];
+        let mut rate = [0.0; LANES];
+        let mut cost = [0.0; LANES];
         for command in steering {
-            let change = self.model.forward(&[*command, v, rate, along, across, [1.0; BLOCK]]);
-            for k in 0..BLOCK {
+            let change = self.model.forward(&[*command, v, rate, along, across, [1.0; LANES]]);
+            for k in 0..LANES {
                 rate[k] = v[k] * turn * command[k] + SHARE * change[0][k];
                 // The heading as a vector, turned by a small angle and brought back to length 1 by one step of Newton's.
                 let angle = rate[k] * STEP;
@@ -178,7 +202,7 @@ impl Rollouts {
         let horizon = self.plan.len();
         for (i, mean) in self.plan.iter_mut().enumerate() {
             let mut sum = 0.0;
-            for (block, weights) in weights.chunks_exact(BLOCK).enumerate() {
+            for (block, weights) in weights.chunks_exact(LANES).enumerate() {
                 let samples = &self.noise[block * horizon + i];
                 sum += weights.iter().zip(samples).map(|(w, s)| w * s).sum::<f32>();
             }

@@ -19,6 +19,7 @@ struct Message<'a> {
     control_period_s: f64,
     needs: Vec<NeedMessage>,
     needs_without_maps: Vec<NeedMessage>,
+    models: &'a [String],
     params: Vec<Param<'a>>,
 }
 
@@ -72,6 +73,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
             control_period_s: meta.control_period,
             needs: meta.sensors(true).iter().map(NeedMessage::from).collect(),
             needs_without_maps: meta.needs_without_maps.iter().map(NeedMessage::from).collect(),
+            models: &meta.models,
             params: meta
                 .params
                 .iter()
@@ -91,6 +93,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
             if !meta.needs_without_maps.is_empty() {
                 rows.push(row("without maps", listed(&meta.needs_without_maps)));
             }
+            rows.extend(meta.models.iter().map(|m| row("model", one_line(m))));
             rows.extend(meta.params.iter().map(|p| {
                 let text = format!("--param {}={}", one_line(&p.key), one_line(&p.default));
                 row(&text, one_line(&p.help))

@@ -18,10 +18,14 @@ use vb_sdk::{GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle};
 const STEPS: u32 = 200;
 
 /// Planners and the parameters that are set.
-const PLANNERS: [(&str, &[(&str, &str)]); 5] = [
+const PLANNERS: [(&str, &[(&str, &str)]); 9] = [
     ("pid", &[]),
     ("eh", &[]),
     ("mppi", &[]),
+    ("wmvct", &[]),
+    ("mppi6", &[]),
+    ("tal", &[]),
+    ("tnt", &[]),
     ("rollouts", &[("arithmetic", "float")]),
     ("rollouts", &[("arithmetic", "fixed")]),
 ];
@@ -86,7 +90,10 @@ fn start(file: &Path, params: &[(&str, &str)]) -> Result<Session> {
     let params = plugin.params(&params)?;
     let vehicle = Vehicle {
         scale: 1.0,
+        name: "hmmwv".into(),
         wheelbase: 3.3,
+        track: 1.8,
+        wheel_radius: 0.47,
         width: 2.2,
         max_steer_angle: 0.5,
         min_turn_radius: 7.4,

@@ -364,6 +364,7 @@ mod tests {
             params: vec![spec("speed", "3.0"), spec("kp", "1.0")],
             needs: Vec::new(),
             needs_without_maps: Vec::new(),
+            models: Vec::new(),
         };
         let given =
             |l: &[(&str, &str)]| l.iter().map(|(k, v)| ((*k).into(), (*v).into())).collect::<Vec<_>>();

@@ -134,6 +134,8 @@ pub struct Introduction {
     pub needs: Vec<String>,
     /// The same for profiles that leave out one of the task's maps.
     pub needs_without_maps: Vec<String>,
+    /// The learned weights that the planner has, with their hashes.
+    pub models: Vec<String>,
     /// How the process is confined; the harness's own worker only.
     pub sandbox: Option<SandboxReport>,
 }

@@ -7,10 +7,11 @@
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::{LANES, Lanes};
-use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
+use vb_sdk::nn::{FixedNetwork, FixedScratch, Pair, Weights, WeightsError, from_fixed};
+use wide::i16x8;
 
 use crate::kinodynamics::TOLD;
-use crate::table::{CHANNELS, Table};
+use crate::table::{CHANNELS, Table, headings_of};
 use crate::terrain::Terrain;
 
 /// The places that are looked at, forward and to the left, in wheelbases; the first is the vehicle's own.
@@ -29,7 +30,7 @@ pub fn place(place: usize, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], wheelba
 /// A weight above 0 that grows with z: z/2 + √(z²/4 + 1), Barron's squareplus (*Squareplus: A Softplus-Like Algebraic Rectifier*, 2021),
 /// which needs no exponential.
 #[must_use]
-pub fn weight(z: f32) -> f32 {
+pub(crate) fn weight(z: f32) -> f32 {
     0.5 * z + (0.25 * z * z + 1.0).sqrt()
 }
 
@@ -37,8 +38,8 @@ pub fn weight(z: f32) -> f32 {
 #[derive(Clone, Debug)]
 pub struct Attention {
     table: Table,
-    query: Network,
-    key: Network,
+    query: FixedNetwork,
+    key: FixedNetwork,
 }
 
 impl Attention {
@@ -49,8 +50,8 @@ impl Attention {
     pub fn new(heights: &HeightMap, terrain: &Terrain, weights: &Weights) -> Result<Self, WeightsError> {
         Ok(Self {
             table: Table::of(heights, terrain, weights)?,
-            query: weights.network("query", TOLD, PLACES.len())?,
-            key: weights.network("key", CHANNELS, 1)?,
+            query: weights.fixed_network("query", &[TOLD], PLACES.len())?,
+            key: weights.fixed_network("key", &[CHANNELS], 1)?,
         })
     }
 
@@ -60,39 +61,42 @@ impl Attention {
         &self,
         (at, direction): ([&Lanes; 2], [&Lanes; 2]),
         wheelbase: f32,
-        told: &[Lanes],
-        seen: &mut [Lanes],
-        scratch: &mut Scratch,
+        told: &[Pair],
+        seen: &mut [Pair],
+        scratch: &mut FixedScratch,
     ) -> [Lanes; PLACES.len()] {
-        let mut asked = [[0.0; LANES]; PLACES.len()];
+        let mut asked = [[0; LANES]; PLACES.len()];
         self.query.run(told, &mut asked, scratch);
+        let (own, mean) = seen.split_at_mut(CHANNELS / 2);
         let mut weights = [[0.0; LANES]; PLACES.len()];
         let mut total = [0.0; LANES];
-        let (own, mean) = seen.split_at_mut(CHANNELS);
-        mean.fill([0.0; LANES]);
-        let mut there = [[0.0; LANES]; CHANNELS];
-        for (k, asked) in asked.iter().enumerate() {
+        let headings = headings_of(direction);
+        let there: [_; PLACES.len()] = std::array::from_fn(|k| {
             let [x, y] = place(k, at, direction, wheelbase);
-            self.table.at([&x, &y], direction, &mut there);
+            let there = self.table.at([&x, &y], &headings);
+            let pairs = Pair::across(&there);
             if k == 0 {
-                own.copy_from_slice(&there);
+                own.copy_from_slice(&pairs);
             }
-            let mut key = [[0.0; LANES]];
-            self.key.run(&there, &mut key, scratch);
+            let mut key = [[0; LANES]];
+            self.key.run(&pairs, &mut key, scratch);
             for l in 0..LANES {
-                weights[k][l] = weight(asked[l] + key[0][l]);
+                weights[k][l] = weight(from_fixed(asked[k][l]) + from_fixed(key[0][l]));
                 total[l] += weights[k][l];
             }
-            for (sum, value) in mean.iter_mut().zip(&there) {
-                for l in 0..LANES {
-                    sum[l] += weights[k][l] * value[l];
-                }
-            }
-        }
+            there
+        });
         let part = total.map(|t| 1.0 / t);
-        for values in mean.iter_mut().chain(&mut weights) {
+        for values in &mut weights {
             values.iter_mut().zip(part).for_each(|(v, part)| *v *= part);
         }
+        let means: [[i16; CHANNELS]; LANES] = std::array::from_fn(|l| {
+            let parts = there.iter().zip(&weights);
+            let part = |v: f32| (v * 32768.0) as i16;
+            let sum = parts.map(|(values, w)| i16x8::from(values[l]).mul_scale_round_n(part(w[l])));
+            sum.fold(i16x8::ZERO, |a, b| a.saturating_add(b)).to_array()
+        });
+        mean.copy_from_slice(&Pair::across(&means));
         weights
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use vb_sdk::mppi::{LANES, Lanes, Model};
-use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
+use vb_sdk::nn::{FixedNetwork, FixedScratch, Pair, Weights, WeightsError, from_fixed};
 use vb_sdk::{HeightMap, Observation, PlannerError, Vehicle, math};
 
 use crate::attention::{PLACES, place};
@@ -45,6 +45,12 @@ impl Units {
     pub fn of(vehicle: &Vehicle) -> Self {
         let root = (vehicle.wheelbase / FULL).sqrt() as f32;
         Self { speed: 1.0 / root, rate: root }
+    }
+
+    /// Multiplies times.
+    #[must_use]
+    pub fn time(self) -> f32 {
+        1.0 / self.rate
     }
 }
 
@@ -108,9 +114,7 @@ impl State {
             over: all(0.0),
         })
     }
-}
 
-impl State {
     /// The state in which every vehicle is as one of them.
     #[must_use]
     pub fn all_as(&self, lane: usize) -> Self {
@@ -163,15 +167,18 @@ pub struct Kinodynamics {
     learned: Learned,
     terrain: Terrain,
     sight: Sight,
-    network: Network,
-    hazards: Network,
+    network: FixedNetwork,
+    hazards: FixedNetwork,
     units: Units,
     /// Of the path at full lock, 1/m.
     curvature: f32,
     /// 1/s.
     steer_rate: f32,
-    scratch: RefCell<Scratch>,
+    scratch: RefCell<FixedScratch>,
 }
+
+/// What networks are told, in pairs, and what they see.
+type Inputs = [Pair; TOLD.div_ceil(2) + SEEN / 2];
 
 /// The logit of what surely doesn't come.
 const CERTAIN: f32 = -6.0;
@@ -180,25 +187,42 @@ const LAG: f32 = 0.5;
 const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
+    /// What the networks are told and see, and the attention that they pay to each place, if they pay any.
+    fn inputs(
+        &self,
+        s: &State,
+        command: &[Lanes; 2],
+        scratch: &mut FixedScratch,
+    ) -> (Inputs, Option<[Lanes; PLACES.len()]>) {
+        let mut input = Inputs::default();
+        let (told, seen) = input.split_at_mut(TOLD.div_ceil(2));
+        Pair::fill(told, &inputs(s, command, self.units));
+        let seen = &mut seen[..self.network.pairs() - told.len()];
+        let attention = self.sight.look(s, self.terrain.size().0, told, seen, scratch);
+        (input, attention)
+    }
+
     /// What the networks say: corrections, and logits of hazards.
     fn ask(&self, s: &State, command: &[Lanes; 2]) -> ([Lanes; OUTPUTS], [Lanes; HAZARDS]) {
-        let mut input = [[0.0; LANES]; TOLD + SEEN];
         let scratch = &mut self.scratch.borrow_mut();
-        let input = &mut input[..TOLD + self.sight.seen()];
-        let (told, seen) = input.split_at_mut(TOLD);
-        told.copy_from_slice(&inputs(s, command, self.units));
-        self.sight.look(s, self.terrain.size().0, told, seen, scratch);
         let (mut out, mut ahead) = ([[0.0; LANES]; OUTPUTS], [[CERTAIN; LANES]; HAZARDS]);
-        if self.learned != Learned::Nothing {
-            self.network.run(input, &mut out, scratch);
+        if self.learned == Learned::Nothing {
+            return (out, ahead);
         }
+        let (input, _) = self.inputs(s, command, scratch);
+        let input = &input[..self.network.pairs()];
+        let (mut corrections, mut logits) = ([[0; LANES]; OUTPUTS], [[0; LANES]; HAZARDS]);
+        self.network.run(input, &mut corrections, scratch);
+        out = corrections.map(|v| v.map(from_fixed));
         match self.learned {
-            Learned::All => self.hazards.run(input, &mut ahead, scratch),
-            Learned::Attitude => {
+            Learned::All => {
+                self.hazards.run(input, &mut logits, scratch);
+                ahead = logits.map(|v| v.map(from_fixed));
+            }
+            _ => {
                 out[..3].fill([0.0; LANES]);
                 out[5] = [0.0; LANES];
             }
-            Learned::Nothing => {}
         }
         (out, ahead)
     }
@@ -206,10 +230,7 @@ impl Kinodynamics {
     /// How much attention is paid to each of [`PLACES`], if the model has any.
     #[must_use]
     pub fn attention(&self, s: &State, command: &[Lanes; 2]) -> Option<[Lanes; PLACES.len()]> {
-        let mut seen = [[0.0; LANES]; SEEN];
-        let told = inputs(s, command, self.units);
-        let seen = &mut seen[..self.sight.seen()];
-        self.sight.look(s, self.terrain.size().0, &told, seen, &mut self.scratch.borrow_mut())
+        self.inputs(s, command, &mut self.scratch.borrow_mut()).1
     }
 
     /// Where the places lie that a model with attention looks at, m.
@@ -218,34 +239,11 @@ impl Kinodynamics {
         std::array::from_fn(|k| place(k, [&s.x, &s.y], [&s.cos, &s.sin], self.terrain.size().0))
     }
 
-    /// The model of a vehicle on a terrain, with networks of [`TOLD`] and [`Sight::seen`] inputs: of motion with [`OUTPUTS`] outputs and
-    /// of hazards with [`HAZARDS`].
-    #[must_use]
-    pub fn new(
-        terrain: Terrain,
-        sight: Sight,
-        [network, hazards]: [Network; 2],
-        vehicle: &Vehicle,
-        learned: Learned,
-    ) -> Self {
-        Self {
-            learned,
-            terrain,
-            sight,
-            network,
-            hazards,
-            units: Units::of(vehicle),
-            curvature: (1.0 / vehicle.min_turn_radius) as f32,
-            steer_rate: vehicle.max_steer_rate as f32,
-            scratch: RefCell::default(),
-        }
-    }
-
-    /// The same model as weights describe it, over a map of heights of which the terrain was made.
+    /// The model of a vehicle on a terrain as weights describe it, over the map of heights of which the terrain was made.
     ///
     /// # Errors
-    /// Returns an error if the weights lack a network.
-    pub fn of(
+    /// Returns an error if the weights lack a network, or have one that doesn't fit.
+    pub fn new(
         heights: &HeightMap,
         terrain: Terrain,
         weights: &Weights,
@@ -253,9 +251,17 @@ impl Kinodynamics {
         learned: Learned,
     ) -> Result<Self, WeightsError> {
         let sight = Sight::new(heights, &terrain, weights)?;
-        let motion = weights.network("motion", TOLD + sight.seen(), OUTPUTS)?;
-        let hazards = weights.network("hazards", TOLD + sight.seen(), HAZARDS)?;
-        Ok(Self::new(terrain, sight, [motion, hazards], vehicle, learned))
+        Ok(Self {
+            learned,
+            network: weights.fixed_network("motion", sight.parts(), OUTPUTS)?,
+            hazards: weights.fixed_network("hazards", sight.parts(), HAZARDS)?,
+            terrain,
+            sight,
+            units: Units::of(vehicle),
+            curvature: (1.0 / vehicle.min_turn_radius) as f32,
+            steer_rate: vehicle.max_steer_rate as f32,
+            scratch: RefCell::default(),
+        })
     }
 
     /// The same model, of which something else is heard.
@@ -335,9 +341,9 @@ impl Model<2> for Kinodynamics {
         let (out, ahead) = self.ask(s, command);
         (s.stuck, s.over) = (ahead[0].map(probability), ahead[1].map(probability));
         // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
-        let part = dt * units.rate_inverse() / DT;
+        let part = dt * units.time() / DT;
         let most = self.steer_rate * dt;
-        let gain = (dt * units.rate_inverse() / LAG).min(1.0);
+        let gain = (dt * units.time() / LAG).min(1.0);
         let change = ACCELERATION * dt;
         for l in 0..LANES {
             s.steering[l] += (command[0][l] - s.steering[l]).clamp(-most, most);
@@ -369,14 +375,6 @@ impl Model<2> for Kinodynamics {
             s.roll[l] = bank[l] + SCALES[3] * out[3][l];
             s.pitch[l] = rise[l] + SCALES[4] * out[4][l];
         }
-    }
-}
-
-impl Units {
-    /// Turns times into those of full scale.
-    #[must_use]
-    pub fn rate_inverse(self) -> f32 {
-        1.0 / self.rate
     }
 }
 

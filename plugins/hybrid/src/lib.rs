@@ -15,8 +15,10 @@
 
 mod attention;
 mod explanation;
+mod export;
 mod guide;
 mod kinodynamics;
+mod models;
 mod objective;
 mod planner;
 mod sight;
@@ -24,15 +26,16 @@ mod table;
 mod terrain;
 mod traversability;
 
-pub use attention::{Attention, PLACES, place, weight};
+pub use attention::{Attention, PLACES, place};
 pub use guide::descend;
 pub use kinodynamics::{
     DT, HAZARDS, Kinodynamics, Learned, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, SOON, State, TOLD, Units,
     probability, slip,
 };
+pub use models::{ATTENTION_MODELS, PATCH_MODELS};
 pub use objective::{Objective, Weights};
 pub use planner::{Aim, Hybrid, Prediction};
 pub use sight::{SEEN, Sight};
-pub use table::{CHANNELS, HEADINGS, Table, around, heading, heading_of};
-pub use terrain::{CLASSES, PATCH, Terrain};
+pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};
+pub use terrain::{PATCH, Terrain};
 pub use traversability::{Prices, Values, costs};

@@ -1,7 +1,6 @@
 //! The planner that the hybrid ones are variants of.
 
 use vb_sdk::mppi::{Field, Mppi, Settings};
-use vb_sdk::nn;
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
 use vb_sdk::{Command, LogLevel, Observation, PlannerError, Task, Vehicle, log};
@@ -9,14 +8,11 @@ use vb_sdk::{Command, LogLevel, Observation, PlannerError, Task, Vehicle, log};
 use crate::explanation::Explanation;
 use crate::guide::descend;
 use crate::kinodynamics::{DT, Kinodynamics, Learned, State};
+use crate::models;
 use crate::objective::{Objective, Weights};
 use crate::terrain::Terrain;
 use crate::traversability::{Prices, Values, costs};
 
-/// The networks of the HMMWV, which see patches.
-static PATCHES: &[u8] = include_bytes!("../weights/hmmwv.vbnn");
-/// The networks of the HMMWV, which pay attention.
-static ATTENTION: &[u8] = include_bytes!("../weights/hmmwv-attention.vbnn");
 /// The gains of the speed controller with which the model was learned: s/m, and 1/m.
 const GAINS: (f64, f64) = (0.6, 0.15);
 
@@ -124,7 +120,7 @@ impl Hybrid {
             comfort: [positive("roll")?.to_radians() as f32, positive("pitch")?.to_radians() as f32],
             clearance,
         };
-        let weights = nn::Weights::parse(if attention { ATTENTION } else { PATCHES })?;
+        let weights = models::weights(&vehicle.name, attention)?;
         let known = weights.note("vehicle").unwrap_or_default();
         if known != vehicle.name {
             let text = format!(
@@ -134,7 +130,7 @@ impl Hybrid {
             log(LogLevel::Warn, &text);
         }
         let learned = if task.param_as::<u8>("learned")? == 0 { Learned::Nothing } else { learned };
-        let model = Kinodynamics::of(heights, terrain, &weights, vehicle, learned)?;
+        let model = Kinodynamics::new(heights, terrain, &weights, vehicle, learned)?;
         let courses: usize = task.param_as("explain")?;
         let mut explanation = (courses > 0).then(|| Explanation::new(courses, task.control_period / root));
         let mut guided = 0.0;

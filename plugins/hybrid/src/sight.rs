@@ -2,11 +2,11 @@
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::Lanes;
-use vb_sdk::nn::{Scratch, Weights, WeightsError};
+use vb_sdk::nn::{FixedScratch, Pair, Weights, WeightsError};
 
 use crate::attention::{Attention, PLACES};
-use crate::kinodynamics::State;
-use crate::table::{CHANNELS, Table};
+use crate::kinodynamics::{State, TOLD};
+use crate::table::{CHANNELS, Table, headings_of};
 use crate::terrain::Terrain;
 
 /// A way to look at the ground.
@@ -33,12 +33,12 @@ impl Sight {
         })
     }
 
-    /// Numbers that are seen.
+    /// The parts of what networks are told and see, which in fixed point begin with pairs of their own.
     #[must_use]
-    pub fn seen(&self) -> usize {
+    pub fn parts(&self) -> &'static [usize] {
         match self {
-            Self::Patch(_) => CHANNELS,
-            Self::Attention(_) => SEEN,
+            Self::Patch(_) => &[TOLD, CHANNELS],
+            Self::Attention(_) => &[TOLD, SEEN],
         }
     }
 
@@ -47,14 +47,14 @@ impl Sight {
         &self,
         s: &State,
         wheelbase: f32,
-        told: &[Lanes],
-        seen: &mut [Lanes],
-        scratch: &mut Scratch,
+        told: &[Pair],
+        seen: &mut [Pair],
+        scratch: &mut FixedScratch,
     ) -> Option<[Lanes; PLACES.len()]> {
         let (place, direction) = ([&s.x, &s.y], [&s.cos, &s.sin]);
         match self {
             Self::Patch(table) => {
-                table.at(place, direction, seen);
+                seen.copy_from_slice(&Pair::across(&table.at(place, &headings_of(direction))));
                 None
             }
             Self::Attention(a) => Some(a.look((place, direction), wheelbase, told, seen, scratch)),

@@ -2,7 +2,8 @@
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::{LANES, Lanes};
-use vb_sdk::nn::{Network, Scratch, Weights, WeightsError};
+use vb_sdk::nn::{FixedNetwork, FixedScratch, Pair, Weights, WeightsError};
+use wide::i16x8;
 
 use crate::terrain::{Nodes, PATCH, Terrain};
 
@@ -14,14 +15,12 @@ pub const HEADINGS: usize = 16;
 /// A direction as a number of headings, from 0 to [`HEADINGS`]. Headings lie at equal distances along the square whose corners are
 /// the axes: nearly equal angles, without a trigonometric function.
 #[must_use]
-pub fn around(cos: f32, sin: f32) -> f32 {
+pub(crate) fn around(cos: f32, sin: f32) -> f32 {
     let sum = (cos.abs() + sin.abs()).max(1e-6);
-    let around = match (cos >= 0.0, sin >= 0.0) {
-        (true, true) => sin / sum,
-        (false, true) => 1.0 - cos / sum,
-        (false, false) => 2.0 - sin / sum,
-        (true, false) => 3.0 + cos / sum,
-    };
+    let (c, s) = (cos / sum, sin / sum);
+    let north = if cos >= 0.0 { s } else { 1.0 - c };
+    let south = if cos >= 0.0 { 3.0 + c } else { 2.0 - s };
+    let around = if sin >= 0.0 { north } else { south };
     around * (HEADINGS / 4) as f32
 }
 
@@ -29,7 +28,13 @@ pub fn around(cos: f32, sin: f32) -> f32 {
 #[must_use]
 pub fn heading_of(cos: f32, sin: f32) -> usize {
     // What is no number becomes 0.
-    (around(cos, sin) + 0.5) as usize % HEADINGS
+    (around(cos, sin) + 0.5) as i32 as usize % HEADINGS
+}
+
+/// The headings of the table that are nearest to directions.
+#[must_use]
+pub(crate) fn headings_of([cos, sin]: [&Lanes; 2]) -> [usize; LANES] {
+    std::array::from_fn(|l| heading_of(cos[l], sin[l]))
 }
 
 /// The cosine and the sine of a heading of the table.
@@ -47,11 +52,11 @@ pub fn heading(index: usize) -> [f32; 2] {
     [x / length, y / length]
 }
 
-/// [`CHANNELS`] numbers at every node of a grid, for each heading.
+/// [`CHANNELS`] numbers at every node of a grid, for each heading, in fixed point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// By heading, row and column.
-    values: Vec<[f32; CHANNELS]>,
+    values: Vec<[i16; CHANNELS]>,
     rows: usize,
     cols: usize,
     per_metre: f32,
@@ -64,25 +69,27 @@ impl Table {
     /// # Errors
     /// Returns an error if the weights lack it.
     pub fn of(heights: &HeightMap, terrain: &Terrain, weights: &Weights) -> Result<Self, WeightsError> {
-        Ok(Self::new(heights, terrain, &weights.network("ground", PATCH, CHANNELS)?))
+        Ok(Self::new(heights, terrain, &weights.fixed_network("ground", &[PATCH], CHANNELS)?))
     }
 
     /// Evaluates a network of [`PATCH`] inputs and [`CHANNELS`] outputs on the patch at every node of a map of heights, of which a
     /// terrain was made.
     #[must_use]
-    pub fn new(heights: &HeightMap, terrain: &Terrain, network: &Network) -> Self {
+    pub fn new(heights: &HeightMap, terrain: &Terrain, network: &FixedNetwork) -> Self {
         let frame = heights.frame;
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
-        let mut values = vec![[0.0; CHANNELS]; HEADINGS * rows * cols];
-        let (mut patch, mut output) = ([[0.0; LANES]; PATCH], [[0.0; LANES]; CHANNELS]);
-        let mut scratch = Scratch::default();
+        let mut values = vec![[0; CHANNELS]; HEADINGS * rows * cols];
+        let (mut patch, mut output) = ([[0.0; LANES]; PATCH], [[0; LANES]; CHANNELS]);
+        let mut pairs = [Pair::default(); PATCH / 2];
+        let mut scratch = FixedScratch::default();
         let nodes = Nodes::new(heights, terrain);
         for h in 0..HEADINGS {
             let patches = terrain.patches(&nodes, heading(h));
             for row in 0..rows {
                 for first in (0..cols).step_by(LANES) {
                     patches.at(row, first, &mut patch);
-                    network.run(&patch, &mut output, &mut scratch);
+                    Pair::fill(&mut pairs, &patch);
+                    network.run(&pairs, &mut output, &mut scratch);
                     let own = &mut values[(h * rows + row) * cols + first..][..LANES.min(cols - first)];
                     for (l, value) in own.iter_mut().enumerate() {
                         *value = std::array::from_fn(|c| output[c][l]);
@@ -94,23 +101,32 @@ impl Table {
         Self { values, rows, cols, per_metre: (1.0 / frame.resolution) as f32, origin }
     }
 
-    /// The numbers at these places (m) and headings, interpolated between the four nodes about each; beyond the edge, those of the
-    /// edge.
-    pub fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], output: &mut [Lanes]) {
-        for l in 0..LANES {
-            let most = |n: usize| (n - 1) as f32;
-            let c = ((x[l] - self.origin[0]) * self.per_metre).clamp(0.0, most(self.cols));
-            let r = ((y[l] - self.origin[1]) * self.per_metre).clamp(0.0, most(self.rows));
-            let (col, row) = ((c as usize).min(self.cols - 2), (r as usize).min(self.rows - 2));
-            let (u, v) = (c - col as f32, r - row as f32);
-            let i = (heading_of(cos[l], sin[l]) * self.rows + row) * self.cols + col;
-            let (south, north) = (&self.values[i..i + 2], &self.values[i + self.cols..i + self.cols + 2]);
-            for k in 0..CHANNELS {
-                let low = south[0][k] + u * (south[1][k] - south[0][k]);
-                let high = north[0][k] + u * (north[1][k] - north[0][k]);
-                output[k][l] = low + v * (high - low);
-            }
-        }
+    /// The numbers of each vehicle at these places (m) and headings, interpolated between the four nodes about each; beyond the edge,
+    /// those of the edge.
+    #[must_use]
+    pub fn at(&self, [x, y]: [&Lanes; 2], headings: &[usize; LANES]) -> [[i16; CHANNELS]; LANES] {
+        let most = |n: usize| (n - 1) as f32;
+        let (last_col, last_row) = (most(self.cols), most(self.rows));
+        let c: Lanes = x.map(|x| ((x - self.origin[0]) * self.per_metre).clamp(0.0, last_col));
+        let r: Lanes = y.map(|y| ((y - self.origin[1]) * self.per_metre).clamp(0.0, last_row));
+        let (end_col, end_row) = (self.cols as i32 - 2, self.rows as i32 - 2);
+        let col: [i32; LANES] = c.map(|c| (c as i32).min(end_col));
+        let row: [i32; LANES] = r.map(|r| (r as i32).min(end_row));
+        // A part of 1 becomes 32767/32768.
+        let part = |at: f32, node: i32| ((at - node as f32) * 32768.0) as i32;
+        let u: [i32; LANES] = std::array::from_fn(|l| part(c[l], col[l]).min(32767));
+        let v: [i32; LANES] = std::array::from_fn(|l| part(r[l], row[l]).min(32767));
+        std::array::from_fn(|l| {
+            let i = (headings[l] * self.rows + row[l] as usize) * self.cols + col[l] as usize;
+            let around = &self.values[i..i + self.cols + 2];
+            let (u, v) = (i16x8::splat(u[l] as i16), i16x8::splat(v[l] as i16));
+            let between = |a: [i16; CHANNELS], b: [i16; CHANNELS], part: i16x8| -> [i16; CHANNELS] {
+                (i16x8::new(a) + i16x8::new(b).saturating_sub(a.into()).mul_scale_round(part)).to_array()
+            };
+            let low = between(around[0], around[1], u);
+            let high = between(around[self.cols], around[self.cols + 1], u);
+            between(low, high, v)
+        })
     }
 }
 

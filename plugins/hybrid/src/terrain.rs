@@ -4,7 +4,7 @@ use vb_sdk::mppi::{Field, LANES, Lanes};
 use vb_sdk::{GridFrame, HeightMap, LabelMap, Vehicle};
 
 /// Kinds of ground, by their labels.
-pub const CLASSES: usize = 10;
+const CLASSES: usize = 10;
 /// Points of the patch along the vehicle and across it.
 const ALONG: usize = 10;
 const ACROSS: usize = 5;

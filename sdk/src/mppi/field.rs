@@ -82,16 +82,25 @@ impl Field {
         let (last_col, last_row) = (most(self.cols), most(self.rows));
         let c: Lanes = x.map(|x| ((x - self.origin[0]) * self.per_metre).clamp(0.0, last_col));
         let r: Lanes = y.map(|y| ((y - self.origin[1]) * self.per_metre).clamp(0.0, last_row));
+        // What is no number becomes 0 here, and stays no number below.
+        let (end_col, end_row) = (self.cols as i32 - 2, self.rows as i32 - 2);
+        let col: [i32; LANES] = c.map(|c| (c as i32).min(end_col));
+        let row: [i32; LANES] = r.map(|r| (r as i32).min(end_row));
+        let mut corners = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            let i = row[l] as usize * self.cols + col[l] as usize;
+            let around = &self.values[i..i + self.cols + 2];
+            corners[0][l] = around[0];
+            corners[1][l] = around[1];
+            corners[2][l] = around[self.cols];
+            corners[3][l] = around[self.cols + 1];
+        }
+        let [a, b, d, e] = corners;
+        // In a loop of its own, so that all lanes are computed at once.
         let mut values = [0.0; LANES];
         for l in 0..LANES {
-            // What is no number becomes 0 here, and stays no number below.
-            let (col, row) = ((c[l] as usize).min(self.cols - 2), (r[l] as usize).min(self.rows - 2));
-            let (u, v) = (c[l] - col as f32, r[l] - row as f32);
-            let i = row * self.cols + col;
-            let j = i + self.cols;
-            let (south, north) = (&self.values[i..i + 2], &self.values[j..j + 2]);
-            let low = south[0] + u * (south[1] - south[0]);
-            let high = north[0] + u * (north[1] - north[0]);
+            let (u, v) = (c[l] - col[l] as f32, r[l] - row[l] as f32);
+            let (low, high) = (a[l] + u * (b[l] - a[l]), d[l] + u * (e[l] - d[l]));
             values[l] = low + v * (high - low);
         }
         values

@@ -1,30 +1,18 @@
 //! The file of weights.
 //!
 //! It begins with lines of text, `key: value`, of which the first is `vb-nn: 1`. A line `layer: NAME INPUTS OUTPUTS` announces
-//! a layer. After an empty line come the layers' numbers in the order of these lines, little-endian with 32 bits: of each layer the
-//! weights, row by row (a row for each output), then the bias. All other lines are for whoever trained the weights.
+//! a dense layer, and `convolution: NAME PLANES ROWS COLUMNS OUTPUTS KERNEL STRIDE PADDING` a [`Convolution`]. After an empty line come the
+//! layers' numbers in the order of these lines, little-endian with 32 bits: of each layer the weights, in the order of
+//! [`Layer::weights`], then the bias. All other lines are for whoever trained the weights.
 
-use super::Network;
+use super::{Convolution, FixedNetwork, Layer, Network, Shape};
 
 /// The version of the format.
 const VERSION: &str = "1";
 /// The most numbers that a file may have.
 const NUMBERS: usize = 1 << 22;
-
-/// A dense layer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// The name, `NETWORK.NUMBER`.
-    pub name: String,
-    /// The number of inputs.
-    pub inputs: usize,
-    /// The number of outputs.
-    pub outputs: usize,
-    /// `outputs` rows of `inputs` weights.
-    pub weights: Vec<f32>,
-    /// What is added to each output.
-    pub bias: Vec<f32>,
-}
+/// The most that each size of a convolution may be.
+const SIDE: usize = 1024;
 
 /// Networks with what is said of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,8 +68,8 @@ impl Weights {
                 (0, "vb-nn") if value == VERSION => {}
                 (0, "vb-nn") => return wrong(format!("format {value} is not supported (only {VERSION} is)")),
                 (0, _) => return wrong("these are no weights: the first line is not \"vb-nn: 1\""),
-                (_, "layer") => {
-                    let layer = own.layer(value, &mut numbers)?;
+                (_, "layer" | "convolution") => {
+                    let layer = own.layer(key, value, &mut numbers)?;
                     own.layers.push(layer);
                 }
                 _ => own.notes.push((key.to_owned(), value.to_owned())),
@@ -94,17 +82,38 @@ impl Weights {
     }
 
     /// A layer that a line of the head announces.
-    fn layer(&self, value: &str, numbers: &mut impl Iterator<Item = f32>) -> Result<Layer, WeightsError> {
+    fn layer(
+        &self,
+        kind: &str,
+        value: &str,
+        numbers: &mut impl Iterator<Item = f32>,
+    ) -> Result<Layer, WeightsError> {
         let words: Vec<&str> = value.split(' ').collect();
-        let size = |k: usize| {
-            words.get(k).and_then(|w| w.parse::<usize>().ok()).filter(|n| (1..NUMBERS).contains(n))
+        let sizes: Vec<usize> =
+            words.iter().skip(1).filter_map(|w| w.parse().ok()).filter(|n| *n < NUMBERS).collect();
+        let shape = match (kind, &sizes[..]) {
+            _ if sizes.len() + 1 != words.len() => None,
+            ("layer", [inputs, outputs]) => Some(Shape::Dense { inputs: *inputs, outputs: *outputs }),
+            ("convolution", [planes, rows, cols, outputs, kernel, stride, padding]) if *stride > 0 => {
+                let small = [rows, cols, kernel, stride, padding].iter().all(|n| **n <= SIDE);
+                let (planes, rows, cols, outputs) = (*planes, *rows, *cols, *outputs);
+                let (kernel, stride, padding) = (*kernel, *stride, *padding);
+                let own = Convolution { planes, rows, cols, outputs, kernel, stride, padding };
+                (small && planes.max(outputs) <= SIDE).then_some(Shape::Convolution(own))
+            }
+            _ => None,
         };
-        let (Some(inputs), Some(outputs), 3) = (size(1), size(2), words.len()) else {
-            return wrong(format!("layer \"{value}\" is not \"NAME INPUTS OUTPUTS\""));
+        let Some(shape) = shape.filter(|s| s.inputs() > 0 && s.outputs() > 0 && s.numbers().0 > 0) else {
+            let want = match kind {
+                "layer" => "NAME INPUTS OUTPUTS",
+                _ => "NAME PLANES ROWS COLUMNS OUTPUTS KERNEL STRIDE PADDING, none above 1024",
+            };
+            return wrong(format!("{kind} \"{value}\" is not \"{want}\""));
         };
         let before: usize = self.layers.iter().map(|l| l.weights.len() + l.bias.len()).sum();
-        let count = inputs.saturating_mul(outputs).saturating_add(outputs);
-        if before.saturating_add(count) > NUMBERS {
+        let (weights, bias) = shape.numbers();
+        let count = weights.saturating_add(bias);
+        if before.saturating_add(count) > NUMBERS || shape.outputs() > NUMBERS {
             return wrong(format!("there are more than {NUMBERS} numbers"));
         }
         let name = words[0].to_owned();
@@ -115,8 +124,8 @@ impl Weights {
         if let Some(k) = all.iter().position(|v| !v.is_finite()) {
             return wrong(format!("layer {name}: number {k} is {}", all[k]));
         }
-        let (weights, bias) = all.split_at(inputs * outputs);
-        Ok(Layer { name, inputs, outputs, weights: weights.to_vec(), bias: bias.to_vec() })
+        let (weights, bias) = all.split_at(weights);
+        Ok(Layer { name, shape, weights: weights.to_vec(), bias: bias.to_vec() })
     }
 
     /// The bytes of the file.
@@ -127,7 +136,13 @@ impl Weights {
             head += &format!("{key}: {value}\n");
         }
         for l in &self.layers {
-            head += &format!("layer: {} {} {}\n", l.name, l.inputs, l.outputs);
+            head += &match l.shape {
+                Shape::Dense { inputs, outputs } => format!("layer: {} {inputs} {outputs}\n", l.name),
+                Shape::Convolution(c) => format!(
+                    "convolution: {} {} {} {} {} {} {} {}\n",
+                    l.name, c.planes, c.rows, c.cols, c.outputs, c.kernel, c.stride, c.padding
+                ),
+            };
         }
         let numbers = self.layers.iter().flat_map(|l| l.weights.iter().chain(&l.bias));
         head.into_bytes().into_iter().chain(*b"\n").chain(numbers.flat_map(|v| v.to_le_bytes())).collect()
@@ -161,5 +176,21 @@ impl Weights {
             ));
         }
         Ok(network)
+    }
+
+    /// The same network in fixed point, whose inputs come in parts ([`Network::fixed`]).
+    ///
+    /// # Errors
+    /// Returns an error if it isn't there, doesn't fit, or its weights are too large.
+    pub fn fixed_network(
+        &self,
+        name: &str,
+        parts: &[usize],
+        outputs: usize,
+    ) -> Result<FixedNetwork, WeightsError> {
+        let network = self.network(name, parts.iter().sum(), outputs)?;
+        network
+            .fixed(parts)
+            .ok_or_else(|| WeightsError(format!("weights of {name} are too large for fixed point")))
     }
 }

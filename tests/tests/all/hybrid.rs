@@ -54,3 +54,37 @@ fn without_maps_of_the_world_they_say_so_at_once() {
         assert!(error.contains(name) && error.contains("gives no map of heights"), "{name}: {error}");
     }
 }
+
+#[test]
+fn a_plugin_names_the_weights_that_it_has_and_what_they_were_learned_from() {
+    let bench = Bench::new();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../plugins/hybrid/weights");
+    let mut named: [Vec<String>; 2] = Default::default();
+    for entry in std::fs::read_dir(&folder).expect("the weights") {
+        let file = entry.expect("an entry").path();
+        if file.extension().is_none_or(|e| e != "vbnn") {
+            continue;
+        }
+        let hash = vb_files::sha256(&std::fs::read(&file).expect("weights"));
+        let card = std::fs::read_to_string(file.with_extension("json")).expect("a card");
+        let card: Value = serde_json::from_str(&card).expect("JSON");
+        assert_eq!(card["weights_sha256"], hash.as_str(), "{}", file.display());
+        let frames: Vec<&str> =
+            card["frames_sha256"].as_array().expect("hashes").iter().filter_map(Value::as_str).collect();
+        let name = file.file_name().expect("a name").to_string_lossy().into_owned();
+        let attends = card["sight"] == "attention";
+        named[usize::from(attends)]
+            .push(format!("{name} sha256 {hash}, learned from frames sha256 {}", frames.join(" ")));
+    }
+    for (name, attends) in [("wmvct", false), ("mppi6", false), ("tal", true), ("tnt", false)] {
+        for kind in [PluginKind::Wasm, PluginKind::Native] {
+            let file = plugin(name, kind);
+            let told = bench.ok(&["inspect", "--plugin", text(&file), "--message-format", "json"]);
+            let told: Value = serde_json::from_str(&told).expect("JSON");
+            let models = told["models"][0].as_str().expect("its models");
+            for own in &named[usize::from(attends)] {
+                assert!(models.contains(own), "{name}: {own} in {models}");
+            }
+        }
+    }
+}

@@ -26,7 +26,7 @@ struct Args {
     /// File of the vehicle
     #[arg(long, value_name = "FILE", default_value = "tasks/vehicles/hmmwv.yaml")]
     vehicle: PathBuf,
-    /// Where the weights go; their card goes beside them as .json
+    /// Where the weights go; their card goes beside them as .json, and what metadata of plugins say of them as .txt
     #[arg(long, value_name = "FILE", required_unless_present = "measure")]
     out: Option<PathBuf>,
     /// Begin with these weights
@@ -115,12 +115,13 @@ fn run(args: &Args) -> Result<(), TrainError> {
         std::fs::write(path, bytes).map_err(|source| TrainError::Write { path: path.to_owned(), source })
     };
     write(out, &bytes)?;
+    let hash = vb_files::sha256(&bytes);
     let errors = measured.errors.iter().map(|(kind, ways)| {
         let own = WAYS.iter().zip(ways).map(|(way, errors)| ((*way).to_owned(), json!(errors)));
         (kind.clone(), own.collect::<serde_json::Map<_, _>>())
     });
     let card = json!({
-        "weights_sha256": vb_files::sha256(&bytes),
+        "weights_sha256": hash,
         "vehicle": vehicle.name,
         "frames_sha256": data.hashes,
         "sight": weights.note("sight"),
@@ -133,6 +134,10 @@ fn run(args: &Args) -> Result<(), TrainError> {
     });
     let text = serde_json::to_string_pretty(&card).unwrap_or_default() + "\n";
     write(&out.with_extension("json"), text.as_bytes())?;
+    // What plugins that embed the weights say of them in their metadata.
+    let name = out.file_name().unwrap_or_default().to_string_lossy();
+    let said = format!("{name} sha256 {hash}, learned from frames sha256 {}", data.hashes.join(" "));
+    write(&out.with_extension("txt"), said.as_bytes())?;
     note(&format!("{} is written", out.display()));
     Ok(())
 }

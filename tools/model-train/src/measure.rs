@@ -44,7 +44,7 @@ struct Sums([[f64; 5]; STEPS + 1], f64);
 /// The bicycle at a place, and the model.
 fn models(place: &PlaceOf, weights: &Weights, vehicle: &Vehicle) -> Result<[Kinodynamics; 2], TrainError> {
     let terrain = place.terrain.clone();
-    let model = Kinodynamics::of(&place.heights, terrain, weights, vehicle, Learned::All);
+    let model = Kinodynamics::new(&place.heights, terrain, weights, vehicle, Learned::All);
     let model = model.map_err(|e| TrainError::Weights(e.to_string()))?;
     Ok([model.clone().hearing(Learned::Nothing), model])
 }

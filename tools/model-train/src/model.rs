@@ -248,7 +248,7 @@ mod tests {
         let layers = model.networks().into_iter().map(Dense::layers);
         let layers = layers.collect::<Result<Vec<_>>>().unwrap().concat();
         let weights = Weights::parse(&Weights { notes: vec![note], layers }.bytes()).unwrap();
-        let own = Kinodynamics::of(&heights, terrain, &weights, &vehicle(), Learned::All).unwrap();
+        let own = Kinodynamics::new(&heights, terrain, &weights, &vehicle(), Learned::All).unwrap();
 
         let p = window.points[0];
         let all = |v: f32| [v; LANES];

@@ -50,14 +50,14 @@ impl Dense {
             let name = format!("{}.{k}", self.name);
             let Some(layer) = trained.layers.iter().find(|l| l.name == name) else { continue };
             let (inputs, outputs) = weights.dims2()?;
-            if layer.outputs != outputs || layer.inputs > inputs {
-                let (from, to) = (layer.inputs, layer.outputs);
+            let (from, to) = (layer.shape.inputs(), layer.shape.outputs());
+            if to != outputs || from > inputs {
                 candle_core::bail!(
                     "layer {name} turns {inputs} inputs into {outputs} outputs, not {from} into {to}"
                 );
             }
             let mut values = vec![0.0_f32; inputs * outputs];
-            for (o, row) in layer.weights.chunks_exact(layer.inputs).enumerate() {
+            for (o, row) in layer.weights.chunks_exact(from).enumerate() {
                 for (i, w) in row.iter().enumerate() {
                     values[i * outputs + o] = *w;
                 }
@@ -94,15 +94,63 @@ impl Dense {
     /// Returns an error if a variable can't be read.
     pub fn layers(&self) -> Result<Vec<Layer>> {
         let layer = |(k, (weights, bias)): (usize, &(Var, Var))| {
-            let (inputs, outputs) = weights.dims2()?;
-            Ok(Layer {
-                name: format!("{}.{k}", self.name),
-                inputs,
-                outputs,
-                weights: weights.t()?.contiguous()?.flatten_all()?.to_vec1()?,
-                bias: bias.to_vec1()?,
-            })
+            let name = format!("{}.{k}", self.name);
+            let rows = weights.t()?.contiguous()?.flatten_all()?.to_vec1()?;
+            Ok(Layer::dense(name, weights.dim(0)?, rows, bias.to_vec1()?))
         };
         self.layers.iter().enumerate().map(layer).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_sdk::nn::{Convolution, LANES, Lanes, Network, Scratch, Shape};
+
+    fn random(count: usize, seed: u64) -> Vec<f32> {
+        let mut random = Stream::new(seed, &["test"]);
+        (0..count).map(|_| random.normal(0.0, 1.0) as f32).collect()
+    }
+
+    /// What a network of a planner gives for one input.
+    fn run(layers: Vec<Layer>, input: &[f32]) -> Vec<f32> {
+        let network = Network::new(layers).unwrap();
+        let mut output = vec![[0.0; LANES]; network.outputs()];
+        let input: Vec<Lanes> = input.iter().map(|v| [*v; LANES]).collect();
+        network.run(&input, &mut output, &mut Scratch::default());
+        output.iter().map(|v| v[LANES - 1]).collect()
+    }
+
+    fn alike(own: &[f32], candle: &Tensor) {
+        let candle = candle.flatten_all().unwrap().to_vec1::<f32>().unwrap();
+        assert_eq!(own.len(), candle.len());
+        for (a, b) in own.iter().zip(&candle) {
+            assert!((a - b).abs() < 1e-4, "{own:?} {candle:?}");
+        }
+    }
+
+    #[test]
+    fn dense_layers_give_in_planners_what_they_give_in_training() {
+        let dense = Dense::new("net", &[7, 12, 5], 3).unwrap();
+        let input = random(7, 4);
+        let should = dense.forward(&Tensor::from_vec(input.clone(), (1, 7), &Device::Cpu).unwrap()).unwrap();
+        alike(&run(dense.layers().unwrap(), &input), &should);
+    }
+
+    #[test]
+    fn convolutions_give_in_planners_what_they_give_in_training() {
+        for (kernel, stride, padding) in [(3, 1, 1), (3, 2, 1), (4, 2, 0), (1, 1, 0)] {
+            let shape = Convolution { planes: 3, rows: 8, cols: 10, outputs: 4, kernel, stride, padding };
+            let (weights, bias) = (random(4 * 3 * kernel * kernel, 5), random(4, 6));
+            let input = random(3 * 8 * 10, 7);
+            let of = |values: &[f32], shape: (usize, usize, usize, usize)| {
+                Tensor::from_vec(values.to_vec(), shape, &Device::Cpu).unwrap()
+            };
+            let planes = of(&input, (1, 3, 8, 10));
+            let sums = planes.conv2d(&of(&weights, (4, 3, kernel, kernel)), padding, stride, 1, 1).unwrap();
+            let should = sums.broadcast_add(&of(&bias, (1, 4, 1, 1))).unwrap();
+            let layer = Layer { name: "net.0".into(), shape: Shape::Convolution(shape), weights, bias };
+            alike(&run(vec![layer], &input), &should);
+        }
     }
 }

@@ -27,6 +27,9 @@ struct Document {
     /// The same, for profiles that leave out one of the task's maps.
     #[serde(default)]
     needs_without_maps: Vec<String>,
+    /// Learned weights with their hashes.
+    #[serde(default)]
+    models: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -48,7 +51,7 @@ pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
 
 fn parse(text: &str) -> Result<Metadata, String> {
     let document: Document = vb_world::yaml::parse(text).map_err(|e| e.to_string())?;
-    let Document { name, version, authors, about, control_period, params, needs, needs_without_maps } =
+    let Document { name, version, authors, about, control_period, params, needs, needs_without_maps, models } =
         document;
     if !metadata::is_name(&name) {
         return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
@@ -84,7 +87,18 @@ fn parse(text: &str) -> Result<Metadata, String> {
     let spec = |p: Param| ParamSpec { key: p.name, default: p.default, help: p.help };
     let params = params.into_iter().map(spec).collect();
     let abi = vb_sdk::ABI_VERSION.to_owned();
-    Ok(Metadata { abi, name, version, authors, about, control_period, params, needs, needs_without_maps })
+    Ok(Metadata {
+        abi,
+        name,
+        version,
+        authors,
+        about,
+        control_period,
+        params,
+        needs,
+        needs_without_maps,
+        models,
+    })
 }
 
 #[cfg(test)]
@@ -100,6 +114,7 @@ control_period: 0.05
 params:
   - { name: speed, default: \"4.0\", help: \"m/s, at most\" }
   - { name: mode, default: \"\" }
+models: [hills.vbnn sha256 1]
 ";
 
     #[test]
@@ -110,6 +125,7 @@ params:
         assert_eq!(m.control_period, 0.05);
         let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };
         assert_eq!(m.params, [spec("speed", "4.0", "m/s, at most"), spec("mode", "", "")]);
+        assert_eq!(m.models, ["hills.vbnn sha256 1"]);
         let least = parse("{name: a, version: '1', control_period: 1}").unwrap();
         assert_eq!((least.params.len(), least.control_period), (0, 1.0));
     }

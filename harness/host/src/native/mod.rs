@@ -514,6 +514,7 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
         params: said.params.into_iter().map(param).collect(),
         needs,
         needs_without_maps,
+        models: said.models,
     };
     Ok((abi, metadata))
 }

@@ -83,6 +83,7 @@ mod tests {
             params: vec![param("speed"), param("ahead")],
             needs: Vec::new(),
             needs_without_maps: Vec::new(),
+            models: Vec::new(),
         }
     }
 

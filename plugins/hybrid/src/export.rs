@@ -1,0 +1,55 @@
+//! What the plugins of the hybrid planners are made of.
+
+/// Makes a plugin of a variant of [`Hybrid`](crate::Hybrid): its planner, its name, what it does, its aim, what it predicts by, the
+/// models that its metadata name, and the parameters whose defaults are its own. All variants share the others.
+#[macro_export]
+macro_rules! export_hybrid {
+    (
+        planner: $planner:ident,
+        name: $name:literal,
+        about: $about:literal,
+        aim: $aim:ident,
+        learned: $learned:ident,
+        attention: $attention:literal,
+        models: $models:expr,
+        params: { $($own:tt)* },
+    ) => {
+        vb_sdk::export_planner! {
+            planner: $planner,
+            name: $name,
+            about: $about,
+            control_period: 0.1,
+            params: {
+                speed: 4.0 => "target speed, m/s at full scale",
+                $($own)*
+                samples: 1000 => "courses drawn every control period",
+                horizon: 20 => "steps of a course, of 0.2 s at full scale",
+                spacing: 5 => "steps from one drawn command to the next; those between lie on a line",
+                speed_spread: 1.0 => "standard deviation of drawn speed, m/s at full scale",
+                obstacle: 10.0 => "weight of obstacles and edges",
+                margin: 1.0 => "distance between vehicle and obstacle that costs nothing, m at full scale",
+                pace: 0.5 => "weight of the deviation from the target speed",
+                effort: 0.2 => "weight of steering",
+                roll: 12.0 => "roll that costs nothing, degrees",
+                pitch: 15.0 => "pitch that costs nothing, degrees",
+                learned: 1 => "whether the networks have a say; 0 for a bicycle on the plane through its wheels",
+                explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
+            },
+            models: [$models],
+        }
+
+        /// The planner.
+        pub struct $planner($crate::Hybrid);
+
+        impl vb_sdk::Planner for $planner {
+            fn init(task: &vb_sdk::Task) -> Result<Self, vb_sdk::PlannerError> {
+                let prediction = $crate::Prediction { learned: $crate::Learned::$learned, attention: $attention };
+                $crate::Hybrid::new(task, $crate::Aim::$aim, prediction).map(Self)
+            }
+
+            fn step(&mut self, o: &vb_sdk::Observation) -> Result<vb_sdk::Command, vb_sdk::PlannerError> {
+                self.0.step(o)
+            }
+        }
+    };
+}
