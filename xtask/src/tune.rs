@@ -14,10 +14,11 @@ const SEED: &str = "7001";
 const WORLDS: &str = "30";
 const TASKS: &str = "w*/t00-t02";
 
-/// Candidates of a planner: each differs from its defaults in one or two parameters.
-fn candidates(planner: &str) -> Option<&'static [&'static [&'static str]]> {
-    match planner {
-        "eh" => Some(&[
+/// Candidates of each planner: each differs from its defaults in one or two parameters.
+const CANDIDATES: &[(&str, &[&[&str]])] = &[
+    (
+        "eh",
+        &[
             &[],
             &["terrain=0.1"],
             &["terrain=0.4"],
@@ -26,8 +27,11 @@ fn candidates(planner: &str) -> Option<&'static [&'static [&'static str]]> {
             &["roughness=0"],
             &["roughness=3"],
             &["speed=4"],
-        ]),
-        "mppi" => Some(&[
+        ],
+    ),
+    (
+        "mppi",
+        &[
             &[],
             &["pace=1"],
             &["pace=10"],
@@ -38,11 +42,14 @@ fn candidates(planner: &str) -> Option<&'static [&'static [&'static str]]> {
             &["effort=0.02"],
             &["effort=0.5"],
             &["speed=4"],
-        ]),
-        "wmvct" => Some(&[&[], &["speed=3"], &["speed=5"], &["tilt=1"], &["tilt=4"]]),
-        "mppi6" => Some(&[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
-        "tal" => Some(&[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
-        "tnt" => Some(&[
+        ],
+    ),
+    ("wmvct", &[&[], &["speed=3"], &["speed=5"], &["tilt=1"], &["tilt=4"]]),
+    ("mppi6", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
+    ("tal", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
+    (
+        "tnt",
+        &[
             &[],
             &["speed=3"],
             &["speed=5"],
@@ -52,15 +59,15 @@ fn candidates(planner: &str) -> Option<&'static [&'static [&'static str]]> {
             &["tilt=2"],
             &["over=60"],
             &["learned=0"],
-        ]),
-        _ => None,
-    }
-}
+        ],
+    ),
+];
 
 /// Drives all candidates of a planner and prints what became of them.
 pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
-    let candidates = candidates(planner).ok_or_else(|| {
-        Failure::new(format!("{planner}: there is nothing to tune; want eh, mppi, wmvct, mppi6, tal or tnt"))
+    let (_, candidates) = CANDIDATES.iter().find(|(name, _)| *name == planner).ok_or_else(|| {
+        let known: Vec<&str> = CANDIDATES.iter().map(|(name, _)| *name).collect();
+        Failure::new(format!("{planner}: there is nothing to tune; want one of {}", known.join(", ")))
     })?;
     let folder = target_dir().join("tune");
     let worlds = folder.join("worlds");
@@ -73,7 +80,7 @@ pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
     apart(&worlds)?;
     step("| parameters | success % | low | medium | high | time s | rollover |");
     step("|---|---|---|---|---|---|---|");
-    for params in candidates {
+    for params in *candidates {
         let out =
             folder.join(planner).join(if params.is_empty() { "defaults".into() } else { params.join("-") });
         if out.exists() {

@@ -1,7 +1,7 @@
 //! What the plugins of the hybrid planners are made of.
 
-/// Makes a plugin of a variant of [`Hybrid`](crate::Hybrid): its planner, its name, what it does, its aim, what it predicts by, the
-/// models that its metadata name, and the parameters whose defaults are its own. All variants share the others.
+/// Makes a plugin of a variant of [`Hybrid`](crate::Hybrid): its planner, its name, what it does, its aim, what it predicts by,
+/// and the parameters whose defaults are its own. All variants share the others.
 #[macro_export]
 macro_rules! export_hybrid {
     (
@@ -11,7 +11,6 @@ macro_rules! export_hybrid {
         aim: $aim:ident,
         learned: $learned:ident,
         attention: $attention:literal,
-        models: $models:expr,
         params: { $($own:tt)* },
     ) => {
         vb_sdk::export_planner! {
@@ -35,7 +34,7 @@ macro_rules! export_hybrid {
                 learned: 1 => "whether the networks have a say; 0 for a bicycle on the plane through its wheels",
                 explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
             },
-            models: [$models],
+            models: [if $attention { $crate::ATTENTION_MODELS } else { $crate::PATCH_MODELS }],
         }
 
         /// The planner.

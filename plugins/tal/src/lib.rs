@@ -12,7 +12,6 @@ hybrid::export_hybrid! {
     aim: Path,
     learned: All,
     attention: true,
-    models: hybrid::ATTENTION_MODELS,
     params: {
         lookahead: 16.0 => "distance of the local goal along the global path, m at full scale",
         steer_spread: 0.6 => "standard deviation of drawn steering, of full steering",

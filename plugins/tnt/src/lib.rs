@@ -13,7 +13,6 @@ hybrid::export_hybrid! {
     aim: Traversability,
     learned: All,
     attention: false,
-    models: hybrid::PATCH_MODELS,
     params: {
         lookahead: 12.0 => "length of way that the cost of the way is measured in, m at full scale",
         steer_spread: 0.5 => "standard deviation of drawn steering, of full steering",
