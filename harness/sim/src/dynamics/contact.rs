@@ -1,6 +1,6 @@
 //! The second stage of a step: forces of ground and obstacles on the wheels.
 
-use super::design::{Corner, Design};
+use super::design::Design;
 use super::ground::Ground;
 use super::kinematics::Kinematics;
 use super::state::Contacts;
@@ -70,22 +70,23 @@ pub(super) fn touch_wheels(
 ) {
     let wheels = design.corners.iter().zip(kinematics.placements).zip(contacts);
     for (((corner, place), contacts), f) in wheels.zip(forces) {
-        *f = touch(design, corner, &place.motion, ground, contacts, dt);
+        *f = Forces::none(corner.mass);
+        touch(design, corner.tyre, &place.motion, ground, contacts, f, dt);
     }
 }
 
-/// Forces of ground and obstacles on one wheel.
+/// Adds the forces of ground and obstacles on one wheel, whose tyre has this number, to `f`.
 fn touch(
     design: &Design,
-    corner: &Corner,
+    tyre: usize,
     motion: &WheelMotion,
     ground: &mut Ground<'_>,
     contacts: &mut Contacts,
+    f: &mut Forces,
     dt: f64,
-) -> Forces {
-    let mut f = Forces::none(corner.mass);
+) {
     let (hub, axis) = (&motion.hub, &motion.axis);
-    let (tyre, shape) = (&design.tyres[corner.tyre], &design.shapes[corner.tyre]);
+    let (tyre, shape) = (&design.tyres[tyre], &design.shapes[tyre]);
     let damped = dt * tyre.damping();
     let envelope = tyre.envelope();
     let reach = envelope.radius();
@@ -158,7 +159,6 @@ fn touch(
         contacts.obstacle = Patch::default();
         contacts.obstacle_depth = 0.0;
     }
-    f
 }
 
 impl WheelMotion {
