@@ -85,6 +85,8 @@ impl Shafts {
     }
 
     /// Advances engine, gearbox and shafts by `dt` (s).
+    // Inlined into the step, the powertrain's code takes registers from all that is around it.
+    #[inline(never)]
     pub(super) fn advance(mut self, tracks: &[Track], drive: &mut Drive, demand: &Demand, dt: f64) -> Driven {
         let n = self.count;
         let mut torques = [0.0; MAX_WHEELS];
