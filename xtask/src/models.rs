@@ -45,10 +45,10 @@ const MODELS: [Models; 3] = [
     },
     Models {
         vehicle: "man5t",
-        explorations: &[Exploration { hz: "10", hours: "20", seed: "13", world_seed: "7220", worlds: "135" }],
+        explorations: &[Exploration { hz: "10", hours: "10", seed: "13", world_seed: "7220", worlds: "90" }],
         trainings: &[
-            Training { sight: "patch", from: Some("hmmwv"), steps: "4000", file: "" },
-            Training { sight: "attention", from: Some("man5t"), steps: "1500", file: "-attention" },
+            Training { sight: "patch", from: Some("hmmwv"), steps: "8000", file: "" },
+            Training { sight: "attention", from: Some("man5t"), steps: "2000", file: "-attention" },
         ],
     },
     Models {
@@ -56,8 +56,8 @@ const MODELS: [Models; 3] = [
         // As much as 20 h at full scale; three frames make a step.
         explorations: &[Exploration { hz: "50", hours: "6", seed: "14", world_seed: "7230", worlds: "135" }],
         trainings: &[
-            Training { sight: "patch", from: Some("hmmwv"), steps: "4000", file: "" },
-            Training { sight: "attention", from: Some("verti4wheeler"), steps: "1500", file: "-attention" },
+            Training { sight: "patch", from: Some("hmmwv"), steps: "8000", file: "" },
+            Training { sight: "attention", from: Some("verti4wheeler"), steps: "2000", file: "-attention" },
         ],
     },
 ];

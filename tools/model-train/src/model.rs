@@ -72,6 +72,15 @@ impl Motion {
         all
     }
 
+    /// What a unit of each value of a [`State`] at full scale is for the vehicle, in the value's own unit (Froude's rule).
+    #[must_use]
+    pub fn measure(&self) -> [f64; 10] {
+        let (speed, rate) = (1.0 / f64::from(self.units.speed), 1.0 / f64::from(self.units.rate));
+        // Lengths go with the square of times.
+        let length = f64::from(self.units.rate) * f64::from(self.units.rate);
+        [length, length, 1.0, speed, speed, rate, 1.0, 1.0, 1.0, speed]
+    }
+
     /// The state at the start of windows.
     ///
     /// # Errors
