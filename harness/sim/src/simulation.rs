@@ -1,6 +1,6 @@
 //! One vehicle in one world, from the start pose on.
 
-use crate::collision::{ChassisContacts, Obstacles, WheelShape};
+use crate::collision::{ChassisContacts, Obstacles};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
@@ -69,8 +69,6 @@ pub struct Simulation {
     reference: V3,
     obstacles: Obstacles,
     soil: SoilGround,
-    /// Of each of the vehicle's tyres.
-    wheels: Vec<WheelShape>,
     chassis: ChassisContacts,
     steps: u64,
     /// Steps in which the contact solver ran.
@@ -103,10 +101,6 @@ impl Simulation {
         let mut simulation = Self {
             obstacles: Obstacles::new(&world),
             soil,
-            wheels: std::iter::once(&spec.tyre)
-                .chain(spec.axles.iter().filter_map(|a| a.tyre.as_ref()))
-                .map(WheelShape::new)
-                .collect(),
             reference: -V3::from(spec.chassis.com),
             look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
             energy: EnergyMonitor::new(vehicle.lift_energy()),
@@ -134,9 +128,10 @@ impl Simulation {
     fn place(&mut self, start: Pose2) {
         let ground = &self.world.heightfield;
         let heading = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
-        self.vehicle.q = heading;
-        self.vehicle.x = V3::new(start.x, start.y, 0.0) - heading * self.reference;
-        let centre = self.vehicle.x + heading * self.reference;
+        let body = self.vehicle.body_mut();
+        body.q = heading;
+        body.x = V3::new(start.x, start.y, 0.0) - heading * self.reference;
+        let centre = body.x + heading * self.reference;
         // Least squares of the ground's height over the wheels' positions in the vehicle's own axes.
         let (mut sxx, mut syy, mut sxz, mut syz) = (0.0, 0.0, 0.0, 0.0);
         let wheels: Vec<(V3, f64)> = self
@@ -162,17 +157,17 @@ impl Simulation {
         }
         let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
         let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
-        self.vehicle.q = heading * pitch * roll;
+        self.vehicle.body_mut().q = heading * pitch * roll;
         // From well above any ground nearby, down in steps of 1 cm of the full-size world.
         let step = 0.01 * self.world.scale;
         let (low, high) = ground.range();
         let top = high + 3.0;
         let mut z = top;
         while z > low {
-            let below = V3::new(start.x, start.y, z - step) - self.vehicle.q * self.reference;
-            let before = std::mem::replace(&mut self.vehicle.x, below);
+            let below = V3::new(start.x, start.y, z - step) - self.vehicle.body().q * self.reference;
+            let before = std::mem::replace(&mut self.vehicle.body_mut().x, below);
             if !self.is_free() {
-                self.vehicle.x = before;
+                self.vehicle.body_mut().x = before;
                 break;
             }
             z -= step;
@@ -184,10 +179,10 @@ impl Simulation {
     fn place_above(&mut self, start: Pose2, height: f64, stretch: f64) {
         let ground = &self.world.heightfield;
         let (_, high) = ground.range();
-        self.vehicle.q = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
+        self.vehicle.body_mut().q = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
         let mut z = ground.height(start.x / stretch, start.y / stretch) + height;
         loop {
-            self.vehicle.x = V3::new(start.x, start.y, z) - self.vehicle.q * self.reference;
+            self.vehicle.body_mut().x = V3::new(start.x, start.y, z) - self.vehicle.body().q * self.reference;
             if self.is_free() || z > high + height.max(3.0) {
                 break;
             }
@@ -197,9 +192,13 @@ impl Simulation {
 
     /// Tells the hull what is below it.
     fn pass_over_soil(&mut self) {
-        let v = &self.vehicle;
-        let upright = (v.q * V3::z()).z > LYING;
-        self.chassis.pass_over(self.soil.soil_at(v.x.x, v.x.y).is_some(), !self.soil.is_empty(), upright);
+        let body = self.vehicle.body();
+        let upright = (body.q * V3::z()).z > LYING;
+        self.chassis.pass_over(
+            self.soil.soil_at(body.x.x, body.x.y).is_some(),
+            !self.soil.is_empty(),
+            upright,
+        );
     }
 
     /// Whether neither wheels nor hull touch anything.
@@ -210,7 +209,8 @@ impl Simulation {
             hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
         });
         let margin = 0.02 * self.world.scale;
-        !touches && !self.chassis.may_touch(ground, &self.obstacles, &self.vehicle.x, &self.vehicle.q, margin)
+        let body = self.vehicle.body();
+        !touches && !self.chassis.may_touch(ground, &self.obstacles, &body.x, &body.q, margin)
     }
 
     fn settle(&mut self) -> Result<(), SimError> {
@@ -219,7 +219,8 @@ impl Simulation {
         let mut still = 0;
         for _ in 0..most {
             self.step(controls);
-            let quiet = self.vehicle.v.norm() < 0.01 && self.vehicle.w.norm() < 0.01;
+            let body = self.vehicle.body();
+            let quiet = body.v.norm() < 0.01 && body.w.norm() < 0.01;
             still = if quiet { still + 1 } else { 0 };
             if still >= 100 {
                 break;
@@ -236,8 +237,9 @@ impl Simulation {
     fn step(&mut self, controls: Controls) {
         let dt = self.options.step;
         if self.steps.is_multiple_of(LOOK_AROUND) {
-            let reach = self.chassis.bound() + 0.2 + self.vehicle.v.norm() * dt * LOOK_AROUND as f64;
-            self.obstacles.look_around(&self.vehicle.x, reach);
+            let body = self.vehicle.body();
+            let reach = self.chassis.bound() + 0.2 + body.v.norm() * dt * LOOK_AROUND as f64;
+            self.obstacles.look_around(&body.x, reach);
         }
         let mut ground = Ground {
             soil: &mut self.soil,
@@ -245,31 +247,32 @@ impl Simulation {
             semantics: &self.world.semantics,
             obstacles: &self.obstacles,
         };
-        self.vehicle.accelerate(controls, &mut ground, &self.wheels, dt);
+        self.vehicle.accelerate(controls, &mut ground, dt);
         self.pass_over_soil();
-        let way = (self.vehicle.v.norm() + self.vehicle.w.norm() * self.chassis.bound()) * dt;
+        let body = self.vehicle.body();
+        let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * dt;
         let near = self.chassis.may_touch(
             &self.world.heightfield,
             &self.obstacles,
-            &self.vehicle.x,
-            &self.vehicle.q,
+            &body.x,
+            &body.q,
             HULL_NEAR * self.world.scale + way,
         );
         if near {
-            let v = &mut self.vehicle;
+            let body = self.vehicle.body_mut();
             let friction = self
                 .soil
-                .soil_at(v.x.x, v.x.y)
-                .map_or_else(|| self.world.semantics.friction_at(v.x.x, v.x.y), |soil| soil.tan_phi);
-            self.chassis.resolve(friction, &mut v.x, &mut v.q, &mut v.v, &mut v.w);
+                .soil_at(body.x.x, body.x.y)
+                .map_or_else(|| self.world.semantics.friction_at(body.x.x, body.x.y), |soil| soil.tan_phi);
+            self.chassis.resolve(friction, &mut body.x, &mut body.q, &mut body.v, &mut body.w);
             self.contact_steps += 1;
         } else {
-            self.vehicle.move_on(dt);
+            self.vehicle.body_mut().move_on(dt);
         }
         self.steps += 1;
         if self.steps.is_multiple_of(self.look_at_energy) {
             // Beyond the edge the ground is made up.
-            let at = self.vehicle.x;
+            let at = self.vehicle.body().x;
             if self.world.heightfield.contains(at.x, at.y) {
                 self.energy.push(self.vehicle.energy_balance());
             } else {
@@ -294,20 +297,20 @@ impl Simulation {
     }
 
     fn check(&self) -> Result<(), SimError> {
-        let v = &self.vehicle;
+        let (vehicle, body) = (&self.vehicle, self.vehicle.body());
         let finite = |a: &V3| a.iter().all(|x| x.is_finite());
         // Beyond the edge the ground is made up, and a vehicle may fall for as long as the rules let it.
         let ground = &self.world.heightfield;
-        let inside = ground.contains(v.x.x, v.x.y);
-        let what = if !finite(&v.x) || !v.q.coords.iter().all(|x| x.is_finite()) {
+        let inside = ground.contains(body.x.x, body.x.y);
+        let what = if !finite(&body.x) || !body.q.coords.iter().all(|x| x.is_finite()) {
             "a pose that is not finite"
-        } else if !finite(&v.v) || !finite(&v.w) {
+        } else if !finite(&body.v) || !finite(&body.w) {
             "a velocity that is not finite"
-        } else if !v.inner_state().all(f64::is_finite) {
+        } else if !vehicle.inner_state().all(f64::is_finite) {
             "a wheel's state that is not finite"
-        } else if inside && (v.v.norm() > FASTEST || v.w.norm() > FASTEST) {
+        } else if inside && (body.v.norm() > FASTEST || body.w.norm() > FASTEST) {
             "a speed beyond 200 m/s or rad/s"
-        } else if v
+        } else if vehicle
             .hubs()
             .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST)
         {
@@ -322,20 +325,20 @@ impl Simulation {
 
     /// The state in one line, every number in full, for messages about a failure.
     fn describe(&self) -> String {
-        let v = &self.vehicle;
-        let wheels: Vec<String> = (0..v.wheel_count())
+        let (vehicle, body) = (&self.vehicle, self.vehicle.body());
+        let wheels: Vec<String> = (0..vehicle.wheel_count())
             .map(|i| {
-                let w = v.wheel(i);
+                let w = vehicle.wheel(i);
                 format!("[{}, {}, {}, {}]", w.speed, w.deflection, w.load, w.sinkage)
             })
             .collect();
         format!(
             "x {:?}, q {:?}, v {:?}, w {:?}, steering {}, wheels (spin, travel, load, sinkage) {}",
-            v.x.as_slice(),
-            v.q.coords.as_slice(),
-            v.v.as_slice(),
-            v.w.as_slice(),
-            v.steering,
+            body.x.as_slice(),
+            body.q.coords.as_slice(),
+            body.v.as_slice(),
+            body.w.as_slice(),
+            vehicle.steering(),
             wheels.join(" ")
         )
     }
@@ -400,19 +403,19 @@ impl Simulation {
     /// The present state of the vehicle.
     #[must_use]
     pub fn state(&self) -> VehicleState {
-        let v = &self.vehicle;
-        let arm = v.q * self.reference;
-        let inverse = v.q.inverse();
+        let (vehicle, body) = (&self.vehicle, self.vehicle.body());
+        let arm = body.q * self.reference;
+        let inverse = body.q.inverse();
         VehicleState {
             time: self.time(),
-            position: v.x + arm,
-            attitude: v.q,
-            velocity: inverse * (v.v + v.w.cross(&arm)),
-            angular_velocity: inverse * v.w,
-            wheels: (0..v.wheel_count()).map(|i| v.wheel(i)).collect(),
-            steering: v.steering,
-            gear: v.gear(),
-            engine_speed: v.drive_state().engine_speed,
+            position: body.x + arm,
+            attitude: body.q,
+            velocity: inverse * (body.v + body.w.cross(&arm)),
+            angular_velocity: inverse * body.w,
+            wheels: (0..vehicle.wheel_count()).map(|i| vehicle.wheel(i)).collect(),
+            steering: vehicle.steering(),
+            gear: vehicle.gear(),
+            engine_speed: vehicle.drive_state().engine_speed,
         }
     }
 
@@ -425,32 +428,32 @@ impl Simulation {
     /// Turns the vehicle about its long axis by `roll` (rad, positive with the right side down) and lifts its reference
     /// point to `height` (m) above the ground under it, at rest: for tests of rollovers.
     pub fn overturn(&mut self, roll: f64, height: f64) {
-        let v = &mut self.vehicle;
-        v.q *= Quat::from_axis_angle(&V3::x_axis(), roll);
-        v.x.z = self.world.heightfield.height(v.x.x, v.x.y) + height;
-        v.v = V3::zeros();
-        v.w = V3::zeros();
+        let body = self.vehicle.body_mut();
+        body.q *= Quat::from_axis_angle(&V3::x_axis(), roll);
+        body.x.z = self.world.heightfield.height(body.x.x, body.x.y) + height;
+        body.v = V3::zeros();
+        body.w = V3::zeros();
         self.energy.forget();
     }
 
     /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, with the
     /// wheels at design height. It serves drops and free fall.
     pub fn lift(&mut self, height: f64) {
-        let v = &mut self.vehicle;
-        let forward = v.q * V3::x();
-        v.q = Quat::from_axis_angle(&V3::z_axis(), vb_math::atan2(forward.y, forward.x));
-        v.x.z = self.world.heightfield.height(v.x.x, v.x.y) + height - (v.q * self.reference).z;
-        v.v = V3::zeros();
-        v.w = V3::zeros();
-        v.reset_wheels();
+        let body = self.vehicle.body_mut();
+        let forward = body.q * V3::x();
+        body.q = Quat::from_axis_angle(&V3::z_axis(), vb_math::atan2(forward.y, forward.x));
+        body.x.z = self.world.heightfield.height(body.x.x, body.x.y) + height - (body.q * self.reference).z;
+        body.v = V3::zeros();
+        body.w = V3::zeros();
+        self.vehicle.reset_wheels();
         self.energy.forget();
     }
 
     /// Gives the vehicle a velocity (m/s, world axes) as a whole, without turning; the wheels keep their spins. It
     /// serves slides and trips.
     pub fn throw(&mut self, velocity: [f64; 3]) {
-        self.vehicle.v = V3::from(velocity);
-        self.vehicle.w = V3::zeros();
+        self.vehicle.body_mut().v = V3::from(velocity);
+        self.vehicle.body_mut().w = V3::zeros();
         self.energy.forget();
     }
 
@@ -458,14 +461,14 @@ impl Simulation {
     /// behind a converter, the direction that is in, and a forward gear (counted from 1, at most the highest). The wheels
     /// don't move against the chassis, and nothing is remembered of the way there. It serves comparisons with records.
     pub fn put(&mut self, state: &VehicleState, gear: usize) {
-        let v = &mut self.vehicle;
-        v.q = state.attitude;
-        let arm = v.q * self.reference;
-        v.x = state.position - arm;
-        v.w = v.q * state.angular_velocity;
-        v.v = v.q * state.velocity - v.w.cross(&arm);
-        v.reset_wheels();
-        v.put_wheels(state, gear);
+        let body = self.vehicle.body_mut();
+        body.q = state.attitude;
+        let arm = body.q * self.reference;
+        body.x = state.position - arm;
+        body.w = body.q * state.angular_velocity;
+        body.v = body.q * state.velocity - body.w.cross(&arm);
+        self.vehicle.reset_wheels();
+        self.vehicle.put_wheels(state, gear);
         self.energy.forget();
     }
 
@@ -481,8 +484,13 @@ impl Simulation {
     /// footprints, tracks and driveline. Ruts that it has left are not in it; two drives whose ruts differ differ in it as
     /// soon as a wheel meets one.
     pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
-        let v = &self.vehicle;
-        v.x.iter().chain(v.q.coords.iter()).chain(v.v.iter()).chain(v.w.iter()).for_each(|&x| sink(x));
-        v.inner_state().for_each(sink);
+        let (vehicle, body) = (&self.vehicle, self.vehicle.body());
+        body.x
+            .iter()
+            .chain(body.q.coords.iter())
+            .chain(body.v.iter())
+            .chain(body.w.iter())
+            .for_each(|&x| sink(x));
+        vehicle.inner_state().for_each(sink);
     }
 }

@@ -1,44 +1,15 @@
 //! Solid axles in the equations of motion.
 //!
 //! A beam with its wheels is a set of point masses on one line that move with two travels q: the two hubs, each with its
-//! wheel's mass, and the beam's middle. Masses at the hubs and in the middle that have the beam's mass and its moment of
-//! inertia stand for the beam (a rod's inertia about its own line left out). With a = G ẍ + T q̈ + b for the
-//! acceleration of a point, G = [−r×, 1] and ẍ that of the chassis, the travels follow from
+//! wheel's mass, and the beam's middle ([`Beam`](super::design::Beam) says what stands for the beam). With
+//! a = G ẍ + T q̈ + b for the acceleration of a point, G = [−r×, 1] and ẍ that of the chassis, the travels follow from
 //! (Σ Tᵀ M T) q̈ = Q − Σ Tᵀ M (G ẍ + b) and are eliminated.
 
-use super::{Corner, Forces, solve::skew};
+use super::contact::Forces;
+use super::design::Design;
+use super::kinematics::Kinematics;
 use crate::{M3, V3};
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
-use std::sync::Arc;
-use vb_vehicle::kinematics::BeamAxle;
-use vb_vehicle::suspension::Linkage;
-
-/// The beam between two wheels.
-#[derive(Clone)]
-pub(super) struct Beam {
-    pub(super) kinematics: Arc<BeamAxle>,
-    /// Number of the left wheel.
-    pub(super) left: usize,
-    /// The axle's reference point relative to the chassis' centre of mass, body axes.
-    pub(super) mount: V3,
-    /// All of the beam; what of it is at each hub; and in the middle.
-    pub(super) mass: f64,
-    at_hub: f64,
-    at_middle: f64,
-    /// Whether it can only roll.
-    pivots: bool,
-    /// N/m over the difference of travels.
-    anti_roll: f64,
-    // Of this step, world axes.
-    pub(super) arm: V3,
-    pub(super) tangents: [V3; 2],
-    pub(super) bend: V3,
-    /// ∂hub/∂(the other wheel's travel), and the same of the axle's rotation.
-    pub(super) cross: [V3; 2],
-    pub(super) cross_tilt: [V3; 2],
-    /// `[wheel][strut][travel]`.
-    pub(super) strut_rates: [[[f64; 2]; 2]; 2],
-}
 
 /// What a unit adds to the equations of the chassis.
 pub(super) struct Passed {
@@ -59,128 +30,89 @@ pub(super) struct Remembered {
     rhs: Vector2<f64>,
 }
 
-impl Beam {
-    pub(super) fn new(
-        kinematics: Arc<BeamAxle>,
-        beam: vb_vehicle::suspension::Beam,
-        left: usize,
-        mount: V3,
-        linkage: &Linkage,
-        anti_roll: f64,
-    ) -> Self {
-        let half_track = linkage.spindle()[1];
-        let at_hub = 0.5 * beam.inertia / (half_track * half_track);
-        Self {
-            kinematics,
-            left,
-            mount,
-            mass: beam.mass,
-            at_hub,
-            at_middle: beam.mass - 2.0 * at_hub,
-            pivots: matches!(linkage, Linkage::PivotAxle(_)),
-            anti_roll,
-            arm: V3::zeros(),
-            tangents: [V3::zeros(); 2],
-            bend: V3::zeros(),
-            cross: [V3::zeros(); 2],
-            cross_tilt: [V3::zeros(); 2],
-            strut_rates: [[[0.0; 2]; 2]; 2],
+/// Eliminates the travels of the two wheels on the beam of this number; `gravity` is in world axes.
+pub(super) fn eliminate(
+    design: &Design,
+    number: usize,
+    kinematics: &Kinematics<'_>,
+    forces: &[Forces],
+    gravity: &V3,
+    dt: f64,
+) -> (Passed, Remembered) {
+    let (beam, place) = (&design.beams[number], &kinematics.beams[number]);
+    let pair = beam.left..beam.left + 2;
+    let wheels = &kinematics.wheels[pair.clone()];
+    let corners =
+        design.corners[pair.clone()].iter().zip(&kinematics.placements[pair.clone()]).zip(&forces[pair]);
+    let w = &kinematics.body.w;
+    let rates = Vector2::new(wheels[0].travel_rate, wheels[1].travel_rate);
+    let mut d = Matrix2::zeros();
+    let mut rhs = Vector2::zeros();
+    let (mut h_angular, mut h_linear) = (Matrix3x2::zeros(), Matrix3x2::zeros());
+    let mut passed = Passed {
+        angular: M3::zeros(),
+        coupling: M3::zeros(),
+        linear: M3::zeros(),
+        moment: V3::zeros(),
+        force: V3::zeros(),
+    };
+    let mut point = |arm: &V3, tangents: [V3; 2], bend: &V3, inertia: &M3, applied: &V3| {
+        let t = Matrix3x2::from_columns(&tangents);
+        let mt = inertia * t;
+        let bias = w.cross(&w.cross(arm)) + w.cross(&(t * rates)) * 2.0 + bend;
+        let rest = applied - inertia * bias;
+        d += t.transpose() * mt;
+        rhs += t.transpose() * rest;
+        let s = arm.cross_matrix();
+        let sm = s * inertia;
+        passed.angular -= sm * s;
+        passed.coupling += sm;
+        passed.linear += inertia;
+        passed.moment += arm.cross(&rest);
+        passed.force += rest;
+        h_angular += s * mt;
+        h_linear += mt;
+    };
+    let middle = M3::from_diagonal_element(beam.at_middle);
+    point(&place.arm, place.tangents, &place.bend, &middle, &(gravity * beam.at_middle));
+    for (i, ((c, p), f)) in corners.clone().enumerate() {
+        let mut tangents = [p.tangent; 2];
+        tangents[1 - i] = place.cross[i];
+        let inertia = f.inertia + M3::from_diagonal_element(beam.at_hub);
+        let applied = f.force + gravity * (c.mass + beam.at_hub);
+        point(&p.arm, tangents, &p.bend, &inertia, &applied);
+    }
+    for (i, ((c, p), f)) in corners.enumerate() {
+        rhs[i] += p.tilt.dot(&f.moment);
+        rhs[1 - i] += place.cross_tilt[i].dot(&f.moment);
+        for (k, strut) in c.struts.iter().enumerate().take(2) {
+            let [a, b] = place.strut_rates[i][k];
+            let along = Vector2::new(a, b);
+            let rate = along.dot(&rates);
+            let damping = strut.resistance(rate);
+            rhs += along * (strut.force(p.struts[k]) - damping * rate);
+            d += along * along.transpose() * (dt * damping);
+        }
+        if let Some(stops) = &c.stops {
+            rhs[i] -= stops.force(wheels[i].travel);
         }
     }
-
-    /// The beam's middle in the design position relative to the axle's reference point, m.
-    pub(super) fn middle(&self) -> V3 {
-        self.kinematics.at([0.0; 2], [0.0; 2], 0.0).middle
-    }
-
-    /// What of the beam's mass is at each hub, kg.
-    pub(super) fn hub_mass(&self) -> f64 {
-        self.at_hub
-    }
-
-    /// What of the beam's mass is in its middle, kg.
-    pub(super) fn middle_mass(&self) -> f64 {
-        self.at_middle
-    }
-
-    /// Eliminates the travels of the two wheels; `w` is the chassis' angular velocity, `gravity` in world axes.
-    pub(super) fn eliminate(
-        &self,
-        pair: &[Corner],
-        forces: &[Forces],
-        w: &V3,
-        gravity: &V3,
-        dt: f64,
-    ) -> (Passed, Remembered) {
-        let rates = Vector2::new(pair[0].travel_rate, pair[1].travel_rate);
-        let mut d = Matrix2::zeros();
-        let mut rhs = Vector2::zeros();
-        let (mut h_angular, mut h_linear) = (Matrix3x2::zeros(), Matrix3x2::zeros());
-        let mut p = Passed {
-            angular: M3::zeros(),
-            coupling: M3::zeros(),
-            linear: M3::zeros(),
-            moment: V3::zeros(),
-            force: V3::zeros(),
-        };
-        let mut point = |arm: &V3, tangents: [V3; 2], bend: &V3, inertia: &M3, applied: &V3| {
-            let t = Matrix3x2::from_columns(&tangents);
-            let mt = inertia * t;
-            let bias = w.cross(&w.cross(arm)) + w.cross(&(t * rates)) * 2.0 + bend;
-            let rest = applied - inertia * bias;
-            d += t.transpose() * mt;
-            rhs += t.transpose() * rest;
-            let s = skew(arm);
-            let sm = s * inertia;
-            p.angular -= sm * s;
-            p.coupling += sm;
-            p.linear += inertia;
-            p.moment += arm.cross(&rest);
-            p.force += rest;
-            h_angular += s * mt;
-            h_linear += mt;
-        };
-        let middle = M3::from_diagonal_element(self.at_middle);
-        point(&self.arm, self.tangents, &self.bend, &middle, &(gravity * self.at_middle));
-        for (i, (c, f)) in pair.iter().zip(forces).enumerate() {
-            let mut tangents = [f.tangent; 2];
-            tangents[1 - i] = self.cross[i];
-            let inertia = f.inertia + M3::from_diagonal_element(self.at_hub);
-            let applied = f.force + gravity * (c.mass + self.at_hub);
-            point(&f.arm, tangents, &f.bend, &inertia, &applied);
-        }
-        for (i, (c, f)) in pair.iter().zip(forces).enumerate() {
-            rhs[i] += f.tilt.dot(&f.moment);
-            rhs[1 - i] += self.cross_tilt[i].dot(&f.moment);
-            for (k, strut) in c.struts.iter().enumerate().take(2) {
-                let [a, b] = self.strut_rates[i][k];
-                let along = Vector2::new(a, b);
-                let rate = along.dot(&rates);
-                let damping = strut.resistance(rate);
-                rhs += along * (strut.force(f.struts[k]) - damping * rate);
-                d += along * along.transpose() * (dt * damping);
-            }
-            if let Some(stops) = &c.stops {
-                rhs[i] -= stops.force(c.travel);
-            }
-        }
-        let twist = self.anti_roll * (pair[0].travel - pair[1].travel);
-        rhs += Vector2::new(-twist, twist);
-        let det = d.m11 * d.m22 - d.m12 * d.m21;
-        let inverse = if self.pivots {
-            // One travel alone is left, along (1, −1).
-            Matrix2::new(1.0, -1.0, -1.0, 1.0) / (d.m11 - d.m12 - d.m21 + d.m22)
-        } else {
-            Matrix2::new(d.m22, -d.m12, -d.m21, d.m11) / det
-        };
-        let (over_angular, over_linear) = (h_angular * inverse, h_linear * inverse);
-        p.angular -= over_angular * h_angular.transpose();
-        p.coupling -= over_angular * h_linear.transpose();
-        p.linear -= over_linear * h_linear.transpose();
-        p.moment -= over_angular * rhs;
-        p.force -= over_linear * rhs;
-        (p, Remembered { inverse, angular: h_angular, linear: h_linear, rhs })
-    }
+    let twist = beam.anti_roll * (wheels[0].travel - wheels[1].travel);
+    rhs += Vector2::new(-twist, twist);
+    let det = d.m11 * d.m22 - d.m12 * d.m21;
+    let inverse = if beam.pivots {
+        // One travel alone is left, along (1, −1).
+        Matrix2::new(1.0, -1.0, -1.0, 1.0) / (d.m11 - d.m12 - d.m21 + d.m22)
+    } else {
+        Matrix2::new(d.m22, -d.m12, -d.m21, d.m11) / det
+    };
+    let (over_angular, over_linear) = (h_angular * inverse, h_linear * inverse);
+    passed.angular -= over_angular * h_angular.transpose();
+    passed.coupling -= over_angular * h_linear.transpose();
+    passed.linear -= over_linear * h_linear.transpose();
+    passed.moment -= over_angular * rhs;
+    passed.force -= over_linear * rhs;
+    (passed, Remembered { inverse, angular: h_angular, linear: h_linear, rhs })
 }
 
 impl Remembered {
@@ -193,8 +125,9 @@ impl Remembered {
 
 #[cfg(test)]
 mod tests {
+    use super::{Forces, eliminate};
+    use crate::V3;
     use crate::dynamics::tests::{build, on_beams};
-    use crate::{M3, V3};
 
     #[test]
     fn forces_at_a_wheels_contact_do_their_virtual_work_on_both_travels() {
@@ -205,25 +138,26 @@ mod tests {
         }
         let mut v = build(&spec);
         let travels = [0.05, -0.03];
-        (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
-        v.place_wheels(&M3::identity(), 0.0);
-        let rhs = |v: &crate::dynamics::Vehicle| {
-            v.beams[0].eliminate(&v.corners[..2], &v.forces[..2], &V3::zeros(), &v.gravity, 1e-3).1.rhs
-        };
-        let before = rhs(&v);
+        (v.state.wheels[0].travel, v.state.wheels[1].travel) = (travels[0], travels[1]);
+        let beam = v.design.beams[0].clone();
+        let (design, gravity) = (v.design.clone(), v.gravity);
+        let kinematics = v.placed();
+        let axis = kinematics.placements[0].motion.axis;
+        let mut forces: Vec<_> = design.corners.iter().map(|c| Forces::none(c.mass)).collect();
+        let rhs = |forces: &[Forces]| eliminate(&design, 0, &kinematics, forces, &gravity, 1e-3).1.rhs;
+        let before = rhs(&forces);
         let (force, arm) = (V3::new(40.0, 300.0, 500.0), V3::new(0.05, 0.02, -0.4));
-        let axis = v.forces[0].axis;
         let moment = arm.cross(&force);
-        v.forces[0].force = force;
-        v.forces[0].moment = moment - axis * axis.dot(&moment);
-        let work = rhs(&v) - before;
+        forces[0].force = force;
+        forces[0].moment = moment - axis * axis.dot(&moment);
+        let work = rhs(&forces) - before;
         // The contact moves with the hub and with the axle's direction; about its axle the wheel is free.
         let h = 1e-6;
         for j in 0..2 {
             let at = |d: f64| {
                 let mut q = travels;
                 q[j] += d;
-                v.beams[0].kinematics.at(q, [0.0; 2], 0.0).wheels[0]
+                beam.kinematics.at(q, [0.0; 2], 0.0).wheels[0]
             };
             let (a, b) = (at(-h), at(h));
             let tilt = axis.cross(&((b.axis - a.axis) / (2.0 * h)));

@@ -1,44 +1,45 @@
 //! The vehicle's mechanical energy.
 
-use super::{Guide, Vehicle};
+use super::design::{Design, Guide};
+use super::kinematics::{BeamPlacement, Placement};
+use super::state::State;
+use crate::V3;
 
-impl Vehicle {
-    /// Kinetic energy and energy of height less the work that the engine has done so far, J. Energy held by springs and
-    /// tyres is not in it. Wheels are taken where they were at the start of the last step, which is a joule or two.
-    pub(crate) fn energy_balance(&self) -> f64 {
-        let spin = self.q.inverse() * self.w;
-        let mut kinetic =
-            0.5 * (self.mass * self.v.norm_squared() + spin.dot(&self.inertia.component_mul(&spin)));
-        let mut height = -self.mass * self.gravity.dot(&self.x);
-        for (c, f) in self.corners.iter().zip(&self.forces) {
-            let mut mass = c.mass;
-            let mut velocity = self.v + self.w.cross(&f.arm) + f.tangent * c.travel_rate;
-            if let Guide::Beam(b) = c.guide {
-                let b = &self.beams[b];
-                let i = c.side.index();
-                mass += b.hub_mass();
-                velocity += b.cross[i] * self.corners[b.left + 1 - i].travel_rate;
-            }
-            kinetic += 0.5 * mass * velocity.norm_squared();
-            height -= mass * self.gravity.dot(&(self.x + f.arm));
+/// Kinetic energy and energy of height less the work that the engine has done so far, J. Energy held by springs and
+/// tyres is not in it. Wheels are taken where they were at the start of the last step, which is a joule or two.
+pub(super) fn balance(
+    design: &Design,
+    state: &State,
+    placements: &[Placement],
+    beams: &[BeamPlacement],
+    gravity: &V3,
+) -> f64 {
+    let (body, wheels) = (&state.body, &state.wheels);
+    let spin = body.q.inverse() * body.w;
+    let mut kinetic =
+        0.5 * (design.mass * body.v.norm_squared() + spin.dot(&design.inertia.component_mul(&spin)));
+    let mut height = -design.mass * gravity.dot(&body.x);
+    for ((c, w), p) in design.corners.iter().zip(wheels).zip(placements) {
+        let mut mass = c.mass;
+        let mut velocity = body.v + body.w.cross(&p.arm) + p.tangent * w.travel_rate;
+        if let Guide::Beam(b) = c.guide {
+            let (b, place) = (&design.beams[b], &beams[b]);
+            let i = c.side.index();
+            mass += b.at_hub;
+            velocity += place.cross[i] * wheels[b.left + 1 - i].travel_rate;
         }
-        for b in &self.beams {
-            let rates = [0, 1].map(|i| self.corners[b.left + i].travel_rate);
-            let velocity =
-                self.v + self.w.cross(&b.arm) + b.tangents[0] * rates[0] + b.tangents[1] * rates[1];
-            kinetic += 0.5 * b.middle_mass() * velocity.norm_squared();
-            height -= b.middle_mass() * self.gravity.dot(&(self.x + b.arm));
-        }
-        kinetic
-            + height
-            + self
-                .drive
-                .energy(|i| self.tracks.get(i).map_or(self.corners[i].spin, super::Track::sprocket_spin))
-            - self.drive.work()
+        kinetic += 0.5 * mass * velocity.norm_squared();
+        height -= mass * gravity.dot(&(body.x + p.arm));
     }
-
-    /// The energy that lifts the vehicle by the radius of a wheel, J.
-    pub(crate) fn lift_energy(&self) -> f64 {
-        self.composite().0 * vb_vehicle::GRAVITY * self.tyres[0].envelope().radius()
+    for (b, p) in design.beams.iter().zip(beams) {
+        let rates = [0, 1].map(|i| wheels[b.left + i].travel_rate);
+        let velocity = body.v + body.w.cross(&p.arm) + p.tangents[0] * rates[0] + p.tangents[1] * rates[1];
+        kinetic += 0.5 * b.at_middle * velocity.norm_squared();
+        height -= b.at_middle * gravity.dot(&(body.x + p.arm));
     }
+    let turning = |i: usize| match (design.tracks.get(i), state.belts.get(i)) {
+        (Some(track), Some(belt)) => track.sprocket_spin(belt.speed),
+        _ => wheels[i].spin,
+    };
+    kinetic + height + state.drive.energy(turning) - state.drive.work()
 }

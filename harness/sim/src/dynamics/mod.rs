@@ -6,355 +6,206 @@
 //! articulated inertia M − M t tᵀ M / (tᵀ M t) (Featherstone, Rigid Body Dynamics Algorithms, 2008, eq. 7.23), here
 //! with a 3 × 3 mass since corners have no rotational inertia of their own beside spin. A beam is three such points
 //! that move with two travels (`beam`).
+//!
+//! What stays as it is (`design`), what changes from step to step (`state`) and what the stages of a step hand on are kept
+//! apart. The stages are functions that say what they take and what they give, in the order in which [`Vehicle::accelerate`]
+//! calls them:
+//!
+//! | stage | takes | gives |
+//! |---|---|---|
+//! | `kinematics` | design, motion of chassis and wheels, steering | placements of wheels and beams |
+//! | `contact` | placements, ground | forces on the wheels, with what contacts remember and the soil brought up to date |
+//! | `track` | placements, ground, forces on the wheels | the same forces with those of the belts, thrusts |
+//! | `drive` | spins, forces or thrusts, what the driver asks | new spins, torques, with engine and gearbox advanced |
+//! | `solve` (with `beam`) | placements, forces, new spins, torques | what is added to the velocities |
+//! | `integrate` | all of what was given | the state after the step |
 
 mod beam;
+mod contact;
+mod design;
+mod drive;
 mod energy;
 mod facets;
-mod pose;
+mod ground;
+mod integrate;
+mod kinematics;
 mod solve;
-mod spin;
 mod stand;
+mod state;
 mod track;
-mod wheel;
 
-use crate::collision::{Obstacles, WheelShape};
-use crate::powertrain::{Drive, Load};
-use crate::soil::{Footprint, SoilGround, WHEEL};
-use crate::state::{Controls, VehicleState, WheelState};
-use crate::tyre::{Clearance, Envelope, Patch, Tyre};
-use crate::{M3, Quat, V3};
-use beam::Beam;
-use facets::FacetPatches;
+pub(crate) use ground::Ground;
 pub use stand::WheelStand;
+
+use crate::V3;
+use crate::powertrain::DriveState;
+use crate::state::{Controls, Gear, VehicleState, WheelState};
+use crate::tyre::Envelope;
+use contact::Forces;
+use design::{Design, Guide};
+use drive::Shafts;
+use kinematics::{BeamPlacement, Kinematics, Placement, Steering};
+use state::{Body, State};
 use std::sync::Arc;
-use track::Track;
+use track::Laid;
 use vb_vehicle::GRAVITY;
-use vb_vehicle::kinematics::{AxleKinematics, CornerTable, Element, Side, elements, moves};
-use vb_vehicle::{
-    VehicleSpec,
-    powertrain::Governor,
-    suspension::{AntiRoll, Stops},
-};
-use vb_world::{Heightfield, Semantics};
-
-/// What the wheels stand on.
-pub(crate) struct Ground<'a> {
-    pub(crate) soil: &'a mut SoilGround,
-    pub(crate) heightfield: &'a Heightfield,
-    pub(crate) semantics: &'a Semantics,
-    pub(crate) obstacles: &'a Obstacles,
-}
-
-/// One wheel with its suspension.
-#[derive(Clone)]
-struct Corner {
-    guide: Guide,
-    side: Side,
-    /// Number of its tyre.
-    tyre: usize,
-    /// The axle's reference point relative to the chassis' centre of mass, body axes.
-    mount: V3,
-    mass: f64,
-    spin_inertia: f64,
-    /// Speed of the wheel over its spin: more than 1 within a belt, whose outer face has the spin.
-    gearing: f64,
-    brake_torque: f64,
-    steered: bool,
-    /// Springs and dampers in the order of the tables.
-    struts: Vec<Element>,
-    stops: Option<Stops>,
-    // State.
-    travel: f64,
-    travel_rate: f64,
-    spin: f64,
-    ground_patch: Patch,
-    obstacle_patch: Patch,
-    /// How deep the wheel was in the ground and in an obstacle a step ago, m.
-    ground_depth: f64,
-    obstacle_depth: f64,
-    /// Of a hard wheel: its contacts with the ground, which then has no patch of its own.
-    facets: FacetPatches,
-    /// No state: it saves work.
-    clearance: Clearance,
-    /// None where the wheel is part of a track, which has one for all.
-    footprint: Option<Footprint<WHEEL>>,
-    /// Greatest depth of the wheel below undisturbed soil in the last step, m.
-    sinkage: f64,
-    /// Normal force of the last step, N.
-    load: f64,
-}
-
-/// What guides a wheel.
-#[derive(Clone)]
-enum Guide {
-    /// A linkage of its own.
-    Table(Arc<CornerTable>),
-    /// Fixed to the chassis.
-    Mount(Arc<CornerTable>),
-    /// The beam of this number.
-    Beam(usize),
-}
-
-/// A bar between two wheels that are guided independently, of which the left one has this number.
-#[derive(Clone, Copy)]
-struct Bar {
-    left: usize,
-    stiffness: f64,
-    damping: f64,
-}
-
-/// What a step computes for a corner before the elimination.
-#[derive(Clone, Copy, Default)]
-struct Forces {
-    /// Hub relative to the centre of mass, world axes.
-    arm: V3,
-    /// ∂hub/∂travel, world axes.
-    tangent: V3,
-    /// Part of the hub's acceleration that comes from the bend of its path, world axes.
-    bend: V3,
-    axis: V3,
-    tilt: V3,
-    struts: [f64; 2],
-    strut_rates: [f64; 2],
-    bar: f64,
-    bar_rate: f64,
-    /// Velocity of the hub, steering included, and rotation of the wheel, spin included.
-    velocity: V3,
-    rotation: V3,
-    /// Contact force and its moment about the hub, less what spins the wheel.
-    force: V3,
-    moment: V3,
-    /// Moment about the axle.
-    spin_moment: f64,
-    /// Mass of the hub and the implicit damping of the tyre.
-    inertia: M3,
-}
+use vb_vehicle::VehicleSpec;
+use vb_vehicle::kinematics::AxleKinematics;
 
 /// The moving vehicle.
 #[derive(Clone)]
 pub(crate) struct Vehicle {
-    mass: f64,
-    inertia: V3,
-    resistance: Vec<[f64; 2]>,
-    /// The vehicle's tyre first, then those of axles with their own.
-    tyres: Vec<Tyre>,
-    steering_rate: f64,
-    corners: Vec<Corner>,
-    beams: Vec<Beam>,
-    /// Left and right, or none.
-    tracks: Vec<Track>,
-    bars: Vec<Bar>,
-    drive: Drive,
-    governor: Option<Governor>,
-    /// The vehicle's reference point relative to the chassis' centre of mass, body axes.
-    reference: V3,
-    forces: Vec<Forces>,
+    design: Arc<Design>,
+    state: State,
+    /// What the last step computed on its way, for those who look at the vehicle.
+    last: Given,
     /// World axes, m/s².
     pub(crate) gravity: V3,
-    pub(crate) x: V3,
-    pub(crate) q: Quat,
-    pub(crate) v: V3,
-    pub(crate) w: V3,
-    pub(crate) steering: f64,
+}
+
+/// What the stages of a step give that is more than a few numbers. Each step fills it anew, so that steps take no memory.
+#[derive(Clone)]
+struct Given {
+    /// Of the wheels.
+    placements: Vec<Placement>,
+    beams: Vec<BeamPlacement>,
+    /// How each track's belt lies.
+    laid: Vec<Laid>,
+    /// On each wheel.
+    forces: Vec<Forces>,
 }
 
 impl Vehicle {
     pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_resolution: f64) -> Self {
-        let com = V3::from(spec.chassis.com);
-        let drive = Drive::new(&track::sprockets(spec).unwrap_or_else(|| Load::wheels(spec)));
-        let (mut corners, mut beams, mut bars) = (Vec::new(), Vec::new(), Vec::new());
-        let mut tyres = vec![Tyre::new(&spec.tyre)];
-        for (i, (axle, kinematics)) in spec.axles.iter().zip(axles).enumerate() {
-            let suspension = &axle.suspension;
-            let mount = V3::from(axle.position) - com;
-            let tyre = axle.tyre.as_ref().map_or(0, |tyre| {
-                tyres.push(Tyre::new(tyre));
-                tyres.len() - 1
-            });
-            let (radius, width) = (spec.tyre_of(axle).radius(), spec.tyre_of(axle).width());
-            let bar = match suspension.anti_roll {
-                Some(AntiRoll::Travel { stiffness }) => (stiffness, 0.0),
-                Some(AntiRoll::Bar { stiffness, damping, .. }) => (stiffness, damping),
-                None => (0.0, 0.0),
-            };
-            if let (Some(kinematics), Some(beam)) = (kinematics.beam(), suspension.linkage.beam()) {
-                beams.push(Beam::new(kinematics, beam, 2 * i, mount, &suspension.linkage, bar.0));
-            } else if bar.0 > 0.0 {
-                bars.push(Bar { left: 2 * i, stiffness: bar.0, damping: bar.1 });
-            }
-            for side in [Side::Left, Side::Right] {
-                let guide = match kinematics.corner(side) {
-                    Some(table) if moves(&suspension.linkage) => Guide::Table(table),
-                    Some(table) => Guide::Mount(table),
-                    None => Guide::Beam(beams.len() - 1),
-                };
-                corners.push(Corner {
-                    guide,
-                    side,
-                    tyre,
-                    mount,
-                    mass: axle.unsprung_mass,
-                    spin_inertia: axle.spin_inertia,
-                    gearing: track::gearing(spec, axle),
-                    brake_torque: axle.brake_torque,
-                    steered: axle.steering.is_some(),
-                    struts: elements(suspension),
-                    stops: suspension.stops.clone(),
-                    travel: 0.0,
-                    travel_rate: 0.0,
-                    spin: 0.0,
-                    ground_patch: Patch::default(),
-                    obstacle_patch: Patch::default(),
-                    ground_depth: 0.0,
-                    obstacle_depth: 0.0,
-                    facets: FacetPatches::default(),
-                    clearance: Clearance::default(),
-                    footprint: spec
-                        .tracks
-                        .is_none()
-                        .then(|| Footprint::wheel(radius, width, soil_resolution)),
-                    sinkage: 0.0,
-                    load: 0.0,
-                });
-            }
-        }
-        let mut vehicle = Self {
-            mass: spec.chassis.mass,
-            inertia: V3::from(spec.chassis.inertia),
-            resistance: spec.chassis.resistance.clone(),
-            tyres,
-            steering_rate: spec.steering.rate,
-            forces: vec![Forces::default(); corners.len()],
-            corners,
-            beams,
-            tracks: Vec::new(),
-            bars,
-            drive,
-            governor: spec.powertrain.governor,
-            reference: -com,
+        let design = Design::new(spec, axles);
+        Self {
+            state: State::new(&design, spec, soil_resolution),
+            last: Given {
+                placements: vec![Placement::NOWHERE; design.corners.len()],
+                beams: vec![BeamPlacement::default(); design.beams.len()],
+                laid: design.tracks.iter().map(Laid::new).collect(),
+                forces: vec![Forces::default(); design.corners.len()],
+            },
+            design: Arc::new(design),
             gravity: V3::new(0.0, 0.0, -GRAVITY),
-            x: V3::zeros(),
-            q: Quat::identity(),
-            v: V3::zeros(),
-            w: V3::zeros(),
-            steering: 0.0,
-        };
-        let hubs: Vec<V3> =
-            vehicle.corners.iter().map(|c| c.mount + vehicle.guided(c, [0.0; 2], 0.0).0).collect();
-        vehicle.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs, soil_resolution)).collect();
-        vehicle
+        }
+    }
+
+    /// The motion of the chassis.
+    pub(crate) fn body(&self) -> &Body {
+        &self.state.body
+    }
+
+    /// The motion of the chassis, to be changed from outside.
+    pub(crate) fn body_mut(&mut self) -> &mut Body {
+        &mut self.state.body
+    }
+
+    /// The steering command after the rate limit, in [-1, 1].
+    pub(crate) fn steering(&self) -> f64 {
+        self.state.steering
     }
 
     /// Mass, moments of inertia and centre of mass of the whole vehicle at design height, relative to the chassis'
     /// centre of mass.
     pub(crate) fn composite(&self) -> (f64, V3, V3) {
-        let wheels = self.corners.iter().map(|c| (c.mass, c.mount + self.guided(c, [0.0; 2], 0.0).0));
-        let beams = self.beams.iter().map(|b| (b.mass, b.mount + b.middle()));
-        let parts: Vec<(f64, V3)> = wheels.chain(beams).collect();
-        let mass = self.mass + parts.iter().map(|p| p.0).sum::<f64>();
-        let com = parts.iter().map(|(m, r)| r * *m).sum::<V3>() / mass;
-        let about =
-            |m: f64, r: V3| V3::new(r.y * r.y + r.z * r.z, r.x * r.x + r.z * r.z, r.x * r.x + r.y * r.y) * m;
-        let inertia =
-            self.inertia + about(self.mass, -com) + parts.iter().map(|&(m, r)| about(m, r - com)).sum::<V3>();
-        (mass, inertia, com)
+        self.design.composite()
     }
 
     pub(crate) fn wheel_count(&self) -> usize {
-        self.corners.len()
+        self.design.corners.len()
     }
 
     /// The state of a wheel.
     pub(crate) fn wheel(&self, i: usize) -> WheelState {
-        let c = &self.corners[i];
-        WheelState { speed: c.spin * c.gearing, deflection: c.travel, load: c.load, sinkage: c.sinkage }
+        let (w, f) = (&self.state.wheels[i], &self.last.forces[i]);
+        WheelState {
+            speed: w.spin * self.design.corners[i].gearing,
+            deflection: w.travel,
+            load: f.load,
+            sinkage: f.sinkage,
+        }
     }
 
-    pub(crate) fn drive_state(&self) -> crate::DriveState {
-        self.drive.state()
+    pub(crate) fn drive_state(&self) -> DriveState {
+        self.state.drive.state()
     }
 
     /// The direction that is in.
-    pub(crate) fn gear(&self) -> crate::Gear {
-        self.drive.gear()
+    pub(crate) fn gear(&self) -> Gear {
+        self.state.drive.gear()
     }
 
     /// All numbers that the next step depends on, beside the pose and velocities of the chassis.
     pub(crate) fn inner_state(&self) -> impl Iterator<Item = f64> + '_ {
-        let corners = self.corners.iter().flat_map(|c| {
-            let (g, o) = (c.ground_patch.deflection, c.obstacle_patch.deflection);
-            let depths = [c.ground_depth, c.obstacle_depth];
-            let motion = [c.travel, c.travel_rate, c.spin, g[0], g[1], o[0], o[1]].into_iter().chain(depths);
-            motion.chain(c.facets.digest()).chain(c.footprint.iter().flat_map(Footprint::digest))
-        });
-        let tracks = self.tracks.iter().flat_map(Track::digest);
-        corners.chain([self.steering]).chain(self.drive.inner_state()).chain(tracks)
+        self.state.inner()
     }
 
     /// Positions and axle directions of the wheels at their present travel.
     pub(crate) fn hubs(&self) -> impl Iterator<Item = (V3, V3)> + '_ {
-        self.corners.iter().map(|c| {
-            let (hub, axis) = self.guided(c, self.travels(c), 0.0);
-            (self.x + self.q * (c.mount + hub), self.q * axis)
+        let body = &self.state.body;
+        self.design.corners.iter().enumerate().map(|(i, c)| {
+            let (hub, axis) = self.design.guided(c, self.travels(i), 0.0);
+            (body.x + body.q * (c.mount + hub), body.q * axis)
         })
+    }
+
+    /// Travels of the axle of a wheel, left and right.
+    fn travels(&self, i: usize) -> [f64; 2] {
+        let wheels = &self.state.wheels;
+        match self.design.corners[i].guide {
+            Guide::Beam(b) => [0, 1].map(|k| wheels[self.design.beams[b].left + k].travel),
+            _ => [wheels[i].travel; 2],
+        }
     }
 
     /// The outline of every wheel's tyre.
     pub(crate) fn envelopes(&self) -> impl Iterator<Item = &Envelope> + '_ {
-        self.corners.iter().map(|c| self.tyres[c.tyre].envelope())
+        self.design.corners.iter().map(|c| self.design.envelope(c))
+    }
+
+    /// Kinetic energy and energy of height less the work that the engine has done so far, J. Energy held by springs and
+    /// tyres is not in it.
+    pub(crate) fn energy_balance(&self) -> f64 {
+        energy::balance(&self.design, &self.state, &self.last.placements, &self.last.beams, &self.gravity)
+    }
+
+    /// The energy that lifts the vehicle by the radius of a wheel, J.
+    pub(crate) fn lift_energy(&self) -> f64 {
+        self.composite().0 * GRAVITY * self.design.tyres[0].envelope().radius()
     }
 
     /// Brings all wheels to design height, at rest and without tyre forces.
     pub(crate) fn reset_wheels(&mut self) {
-        for c in &mut self.corners {
-            (c.travel, c.travel_rate, c.spin, c.load) = (0.0, 0.0, 0.0, 0.0);
-            (c.ground_patch, c.obstacle_patch) = (Patch::default(), Patch::default());
-            (c.ground_depth, c.obstacle_depth) = (0.0, 0.0);
-            c.facets = FacetPatches::default();
-        }
-        self.tracks.iter_mut().for_each(Track::reset);
+        self.state.reset_wheels(&self.design);
+        self.last.forces.iter_mut().for_each(|f| f.load = 0.0);
     }
 
     /// Gives the wheels speeds and travels, and puts steering, engine and gear as they are told.
-    pub(crate) fn put_wheels(&mut self, state: &VehicleState, gear: usize) {
-        for (c, wheel) in self.corners.iter_mut().zip(&state.wheels) {
-            (c.travel, c.spin) = (wheel.deflection, wheel.speed / c.gearing);
-            // However deep the wheels are there.
-            (c.ground_depth, c.obstacle_depth) = (f64::MAX, f64::MAX);
-        }
-        self.steering = state.steering;
-        self.drive.engage(state.gear, gear, state.engine_speed);
+    pub(crate) fn put_wheels(&mut self, told: &VehicleState, gear: usize) {
+        self.state.put_wheels(&self.design, told, gear);
     }
 
-    /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Self::move_on`] or to
+    /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Body::move_on`] or to
     /// the contact solver.
-    pub(crate) fn accelerate(
-        &mut self,
-        controls: Controls,
-        ground: &mut Ground<'_>,
-        wheels: &[WheelShape],
-        dt: f64,
-    ) {
-        let change =
-            (controls.steering - self.steering).clamp(-dt * self.steering_rate, dt * self.steering_rate);
-        self.steering += change;
-        let turn = *self.q.to_rotation_matrix().matrix();
-        self.place_wheels(&turn, change / dt);
-        self.carry_shear(dt);
-        self.corner_forces(ground, wheels, dt);
-        let axle_torques = if self.tracks.is_empty() {
-            self.spin_wheels(controls, dt)
+    pub(crate) fn accelerate(&mut self, controls: Controls, ground: &mut Ground<'_>, dt: f64) {
+        let Self { design, state, last, gravity } = self;
+        let Given { placements, beams, laid, forces } = last;
+        let steering = Steering::follow(controls.steering, state.steering, design.steering_rate, dt);
+        let kinematics = Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams);
+        track::carry_shear(&design.tracks, &state.belts, &mut state.contacts, dt);
+        contact::touch_wheels(design, &kinematics, ground, &mut state.contacts, forces, dt);
+        let shafts = if design.tracks.is_empty() {
+            Shafts::of_wheels(design, &state.wheels, forces, controls.brake)
         } else {
-            self.track_forces(ground, &turn, dt);
-            self.spin_tracks(controls, dt)
+            track::pull_tracks(design, &kinematics, ground, &mut state.belts, laid, forces, dt);
+            let thrusts = [0, 1].map(|i| laid[i].total_thrust());
+            Shafts::of_sprockets(design, &state.belts, thrusts, forces, controls.brake, steering.command)
         };
-        self.solve(&turn, &axle_torques, dt);
-    }
-
-    /// Advances the pose of the chassis with its velocities.
-    pub(crate) fn move_on(&mut self, dt: f64) {
-        self.x += self.v * dt;
-        self.q = Quat::new_normalize((Quat::from_scaled_axis(self.w * dt) * self.q).into_inner());
+        let demand = drive::demand(design, &state.body, state.drive.gear(), &controls);
+        let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
+        let increments = solve::solve(design, &kinematics, forces, &driven, gravity, dt);
+        integrate::integrate(state, steering, &driven, &increments, dt);
     }
 }
 

@@ -1,12 +1,23 @@
-//! Elimination of the corners and the solution for the accelerations.
+//! The stage of a step that eliminates the corners and solves for the accelerations.
 
-use super::{Guide, Vehicle};
+use super::beam::eliminate;
+use super::contact::Forces;
+use super::design::{Design, Guide};
+use super::drive::Driven;
+use super::kinematics::Kinematics;
+use super::state::Body;
 use crate::{M3, V3};
 use vb_vehicle::MAX_WHEELS;
 use vb_vehicle::table::interpolate;
 
-pub(super) fn skew(r: &V3) -> M3 {
-    M3::new(0.0, -r.z, r.y, r.z, 0.0, -r.x, -r.y, r.x, 0.0)
+/// What a step adds to the velocities: the accelerations times its length.
+pub(super) struct Increments {
+    /// Of the chassis' centre of mass, m/s, world axes.
+    pub(super) velocity: V3,
+    /// Of the chassis, rad/s, world axes.
+    pub(super) angular_velocity: V3,
+    /// Of all wheels, m/s.
+    pub(super) travel_rates: [f64; MAX_WHEELS],
 }
 
 /// Solves [A C; Cᵀ L] (α, a) = (moment, force) by Cholesky's decomposition; not a number where the matrix isn't positive
@@ -61,118 +72,122 @@ fn accelerations(angular: &M3, coupling: &M3, linear: &M3, moment: &V3, force: &
     (V3::new(b[0], b[1], b[2]), V3::new(b[3], b[4], b[5]))
 }
 
-impl Vehicle {
-    /// Of the air, N, world axes.
-    fn resistance(&self) -> V3 {
-        let speed = self.v.norm();
-        if self.resistance.is_empty() || speed <= 0.0 {
-            return V3::zeros();
-        }
-        // A table that starts above zero must not push a vehicle at rest.
-        let force = interpolate(&self.resistance, speed).0 * (speed / 0.1).min(1.0);
-        self.v * (-force / speed)
+/// Resistance of the air, N, world axes.
+fn air(design: &Design, body: &Body) -> V3 {
+    let speed = body.v.norm();
+    if design.resistance.is_empty() || speed <= 0.0 {
+        return V3::zeros();
     }
+    // A table that starts above zero must not push a vehicle at rest.
+    let force = interpolate(&design.resistance, speed).0 * (speed / 0.1).min(1.0);
+    body.v * (-force / speed)
+}
 
-    pub(super) fn solve(&mut self, turn: &M3, axle_torques: &[f64; MAX_WHEELS], dt: f64) {
-        let inertia = turn * M3::from_diagonal(&self.inertia) * turn.transpose();
-        let gravity = self.gravity;
-        let mut angular = inertia;
-        let mut coupling = M3::zeros();
-        let mut linear = M3::from_diagonal_element(self.mass);
-        let mut moment = -self.w.cross(&(inertia * self.w));
-        let mut force = gravity * self.mass + self.resistance();
-        // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
-        let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
-        // What anti-roll bars add: force along the travel, implicit damping.
-        let mut twisted = [(0.0, 0.0); MAX_WHEELS];
-        for bar in &self.bars {
-            let pair = [bar.left, bar.left + 1];
-            let [l, r] = pair.map(|i| (&self.corners[i], &self.forces[i]));
-            let rate = l.1.bar_rate * l.0.travel_rate - r.1.bar_rate * r.0.travel_rate;
-            let torque = bar.stiffness * (l.1.bar - r.1.bar) + bar.damping * rate;
-            for (i, sign) in pair.into_iter().zip([1.0, -1.0]) {
-                let ratio = self.forces[i].bar_rate;
-                twisted[i] = (-sign * torque * ratio, bar.damping * ratio * ratio);
-            }
+/// What the forces on the wheels, the driveline's torques and gravity (world axes, m/s²) do to the velocities within `dt`,
+/// s.
+pub(super) fn solve(
+    design: &Design,
+    kinematics: &Kinematics<'_>,
+    forces: &[Forces],
+    driven: &Driven,
+    gravity: &V3,
+    dt: f64,
+) -> Increments {
+    let Kinematics { body, turn, wheels, placements, .. } = kinematics;
+    let inertia = turn * M3::from_diagonal(&design.inertia) * turn.transpose();
+    let mut angular = inertia;
+    let mut coupling = M3::zeros();
+    let mut linear = M3::from_diagonal_element(design.mass);
+    let mut moment = -body.w.cross(&(inertia * body.w));
+    let mut force = gravity * design.mass + air(design, body);
+    // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
+    let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
+    // What anti-roll bars add: force along the travel, implicit damping.
+    let mut twisted = [(0.0, 0.0); MAX_WHEELS];
+    for bar in &design.bars {
+        let pair = [bar.left, bar.left + 1];
+        let [l, r] = pair.map(|i| (&wheels[i], &placements[i]));
+        let rate = l.1.bar_rate * l.0.travel_rate - r.1.bar_rate * r.0.travel_rate;
+        let torque = bar.stiffness * (l.1.bar - r.1.bar) + bar.damping * rate;
+        for (i, sign) in pair.into_iter().zip([1.0, -1.0]) {
+            let ratio = placements[i].bar_rate;
+            twisted[i] = (-sign * torque * ratio, bar.damping * ratio * ratio);
         }
-        for (i, (c, f)) in self.corners.iter().zip(&self.forces).enumerate() {
-            // The driveline reacts on the chassis; a spinning wheel resists being turned.
-            let gyroscopic = self.w.cross(&(f.axis * (c.spin_inertia * c.spin)));
-            moment += f.moment - f.axis * axle_torques[i] - gyroscopic;
-            if let Guide::Beam(_) = c.guide {
-                continue;
-            }
-            if let Guide::Mount(_) = c.guide {
-                let bias = self.w.cross(&self.w.cross(&f.arm));
-                let passed = f.force + gravity * c.mass - f.inertia * bias;
-                let s = skew(&f.arm);
-                let sm = s * f.inertia;
-                angular -= sm * s;
-                coupling += sm;
-                linear += f.inertia;
-                force += passed;
-                moment += f.arm.cross(&passed);
-                continue;
-            }
-            let (mut along, mut damping) = twisted[i];
-            for (k, strut) in c.struts.iter().enumerate().take(2) {
-                let ratio = f.strut_rates[k];
-                let resistance = strut.resistance(ratio * c.travel_rate) * ratio * ratio;
-                along += strut.force(f.struts[k]) * ratio - resistance * c.travel_rate;
-                damping += resistance;
-            }
-            if let Some(stops) = &c.stops {
-                along -= stops.force(c.travel);
-            }
-            let bias = self.w.cross(&self.w.cross(&f.arm))
-                + self.w.cross(&f.tangent) * (2.0 * c.travel_rate)
-                + f.bend;
-            let applied = f.force + gravity * c.mass;
-            let mt = f.inertia * f.tangent;
-            let d = mt.dot(&f.tangent) + dt * damping;
-            let rhs = f.tangent.dot(&applied) + f.tilt.dot(&f.moment) + along - mt.dot(&bias);
-            let articulated = f.inertia - mt * mt.transpose() / d;
-            let passed = applied - f.inertia * bias - mt * (rhs / d);
-            let s = skew(&f.arm);
-            let sm = s * articulated;
+    }
+    let corners = design.corners.iter().zip(*wheels).zip(*placements).zip(forces);
+    for (i, (((c, wheel), p), f)) in corners.enumerate() {
+        // The driveline reacts on the chassis; a spinning wheel resists being turned.
+        let axis = p.motion.axis;
+        let gyroscopic = body.w.cross(&(axis * (c.spin_inertia * driven.spins[i])));
+        moment += f.moment - axis * driven.torques[i] - gyroscopic;
+        if let Guide::Beam(_) = c.guide {
+            continue;
+        }
+        if let Guide::Mount(_) = c.guide {
+            let bias = body.w.cross(&body.w.cross(&p.arm));
+            let passed = f.force + gravity * c.mass - f.inertia * bias;
+            let s = p.arm.cross_matrix();
+            let sm = s * f.inertia;
             angular -= sm * s;
             coupling += sm;
-            linear += articulated;
+            linear += f.inertia;
             force += passed;
-            moment += f.arm.cross(&passed);
-            reduced[i] = (mt, d, rhs);
+            moment += p.arm.cross(&passed);
+            continue;
         }
-        let mut beams = [None; MAX_WHEELS / 2];
-        for (b, kept) in self.beams.iter().zip(&mut beams) {
-            let pair = b.left..b.left + 2;
-            let (p, remembered) =
-                b.eliminate(&self.corners[pair.clone()], &self.forces[pair], &self.w, &self.gravity, dt);
-            angular += p.angular;
-            coupling += p.coupling;
-            linear += p.linear;
-            moment += p.moment;
-            force += p.force;
-            *kept = Some(remembered);
+        let (mut along, mut damping) = twisted[i];
+        for (k, strut) in c.struts.iter().enumerate().take(2) {
+            let ratio = p.strut_rates[k];
+            let resistance = strut.resistance(ratio * wheel.travel_rate) * ratio * ratio;
+            along += strut.force(p.struts[k]) * ratio - resistance * wheel.travel_rate;
+            damping += resistance;
         }
-        let (alpha, acceleration) = accelerations(&angular, &coupling, &linear, &moment, &force);
-        for (i, (c, f)) in self.corners.iter_mut().zip(&self.forces).enumerate() {
-            if !matches!(c.guide, Guide::Table(_)) {
-                continue;
-            }
-            let (mt, d, rhs) = reduced[i];
-            let hub = acceleration + alpha.cross(&f.arm);
-            c.travel_rate += dt * (rhs - mt.dot(&hub)) / d;
-            c.travel += dt * c.travel_rate;
+        if let Some(stops) = &c.stops {
+            along -= stops.force(wheel.travel);
         }
-        for (b, kept) in self.beams.iter().zip(&beams) {
-            let Some(kept) = kept else { continue };
-            let travels = kept.travels(&alpha, &acceleration);
-            for (c, change) in self.corners[b.left..b.left + 2].iter_mut().zip(travels.iter()) {
-                c.travel_rate += dt * change;
-                c.travel += dt * c.travel_rate;
-            }
-        }
-        self.v += acceleration * dt;
-        self.w += alpha * dt;
+        let bias = body.w.cross(&body.w.cross(&p.arm))
+            + body.w.cross(&p.tangent) * (2.0 * wheel.travel_rate)
+            + p.bend;
+        let applied = f.force + gravity * c.mass;
+        let mt = f.inertia * p.tangent;
+        let d = mt.dot(&p.tangent) + dt * damping;
+        let rhs = p.tangent.dot(&applied) + p.tilt.dot(&f.moment) + along - mt.dot(&bias);
+        let articulated = f.inertia - mt * mt.transpose() / d;
+        let passed = applied - f.inertia * bias - mt * (rhs / d);
+        let s = p.arm.cross_matrix();
+        let sm = s * articulated;
+        angular -= sm * s;
+        coupling += sm;
+        linear += articulated;
+        force += passed;
+        moment += p.arm.cross(&passed);
+        reduced[i] = (mt, d, rhs);
     }
+    let mut beams = [None; MAX_WHEELS / 2];
+    for (i, kept) in (0..design.beams.len()).zip(&mut beams) {
+        let (p, remembered) = eliminate(design, i, kinematics, forces, gravity, dt);
+        angular += p.angular;
+        coupling += p.coupling;
+        linear += p.linear;
+        moment += p.moment;
+        force += p.force;
+        *kept = Some(remembered);
+    }
+    let (alpha, acceleration) = accelerations(&angular, &coupling, &linear, &moment, &force);
+    let mut travel_rates = [0.0; MAX_WHEELS];
+    for (i, (c, p)) in design.corners.iter().zip(*placements).enumerate() {
+        if !matches!(c.guide, Guide::Table(_)) {
+            continue;
+        }
+        let (mt, d, rhs) = reduced[i];
+        let hub = acceleration + alpha.cross(&p.arm);
+        travel_rates[i] = dt * (rhs - mt.dot(&hub)) / d;
+    }
+    for (b, kept) in design.beams.iter().zip(&beams) {
+        let Some(kept) = kept else { continue };
+        let travels = kept.travels(&alpha, &acceleration);
+        travel_rates[b.left] = dt * travels[0];
+        travel_rates[b.left + 1] = dt * travels[1];
+    }
+    Increments { velocity: acceleration * dt, angular_velocity: alpha * dt, travel_rates }
 }

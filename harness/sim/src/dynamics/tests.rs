@@ -1,11 +1,13 @@
 //! The equations of motion with every kind of suspension.
 
 use super::*;
+use crate::collision::Obstacles;
+use crate::soil::SoilGround;
 use crate::tyre::{Contact, WheelMotion};
 use vb_vehicle::suspension::{Damper, Linkage, Spring, SteeringGear, Strut};
 use vb_vehicle::{
     GRAVITY,
-    suspension::{Beam as BeamSpec, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm},
+    suspension::{AntiRoll, Beam as BeamSpec, LeafAxle, Part, Rod, SolidAxle, Stops, Torsion, TorsionArm},
 };
 use vb_world::{Heightfield, Semantics, TerrainClass};
 
@@ -88,33 +90,47 @@ fn without_damping(mut spec: VehicleSpec) -> VehicleSpec {
 }
 
 impl Vehicle {
+    /// Its wheels and beams where they are, with the steering at rest.
+    pub(super) fn placed(&mut self) -> Kinematics<'_> {
+        let Self { design, state, last, .. } = self;
+        let steering = Steering { command: state.steering, rate: 0.0 };
+        let (placements, beams) = (&mut last.placements, &mut last.beams);
+        Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams)
+    }
+
     /// Kinetic energy seen from a frame that moves with `frame`, and energy of springs, J. The energy of a spring is
     /// its force's integral from a length of 0.3, by Simpson's rule, which is exact for straight lines.
     fn energy(&self, frame: V3) -> f64 {
         let mut copy = self.clone();
-        let turn = *self.q.to_rotation_matrix().matrix();
-        copy.place_wheels(&turn, 0.0);
-        let local = self.q.inverse() * self.w;
-        let mut e = 0.5 * self.mass * (self.v - frame).norm_squared()
-            + 0.5 * local.dot(&self.inertia.component_mul(&local));
-        for (c, f) in copy.corners.iter().zip(&copy.forces) {
+        let Kinematics { body, wheels, placements, beams, .. } = copy.placed();
+        let design = &self.design;
+        let local = body.q.inverse() * body.w;
+        let mut e = 0.5 * design.mass * (body.v - frame).norm_squared()
+            + 0.5 * local.dot(&design.inertia.component_mul(&local));
+        for (c, p) in design.corners.iter().zip(placements) {
             let extra = match c.guide {
-                Guide::Beam(b) => copy.beams[b].hub_mass(),
+                Guide::Beam(b) => design.beams[b].at_hub,
                 _ => 0.0,
             };
-            e += 0.5 * (c.mass + extra) * (f.velocity - frame).norm_squared();
+            e += 0.5 * (c.mass + extra) * (p.motion.velocity - frame).norm_squared();
             for (k, s) in c.struts.iter().enumerate() {
-                let (a, b) = (0.3, f.struts[k]);
+                let (a, b) = (0.3, p.struts[k]);
                 e -= (b - a) / 6.0 * (s.force(a) + 4.0 * s.force(0.5 * (a + b)) + s.force(b));
             }
         }
-        for b in &copy.beams {
-            let rates = [0, 1].map(|i| copy.corners[b.left + i].travel_rate);
+        for (b, p) in design.beams.iter().zip(beams) {
+            let rates = [0, 1].map(|i| wheels[b.left + i].travel_rate);
             let v =
-                self.v - frame + self.w.cross(&b.arm) + b.tangents[0] * rates[0] + b.tangents[1] * rates[1];
-            e += 0.5 * b.middle_mass() * v.norm_squared();
+                body.v - frame + body.w.cross(&p.arm) + p.tangents[0] * rates[0] + p.tangents[1] * rates[1];
+            e += 0.5 * b.at_middle * v.norm_squared();
         }
         e
+    }
+
+    /// Makes the chassis as good as fixed.
+    fn hold_chassis(&mut self) {
+        let design = Arc::make_mut(&mut self.design);
+        (design.mass, design.inertia) = (1e9, V3::repeat(1e9));
     }
 }
 
@@ -131,16 +147,15 @@ fn flat() -> (Heightfield, Semantics, Obstacles) {
 }
 
 /// Lets the vehicle tumble far above the ground; calls `see` after every step with the time.
-fn fall(vehicle: &mut Vehicle, spec: &VehicleSpec, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle, f64)) {
+fn fall(vehicle: &mut Vehicle, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle, f64)) {
     let (heightfield, semantics, obstacles) = flat();
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    let wheels = [WheelShape::new(&spec.tyre)];
-    vehicle.x.z = 100.0;
+    vehicle.state.body.x.z = 100.0;
     for k in 1..=steps {
-        vehicle.accelerate(Controls::default(), &mut ground, &wheels, dt);
-        vehicle.move_on(dt);
+        vehicle.accelerate(Controls::default(), &mut ground, dt);
+        vehicle.body_mut().move_on(dt);
         see(vehicle, dt * f64::from(k));
     }
 }
@@ -148,19 +163,19 @@ fn fall(vehicle: &mut Vehicle, spec: &VehicleSpec, dt: f64, steps: u32, mut see:
 /// Greatest change of energy in a tumbling fall, over the energy that moves to and fro.
 fn drift(spec: &VehicleSpec, dt: f64) -> f64 {
     let mut vehicle = build(spec);
-    vehicle.w = V3::new(0.9, -0.5, 0.7);
-    for (c, travel) in vehicle.corners.iter_mut().zip([0.03, 0.02, 0.0, -0.01]) {
-        c.travel = travel;
+    vehicle.state.body.w = V3::new(0.9, -0.5, 0.7);
+    for (w, travel) in vehicle.state.wheels.iter_mut().zip([0.03, 0.02, 0.0, -0.01]) {
+        w.travel = travel;
     }
     let before = vehicle.energy(V3::zeros());
     let (mut worst, mut least, mut most) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
-    fall(&mut vehicle, spec, dt, (1.5 / dt) as u32, |v, t| {
+    fall(&mut vehicle, dt, (1.5 / dt) as u32, |v, t| {
         // In a frame that falls along, gravity does no work.
         worst = worst.max((v.energy(V3::new(0.0, 0.0, -GRAVITY * t)) - before).abs());
-        let travel = v.corners[0].travel;
+        let travel = v.state.wheels[0].travel;
         (least, most) = (least.min(travel), most.max(travel));
     });
-    assert!(vehicle.x.z < 90.0, "it falls");
+    assert!(vehicle.state.body.x.z < 90.0, "it falls");
     assert!(most - least > 0.02, "the suspension works: {least} to {most}");
     worst / before.abs()
 }
@@ -206,13 +221,13 @@ fn a_beam_on_its_springs_oscillates_at_its_natural_frequencies() {
     let roll = (2.0 * k * 0.6 * 0.6 / inertia).sqrt();
     for (start, expected) in [([0.01, 0.01], heave), ([0.01, -0.01], roll)] {
         let mut vehicle = build(&spec);
-        vehicle.corners[0].travel = start[0];
-        vehicle.corners[1].travel = start[1];
+        vehicle.state.wheels[0].travel = start[0];
+        vehicle.state.wheels[1].travel = start[1];
         let mut crossings = Vec::new();
         let mut before = 1.0;
-        fall(&mut vehicle, &spec, 1e-4, 10000, |v, t| {
+        fall(&mut vehicle, 1e-4, 10000, |v, t| {
             // In free fall the springs rest at their free length.
-            let q = v.corners[0].travel;
+            let q = v.state.wheels[0].travel;
             if before < 0.0 && q >= 0.0 {
                 crossings.push(t);
             }
@@ -236,11 +251,10 @@ fn an_anti_roll_bar_resists_roll_alone() {
         // The travels' accelerations in the first step, with a bar less without.
         let first = |vehicle: &Vehicle, travels: [f64; 2]| {
             let mut v = vehicle.clone();
-            v.mass = 1e9;
-            v.inertia = V3::repeat(1e9);
-            (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+            v.hold_chassis();
+            (v.state.wheels[0].travel, v.state.wheels[1].travel) = (travels[0], travels[1]);
             let mut rates = [0.0; 2];
-            fall(&mut v, &spec, 1e-3, 1, |v, _| rates = [0, 1].map(|i| v.corners[i].travel_rate / 1e-3));
+            fall(&mut v, 1e-3, 1, |v, _| rates = [0, 1].map(|i| v.state.wheels[i].travel_rate / 1e-3));
             rates
         };
         let change = |travels: [f64; 2]| {
@@ -251,8 +265,8 @@ fn an_anti_roll_bar_resists_roll_alone() {
         let [l, r] = change([0.03, -0.03]);
         // 40 kN/m over 0.06 m against the unsprung mass of one end.
         let mass = |v: &Vehicle| {
-            let c = &v.corners[0];
-            if v.beams.is_empty() { c.mass } else { c.mass + v.beams[0].hub_mass() }
+            let mass = v.design.corners[0].mass;
+            v.design.beams.first().map_or(mass, |b| mass + b.at_hub)
         };
         let expected = -40000.0 * 0.06 / mass(&bars);
         assert!((l / expected - 1.0).abs() < 0.1, "{l} {expected}");
@@ -279,11 +293,11 @@ fn a_bar_with_drop_links_resists_roll_by_the_twist_of_its_arms() {
     let bars = build(&spec);
     let force = |vehicle: &Vehicle, travels: [f64; 2]| {
         let mut v = vehicle.clone();
-        (v.mass, v.inertia) = (1e9, V3::repeat(1e9));
-        (v.corners[0].travel, v.corners[1].travel) = (travels[0], travels[1]);
+        v.hold_chassis();
+        (v.state.wheels[0].travel, v.state.wheels[1].travel) = (travels[0], travels[1]);
         let mut rate = 0.0;
-        fall(&mut v, &spec, 1e-3, 1, |v, _| rate = v.corners[0].travel_rate);
-        rate / 1e-3 * v.corners[0].mass
+        fall(&mut v, 1e-3, 1, |v, _| rate = v.state.wheels[0].travel_rate);
+        rate / 1e-3 * v.design.corners[0].mass
     };
     let change = |travels: [f64; 2]| force(&bars, travels) - force(&springs, travels);
     assert!(change([0.02, 0.02]).abs() < 1e-6);
@@ -300,12 +314,11 @@ fn at_rest(spec: &VehicleSpec) -> Vehicle {
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    let wheels = [WheelShape::new(&spec.tyre)];
-    vehicle.x.z = spec.tyre.radius() + spec.chassis.com[2];
+    vehicle.state.body.x.z = spec.tyre.radius() + spec.chassis.com[2];
     let controls = Controls { brake: 1.0, ..Controls::default() };
     for _ in 0..6000 {
-        vehicle.accelerate(controls, &mut ground, &wheels, 1e-3);
-        vehicle.move_on(1e-3);
+        vehicle.accelerate(controls, &mut ground, 1e-3);
+        vehicle.body_mut().move_on(1e-3);
     }
     vehicle
 }
@@ -344,15 +357,20 @@ fn every_suspension_carries_the_vehicles_weight_at_rest() {
             }
         }
         let v = at_rest(&spec);
-        assert!(v.v.norm() < 1e-3 && v.w.norm() < 1e-3, "{name}: {} {}", v.v, v.w);
-        let carried: f64 = v.corners.iter().map(|c| c.load).sum();
+        assert!(
+            v.body().v.norm() < 1e-3 && v.body().w.norm() < 1e-3,
+            "{name}: {} {}",
+            v.body().v,
+            v.body().w
+        );
+        let carried: f64 = v.last.forces.iter().map(|f| f.load).sum();
         let weight = GRAVITY * spec.total_mass();
         assert!((carried / weight - 1.0).abs() < 1e-3, "{name}: {carried} {weight}");
         let (mass, _, _) = v.composite();
         assert!((mass / spec.total_mass() - 1.0).abs() < 1e-12, "{name}");
-        let (left, right) = (v.corners[0].load, v.corners[1].load);
+        let (left, right) = (v.last.forces[0].load, v.last.forces[1].load);
         assert!((left / right - 1.0).abs() < 0.01, "{name}: {left} {right}");
-        for (i, c) in v.corners.iter().enumerate() {
+        for (i, c) in v.state.wheels.iter().enumerate() {
             assert!(c.travel.abs() < 0.13, "{name}: travel {i} {}", c.travel);
         }
     }
@@ -365,7 +383,7 @@ fn every_steered_axle_turns_by_its_own_gear() {
     spec.axles[1].steering = Some(gear);
     let v = build(&spec);
     let angle = |i: usize| {
-        let (_, axis) = v.guided(&v.corners[i], [0.0; 2], 1.0);
+        let (_, axis) = v.design.guided(&v.design.corners[i], [0.0; 2], 1.0);
         vb_math::atan2(-axis.x, axis.y)
     };
     assert!(angle(0) > 0.3, "front to the left: {}", angle(0));
