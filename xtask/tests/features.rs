@@ -6,12 +6,12 @@ use std::process::Command;
 
 /// The crates that a selection of packages is built of, each with its features.
 fn built(selection: &[&str]) -> BTreeSet<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace");
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["tree", "--offline", "--prefix", "none", "--format", "{p} with {f}"]).args(selection);
-    let told = cargo.current_dir(root).output().unwrap();
+    let told = cargo.current_dir(root).output().expect("cargo runs");
     assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
-    let text = String::from_utf8(told.stdout).unwrap();
+    let text = String::from_utf8(told.stdout).expect("cargo prints text");
     text.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
 }
 
