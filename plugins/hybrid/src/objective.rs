@@ -26,7 +26,7 @@ pub struct Weights {
     /// Of the probability of tipping over.
     pub over: f32,
     /// What probabilities are multiplied by before they are cut at 1: 1 / (1 − α), by which the cost has the conditional value at
-    /// risk of level α of the hazard in place of its expectation ([`conditional_value_at_risk`]).
+    /// risk of level α of the hazard in place of its expectation.
     pub caution: f32,
 }
 
