@@ -29,6 +29,7 @@ pub mod path;
 mod planner;
 pub mod recovery;
 pub mod rng;
+pub mod search;
 pub mod sensors;
 pub mod speed;
 #[rustfmt::skip]

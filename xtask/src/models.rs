@@ -12,16 +12,17 @@ struct Models {
     trainings: &'static [Training],
 }
 
-/// A dataset of exploration: its hours and seed, and the seed and number of its worlds.
+/// A dataset of exploration: its frames a second, hours and seed, and the seed and number of its worlds.
 struct Exploration {
+    hz: &'static str,
     hours: &'static str,
     seed: &'static str,
     world_seed: &'static str,
     worlds: &'static str,
 }
 
-/// A model: what of the ground it sees, with which other it begins, for how many steps it is trained, and what its file has after the
-/// vehicle's name.
+/// A model: what of the ground it sees, with which other it begins (the name of its file), for how many steps it is trained, and what
+/// its own file has after the vehicle's name.
 struct Training {
     sight: &'static str,
     from: Option<&'static str>,
@@ -29,18 +30,37 @@ struct Training {
     file: &'static str,
 }
 
-/// All models that planners have.
-const MODELS: [Models; 1] = [Models {
-    vehicle: "hmmwv",
-    explorations: &[
-        Exploration { hours: "10", seed: "11", world_seed: "7200", worlds: "90" },
-        Exploration { hours: "30", seed: "12", world_seed: "7210", worlds: "180" },
-    ],
-    trainings: &[
-        Training { sight: "patch", from: None, steps: "10000", file: "" },
-        Training { sight: "attention", from: Some(""), steps: "2000", file: "-attention" },
-    ],
-}];
+/// All models that planners have. Those of other vehicles begin with the HMMWV's, since lengths and times are in its measure.
+const MODELS: [Models; 3] = [
+    Models {
+        vehicle: "hmmwv",
+        explorations: &[
+            Exploration { hz: "10", hours: "10", seed: "11", world_seed: "7200", worlds: "90" },
+            Exploration { hz: "10", hours: "30", seed: "12", world_seed: "7210", worlds: "180" },
+        ],
+        trainings: &[
+            Training { sight: "patch", from: None, steps: "10000", file: "" },
+            Training { sight: "attention", from: Some("hmmwv"), steps: "2000", file: "-attention" },
+        ],
+    },
+    Models {
+        vehicle: "man5t",
+        explorations: &[Exploration { hz: "10", hours: "10", seed: "13", world_seed: "7220", worlds: "90" }],
+        trainings: &[
+            Training { sight: "patch", from: Some("hmmwv"), steps: "8000", file: "" },
+            Training { sight: "attention", from: Some("man5t"), steps: "2000", file: "-attention" },
+        ],
+    },
+    Models {
+        vehicle: "verti4wheeler",
+        // As much as 20 h at full scale; three frames make a step.
+        explorations: &[Exploration { hz: "50", hours: "6", seed: "14", world_seed: "7230", worlds: "135" }],
+        trainings: &[
+            Training { sight: "patch", from: Some("hmmwv"), steps: "8000", file: "" },
+            Training { sight: "attention", from: Some("verti4wheeler"), steps: "2000", file: "-attention" },
+        ],
+    },
+];
 
 /// Makes all models again, and writes them with their cards where the planners have them. Exploration that is there is not
 /// repeated.
@@ -62,6 +82,8 @@ pub(crate) fn models() -> Result<(), Failure> {
                 "explore",
                 "--vehicle",
                 m.vehicle,
+                "--hz",
+                e.hz,
                 "--hours",
                 e.hours,
                 "--seed",
@@ -73,8 +95,7 @@ pub(crate) fn models() -> Result<(), Failure> {
             run(&mut explore)?;
         }
         for t in m.trainings {
-            let weights =
-                |file: &str| root().join(format!("plugins/hybrid/weights/{}{file}.vbnn", m.vehicle));
+            let weights = |name: &str| root().join(format!("plugins/hybrid/weights/{name}.vbnn"));
             step(&format!("training the model of the {} that sees by {}", m.vehicle, t.sight));
             let mut train = Command::new(built("vb-model-train"));
             train.arg("--data").args(m.explorations.iter().map(explored));
@@ -83,7 +104,7 @@ pub(crate) fn models() -> Result<(), Failure> {
             if let Some(from) = t.from {
                 train.arg("--from").arg(weights(from));
             }
-            train.arg("--out").arg(weights(t.file));
+            train.arg("--out").arg(weights(&format!("{}{}", m.vehicle, t.file)));
             run(&mut train)?;
         }
     }

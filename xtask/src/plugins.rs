@@ -22,6 +22,12 @@ pub(crate) fn build(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Builds one planner as WASM and puts it into `out`.
+pub(crate) fn build_one(package: &str, out: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(out).map_err(|e| Failure::new(format!("can't make {}: {e}", out.display())))?;
+    build_wasm(&[package.to_owned()], out)
+}
+
 fn packages(root: &Path) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
     for folder in FOLDERS {
@@ -56,7 +62,10 @@ fn build_native(packages: &[String], out: &Path) -> Result<(), Failure> {
 }
 
 fn build_wasm(packages: &[String], out: &Path) -> Result<(), Failure> {
-    step("building the planners as WASM");
+    step(&match packages {
+        [one] => format!("building the planner {one} as WASM"),
+        _ => "building the planners as WASM".to_owned(),
+    });
     // A folder of its own: flags and perhaps the compiler differ from those of the native build.
     let target_dir = crate::target_dir().join("wasm");
     let cargo = cargo_for_wasm()?;

@@ -45,8 +45,8 @@ const CANDIDATES: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("wmvct", &[&[], &["speed=3"], &["speed=5"], &["tilt=1"], &["tilt=4"]]),
-    ("mppi6", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
-    ("tal", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["learned=0"]]),
+    ("mppi6", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["risk=0.8"], &["learned=0"]]),
+    ("tal", &[&[], &["speed=3"], &["speed=5"], &["stuck=4"], &["stuck=20"], &["risk=0.8"], &["learned=0"]]),
     (
         "tnt",
         &[
@@ -58,6 +58,7 @@ const CANDIDATES: &[(&str, &[&[&str]])] = &[
             &["price_stuck=50"],
             &["tilt=2"],
             &["over=60"],
+            &["risk=0.8"],
             &["learned=0"],
         ],
     ),

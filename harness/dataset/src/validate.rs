@@ -51,7 +51,7 @@ pub fn validate(dir: &Path, suites: &[Suite]) -> Result<Findings, DatasetError> 
     let worlds = worlds(&dataset, suites, &mut findings);
     episodes(&dataset, worlds.as_ref(), &mut findings);
     let frames = dataset.frames();
-    let totals = std::fs::read_to_string(dir.join("meta/info.json")).ok();
+    let totals = vb_files::read_text(&dir.join("meta/info.json"), vb_files::DOCUMENT).ok();
     let totals: Option<serde_json::Value> = totals.and_then(|text| serde_json::from_str(&text).ok());
     let total = |name: &str| totals.as_ref().and_then(|t| t[name].as_u64());
     for (name, is) in [("total_frames", frames), ("total_episodes", dataset.infos().len())] {

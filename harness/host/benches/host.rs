@@ -61,6 +61,43 @@ fn with_locals(work: &str) -> String {
     )
 }
 
+/// A million units of which each is a load that waits for the one before and misses every cache: the most time that fuel can
+/// take (docs/abi.md). The chain leads through 128 MiB in the order of a linear congruential generator of full period.
+fn dependent_loads(c: &mut Criterion) {
+    let chain = "(local $i i32)
+         (loop $l
+           (i32.store (i32.add (i32.const 1048576) (i32.shl (local.get $i) (i32.const 6)))
+             (i32.add (i32.const 1048576) (i32.shl (i32.and (i32.const 2097151)
+               (i32.add (i32.mul (local.get $i) (i32.const 1664525)) (i32.const 1013904223))) (i32.const 6))))
+           (br_if $l (i32.ne (local.tee $i (i32.add (local.get $i) (i32.const 1))) (i32.const 2097152))))
+         (i32.store (i32.const 3000) (i32.const 1048576))";
+    let work = format!(
+        "(local $n i32) (local $p i32)
+         (local.set $n (i32.const 1000))
+         (local.set $p (i32.load (i32.const 3000)))
+         (loop $l
+           local.get $p {} local.set $p
+           (br_if $l (local.tee $n (i32.sub (local.get $n) (i32.const 1)))))
+         (i32.store (i32.const 3000) (local.get $p))",
+        "i32.load ".repeat(1000)
+    );
+    let wat = common::planner_wat(&format!("(call $chain) {OK}"), &format!("(call $work) {GO}"))
+        .replacen("\"memory\") 4", "\"memory\") 2100", 1)
+        .replacen("(func $spin", &format!("(func $chain {chain}) (func $work {work}) (func $spin"), 1);
+    let (_dir, path) = file(&core_module(&wat, METADATA));
+    let plugin = Plugin::load(&path, &Limits::default(), None).unwrap();
+    let mut session = plugin.start(&task(), LogSink::discard()).unwrap();
+    let observation = observation();
+    session.step(&observation).unwrap();
+    let fuel = session.fuel().unwrap().steps;
+    assert!((1_000_000..1_020_000).contains(&fuel), "a load costs one unit: {fuel}");
+    let mut group = c.benchmark_group("a million units of fuel");
+    group.sample_size(20).bench_function("of loads that wait for each other", |b| {
+        b.iter(|| session.step(black_box(&observation)).unwrap());
+    });
+    group.finish();
+}
+
 /// A plugin of a megabyte: loaded from the cache and put on a task. The aim is below 10 ms.
 fn cached_start(c: &mut Criterion) {
     let mut body = String::new();
@@ -90,5 +127,5 @@ fn cached_start(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, step, compute, cached_start);
+criterion_group!(benches, step, compute, dependent_loads, cached_start);
 criterion_main!(benches);

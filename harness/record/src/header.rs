@@ -45,6 +45,9 @@ pub struct PluginHeader {
     /// Whether results of a planner of this kind may be ranked: those of a command may not.
     #[serde(default = "yes")]
     pub eligible_for_ranking: bool,
+    /// The time between two of the planner's steps, s; runs from before it was recorded don't say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control_period: Option<f64>,
     /// The sensors that the planner got, as its metadata name them, e.g. `lidar 10`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,

@@ -38,6 +38,7 @@ fn header() -> RunHeader {
             sha256: "bb".into(),
             kind: "wasm".into(),
             path: "pid.wasm".into(),
+            control_period: Some(0.1),
             eligible_for_ranking: true,
             sensors: Vec::new(),
             sandbox: None,

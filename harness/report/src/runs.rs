@@ -61,7 +61,7 @@ pub struct Fuel {
     pub memory: u64,
 }
 
-/// A finished task: some hundred bytes, so that a million of them are no matter.
+/// A finished task. It takes some hundred bytes, so that the rows of a million tasks fit into memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the task.

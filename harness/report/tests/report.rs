@@ -35,6 +35,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
             sha256: "bb".repeat(32),
             kind: "wasm".into(),
             path: "p.wasm".into(),
+            control_period: Some(0.1),
             eligible_for_ranking: true,
             sensors: Vec::new(),
             sandbox: None,

@@ -307,6 +307,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             sha256: config.plugin.sha256().to_owned(),
             kind: config.plugin.kind().name().to_owned(),
             path: config.plugin_path.display().to_string(),
+            control_period: Some(metadata.control_period),
             sensors: config.perception.sensors_of(metadata).iter().map(ToString::to_string).collect(),
             eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {

@@ -258,6 +258,9 @@ pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, perception: &Profile, 
     same(found, "plugin", "run.plugin.name", &p.name, &plugin.metadata().name);
     same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
     same(found, "plugin", "run.plugin.kind", p.kind.as_str(), plugin.kind().name());
+    // By it a result is ranked or not, so what a run says is held against the plugin; a run that says nothing is open.
+    let period = p.control_period.unwrap_or(plugin.metadata().control_period);
+    same(found, "plugin", "run.plugin.control_period", &period, &plugin.metadata().control_period);
     let eligible = plugin.kind() != PluginKind::Command;
     // A run from before there were profiles doesn't say them.
     let sensors: Vec<_> = perception.sensors_of(plugin.metadata()).iter().map(ToString::to_string).collect();

@@ -98,6 +98,11 @@ const SOIL_RESOLUTION: f64 = 0.1;
 /// The seed with which results are ranked: one seed, so that nobody can enter the best of many.
 const SEED: u64 = 0;
 
+/// The least control period at which results are ranked, s. Fuel bounds a step, so the time that a task can take grows
+/// with the number of its steps. The planners that come with the harness act every 0.1 s; 50 steps a second leave room for
+/// faster ones. Only `pid-release` acts more often, every 5 ms as the released code does; it is there to be compared.
+const LEAST_CONTROL_PERIOD: f64 = 0.02;
+
 /// The conditions of all divisions but the open one that a run doesn't meet.
 pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason> {
     let mut reasons = Vec::new();
@@ -111,6 +116,16 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         run.plugin.kind == "wasm",
         "plugin.kind",
         format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
+    );
+    unless(
+        run.plugin.control_period.is_some_and(|period| period >= LEAST_CONTROL_PERIOD),
+        "plugin.control_period",
+        match run.plugin.control_period {
+            Some(period) => {
+                format!("{period} s, less than the {LEAST_CONTROL_PERIOD} s that are ranked at least")
+            }
+            None => "the run doesn't say it: drive it again with this version".to_owned(),
+        },
     );
     unless(
         run.params.is_empty(),

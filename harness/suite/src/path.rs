@@ -6,9 +6,8 @@
 //! the planner under test.
 
 use serde::Deserialize;
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use vb_math::hypot;
+use vb_math::search::Search;
 use vb_world::{Obstacle, World, geometry};
 
 /// The parameters of the global planner. Lengths are at scale 1 and are multiplied by [`World::scale`].
@@ -251,34 +250,19 @@ impl Planner {
         let inside = |p: [f64; 2]| {
             p[0].abs() <= self.half[0] - margin + 1e-9 && p[1].abs() <= self.half[1] - margin + 1e-9
         };
-        let mut cost = vec![f64::INFINITY; count + 2];
-        let mut parent = vec![usize::MAX; count + 2];
-        let mut closed = vec![false; count + 2];
-        let mut open = BinaryHeap::new();
-        cost[first] = 0.0;
-        open.push(Open { estimate: distance(start, goal), node: first });
-        while let Some(Open { node, .. }) = open.pop() {
-            if std::mem::replace(&mut closed[node], true) {
-                continue;
-            }
+        let mut search = Search::new(count + 2);
+        search.start(first, distance(start, goal));
+        while let Some(node) = search.pop() {
             if node == last {
-                let mut path = vec![goal];
-                let mut n = last;
-                while n != first {
-                    n = parent[n];
-                    path.push(place(n));
-                }
-                path.reverse();
-                return Some(path);
+                return Some(search.path(last).into_iter().map(place).collect());
             }
             let here = place(node);
             let mut relax = |next: usize, free: &dyn Fn(f64) -> bool| {
                 let there = place(next);
                 let step = distance(here, there);
-                if !closed[next] && cost[node] + step < cost[next] && inside(there) && free(step) {
-                    cost[next] = cost[node] + step;
-                    parent[next] = node;
-                    open.push(Open { estimate: cost[next] + distance(there, goal), node: next });
+                let cost = search.cost(node) + step;
+                if search.improves(next, cost) && inside(there) && free(step) {
+                    search.offer(next, node, cost, distance(there, goal));
                 }
             };
             if node == first {
@@ -369,25 +353,4 @@ fn body(obstacle: &Obstacle) -> Body {
     let centre = [obstacle.x, obstacle.y];
     let radius = outline.iter().map(|&p| distance(p, centre)).fold(0.0, f64::max);
     Body { outline, centre, radius }
-}
-
-/// An entry of the open list: the least estimate is the greatest, ties go to the smaller node.
-#[derive(PartialEq)]
-struct Open {
-    estimate: f64,
-    node: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }

@@ -1,8 +1,6 @@
 //! The way of least cost over places and headings.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
+use vb_sdk::search::Search;
 use vb_sdk::{Point2, Task, math};
 
 use crate::ground::{Ground, HEADINGS};
@@ -42,32 +40,19 @@ pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
         };
         off(a).total_cmp(&off(b))
     })?;
-    let count = (frame.rows * frame.cols) as usize * n;
-    let mut cost = vec![f32::INFINITY; count];
-    let mut parent = vec![u32::MAX; count];
-    let mut closed = vec![false; count];
-    let first = place(row, col, heading);
-    cost[first] = 0.0;
-    let mut open = BinaryHeap::from([Open { estimate: away(row, col), node: first }]);
-    while let Some(Open { node, .. }) = open.pop() {
-        if std::mem::replace(&mut closed[node], true) {
-            continue;
-        }
+    let mut search = Search::new((frame.rows * frame.cols) as usize * n);
+    search.start(place(row, col, heading), away(row, col));
+    while let Some(node) = search.pop() {
         let (row, col, heading) = unplace(node);
         if away(row, col) < 1.5 {
-            let mut points = vec![task.goal];
-            let mut at = node;
-            loop {
-                let (row, col, _) = unplace(at);
+            let on_grid = |node: usize| {
+                let (row, col, _) = unplace(node);
                 let (x, y) = frame.position(row as u32, col as u32);
-                points.push(Point2 { x, y });
-                if at == first {
-                    break;
-                }
-                at = parent[at] as usize;
-            }
-            points.push(Point2 { x: task.start.x, y: task.start.y });
-            points.reverse();
+                Point2 { x, y }
+            };
+            let mut points = vec![Point2 { x: task.start.x, y: task.start.y }];
+            points.extend(search.path(node).into_iter().map(on_grid));
+            points.push(task.goal);
             return Some(points);
         }
         for turn in [0, 1, n - 1] {
@@ -80,13 +65,7 @@ pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
             if !step.is_finite() {
                 continue;
             }
-            let there = place(r, c, next);
-            let total = cost[node] + step;
-            if !closed[there] && total < cost[there] {
-                cost[there] = total;
-                parent[there] = node as u32;
-                open.push(Open { estimate: total + away(r, c), node: there });
-            }
+            search.offer(place(r, c, next), node, search.cost(node) + step, away(r, c));
         }
     }
     None
@@ -106,25 +85,4 @@ fn leg(ground: &Ground, row: &mut i32, col: &mut i32, heading: usize) -> f32 {
     };
     (*row, *col) = (*row + dy, *col + dx);
     length * 0.5 * (middle + ground.cost(*row, *col, heading))
-}
-
-/// An entry of the open list: the least estimate is the greatest, ties go to the smaller node.
-#[derive(PartialEq)]
-struct Open {
-    estimate: f32,
-    node: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }

@@ -29,7 +29,7 @@ macro_rules! models {
     (@ $vehicle:literal $sight:literal) => { include_str!(concat!("../weights/", $vehicle, $sight, ".txt")) };
 }
 
-models!("hmmwv");
+models!("hmmwv", "man5t", "verti4wheeler");
 
 /// The weights for a vehicle, which see patches or pay attention: its own if there are any, else those of another, whose name they
 /// have in the note `vehicle`.

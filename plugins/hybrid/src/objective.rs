@@ -25,6 +25,9 @@ pub struct Weights {
     pub stuck: f32,
     /// Of the probability of tipping over.
     pub over: f32,
+    /// What probabilities are multiplied by before they are cut at 1: 1 / (1 − α), by which the cost has the conditional value at
+    /// risk of level α of the hazard in place of its expectation.
+    pub caution: f32,
 }
 
 /// The cost of a course, as means over its steps.
@@ -86,6 +89,13 @@ fn beyond(value: f32, limit: f32) -> f32 {
     over * over
 }
 
+/// The conditional value at risk of a loss of 1 that comes with a probability: its mean over the worst part 1 − α of what may come,
+/// which is min(1, p / (1 − α)) (Rockafellar and Uryasev, "Optimization of conditional value-at-risk", 2000, for two outcomes).
+/// `caution` is 1 / (1 − α); with α = 0 it is the expectation, p.
+fn conditional_value_at_risk(probability: f32, caution: f32) -> f32 {
+    (probability * caution).min(1.0)
+}
+
 impl Cost<State, 2> for Objective {
     fn running(&self, s: &State, [steering, _]: &[Lanes; 2], _: usize) -> Lanes {
         let w = self.weights;
@@ -98,8 +108,8 @@ impl Cost<State, 2> for Objective {
                 + w.pace * pace * pace
                 + w.effort * steering[l] * steering[l]
                 + w.tilt * tilt
-                + w.stuck * s.stuck[l]
-                + w.over * s.over[l];
+                + w.stuck * conditional_value_at_risk(s.stuck[l], w.caution)
+                + w.over * conditional_value_at_risk(s.over[l], w.caution);
             cost / self.steps
         })
     }
@@ -107,5 +117,25 @@ impl Cost<State, 2> for Objective {
     fn terminal(&self, s: &State) -> Lanes {
         let away = self.away(s);
         std::array::from_fn::<f32, LANES, _>(|l| self.weights.goal * away[l])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against its definition: the mean of the greatest losses that make up the part 1 − α of a hundred thousand outcomes.
+    #[test]
+    fn the_conditional_value_at_risk_is_the_mean_of_the_worst_outcomes() {
+        const OUTCOMES: usize = 100_000;
+        for probability in [0.0_f32, 0.01, 0.07, 0.1, 0.5, 1.0] {
+            for level in [0.0_f32, 0.5, 0.9] {
+                let come = (f64::from(probability) * OUTCOMES as f64).round() as usize;
+                let worst = ((1.0 - f64::from(level)) * OUTCOMES as f64).round() as usize;
+                let mean = come.min(worst) as f64 / worst as f64;
+                let own = f64::from(conditional_value_at_risk(probability, 1.0 / (1.0 - level)));
+                assert!((own - mean).abs() < 1e-4, "{probability}, {level}: {own} for {mean}");
+            }
+        }
     }
 }

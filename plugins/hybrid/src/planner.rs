@@ -34,6 +34,15 @@ pub struct Prediction {
     pub attention: bool,
 }
 
+/// What the level of risk at which hazards are priced multiplies probabilities by.
+fn caution(task: &Task) -> Result<f32, PlannerError> {
+    let level = task.param_f64("risk")?;
+    if !(0.0..=0.99).contains(&level) {
+        return Err(PlannerError::new(format!("parameter `risk`: {level} is not from 0 to 0.99")));
+    }
+    Ok((1.0 / (1.0 - level)) as f32)
+}
+
 /// MPPI over learned motion. The parameters are those that the plugins declare.
 pub struct Hybrid {
     follower: Follower,
@@ -113,6 +122,7 @@ impl Hybrid {
                 // Who doesn't foresee them has no weights of hazards.
                 stuck: if learned == Learned::All { weight("stuck")? } else { 0.0 },
                 over: if learned == Learned::All { weight("over")? } else { 0.0 },
+                caution: if learned == Learned::All { caution(task)? } else { 1.0 },
             },
             axle: (0.5 * vehicle.wheelbase) as f32,
             radius: radius as f32,

@@ -1,9 +1,7 @@
 //! Where the vehicle can go: what the networks make of every place and heading, and the cost of the way from there to the goal.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use vb_sdk::mppi::{Field, LANES, Lanes};
+use vb_sdk::search::Search;
 use vb_sdk::{GridFrame, Point2};
 
 use crate::kinodynamics::Kinodynamics;
@@ -90,27 +88,6 @@ pub fn costs(
     costs
 }
 
-/// A node that waits: the least cost comes first, ties go to the smaller node.
-#[derive(PartialEq)]
-struct Open {
-    cost: f32,
-    node: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl Values {
     /// The costs of the ways to a goal (Dijkstra 1959, from the goal backwards) over these costs of places. The vehicle goes
     /// straight on by a move, or on by one and by another in the next heading, which is an arc that a car can drive.
@@ -118,15 +95,11 @@ impl Values {
     pub fn new(frame: GridFrame, costs: &[f32], goal: Point2) -> Self {
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
         let area = rows * cols;
-        let mut values = vec![f32::INFINITY; HEADINGS * area];
         let (r, c) = frame.fractional(goal.x, goal.y);
         let nearest = |v: f64, n: usize| ((v + 0.5).max(0.0) as usize).min(n - 1);
         let at = nearest(r, rows) * cols + nearest(c, cols);
-        let mut open = BinaryHeap::new();
-        for h in 0..HEADINGS {
-            values[h * area + at] = 0.0;
-            open.push(Open { cost: 0.0, node: h * area + at });
-        }
+        let mut search = Search::new(HEADINGS * area);
+        (0..HEADINGS).for_each(|h| search.start(h * area + at, 0.0));
         // The place before a move in a heading, and the cost of the move.
         let before = |cell: usize, h: usize| {
             let (dc, dr) = MOVES[h];
@@ -138,26 +111,19 @@ impl Values {
                 (from, 0.5 * length * (costs[h * area + from] + costs[h * area + cell]))
             })
         };
-        while let Some(Open { cost, node }) = open.pop() {
-            if cost > values[node] {
-                continue;
-            }
+        while let Some(node) = search.pop() {
             let (h, cell) = (node / area, node % area);
             let Some((from, way)) = before(cell, h) else { continue };
-            let mut reach = |node: usize, cost: f32| {
-                if cost < values[node] {
-                    values[node] = cost;
-                    open.push(Open { cost, node });
-                }
-            };
-            reach(h * area + from, cost + way);
+            let cost = search.cost(node) + way;
+            search.offer(h * area + from, node, cost, 0.0);
             for turn in [1, HEADINGS - 1] {
                 let earlier = (h + turn) % HEADINGS;
                 if let Some((first, more)) = before(from, earlier) {
-                    reach(earlier * area + first, cost + way + more + TURN);
+                    search.offer(earlier * area + first, node, cost + more + TURN, 0.0);
                 }
             }
         }
+        let mut values = search.into_costs();
         let resolution = frame.resolution as f32;
         let worst = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
         // From where there is no way, it is worse than from anywhere else.

@@ -20,5 +20,6 @@ hybrid::export_hybrid! {
         tilt: 2.0 => "weight of roll and pitch",
         stuck: 8.0 => "weight of the probability of getting stuck",
         over: 8.0 => "weight of the probability of tipping over",
+        risk: 0.0 => "level in [0, 0.99] of the conditional value at risk at which these two are priced; 0 prices what is to be expected",
     },
 }

@@ -21,6 +21,7 @@ hybrid::export_hybrid! {
         tilt: 6.0 => "weight of roll and pitch",
         stuck: 8.0 => "weight of the probability of getting stuck",
         over: 30.0 => "weight of the probability of tipping over",
+        risk: 0.0 => "level in [0, 0.99] of the conditional value at risk at which these two are priced; 0 prices what is to be expected",
         guided: 0.3 => "part of the courses that is drawn about a descent on the map of traversability, up to 0.9",
         price_stuck: 25.0 => "length of way, over its own, that a probability of one to get stuck is worth avoiding",
         price_over: 200.0 => "the same of a probability to tip over",

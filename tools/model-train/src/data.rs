@@ -1,10 +1,10 @@
 //! Windows of datasets: what happened in some seconds, and on which ground.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use hybrid::Terrain;
+use hybrid::{DT, Terrain};
 use vb_dataset::{Dataset, Episode};
 use vb_sdk::{HeightMap, Vehicle};
 use vb_sense::{PriorMaps, Profile, Seed};
@@ -12,24 +12,64 @@ use vb_world::{World, geometry};
 
 use crate::TrainError;
 
-/// Frames of a step of the model, of datasets of ten frames a second.
-pub const STRIDE: usize = 2;
-/// Frames a second of the datasets.
-const HZ: u32 = 10;
-/// Steps of a window: 3 s.
+/// Steps of a window: 3 s at full scale.
 pub const STEPS: usize = 15;
-/// How far windows begin from each other, in frames.
-const SPACING: usize = 3;
+/// How far windows begin from each other, s at full scale.
+const SPACING: f64 = 0.3;
 /// A vehicle that comes nearer to an obstacle than this, in lengths of its own, may touch it: obstacles are not in the model.
 const CLEAR: f64 = 0.55;
-/// Frames in which a vehicle that stands hardly moves: 2 s.
-const STAND: usize = 20;
+/// The time in which a vehicle that stands hardly moves, s at full scale.
+const STAND: f64 = 2.0;
+/// The step that frames make may differ from that of planners by this fraction of it: the model takes the difference into account.
+const OFF: f64 = 0.1;
 /// A vehicle moves if it is faster than this, in wheelbases a second.
 const MOVING: f32 = 0.12;
 /// A vehicle that tilts so far tips over, rad.
 const TIPS: f64 = 0.7;
 /// Beyond this tilt the vehicle is overturned and the model ends, rad.
 const TILT: f64 = 1.0;
+
+/// How the frames of datasets become steps of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    hz: u32,
+    /// Frames of a step.
+    stride: usize,
+    /// The time that a second at full scale is for the vehicle, s (Froude's rule).
+    root: f64,
+}
+
+impl Timing {
+    /// The steps of datasets of a vehicle with so many frames a second: as long as those that planners take, as nearly as may be.
+    ///
+    /// # Errors
+    /// Returns what is wrong if no whole number of frames makes such a step.
+    pub fn new(hz: u32, vehicle: &Vehicle) -> Result<Self, String> {
+        let root = vehicle.scale.sqrt();
+        let step = f64::from(DT) * root;
+        let stride = (step * f64::from(hz)).round().max(1.0);
+        let own = stride / f64::from(hz);
+        if (own - step).abs() > OFF * step {
+            return Err(format!(
+                "with {hz} frames a second no whole number of frames makes the step of {step:.4} s that planners take with this \
+                 vehicle: explore with another --hz, such as {}",
+                (2.0 / step).ceil()
+            ));
+        }
+        Ok(Self { hz, stride: stride as usize, root })
+    }
+
+    /// The time of a step, s.
+    #[must_use]
+    pub fn step(&self) -> f32 {
+        (self.stride as f64 / f64::from(self.hz)) as f32
+    }
+
+    /// The frames of a time at full scale.
+    fn frames(&self, seconds: f64) -> usize {
+        (seconds * self.root * f64::from(self.hz)).round() as usize
+    }
+}
 
 /// What a frame has of the state and the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,9 +137,10 @@ pub struct PlaceOf {
     pub terrain: Terrain,
 }
 
-/// All windows.
-#[derive(Default)]
+/// All windows of a vehicle.
 pub struct Data {
+    /// How frames have become steps.
+    pub timing: Timing,
     /// The worlds.
     pub places: Vec<PlaceOf>,
     /// The windows, world by world in no order that matters.
@@ -111,12 +152,36 @@ pub struct Data {
 }
 
 impl Data {
-    /// Reads a dataset of exploration.
+    /// No windows yet.
+    #[must_use]
+    pub fn new(timing: Timing) -> Self {
+        Self { timing, places: Vec::new(), windows: Vec::new(), moments: Vec::new(), hashes: Vec::new() }
+    }
+
+    /// Reads datasets of exploration.
     ///
     /// # Errors
-    /// Returns an error if it can't be read or lacks what models are trained on.
-    pub fn read(&mut self, dir: &Path, vehicle: &Vehicle) -> Result<(), TrainError> {
-        let dataset = Dataset::open(dir)?;
+    /// Returns an error if one can't be read or lacks what models are trained on, or if their frames are not as many a second.
+    pub fn of(dirs: &[PathBuf], vehicle: &Vehicle) -> Result<Self, TrainError> {
+        let mut data: Option<Self> = None;
+        for dir in dirs {
+            let dataset = Dataset::open(dir)?;
+            let unfit = |why: String| TrainError::Unfit { dir: dir.clone(), why };
+            let timing = Timing::new(dataset.header().hz, vehicle).map_err(unfit)?;
+            let data = data.get_or_insert_with(|| Self::new(timing));
+            if data.timing != timing {
+                return Err(unfit(format!(
+                    "has {} frames a second, and another dataset {}",
+                    timing.hz, data.timing.hz
+                )));
+            }
+            data.add(&dataset, dir, vehicle)?;
+        }
+        data.ok_or_else(|| TrainError::Unfit { dir: PathBuf::new(), why: "no dataset is named".into() })
+    }
+
+    /// Adds the windows of a dataset.
+    fn add(&mut self, dataset: &Dataset, dir: &Path, vehicle: &Vehicle) -> Result<(), TrainError> {
         let header = dataset.header();
         let unfit = |why: String| TrainError::Unfit { dir: dir.to_owned(), why };
         if header.of_a_suite {
@@ -128,8 +193,8 @@ impl Data {
                 header.vehicle.name, vehicle.name
             )));
         }
-        if !header.layout.speed || header.hz != HZ {
-            return Err(unfit(format!("it is no exploration with {HZ} frames a second")));
+        if !header.layout.speed {
+            return Err(unfit("it is no exploration".into()));
         }
         let suite = dataset.worlds()?;
         let mut known: BTreeMap<String, (usize, Arc<World>)> = BTreeMap::new();
@@ -149,7 +214,7 @@ impl Data {
                 self.places.push(PlaceOf { hash, kind, heights, terrain });
             }
             let (place, world) = &known[id];
-            self.cut(&dataset, &episode, *place, world, vehicle);
+            self.cut(dataset, &episode, *place, world, vehicle);
         }
         self.hashes.push(dataset.frames_hash()?);
         Ok(())
@@ -186,15 +251,16 @@ impl Data {
             });
         }
         self.watch(&points, &fit, place, vehicle);
-        for first in (0..points.len()).step_by(SPACING) {
-            let last = first + STEPS * STRIDE;
+        let stride = self.timing.stride;
+        for first in (0..points.len()).step_by(self.timing.frames(SPACING)) {
+            let last = first + STEPS * stride;
             if last >= points.len() {
                 break;
             }
             if !fit[first..=last].iter().all(|f| *f) {
                 continue;
             }
-            let own: Vec<Point> = (first..=last).step_by(STRIDE).map(|k| points[k]).collect();
+            let own: Vec<Point> = (first..=last).step_by(stride).map(|k| points[k]).collect();
             let (a, b) = (own[0], own[STEPS]);
             let stands = apart(a, b) < 0.15 * vehicle.wheelbase as f32;
             self.windows.push(Window { place, points: own, stands });
@@ -203,18 +269,19 @@ impl Data {
 
     /// Notes the moments of an episode in which the vehicle moves, and what comes of them.
     fn watch(&mut self, points: &[Point], fit: &[bool], place: usize, vehicle: &Vehicle) {
-        let soon = (hybrid::SOON * HZ as f32) as usize;
+        let [soon, stand, spacing] =
+            [f64::from(hybrid::SOON), STAND, SPACING].map(|seconds| self.timing.frames(seconds));
         let wheelbase = vehicle.wheelbase as f32;
         let stands = |k: usize| {
-            let (a, b) = (points[k], points[(k + STAND).min(points.len() - 1)]);
-            k + STAND < points.len() && a.command[1] > 0.0 && apart(a, b) < 0.1 * wheelbase
+            let (a, b) = (points[k], points[(k + stand).min(points.len() - 1)]);
+            k + stand < points.len() && a.command[1] > 0.0 && apart(a, b) < 0.1 * wheelbase
         };
         let tips = |k: usize| f64::from(points[k].roll.abs().max(points[k].pitch.abs())) > TIPS;
-        for k in (0..points.len()).step_by(SPACING) {
+        for k in (0..points.len()).step_by(spacing) {
             let end = (k + soon).min(points.len());
             // What comes must be known: to the end of the time, or the end of the episode by tipping over.
             let over = (k..end).any(tips);
-            let known = over || end + STAND < points.len();
+            let known = over || end + stand < points.len();
             if !fit[k] || !known || points[k].speed < MOVING * wheelbase {
                 continue;
             }

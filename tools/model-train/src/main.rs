@@ -87,10 +87,7 @@ fn vehicle(args: &Args) -> Result<vb_sdk::Vehicle, TrainError> {
 
 fn run(args: &Args) -> Result<(), TrainError> {
     let vehicle = vehicle(args)?;
-    let mut data = Data::default();
-    for dir in &args.data {
-        data.read(dir, &vehicle)?;
-    }
+    let data = Data::of(&args.data, &vehicle)?;
     // Every fifth world is held out, by its hash, so that it stays the same whatever else there is.
     let held_out = |w: &Window| u8::from_str_radix(&data.places[w.place].hash[..2], 16).unwrap_or(0) % 5 == 0;
     let (test, own): (Vec<&Window>, Vec<&Window>) = data.windows.iter().partition(|w| held_out(w));
@@ -159,7 +156,7 @@ fn trained(
         Look::Patch => Sight::patch(args.seed)?,
         Look::Attention => Sight::attention(args.seed)?,
     };
-    let model = Motion::new(vehicle, sight, args.seed)?;
+    let model = Motion::new(vehicle, sight, data.timing.step(), args.seed)?;
     let begun = args.from.as_deref().map(read).transpose()?;
     for network in model.networks() {
         begun.iter().try_for_each(|begun| network.begin_with(begun))?;

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use hybrid::{DT, Kinodynamics, Learned, State, Units};
+use hybrid::{DT, Kinodynamics, Learned, State};
 use serde::Serialize;
 use vb_sdk::Vehicle;
 use vb_sdk::mppi::{LANES, Lanes, Model as _};
@@ -34,7 +34,7 @@ pub struct Errors {
 
 /// The ways to predict, by their names: speed, yaw rate, roll and pitch stay as they are; the bicycle on the plane; the model.
 pub const WAYS: [&str; 3] = ["constant velocity", "bicycle and plane", "learned"];
-/// The steps after which errors are told: 1 s and 3 s, and those about 0.5 s, between which it lies.
+/// The times at full scale for which errors are told, and the steps that they are the mean of: 0.5 s lies between two.
 const TOLD: [(f64, usize, usize); 3] = [(0.5, 2, 3), (1.0, 5, 5), (3.0, 15, 15)];
 
 /// Sums of errors after each step, and their number.
@@ -107,11 +107,12 @@ impl Sums {
         }
     }
 
-    fn errors(&self) -> Vec<Errors> {
+    /// The mean errors, of steps of this time (s).
+    fn errors(&self, step: f32) -> Vec<Errors> {
         let at = |(time_s, a, b): (f64, usize, usize)| {
             let mean = |i: usize| 0.5 * (self.0[a][i] + self.0[b][i]) / self.1.max(1.0);
             Errors {
-                time_s,
+                time_s: time_s * f64::from(step / DT),
                 position_m: mean(0),
                 yaw_rad: mean(1),
                 speed_m_per_s: mean(2),
@@ -152,7 +153,7 @@ pub fn measure(
 ) -> Result<Measured, TrainError> {
     let mut sums: BTreeMap<String, [Sums; 3]> = BTreeMap::new();
     let mut seen: [Vec<(f32, bool)>; 2] = Default::default();
-    let dt = DT * Units::of(vehicle).rate;
+    let dt = data.timing.step();
     let mut watched = by_place(moments, |m| m.window.place);
     for (place, windows) in by_place(windows, |w| w.place) {
         let here = &data.places[place];
@@ -188,7 +189,7 @@ pub fn measure(
             }
         }
     }
-    let errors = sums.into_iter().map(|(kind, sums)| (kind, sums.map(|s| s.errors()))).collect();
+    let errors = sums.into_iter().map(|(kind, sums)| (kind, sums.map(|s| s.errors(dt)))).collect();
     Ok(Measured { errors, hazards: seen.map(Foresight::of) })
 }
 

@@ -17,7 +17,8 @@ const STANDING: f64 = 0.15;
 /// The weight of the hazards' cross entropy in the loss.
 const HAZARD: f64 = 4.0;
 
-/// Units in which the errors of x and y, yaw, speeds, yaw rate, roll, pitch and slip count alike: m, rad, m/s, rad/s, rad, m/s.
+/// Units in which the errors of x and y, yaw, speeds, yaw rate, steering, roll, pitch and slip count alike, at full scale: m, rad,
+/// m/s, rad/s, 1, rad, m/s.
 const UNITS: [f64; 10] = [0.3, 0.3, 0.1, 0.4, 0.4, 0.2, 1.0, 0.05, 0.05, 1.0];
 /// What is learned: all but the steering, which follows its command.
 const LEARNED: [usize; 9] = [0, 1, 2, 3, 4, 5, 7, 8, 9];
@@ -69,13 +70,15 @@ impl<'a, T> Drawn<'a, T> {
 /// The mean loss over the steps of windows: pseudo-Huber, so that a few wild windows don't decide.
 fn loss(model: &Motion, data: &Data, windows: &[&Window], steps: usize) -> Result<Tensor> {
     let mut state = Motion::start(windows)?;
+    let measure = model.measure();
+    let units: [f64; 10] = std::array::from_fn(|i| UNITS[i] * measure[i]);
     let mut total: Option<Tensor> = None;
     for k in 0..steps {
         state = model.step(data, windows, &state, k)?;
         for (i, should) in truth(windows, k + 1)?.iter().enumerate().filter(|(i, _)| LEARNED.contains(i)) {
-            let e = ((&state.values[i] - should)? / UNITS[i])?;
+            let e = ((&state.values[i] - should)? / units[i])?;
             // Headings differ by less than half a turn.
-            let e = if i == 2 { around(&e, UNITS[2])? } else { e };
+            let e = if i == 2 { around(&e, units[2])? } else { e };
             let own = ((e.sqr()? + 1.0)?.sqrt()? - 1.0)?.mean_all()?;
             total = Some(match total {
                 Some(total) => (total + own)?,

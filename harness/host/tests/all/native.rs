@@ -176,7 +176,7 @@ fn a_worker_that_cant_be_started_is_the_hosts_fault() {
 fn a_library_that_is_being_opened_may_do_no_more_than_later() {
     let Some(plugin) = hostile() else { return };
     if plugin.sandbox().is_none_or(|report| !report.missing().is_empty()) {
-        eprintln!("skipped: the kernel can't confine planners");
+        vb_testing::skip("the kernel can't confine planners");
         return;
     }
     // Its constructor ends the process with code 9 if it is let.
@@ -208,7 +208,7 @@ fn a_process_that_was_killed_from_outside_is_not_blamed_on_its_planner() {
     use rustix::process::{Pid, Signal, kill_process};
     let Some(plugin) = hostile() else { return };
     if !plugin.sandbox().is_some_and(|report| report.seccomp) {
-        eprintln!("skipped: the kernel has no seccomp");
+        vb_testing::skip("the kernel has no seccomp");
         return;
     }
     for signal in [Signal::KILL, Signal::TERM] {

@@ -33,6 +33,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             sha256: "bb".into(),
             kind: "wasm".into(),
             path: "pid.wasm".into(),
+            control_period: Some(0.1),
             eligible_for_ranking: true,
             sensors: Vec::new(),
             sandbox: None,

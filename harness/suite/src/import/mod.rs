@@ -3,9 +3,8 @@
 //! The files leave open what a vehicle drives on, as the original's simulator does not build what they describe;
 //! [`Ground`] chooses. Paths come from our global planner either way. `docs/worlds.md` has the whole mapping.
 
-mod bmp;
 mod config;
-mod npy;
+mod files;
 mod sections;
 mod simulated;
 
@@ -202,17 +201,17 @@ impl Source {
         let config: Config = yaml::parse(&text).map_err(|e| invalid(file, e.field, e.problem))?;
         let side = check_terrain(file, &config)?;
         let image_file = self.maps.join("Worlds").join(format!("{id}.bmp"));
-        let image =
-            bmp::read(&bytes(&image_file)?, side, side).map_err(|(f, p)| invalid(&image_file, f, p))?;
+        let greys = files::elevation(&bytes(&image_file)?, side, side)
+            .map_err(|(f, p)| invalid(&image_file, f, p))?;
         let semantics = semantics(file, &config, side)?;
         let labels_file = file.with_file_name(format!("labels{id}_{}.npy", config.terrain.difficulty.name()));
         let labels =
-            npy::read_i32(&bytes(&labels_file)?, side, side).map_err(|(f, p)| invalid(&labels_file, f, p))?;
+            files::labels(&bytes(&labels_file)?, side, side).map_err(|(f, p)| invalid(&labels_file, f, p))?;
         check_labels(&labels_file, &labels, side, &semantics, config.terrain_type)?;
         let (semantics, obstacles) = match self.ground {
             Ground::AsDescribed => (semantics, described_obstacles(file, &config)?),
             Ground::AsSimulated => {
-                let heightfield = heightfield(&image, &config);
+                let heightfield = heightfield(&greys, side, &config);
                 (
                     simulated::semantics(file, config.terrain_type, &semantics, side)?,
                     simulated::obstacles(file, &config, &heightfield)?,
@@ -225,7 +224,7 @@ impl Source {
             terrain: config.terrain_type,
             density: config.obstacle_density,
             scale: 1.0,
-            heightfield: heightfield(&image, &config),
+            heightfield: heightfield(&greys, side, &config),
             semantics,
             obstacles,
             tasks: Vec::new(),
@@ -288,11 +287,10 @@ fn check_terrain(file: &Path, config: &Config) -> Result<usize, ImportError> {
 }
 
 /// The physical surface: one node a pixel at 1 m, grey 0…255 from min_height to max_height (Chrono's RigidTerrain.cpp).
-fn heightfield(image: &bmp::Grey, config: &Config) -> Heightfield {
-    let levels: Vec<u16> =
-        image.pixels.chunks(image.cols).rev().flatten().map(|&g| 257 * u16::from(g)).collect();
+fn heightfield(greys: &[u8], side: usize, config: &Config) -> Heightfield {
+    let levels: Vec<u16> = greys.chunks(side).rev().flatten().map(|&g| 257 * u16::from(g)).collect();
     let range = [config.terrain.min_height, config.terrain.max_height];
-    Heightfield::from_levels(image.rows, image.cols, 1.0, range, &levels)
+    Heightfield::from_levels(side, side, 1.0, range, &levels)
 }
 
 fn semantics(file: &Path, config: &Config, side: usize) -> Result<Semantics, ImportError> {

@@ -312,27 +312,47 @@ fn flaws_of_binary_files_are_named() {
     let Some(shared) = shared() else { return };
     type Change = fn(&mut Vec<u8>);
     let cases: &[(&str, Change, &str)] = &[
-        ("Worlds/1.bmp", |b| b.truncate(9000), "1.bmp: file: 9000 bytes, but the image needs 18106"),
-        ("Worlds/1.bmp", |b| b.truncate(20), "1.bmp: file: 20 bytes, but the image needs 54"),
+        (
+            "Worlds/1.bmp",
+            |b| b.truncate(9000),
+            "1.bmp: file: was cut short (9000 bytes, but the image needs 18106): restore the file",
+        ),
+        (
+            "Worlds/1.bmp",
+            |b| b.truncate(20),
+            "1.bmp: file: was cut short (20 bytes, but its header needs 54)",
+        ),
         ("Worlds/1.bmp", |b| b.clear(), "1.bmp: file: is not a Windows bitmap"),
         ("Worlds/1.bmp", |b| b[18] = 128, "1.bmp: size: 128 x 129 pixels: must be 129 x 129"),
         ("Worlds/1.bmp", |b| b[28] = 24, "1.bmp: format: 24 bits a pixel"),
         ("Worlds/1.bmp", |b| b[30] = 1, "1.bmp: format: 8 bits a pixel, compression 1"),
-        ("Worlds/1.bmp", |b| b[54 + 4 * 7] = 9, "1.bmp: palette: entry 7 is [9, 7, 7]"),
+        ("Worlds/1.bmp", |b| b[54 + 4 * 7] = 9, "1.bmp: palette: entry 7 is [7, 7, 9]"),
         (
             "Worlds/1.bmp",
             |b| b[10..14].copy_from_slice(&[60, 0, 0, 0]),
-            "1.bmp: palette: pixels begin at byte 60",
+            "1.bmp: file: its pixels begin at byte 60, inside the palette",
         ),
-        ("Worlds/1.bmp", |b| b[10..14].fill(255), "1.bmp: file: 18106 bytes, but the image needs"),
+        (
+            "Worlds/1.bmp",
+            |b| b[10..14].fill(255),
+            "1.bmp: file: was cut short (18106 bytes, but the image needs",
+        ),
         (
             "labels1_high.npy",
             |b| b.truncate(5000),
             "labels1_high.npy: data: 1218 values, but the shape (129, 129)",
         ),
-        ("labels1_high.npy", |b| b.truncate(40), "labels1_high.npy: file: 40 bytes"),
+        (
+            "labels1_high.npy",
+            |b| b.truncate(40),
+            "labels1_high.npy: file: was cut short (40 bytes, within its header)",
+        ),
         ("labels1_high.npy", |b| b[0] = b'x', "labels1_high.npy: file: is not a NumPy array"),
-        ("labels1_high.npy", |b| b[6] = 9, "labels1_high.npy: version: 9 is not supported"),
+        (
+            "labels1_high.npy",
+            |b| b[6] = 9,
+            "labels1_high.npy: file: version 9 of the array's format is not supported",
+        ),
         ("labels1_high.npy", |b| b[23] = b'8', "labels1_high.npy: descr: '<i8': must be '<i4'"),
         (
             "labels1_high.npy",

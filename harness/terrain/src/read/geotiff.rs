@@ -8,7 +8,7 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::{Flaw, Found, MAX_SAMPLES, check_size, line};
+use super::{Flaw, Found, MAX_SAMPLES, check_size, line, open};
 use crate::ElevationImage;
 
 const PIXEL_SCALE: Tag = Tag::Unknown(33550);
@@ -28,7 +28,7 @@ type Source = Decoder<BufReader<File>>;
 pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 8 * MAX_SAMPLES as usize;
-    let mut tiff = Decoder::new(BufReader::new(vb_files::open(path)?)).map_err(flaw)?.with_limits(limits);
+    let mut tiff = Decoder::new(open(path)?).map_err(flaw)?.with_limits(limits);
     let (cols, rows) = tiff.dimensions().map_err(flaw)?;
     check_size(rows.into(), cols.into())?;
     let bands: Option<u16> = tiff.find_tag_unsigned(Tag::SamplesPerPixel).map_err(flaw)?;

@@ -1,11 +1,15 @@
 //! Readers of elevation files: BMP, PNG, NumPy arrays and GeoTIFF.
 //!
 //! Whatever is wrong with a file is one line: what, where, what to do. Sizes are checked before memory is taken.
+//! [`npy::Array`] and [`picture::Picture`] are the readers for callers that want more of a file than heights, such as the
+//! import of the original's data.
 
 mod geotiff;
-mod npy;
-mod picture;
+pub mod npy;
+pub mod picture;
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -127,14 +131,18 @@ pub fn read(path: &Path, holes: Holes) -> Result<ElevationImage, ReadError> {
         }
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let raster = match ending.as_str() {
-            "bmp" | "png" => picture::read(path)?,
-            "npy" => npy::read(path)?,
+            "bmp" | "png" => picture::read(open(path)?)?,
+            "npy" => npy::read(open(path)?)?,
             "tif" | "tiff" => geotiff::read(path)?,
             _ => return Err(Flaw::Ending(ending)),
         };
         checked(raster, holes)
     };
     inner().map_err(|flaw| ReadError { path: path.to_owned(), flaw })
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, Flaw> {
+    Ok(BufReader::new(vb_files::open(path)?))
 }
 
 /// What a reader found: samples, and those that the file marks as not measured.

@@ -1,36 +1,142 @@
 //! Grey pictures: BMP and PNG, 8 or 16 bits.
 
-use std::io::BufReader;
-use std::path::Path;
+use std::io::{BufRead, Read as _, Seek, SeekFrom};
 
-use image::{DynamicImage, ImageDecoder as _, ImageError, ImageReader};
+use image::codecs::bmp::BmpDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::{Flaw, Found, MAX_SAMPLES, check_size, line};
 use crate::ElevationImage;
 
-/// Reads the grey levels of a picture.
-pub(super) fn read(path: &Path) -> Result<Found, Flaw> {
-    let reader = ImageReader::new(BufReader::new(vb_files::open(path)?)).with_guessed_format()?;
-    let decoder = reader.into_decoder().map_err(flaw)?;
-    let (cols, rows) = decoder.dimensions();
-    check_size(rows.into(), cols.into())?;
-    let found = decoder.original_color_type();
-    let picture = DynamicImage::from_decoder(decoder).map_err(flaw)?;
-    let values: Vec<f64> = match &picture {
-        DynamicImage::ImageLuma8(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
-        DynamicImage::ImageLuma16(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
-        // A palette of greys, as many bitmaps have it, comes as colours.
-        DynamicImage::ImageRgb8(p) if p.pixels().all(|p| p.0[0] == p.0[1] && p.0[1] == p.0[2]) => {
-            p.pixels().map(|p| f64::from(p.0[0])).collect()
+/// A picture whose header was read and whose pixels were not, so that a caller can refuse it before memory is taken for
+/// them.
+pub struct Picture<'a> {
+    /// The number of rows of pixels.
+    pub rows: u64,
+    /// The number of columns of pixels.
+    pub cols: u64,
+    /// How a bitmap stores its pixels; `None` for a PNG.
+    pub bitmap: Option<Bitmap>,
+    /// The bytes that the file has, and those that it would need, if it was cut short.
+    cut_short: Option<(u64, u128)>,
+    decoder: Box<dyn ImageDecoder + 'a>,
+}
+
+/// How a Windows bitmap stores its pixels, which a decoded picture doesn't show.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bitmap {
+    /// The number of bits of a pixel.
+    pub bits: u16,
+    /// The number of the compression, 0 for none.
+    pub compression: u32,
+    /// The colours (red, green, blue) of the pixels' values 0 to 255, black where the file has fewer; `None` if pixels
+    /// are colours themselves.
+    pub palette: Option<Vec<[u8; 3]>>,
+}
+
+impl<'a> Picture<'a> {
+    /// Reads the header of a picture, whatever the name of its file is.
+    ///
+    /// # Errors
+    /// [`Flaw`]: the source is no picture, or its header is damaged or cut short.
+    pub fn open<R: BufRead + Seek + 'a>(mut source: R) -> Result<Self, Flaw> {
+        let Layout { bits, compression, cut_short } = Layout::read(&mut source)?.unwrap_or_default();
+        let reader = ImageReader::new(source).with_guessed_format()?;
+        let (decoder, bitmap): (Box<dyn ImageDecoder + 'a>, _) = match reader.format() {
+            Some(ImageFormat::Bmp) => {
+                let decoder = BmpDecoder::new(reader.into_inner()).map_err(flaw)?;
+                let palette = decoder.get_palette().map(<[_]>::to_vec);
+                (Box::new(decoder), Some(Bitmap { bits, compression, palette }))
+            }
+            _ => (Box::new(reader.into_decoder().map_err(flaw)?), None),
+        };
+        let (cols, rows) = decoder.dimensions();
+        Ok(Self { rows: rows.into(), cols: cols.into(), bitmap, cut_short, decoder })
+    }
+
+    /// Reads the grey levels as whole numbers, row by row from the top.
+    ///
+    /// # Errors
+    /// [`Flaw`]: some pixels are no greys, or they are damaged or cut short; the latter is found before memory is taken
+    /// for the pixels of a bitmap without compression.
+    pub fn greys(self) -> Result<Vec<f64>, Flaw> {
+        if let Some((size, needed)) = self.cut_short {
+            return Err(Flaw::Truncated(format!("{size} bytes, but the image needs {needed}")));
         }
-        _ => {
-            return Err(Flaw::Type {
-                found: format!("colours ({found:?})"),
-                wanted: "greys of 8 or 16 bits",
-            });
+        let found = self.decoder.original_color_type();
+        let picture = DynamicImage::from_decoder(self.decoder).map_err(flaw)?;
+        Ok(match &picture {
+            DynamicImage::ImageLuma8(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
+            DynamicImage::ImageLuma16(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
+            // A palette of greys, as many bitmaps have it, comes as colours.
+            DynamicImage::ImageRgb8(p) if p.pixels().all(|p| p.0[0] == p.0[1] && p.0[1] == p.0[2]) => {
+                p.pixels().map(|p| f64::from(p.0[0])).collect()
+            }
+            _ => {
+                return Err(Flaw::Type {
+                    found: format!("colours ({found:?})"),
+                    wanted: "greys of 8 or 16 bits",
+                });
+            }
+        })
+    }
+}
+
+/// What the header of a bitmap says of the places of its pixels. The decoder believes it, and would take the palette
+/// for pixels or memory for pixels that are not there.
+#[derive(Default)]
+struct Layout {
+    bits: u16,
+    compression: u32,
+    /// As in [`Picture`].
+    cut_short: Option<(u64, u128)>,
+}
+
+impl Layout {
+    /// Reads the file header and the BITMAPINFOHEADER (or one of its successors, which begin alike), and leaves the
+    /// source at its start. None for everything else, which is left to the decoder.
+    fn read<R: BufRead + Seek>(source: &mut R) -> Result<Option<Self>, Flaw> {
+        let size = source.seek(SeekFrom::End(0))?;
+        source.seek(SeekFrom::Start(0))?;
+        let mut start = Vec::new();
+        source.by_ref().take(54).read_to_end(&mut start)?;
+        source.seek(SeekFrom::Start(0))?;
+        let number = |at: usize, bytes: usize| {
+            start.get(at..at + bytes).map(|b| b.iter().rev().fold(0, |n, b| n << 8 | u64::from(*b)))
+        };
+        let Some(header) = number(14, 4).filter(|header| start.starts_with(b"BM") && *header >= 40) else {
+            return Ok(None);
+        };
+        let fields =
+            (number(10, 4), number(18, 4), number(22, 4), number(28, 2), number(30, 4), number(46, 4));
+        let (Some(offset), Some(cols), Some(rows), Some(bits), Some(compression), Some(colours)) = fields
+        else {
+            return Err(Flaw::Truncated(format!("{size} bytes, but its header needs 54")));
+        };
+        if bits <= 8 {
+            let colours = if colours == 0 { 1 << bits } else { colours };
+            let palette = 14 + header + 4 * colours;
+            if offset < palette {
+                return Err(Flaw::Damaged(format!(
+                    "its pixels begin at byte {offset}, inside the palette, which ends at byte {palette}"
+                )));
+            }
         }
-    };
-    Ok(Found { raster: ElevationImage::new(rows as usize, cols as usize, values), no_data: Vec::new() })
+        // Rows are padded to four bytes; a negative number of them says that the first is on top.
+        let rows = u64::from((rows as u32).cast_signed().unsigned_abs());
+        let needed = u128::from(offset) + u128::from((cols * bits).div_ceil(32) * 4) * u128::from(rows);
+        let cut_short = (compression == 0 && u128::from(size) < needed).then_some((size, needed));
+        Ok(Some(Self { bits: bits as u16, compression: compression as u32, cut_short }))
+    }
+}
+
+/// Reads the grey levels of a picture as heights.
+pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
+    let picture = Picture::open(source)?;
+    let (rows, cols) = (picture.rows, picture.cols);
+    check_size(rows, cols)?;
+    let raster = ElevationImage::new(rows as usize, cols as usize, picture.greys()?);
+    Ok(Found { raster, no_data: Vec::new() })
 }
 
 fn flaw(e: ImageError) -> Flaw {

@@ -3,7 +3,7 @@
 use super::*;
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Series, Vec3, Vehicle};
 
-const PARAMS: [(&str, &str); 23] = [
+const PARAMS: [(&str, &str); 24] = [
     ("speed", "4"),
     ("lookahead", "12"),
     ("samples", "400"),
@@ -22,6 +22,7 @@ const PARAMS: [(&str, &str); 23] = [
     ("pitch", "15"),
     ("stuck", "8"),
     ("over", "8"),
+    ("risk", "0"),
     ("guided", "0.3"),
     ("price_stuck", "50"),
     ("price_over", "200"),
@@ -140,9 +141,14 @@ fn what_is_missing_or_wrong_is_named() {
     let flat = || task(|_, _| 0.0, &[]);
     assert!(new(&Task { elevation: None, ..flat() }).contains("gives no map of heights"));
     assert!(new(&Task { occupancy: None, ..flat() }).contains("gives no map of obstacles"));
-    for (key, value) in
-        [("speed", "0"), ("samples", "0"), ("effective", "1"), ("tilt", "-1"), ("price_stuck", "x")]
-    {
+    for (key, value) in [
+        ("speed", "0"),
+        ("samples", "0"),
+        ("effective", "1"),
+        ("tilt", "-1"),
+        ("risk", "1"),
+        ("price_stuck", "x"),
+    ] {
         let params = [(key, value)];
         let e = new(&task(|_, _| 0.0, &params));
         assert!(e.contains(key), "{key}: {e}");
