@@ -32,8 +32,9 @@
 //! assert_eq!(search.path(goal).len(), 11);
 //! ```
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::fmt::Debug;
 use std::ops::Add;
 
 /// Marks a node without a parent.
@@ -45,26 +46,33 @@ pub trait Cost: Copy + PartialOrd + Add<Output = Self> {
     const ZERO: Self;
     /// The cost of a node that no way leads to.
     const INFINITY: Self;
+    /// A whole number that is in the order of the costs, which is cheaper to compare.
+    type Key: Copy + Debug + Ord;
 
-    /// The order of all values (IEEE 754, totalOrder), so that even those that are no numbers have their place.
-    fn total_cmp(&self, other: &Self) -> Ordering;
+    /// The place in the order of all values (IEEE 754, totalOrder), so that even those that are no numbers have theirs.
+    fn key(self) -> Self::Key;
 }
 
 impl Cost for f32 {
     const ZERO: Self = 0.0;
     const INFINITY: Self = f32::INFINITY;
+    type Key = i32;
 
-    fn total_cmp(&self, other: &Self) -> Ordering {
-        f32::total_cmp(self, other)
+    fn key(self) -> i32 {
+        // Bits of positive numbers are in their order, and those of negative ones, but for the sign, in the opposite one.
+        let bits = self.to_bits().cast_signed();
+        if bits < 0 { bits ^ i32::MAX } else { bits }
     }
 }
 
 impl Cost for f64 {
     const ZERO: Self = 0.0;
     const INFINITY: Self = f64::INFINITY;
+    type Key = i64;
 
-    fn total_cmp(&self, other: &Self) -> Ordering {
-        f64::total_cmp(self, other)
+    fn key(self) -> i64 {
+        let bits = self.to_bits().cast_signed();
+        if bits < 0 { bits ^ i64::MAX } else { bits }
     }
 }
 
@@ -76,11 +84,11 @@ impl Cost for f64 {
 /// everywhere. Each node is taken once: with a consistent estimate (which falls along no step by more than the step costs)
 /// the way to it is then the cheapest; with another one it may not be.
 #[derive(Clone, Debug)]
-pub struct Search<C> {
+pub struct Search<C: Cost> {
     cost: Vec<C>,
     parent: Vec<u32>,
     closed: Vec<bool>,
-    open: BinaryHeap<Open<C>>,
+    open: BinaryHeap<Reverse<Open<C::Key>>>,
 }
 
 impl<C: Cost> Search<C> {
@@ -102,12 +110,12 @@ impl<C: Cost> Search<C> {
     /// Opens a node from which the search starts, at no cost. `left` is as in [`Search::offer`].
     pub fn start(&mut self, node: usize, left: C) {
         self.cost[node] = C::ZERO;
-        self.open.push(Open { estimate: C::ZERO + left, node: node as u32 });
+        self.open.push(Reverse(Open { estimate: (C::ZERO + left).key(), node: node as u32 }));
     }
 
     /// Takes the best open node; `None` if none is left. Its cost and its parent don't change any more.
     pub fn pop(&mut self) -> Option<usize> {
-        while let Some(Open { node, .. }) = self.open.pop() {
+        while let Some(Reverse(Open { node, .. })) = self.open.pop() {
             let node = node as usize;
             // A node lies in the heap once for each improvement; the first that comes out is the last of them.
             if !std::mem::replace(&mut self.closed[node], true) {
@@ -138,7 +146,7 @@ impl<C: Cost> Search<C> {
         if self.improves(node, cost) {
             self.cost[node] = cost;
             self.parent[node] = parent as u32;
-            self.open.push(Open { estimate: cost + left, node: node as u32 });
+            self.open.push(Reverse(Open { estimate: (cost + left).key(), node: node as u32 }));
         }
     }
 
@@ -167,32 +175,11 @@ impl<C: Cost> Search<C> {
     }
 }
 
-/// An entry of the open list. The heap's greatest comes first, so the least estimate is the greatest, and of equal ones
-/// the smallest node.
-#[derive(Clone, Debug)]
-struct Open<C> {
-    estimate: C,
+/// An entry of the open list, in the order in which nodes are taken: by the estimate, then by the number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Open<K> {
+    estimate: K,
     node: u32,
-}
-
-impl<C: Cost> PartialEq for Open<C> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl<C: Cost> Eq for Open<C> {}
-
-impl<C: Cost> Ord for Open<C> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.node.cmp(&self.node))
-    }
-}
-
-impl<C: Cost> PartialOrd for Open<C> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 #[cfg(test)]
@@ -299,6 +286,30 @@ mod tests {
             nodes.iter().for_each(|n| search.offer(*n, 0, if *n < 5 { 2.0 } else { 1.0 }, 1.0));
             let order: Vec<usize> = std::iter::from_fn(|| search.pop()).collect();
             assert_eq!(order, [5, 6, 7, 1, 2, 3, 4]);
+        }
+    }
+
+    #[test]
+    fn keys_are_in_the_total_order_of_the_numbers() {
+        let all = [
+            f64::NEG_INFINITY,
+            -2.5,
+            -1.0,
+            -f64::MIN_POSITIVE,
+            -0.0,
+            0.0,
+            1e-300,
+            1.0,
+            2.5,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        for a in all {
+            for b in all {
+                assert_eq!(a.key().cmp(&b.key()), a.total_cmp(&b), "{a}, {b}");
+                let (a, b) = (a as f32, b as f32);
+                assert_eq!(a.key().cmp(&b.key()), a.total_cmp(&b), "{a}, {b}");
+            }
         }
     }
 
