@@ -137,8 +137,10 @@ fn build_examples(out: &Path) -> Result<(), Failure> {
 }
 
 fn demo() -> Result<(), Failure> {
+    if !built("vb-harness").exists() {
+        step("building everything for the first time takes some twelve minutes on two cores");
+    }
     // What it needs, and no more.
-    step("the first build takes a quarter of an hour on two cores");
     build_harness()?;
     plugins::build_one("pid", &default_plugin_dir())?;
     let harness = built("vb-harness");

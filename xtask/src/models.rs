@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::run::{Failure, cargo, run, step};
-use crate::{build_harness, built, root, target_dir};
+use crate::{built, root, target_dir};
 
 /// What is learned of a vehicle.
 struct Models {
@@ -65,8 +65,9 @@ const MODELS: [Models; 3] = [
 /// Makes all models again, and writes them with their cards where the planners have them. Exploration that is there is not
 /// repeated.
 pub(crate) fn models() -> Result<(), Failure> {
-    build_harness()?;
-    cargo(&["build", "--release", "--package", "vb-model-train"])?;
+    step("building the harness and what trains");
+    // Together, so that both have the same dependencies.
+    cargo(&["build", "--release", "--package", "vb-harness", "--package", "vb-model-train"])?;
     for m in MODELS {
         let explored =
             |e: &Exploration| target_dir().join("models").join(format!("{}-{}", m.vehicle, e.seed));

@@ -61,8 +61,8 @@ fn with_locals(work: &str) -> String {
     )
 }
 
-/// A million units of which each is a load that waits for the one before and misses every cache: the most time that fuel can
-/// take (docs/abi.md). The chain leads through 128 MiB in the order of a linear congruential generator of full period.
+/// A million units of which each is a load that waits for the one before and misses every cache: the most time that we know fuel
+/// to take (docs/abi.md). The chain leads through 128 MiB in the order of a linear congruential generator of full period.
 fn dependent_loads(c: &mut Criterion) {
     let chain = "(local $i i32)
          (loop $l

@@ -182,9 +182,10 @@ type Inputs = [Pair; TOLD.div_ceil(2) + SEEN / 2];
 
 /// The logit of what surely doesn't come.
 const CERTAIN: f32 = -6.0;
-/// The time constant with which the speed follows its command, s, and the most that it changes by, m/s², both at full scale.
-const LAG: f32 = 0.5;
-const ACCELERATION: f32 = 3.0;
+/// The time constant with which the bicycle's speed follows its command, s at full scale.
+pub const LAG: f32 = 0.5;
+/// The most that the bicycle's speed changes by, m/s² at any scale.
+pub const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
     /// What the networks are told and see, and the attention that they pay to each place, if they pay any.

@@ -29,8 +29,8 @@ mod traversability;
 pub use attention::{Attention, PLACES, place};
 pub use guide::descend;
 pub use kinodynamics::{
-    DT, HAZARDS, Kinodynamics, Learned, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, SOON, State, TOLD, Units,
-    probability, slip,
+    ACCELERATION, DT, HAZARDS, Kinodynamics, LAG, Learned, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, SOON,
+    State, TOLD, Units, probability, slip,
 };
 pub use models::{ATTENTION_MODELS, PATCH_MODELS};
 pub use objective::{Objective, Weights};

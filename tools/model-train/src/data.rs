@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hybrid::{DT, Terrain};
-use vb_dataset::{Dataset, Episode};
+use vb_dataset::{Dataset, Episode, Header};
 use vb_sdk::{HeightMap, Vehicle};
 use vb_sense::{PriorMaps, Profile, Seed};
 use vb_world::{World, geometry};
@@ -47,16 +47,18 @@ impl Timing {
     pub fn new(hz: u32, vehicle: &Vehicle) -> Result<Self, String> {
         let root = vehicle.scale.sqrt();
         let step = f64::from(DT) * root;
-        let stride = (step * f64::from(hz)).round().max(1.0);
-        let own = stride / f64::from(hz);
-        if (own - step).abs() > OFF * step {
+        let frames = |hz: u32| (step * f64::from(hz)).round().max(1.0);
+        let fits = |hz: u32| (frames(hz) / f64::from(hz) - step).abs() <= OFF * step;
+        if !fits(hz) {
+            // Frames are whole milliseconds apart.
+            let better = (1..=1000).find(|hz| 1000 % hz == 0 && fits(*hz) && frames(*hz) >= 2.0);
             return Err(format!(
                 "with {hz} frames a second no whole number of frames makes the step of {step:.4} s that planners take with this \
-                 vehicle: explore with another --hz, such as {}",
-                (2.0 / step).ceil()
+                 vehicle: explore with --hz {}",
+                better.unwrap_or(1000)
             ));
         }
-        Ok(Self { hz, stride: stride as usize, root })
+        Ok(Self { hz, stride: frames(hz) as usize, root })
     }
 
     /// The time of a step, s.
@@ -69,6 +71,20 @@ impl Timing {
     fn frames(&self, seconds: f64) -> usize {
         (seconds * self.root * f64::from(self.hz)).round() as usize
     }
+}
+
+/// The steps of a dataset of a vehicle, or why nothing can be trained on it.
+fn timing(header: &Header, vehicle: &Vehicle) -> Result<Timing, String> {
+    if header.of_a_suite {
+        return Err("its worlds are those of a suite: nothing may be trained on it".into());
+    }
+    if header.vehicle.name != vehicle.name {
+        return Err(format!("it is of the vehicle {}, and not of {}", header.vehicle.name, vehicle.name));
+    }
+    if !header.layout.speed {
+        return Err("it is no exploration".into());
+    }
+    Timing::new(header.hz, vehicle)
 }
 
 /// What a frame has of the state and the command.
@@ -161,41 +177,30 @@ impl Data {
     /// Reads datasets of exploration.
     ///
     /// # Errors
-    /// Returns an error if one can't be read or lacks what models are trained on, or if their frames are not as many a second.
+    /// Returns an error if there is none, if one can't be read or lacks what models are trained on, or if they differ in their frames
+    /// a second.
     pub fn of(dirs: &[PathBuf], vehicle: &Vehicle) -> Result<Self, TrainError> {
         let mut data: Option<Self> = None;
         for dir in dirs {
             let dataset = Dataset::open(dir)?;
             let unfit = |why: String| TrainError::Unfit { dir: dir.clone(), why };
-            let timing = Timing::new(dataset.header().hz, vehicle).map_err(unfit)?;
+            let timing = timing(dataset.header(), vehicle).map_err(unfit)?;
             let data = data.get_or_insert_with(|| Self::new(timing));
             if data.timing != timing {
                 return Err(unfit(format!(
-                    "has {} frames a second, and another dataset {}",
+                    "it has {} frames a second, and the first dataset {}",
                     timing.hz, data.timing.hz
                 )));
             }
             data.add(&dataset, dir, vehicle)?;
         }
-        data.ok_or_else(|| TrainError::Unfit { dir: PathBuf::new(), why: "no dataset is named".into() })
+        data.ok_or_else(|| TrainError::Unfit { dir: PathBuf::from("--data"), why: "names no dataset".into() })
     }
 
     /// Adds the windows of a dataset.
     fn add(&mut self, dataset: &Dataset, dir: &Path, vehicle: &Vehicle) -> Result<(), TrainError> {
         let header = dataset.header();
         let unfit = |why: String| TrainError::Unfit { dir: dir.to_owned(), why };
-        if header.of_a_suite {
-            return Err(unfit("its worlds are those of a suite: nothing may be trained on it".into()));
-        }
-        if header.vehicle.name != vehicle.name {
-            return Err(unfit(format!(
-                "it is of the vehicle {}, and not of {}",
-                header.vehicle.name, vehicle.name
-            )));
-        }
-        if !header.layout.speed {
-            return Err(unfit("it is no exploration".into()));
-        }
         let suite = dataset.worlds()?;
         let mut known: BTreeMap<String, (usize, Arc<World>)> = BTreeMap::new();
         for episode in dataset.episodes() {
@@ -288,5 +293,33 @@ impl Data {
             let window = Window { place, points: vec![points[k]], stands: false };
             self.moments.push(Moment { window, stuck: (k..end).any(stands), over });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_scale(scale: f64) -> Vehicle {
+        Vehicle { scale, ..Vehicle::default() }
+    }
+
+    #[test]
+    fn at_full_scale_two_frames_of_a_tenth_are_the_step_of_planners_to_the_bit() {
+        let timing = Timing::new(10, &of_scale(1.0)).unwrap();
+        assert_eq!((timing.stride, timing.step().to_bits()), (2, DT.to_bits()));
+        let frames = [SPACING, STAND, f64::from(hybrid::SOON)].map(|s| timing.frames(s));
+        assert_eq!(frames, [3, 20, 15]);
+    }
+
+    #[test]
+    fn at_another_scale_times_go_with_its_root_and_a_rate_that_does_not_fit_names_one_that_does() {
+        let car = of_scale(0.1);
+        let timing = Timing::new(50, &car).unwrap();
+        assert_eq!(timing.stride, 3);
+        // 2 s at full scale are 0.632 s, 31.6 frames of 0.02 s.
+        assert_eq!(timing.frames(STAND), 32);
+        let e = Timing::new(10, &car).unwrap_err();
+        assert!(e.contains("0.0632 s") && e.ends_with("--hz 50"), "{e}");
     }
 }

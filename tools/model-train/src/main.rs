@@ -184,7 +184,7 @@ fn tell(measured: &Measured) {
     for (kind, ways) in &measured.errors {
         for (way, e) in WAYS.iter().zip(ways).flat_map(|(way, errors)| errors.iter().map(move |e| (way, e))) {
             note(&format!(
-                "{kind:10} {way:18} {:.1} s: {:.3} m, {:.3} rad, {:.3} m/s, roll {:.2} deg, pitch {:.2} deg",
+                "{kind:10} {way:18} {:.2} s: {:.3} m, {:.3} rad, {:.3} m/s, roll {:.2} deg, pitch {:.2} deg",
                 e.time_s,
                 e.position_m,
                 e.yaw_rad,

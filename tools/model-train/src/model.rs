@@ -1,7 +1,7 @@
 //! The model of motion, as it is rolled out in training: the same sums as [`hybrid::Kinodynamics`] has, on tensors.
 
 use candle_core::{Device, Result, Tensor};
-use hybrid::{DT, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, TOLD, Units};
+use hybrid::{ACCELERATION, DT, LAG, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, TOLD, Units};
 use vb_sdk::Vehicle;
 
 use crate::data::{Data, Point, Window};
@@ -157,9 +157,9 @@ impl Motion {
         let dt = self.dt;
         let most = self.steer_rate * dt;
         let steering = (steering + (&steer - steering)?.clamp(-most, most)?)?;
-        // Lag of 0.5 s and 3 m/s² of change at most, as in the planners.
-        let gain = (self.part * f64::from(DT) / 0.5).min(1.0);
-        let own = ((&pace - speed)? * gain)?.clamp(-3.0 * dt, 3.0 * dt)?;
+        let gain = (self.part * f64::from(DT) / f64::from(LAG)).min(1.0);
+        let change = f64::from(ACCELERATION) * dt;
+        let own = ((&pace - speed)? * gain)?.clamp(-change, change)?;
         // Within a longer step more happens, as planners have it.
         let next = ((speed + own)? + ((correction(0)? * self.part)? / per_speed)?)?;
         let way = ((speed + &next)? * (0.5 * dt))?;
@@ -230,6 +230,19 @@ mod tests {
         let classes = Map { frame: FRAME, data: vec![4; 81 * 81] };
         let terrain = Terrain::new(&heights, Some(&classes), vehicle).unwrap();
         (heights, terrain)
+    }
+
+    /// So that weights of the HMMWV come out as they did when all was in its measure.
+    #[test]
+    fn in_the_measure_of_the_hmmwv_nothing_is_scaled() {
+        let model = Motion::new(&vehicle(1.0, 3.302), Sight::patch(3).unwrap(), DT, 3).unwrap();
+        assert_eq!((model.part, model.measure()), (1.0, [1.0; 10]));
+        let car = Motion::new(&vehicle(0.1, 3.302), Sight::patch(3).unwrap(), DT, 3).unwrap();
+        let [length, _, _, speed, _, rate, ..] = car.measure();
+        let root = 0.1_f64.sqrt();
+        for (own, froude) in [(length, 0.1), (speed, root), (rate, 1.0 / root)] {
+            assert!((own / froude - 1.0).abs() < 1e-6, "{own} for {froude}");
+        }
     }
 
     #[test]
