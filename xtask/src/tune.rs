@@ -62,6 +62,19 @@ const CANDIDATES: &[(&str, &[&[&str]])] = &[
             &["learned=0"],
         ],
     ),
+    (
+        "ibex",
+        &[
+            &[],
+            &["price_hull=0", "price_tilt=0"],
+            &["price_hull=20", "price_tilt=10"],
+            &["recover=0"],
+            &["price_again=0"],
+            &["speed=3"],
+            &["speed=5"],
+            &["learned=0"],
+        ],
+    ),
 ];
 
 /// Drives all candidates of a planner and prints what became of them.

@@ -18,7 +18,7 @@ use vb_sdk::{GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle};
 const STEPS: u32 = 200;
 
 /// Planners and the parameters that are set.
-const PLANNERS: [(&str, &[(&str, &str)]); 9] = [
+const PLANNERS: [(&str, &[(&str, &str)]); 10] = [
     ("pid", &[]),
     ("eh", &[]),
     ("mppi", &[]),
@@ -26,6 +26,7 @@ const PLANNERS: [(&str, &[(&str, &str)]); 9] = [
     ("mppi6", &[]),
     ("tal", &[]),
     ("tnt", &[]),
+    ("ibex", &[]),
     ("rollouts", &[("arithmetic", "float")]),
     ("rollouts", &[("arithmetic", "fixed")]),
 ];

@@ -3,13 +3,14 @@
 use vb_sdk::mppi::{Field, Mppi, Settings};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
-use vb_sdk::{Command, LogLevel, Observation, PlannerError, Task, Vehicle, log};
+use vb_sdk::{Command, GridFrame, LogLevel, Observation, PlannerError, Point2, Task, Vehicle, log};
 
 use crate::explanation::Explanation;
 use crate::guide::descend;
 use crate::kinodynamics::{DT, Kinodynamics, Learned, State};
 use crate::models;
 use crate::objective::{Objective, Weights};
+use crate::table::{HEADINGS, heading};
 use crate::terrain::Terrain;
 use crate::traversability::{Prices, Values, costs};
 
@@ -43,6 +44,33 @@ fn caution(task: &Task) -> Result<f32, PlannerError> {
     Ok((1.0 / (1.0 - level)) as f32)
 }
 
+/// The map of traversability.
+struct Traversability {
+    frame: GridFrame,
+    /// What a way over each place costs, by heading, row and column.
+    costs: Vec<f32>,
+    goal: Point2,
+}
+
+impl Traversability {
+    /// Makes places dearer by what is told of each and of the direction (cosine and sine) in which the vehicle stands there.
+    fn add(&mut self, mut dearer: impl FnMut(Point2, [f32; 2]) -> f32) {
+        let (frame, area) = (self.frame, self.costs.len() / HEADINGS);
+        for (h, costs) in self.costs.chunks_exact_mut(area).enumerate() {
+            let direction = heading(h);
+            for (k, cost) in costs.iter_mut().enumerate() {
+                let (x, y) = frame.position(k as u32 / frame.cols, k as u32 % frame.cols);
+                *cost += dearer(Point2 { x, y }, direction);
+            }
+        }
+    }
+
+    /// The costs of the ways to the goal.
+    fn values(&self) -> Values {
+        Values::new(self.frame, &self.costs, self.goal)
+    }
+}
+
 /// MPPI over learned motion. The parameters are those that the plugins declare.
 pub struct Hybrid {
     follower: Follower,
@@ -50,6 +78,9 @@ pub struct Hybrid {
     model: Kinodynamics,
     vehicle: Vehicle,
     objective: Objective,
+    /// The target speed before any hurry, m/s.
+    target: f32,
+    map: Option<Traversability>,
     mppi: Mppi<2>,
     speed: SpeedController,
     /// The part of the draws that follows the map.
@@ -67,10 +98,21 @@ impl Hybrid {
     ///
     /// # Errors
     /// Returns an error if a parameter is wrong, or the task has no maps.
-    pub fn new(
+    pub fn new(task: &Task, aim: Aim, prediction: Prediction) -> Result<Self, PlannerError> {
+        Self::over(task, aim, prediction, None::<fn(Point2, [f32; 2]) -> f32>)
+    }
+
+    /// The planner of a task, to which places are dearer than the networks have them: by what `dearer` says of each, m, and of
+    /// the direction (cosine and sine) in which the vehicle stands there, in lengths of the way. It is asked only if the planner
+    /// aims by the map of traversability.
+    ///
+    /// # Errors
+    /// Returns an error if a parameter is wrong, or the task has no maps.
+    pub fn over(
         task: &Task,
         aim: Aim,
         Prediction { learned, attention }: Prediction,
+        dearer: Option<impl FnMut(Point2, [f32; 2]) -> f32>,
     ) -> Result<Self, PlannerError> {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
@@ -143,7 +185,7 @@ impl Hybrid {
         let model = Kinodynamics::new(heights, terrain, &weights, vehicle, learned)?;
         let courses: usize = task.param_as("explain")?;
         let mut explanation = (courses > 0).then(|| Explanation::new(courses, task.control_period / root));
-        let mut guided = 0.0;
+        let (mut guided, mut map) = (0.0, None);
         if aim == Aim::Traversability {
             guided = task.param_f64("guided")?;
             if !(0.0..=0.9).contains(&guided) {
@@ -157,18 +199,25 @@ impl Hybrid {
                 obstacle: price("obstacle")?,
             };
             let reach = (objective.radius, objective.margin);
-            let places = costs(heights.frame, &model, &objective.clearance, reach, target as f32, &prices);
-            if let Some(explanation) = &mut explanation {
-                explanation.show(heights.frame, &model, &places);
+            let costs = costs(heights.frame, &model, &objective.clearance, reach, target as f32, &prices);
+            let mut places = Traversability { frame: heights.frame, costs, goal: task.goal };
+            if let Some(dearer) = dearer {
+                places.add(dearer);
             }
-            objective.values = Some(Values::new(heights.frame, &places, task.goal));
+            if let Some(explanation) = &mut explanation {
+                explanation.show(heights.frame, &model, &places.costs);
+            }
+            objective.values = Some(places.values());
+            map = Some(places);
         }
         Ok(Self {
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             model,
             vehicle: vehicle.clone(),
+            target: objective.target,
             objective,
+            map,
             guided,
             spacing: settings.spacing,
             dt: settings.dt,
@@ -178,6 +227,19 @@ impl Hybrid {
             period: task.control_period,
             explanation,
         })
+    }
+
+    /// Makes places dearer from now on, as in [`Hybrid::over`], and searches the map of traversability again.
+    pub fn avoid(&mut self, dearer: impl FnMut(Point2, [f32; 2]) -> f32) {
+        if let Some(map) = &mut self.map {
+            map.add(dearer);
+            self.objective.values = Some(map.values());
+        }
+    }
+
+    /// From now on it aims at so many times the target speed of its parameters.
+    pub fn hurry(&mut self, times: f64) {
+        self.objective.target = (f64::from(self.target) * times) as f32;
     }
 
     /// The command at an observation.

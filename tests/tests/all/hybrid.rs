@@ -7,7 +7,7 @@ use vb_tests::{Bench, PluginKind, plugin};
 
 /// All of the first tasks fail alike.
 const FAIL_FAST: i32 = 10;
-const PLANNERS: [&str; 4] = ["wmvct", "mppi6", "tal", "tnt"];
+const PLANNERS: [&str; 5] = ["wmvct", "mppi6", "tal", "tnt", "ibex"];
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")
@@ -76,7 +76,9 @@ fn a_plugin_names_the_weights_that_it_has_and_what_they_were_learned_from() {
         named[usize::from(attends)]
             .push(format!("{name} sha256 {hash}, learned from frames sha256 {}", frames.join(" ")));
     }
-    for (name, attends) in [("wmvct", false), ("mppi6", false), ("tal", true), ("tnt", false)] {
+    for (name, attends) in
+        [("wmvct", false), ("mppi6", false), ("tal", true), ("tnt", false), ("ibex", false)]
+    {
         for kind in [PluginKind::Wasm, PluginKind::Native] {
             let file = plugin(name, kind);
             let told = bench.ok(&["inspect", "--plugin", text(&file), "--message-format", "json"]);

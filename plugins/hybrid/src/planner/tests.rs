@@ -105,6 +105,42 @@ fn on_flat_ground_every_planner_drives_on_and_towards_its_way() {
     }
 }
 
+/// The same commands come of prices that are told at once and of those that are told later.
+#[test]
+fn places_that_are_made_dearer_are_gone_around() {
+    let flat = task(|_, _| 0.0, &[]);
+    let (aim, by, here) = (Aim::Traversability, hears(Learned::All), observed(-20.0, 0.0, 3.0));
+    for side in [1.0, -1.0] {
+        let dear = move |at: Point2, _: [f32; 2]| {
+            if (-6.0..-2.0).contains(&at.x) && at.y * side < 4.0 { 20.0 } else { 0.0 }
+        };
+        let mut told_later = Hybrid::new(&flat, aim, by).unwrap();
+        told_later.avoid(dear);
+        let mut told_at_once = Hybrid::over(&flat, aim, by, Some(dear)).unwrap();
+        let mut sum = 0.0;
+        for _ in 0..8 {
+            let command = told_later.step(&here).unwrap();
+            assert_eq!(command, told_at_once.step(&here).unwrap());
+            sum += command.steering;
+        }
+        assert!(sum / 8.0 * side > 0.05, "side {side}: {}", sum / 8.0);
+    }
+}
+
+#[test]
+fn who_hurries_drives_faster() {
+    let flat = task(|_, _| 0.0, &[("pace", "20")]);
+    let throttle = |times: f64| {
+        let mut planner = Hybrid::new(&flat, Aim::Path, hears(Learned::All)).unwrap();
+        planner.hurry(times);
+        (0..8)
+            .map(|_| planner.step(&observed(-20.0, 0.0, 5.0)).unwrap())
+            .map(|c| c.throttle - c.brake)
+            .sum::<f64>()
+    };
+    assert!(throttle(1.5) > throttle(1.0) + 1.0, "{} {}", throttle(1.5), throttle(1.0));
+}
+
 #[test]
 fn ground_that_it_foresees_to_be_impassable_is_gone_around() {
     // A ditch of 3 m across the path, from the south edge to 4 m beyond the path, or the same mirrored.

@@ -1,0 +1,127 @@
+//! Ibex, a planner of our own: it searches the whole map with what it has learned of the ground and with the shape of the vehicle,
+//! drives with momentum, backs out where it is stuck, and plans a way round that place.
+//!
+//! It is TNT of the hybrid planners ([`hybrid::Hybrid`]) with three more things, each of which has a parameter that turns it off:
+//! - The map of traversability has the price of what the networks can't see well: a hull that bears the vehicle ([`stance`]).
+//! - [`vb_sdk::recovery`] takes over a vehicle that doesn't get on.
+//! - Where that happened is dearer from then on, and the way to the goal is searched again.
+//!
+//! `docs/planners.md` tells what each of them is worth.
+
+mod stance;
+
+use hybrid::{Aim, Hybrid, Learned, Prediction};
+use vb_sdk::recovery::{Recovery, Settings};
+use vb_sdk::{Command, Observation, Planner, PlannerError, Point2, Task, Vehicle, math};
+
+use stance::Shape;
+
+hybrid::export_sampling! {
+    planner: Ibex,
+    name: "ibex",
+    about: "Searches the whole map with what it has learned of the ground and the vehicle's shape, drives with momentum and backs out",
+    attention: false,
+    samples: 256,
+    params: {
+        lookahead: 12.0 => "length of way that the cost of the way is measured in, m at full scale",
+        steer_spread: 0.5 => "standard deviation of drawn steering, of full steering",
+        effective: 0.03 => "share of the courses that the temperature gives a say",
+        goal: 2.0 => "weight of the cost of the way to the goal",
+        tilt: 6.0 => "weight of roll and pitch",
+        stuck: 8.0 => "weight of the probability of getting stuck",
+        over: 30.0 => "weight of the probability of tipping over",
+        risk: 0.0 => "level in [0, 0.99] of the conditional value at risk at which these two are priced; 0 prices what is to be expected",
+        guided: 0.3 => "part of the courses that is drawn about a descent on the map of traversability, up to 0.9",
+        price_stuck: 25.0 => "length of way, over its own, that a probability of one to get stuck is worth avoiding",
+        price_over: 200.0 => "the same of a probability to tip over",
+        price_slow: 1.0 => "the same of losing all speed within a second",
+        price_obstacle: 30.0 => "the same of touching an obstacle",
+        price_hull: 10.0 => "the same of a hull that bears the whole vehicle",
+        price_tilt: 5.0 => "the same of a hull that tilts the vehicle by a tenth",
+        price_again: 20.0 => "the same of a place where the vehicle was stuck before",
+        recover: 1 => "whether it backs out where it is stuck; 0 for a planner that only drives forward",
+    },
+}
+
+/// The planner.
+struct Ibex {
+    hybrid: Hybrid,
+    recovery: Option<Recovery>,
+    vehicle: Vehicle,
+    /// The price of a place where the vehicle was stuck.
+    again: f32,
+    hurry: f64,
+}
+
+/// How far ahead of a place, in wheelbases, the vehicle stands as well before it has come to the next.
+const AHEAD: f64 = 0.15;
+/// The tilt that has its price once, and how often it has it at most.
+const TENTH: f32 = 0.1;
+const MOST: f32 = 2.0;
+/// How far around a place where the vehicle was stuck the ground is dearer, in wheelbases. Its front wheels are the place.
+const REACH: f64 = 0.8;
+/// The share of the target speed by which it aims higher after each attempt to get free, and the most that it comes to.
+const BOOST: f64 = 0.4;
+const BOOST_MOST: f64 = 2.0;
+
+impl Planner for Ibex {
+    fn init(task: &Task) -> Result<Self, PlannerError> {
+        let vehicle = task.vehicle.clone();
+        let price = |key: &str| match task.param_f64(key)? {
+            value if value >= 0.0 => Ok(value as f32),
+            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
+        };
+        let (hull, tilt, again) = (price("price_hull")?, price("price_tilt")?, price("price_again")?);
+        let shape = Shape::of(&vehicle);
+        let heights = task.elevation()?;
+        let dearer = |at: Point2, direction: [f32; 2]| {
+            let [ahead_x, ahead_y] = direction.map(|d| AHEAD * vehicle.wheelbase * f64::from(d));
+            let places = [at, Point2 { x: at.x + ahead_x, y: at.y + ahead_y }];
+            let prices = places.map(|at| {
+                let stance = shape.stand(heights, at, direction);
+                hull * stance.hull + tilt * (stance.tilt / TENTH).min(MOST)
+            });
+            0.5 * (prices[0] + prices[1])
+        };
+        let prediction = Prediction { learned: Learned::All, attention: false };
+        let dearer = (hull + tilt > 0.0).then_some(dearer);
+        let hybrid = Hybrid::over(task, Aim::Traversability, prediction, dearer)?;
+        let recovery = (task.param_as::<u8>("recover")? != 0)
+            .then(|| Recovery::new(task, Settings::default().scaled(vehicle.scale)));
+        Ok(Self { hybrid, recovery, vehicle, again, hurry: 1.0 })
+    }
+
+    fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        let command = self.hybrid.step(o)?;
+        let Some(recovery) = &mut self.recovery else { return Ok(command) };
+        let attempts = recovery.attempts();
+        let command = recovery.update(o, command);
+        if recovery.attempts() > attempts {
+            self.was_stuck(o)?;
+        }
+        Ok(command)
+    }
+}
+
+impl Ibex {
+    /// Hurries more, and plans a way round where it is.
+    fn was_stuck(&mut self, o: &Observation) -> Result<(), PlannerError> {
+        self.hurry = (self.hurry + BOOST).min(BOOST_MOST);
+        self.hybrid.hurry(self.hurry);
+        if self.again > 0.0 {
+            let pose = o.pose()?;
+            let (sin, cos) = math::sin_cos(pose.yaw);
+            let front = 0.5 * self.vehicle.wheelbase;
+            let (x, y) = (pose.position.x + cos * front, pose.position.y + sin * front);
+            let reach = REACH * self.vehicle.wheelbase;
+            self.hybrid.avoid(|at, _| {
+                let near = 1.0 - math::hypot(at.x - x, at.y - y) / reach;
+                self.again * near.max(0.0) as f32
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

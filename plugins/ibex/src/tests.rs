@@ -1,0 +1,140 @@
+//! What the planner does beyond TNT, on ground that is known beforehand.
+
+use super::*;
+use vb_sdk::{Gear, GridFrame, Map, Param, Pose, Vec3, Wheel};
+
+const PARAMS: &[(&str, &str)] = &[
+    ("speed", "4"),
+    ("lookahead", "12"),
+    ("samples", "256"),
+    ("horizon", "20"),
+    ("spacing", "5"),
+    ("steer_spread", "0.5"),
+    ("speed_spread", "1"),
+    ("effective", "0.03"),
+    ("goal", "2"),
+    ("obstacle", "10"),
+    ("margin", "1"),
+    ("pace", "0.5"),
+    ("effort", "0.2"),
+    ("tilt", "6"),
+    ("roll", "12"),
+    ("pitch", "15"),
+    ("stuck", "8"),
+    ("over", "30"),
+    ("risk", "0"),
+    ("guided", "0.3"),
+    ("price_stuck", "25"),
+    ("price_over", "200"),
+    ("price_slow", "1"),
+    ("price_obstacle", "30"),
+    ("price_hull", "10"),
+    ("price_tilt", "5"),
+    ("price_again", "20"),
+    ("recover", "1"),
+    ("learned", "1"),
+    ("explain", "0"),
+];
+
+/// A HMMWV on 80 x 80 m of gravel with these heights, that is to go east along the x axis.
+fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
+    let frame = GridFrame { rows: 161, cols: 161, resolution: 0.5, origin_x: -40.0, origin_y: -40.0 };
+    let heights = (0..161 * 161).map(|k| {
+        let (x, y) = frame.position(k / 161, k % 161);
+        height(x, y) as f32
+    });
+    let value = |k: &str, d: &str| params.iter().find(|p| p.0 == k).map_or(d, |p| p.1).to_owned();
+    Task {
+        elevation: Some(Map { frame, data: heights.collect() }),
+        semantics: Some(Map { frame, data: vec![4; 161 * 161] }),
+        occupancy: Some(Map { frame, data: vec![0; 161 * 161] }),
+        half_extent: Point2 { x: 40.0, y: 40.0 },
+        path: (0..=50).map(|i| Point2 { x: f64::from(i) - 25.0, y: 0.0 }).collect(),
+        goal: Point2 { x: 25.0, y: 0.0 },
+        vehicle: Vehicle {
+            name: "hmmwv".into(),
+            scale: 1.0,
+            wheelbase: 3.302,
+            track: 1.819,
+            width: 2.2,
+            length: 4.67,
+            ground_clearance: 0.41,
+            min_turn_radius: 7.6,
+            max_steer_angle: 0.6,
+            wheel_radius: 0.467,
+            max_steer_rate: 1.5,
+            max_speed: 30.0,
+            max_reverse_speed: 5.0,
+            direction_change_time: 0.6,
+            ..Vehicle::default()
+        },
+        control_period: 0.1,
+        seed: 5,
+        params: PARAMS.iter().map(|(k, d)| Param { key: (*k).into(), value: value(k, d) }).collect(),
+        ..Task::default()
+    }
+}
+
+fn observed(time: f64, x: f64, speed: f64, gear: Gear) -> Observation {
+    let position = Vec3 { x, y: 0.0, z: 0.0 };
+    let linear_velocity = Vec3 { x: speed, ..Vec3::default() };
+    let pose = Pose { position, linear_velocity, ..Pose::default() };
+    let wheels = vec![Wheel { spin: 20.0, travel: 0.0 }; 4];
+    Observation { time, gear, wheels, ..Observation::of(pose) }
+}
+
+/// The mean steering after some steps on the way.
+fn steering(planner: &mut Ibex) -> f64 {
+    let o = observed(0.0, -15.0, 3.0, Gear::Forward);
+    (0..20).map(|_| planner.step(&o).unwrap().steering).sum::<f64>() / 20.0
+}
+
+/// A bank across the path that is higher than the belly and narrower than the wheelbase, to 4 m beyond the path.
+#[test]
+fn a_bank_that_the_hull_would_sit_on_is_gone_around() {
+    for side in [1.0, -1.0] {
+        let bank = move |x: f64, y: f64| if (-5.6..-4.4).contains(&x) && y * side < 4.0 { 0.8 } else { 0.0 };
+        let told = [("learned", "0")];
+        let mut planner = Ibex::init(&task(bank, &told)).unwrap();
+        let seen = steering(&mut planner);
+        assert!(seen * side > 0.15, "side {side}: {seen}");
+        let blind = [("learned", "0"), ("price_hull", "0"), ("price_tilt", "0")];
+        let mut planner = Ibex::init(&task(bank, &blind)).unwrap();
+        let unseen = steering(&mut planner);
+        assert!(unseen.abs() < 0.15, "side {side}: {unseen}");
+    }
+}
+
+#[test]
+fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place() {
+    let mut planner = Ibex::init(&task(|_, _| 0.0, &[])).unwrap();
+    let stuck: Vec<Gear> = (0..40)
+        .map(|k| planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap().gear)
+        .collect();
+    assert_eq!(stuck[0], Gear::Forward);
+    assert!(stuck.contains(&Gear::Reverse), "{stuck:?}");
+    assert!(planner.hurry > 1.0);
+    // With the place ahead dearer than before, a vehicle that comes again steers to one side of it.
+    let mut again = Ibex::init(&task(|_, _| 0.0, &[])).unwrap();
+    let straight = steering(&mut again).abs();
+    again.was_stuck(&observed(0.0, -8.0, 0.0, Gear::Forward)).unwrap();
+    let aside = steering(&mut again).abs();
+    assert!(aside > straight + 0.02, "{aside} for {straight}");
+}
+
+#[test]
+fn without_recovery_it_only_drives_forward() {
+    let mut planner = Ibex::init(&task(|_, _| 0.0, &[("recover", "0")])).unwrap();
+    for k in 0..40 {
+        let command = planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap();
+        assert_eq!(command.gear, Gear::Forward);
+    }
+}
+
+#[test]
+fn a_price_below_0_is_an_error() {
+    for key in ["price_hull", "price_tilt", "price_again"] {
+        let error = Ibex::init(&task(|_, _| 0.0, &[(key, "-1")])).err().expect("an error").to_string();
+        assert!(error.contains(key) && error.contains("below 0"), "{error}");
+    }
+}
