@@ -34,7 +34,7 @@ pub use kinodynamics::{
 };
 pub use models::{ATTENTION_MODELS, PATCH_MODELS};
 pub use objective::{Objective, Weights};
-pub use planner::{Aim, Hybrid, Prediction};
+pub use planner::{Aim, Hybrid, Place, Prediction};
 pub use sight::{SEEN, Sight};
 pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};
 pub use terrain::{PATCH, Terrain};

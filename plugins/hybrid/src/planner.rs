@@ -10,7 +10,7 @@ use crate::guide::descend;
 use crate::kinodynamics::{DT, Kinodynamics, Learned, State};
 use crate::models;
 use crate::objective::{Objective, Weights};
-use crate::table::{HEADINGS, heading};
+use crate::table::HEADINGS;
 use crate::terrain::Terrain;
 use crate::traversability::{Prices, Values, costs};
 
@@ -44,6 +44,19 @@ fn caution(task: &Task) -> Result<f32, PlannerError> {
     Ok((1.0 / (1.0 - level)) as f32)
 }
 
+/// A place of the map of traversability, with a heading of the vehicle there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The row of the map of heights, from the south.
+    pub row: u32,
+    /// The column of the map of heights, from the west.
+    pub col: u32,
+    /// Where it lies, m.
+    pub at: Point2,
+    /// The heading, as [`heading`](crate::heading) counts it.
+    pub heading: usize,
+}
+
 /// The map of traversability.
 struct Traversability {
     frame: GridFrame,
@@ -53,14 +66,14 @@ struct Traversability {
 }
 
 impl Traversability {
-    /// Makes places dearer by what is told of each and of the direction (cosine and sine) in which the vehicle stands there.
-    fn add(&mut self, mut dearer: impl FnMut(Point2, [f32; 2]) -> f32) {
+    /// Makes places dearer by what is told of each.
+    fn add(&mut self, mut dearer: impl FnMut(Place) -> f32) {
         let (frame, area) = (self.frame, self.costs.len() / HEADINGS);
-        for (h, costs) in self.costs.chunks_exact_mut(area).enumerate() {
-            let direction = heading(h);
+        for (heading, costs) in self.costs.chunks_exact_mut(area).enumerate() {
             for (k, cost) in costs.iter_mut().enumerate() {
-                let (x, y) = frame.position(k as u32 / frame.cols, k as u32 % frame.cols);
-                *cost += dearer(Point2 { x, y }, direction);
+                let (row, col) = (k as u32 / frame.cols, k as u32 % frame.cols);
+                let (x, y) = frame.position(row, col);
+                *cost += dearer(Place { row, col, at: Point2 { x, y }, heading });
             }
         }
     }
@@ -99,12 +112,11 @@ impl Hybrid {
     /// # Errors
     /// Returns an error if a parameter is wrong, or the task has no maps.
     pub fn new(task: &Task, aim: Aim, prediction: Prediction) -> Result<Self, PlannerError> {
-        Self::over(task, aim, prediction, None::<fn(Point2, [f32; 2]) -> f32>)
+        Self::over(task, aim, prediction, None::<fn(Place) -> f32>)
     }
 
-    /// The planner of a task, to which places are dearer than the networks have them: by what `dearer` says of each, m, and of
-    /// the direction (cosine and sine) in which the vehicle stands there, in lengths of the way. It is asked only if the planner
-    /// aims by the map of traversability.
+    /// The planner of a task, to which places are dearer than the networks have them: by what `dearer` says of each, in lengths
+    /// of the way. It is asked only if the planner aims by the map of traversability.
     ///
     /// # Errors
     /// Returns an error if a parameter is wrong, or the task has no maps.
@@ -112,7 +124,7 @@ impl Hybrid {
         task: &Task,
         aim: Aim,
         Prediction { learned, attention }: Prediction,
-        dearer: Option<impl FnMut(Point2, [f32; 2]) -> f32>,
+        dearer: Option<impl FnMut(Place) -> f32>,
     ) -> Result<Self, PlannerError> {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
@@ -230,7 +242,7 @@ impl Hybrid {
     }
 
     /// Makes places dearer from now on, as in [`Hybrid::over`], and searches the map of traversability again.
-    pub fn avoid(&mut self, dearer: impl FnMut(Point2, [f32; 2]) -> f32) {
+    pub fn avoid(&mut self, dearer: impl FnMut(Place) -> f32) {
         if let Some(map) = &mut self.map {
             map.add(dearer);
             self.objective.values = Some(map.values());

@@ -10,11 +10,11 @@
 
 mod stance;
 
-use hybrid::{Aim, Hybrid, Learned, Prediction};
+use hybrid::{Aim, Hybrid, Learned, Place, Prediction};
 use vb_sdk::recovery::{Recovery, Settings};
-use vb_sdk::{Command, Observation, Planner, PlannerError, Point2, Task, Vehicle, math};
+use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
 
-use stance::Shape;
+use stance::Stances;
 
 hybrid::export_sampling! {
     planner: Ibex,
@@ -53,8 +53,6 @@ struct Ibex {
     hurry: f64,
 }
 
-/// How far ahead of a place, in wheelbases, the vehicle stands as well before it has come to the next.
-const AHEAD: f64 = 0.15;
 /// The tilt that has its price once, and how often it has it at most.
 const TENTH: f32 = 0.1;
 const MOST: f32 = 2.0;
@@ -72,19 +70,15 @@ impl Planner for Ibex {
             value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
         };
         let (hull, tilt, again) = (price("price_hull")?, price("price_tilt")?, price("price_again")?);
-        let shape = Shape::of(&vehicle);
         let heights = task.elevation()?;
-        let dearer = |at: Point2, direction: [f32; 2]| {
-            let [ahead_x, ahead_y] = direction.map(|d| AHEAD * vehicle.wheelbase * f64::from(d));
-            let places = [at, Point2 { x: at.x + ahead_x, y: at.y + ahead_y }];
-            let prices = places.map(|at| {
-                let stance = shape.stand(heights, at, direction);
+        let stances = (hull + tilt > 0.0).then(|| Stances::new(heights, &vehicle));
+        let dearer = stances.map(|stances| {
+            move |place: Place| {
+                let stance = stances.at(place.row as usize, place.col as usize, place.heading);
                 hull * stance.hull + tilt * (stance.tilt / TENTH).min(MOST)
-            });
-            0.5 * (prices[0] + prices[1])
-        };
+            }
+        });
         let prediction = Prediction { learned: Learned::All, attention: false };
-        let dearer = (hull + tilt > 0.0).then_some(dearer);
         let hybrid = Hybrid::over(task, Aim::Traversability, prediction, dearer)?;
         let recovery = (task.param_as::<u8>("recover")? != 0)
             .then(|| Recovery::new(task, Settings::default().scaled(vehicle.scale)));
@@ -114,7 +108,7 @@ impl Ibex {
             let front = 0.5 * self.vehicle.wheelbase;
             let (x, y) = (pose.position.x + cos * front, pose.position.y + sin * front);
             let reach = REACH * self.vehicle.wheelbase;
-            self.hybrid.avoid(|at, _| {
+            self.hybrid.avoid(|Place { at, .. }| {
                 let near = 1.0 - math::hypot(at.x - x, at.y - y) / reach;
                 self.again * near.max(0.0) as f32
             });

@@ -3,7 +3,8 @@
 //! A wheel under which the ground falls away leaves its load to the hull as soon as that touches, and then nothing drives the vehicle
 //! on. The networks see the ground as a coarse patch; here the hull is held against the very surface.
 
-use vb_sdk::{HeightMap, Point2, Vehicle};
+use hybrid::{HEADINGS, heading};
+use vb_sdk::{HeightMap, Vehicle};
 
 /// What a place does to a vehicle that stands there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,22 +26,42 @@ struct Support {
     above: f32,
 }
 
-/// Where a vehicle can touch the ground.
-#[derive(Clone, Debug)]
-pub(crate) struct Shape {
-    wheels: [Support; WHEELS],
-    hull: [Support; HULL],
+/// How a vehicle stands at every node of a map of heights and every heading of [`hybrid::heading`]. From each node the points at
+/// which it can touch the ground lie at the same distances, so that heights are taken as they lie.
+pub(crate) struct Stances {
+    supports: [Support; SUPPORTS],
     /// Half the wheelbase and half the track, m.
     half: [f32; 2],
     /// By how much the weight presses tyres and springs in, m.
     sag: f32,
-    radius: f32,
+    /// Where heights are taken, by heading.
+    taps: Vec<Taps>,
+    /// The heights, with those of the edge repeated as far around as the vehicle reaches, and the nodes of a row.
+    heights: Vec<f32>,
+    width: usize,
+    around: usize,
+}
+
+/// Where the heights of one heading are taken.
+struct Taps {
+    wheels: [[Tap; 2 * RIM.len()]; WHEELS],
+    hull: [Tap; HULL],
+}
+
+/// A height between nodes: what is added to it, the south-western node of its cell, counted from the vehicle's, and the parts of
+/// that and of the others: south-east, north-west, north-east.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tap {
+    above: f32,
+    node: usize,
+    parts: [f32; 4],
 }
 
 /// The outer wheels.
 const WHEELS: usize = 4;
 /// Points of the belly, and of the lower edges of both ends.
 const HULL: usize = 12 + 6;
+const SUPPORTS: usize = WHEELS + HULL;
 /// What suspension and tyres give under the weight, in wheelbases: the HMMWV's springs and tyres of 150 kN/m together
 /// (`tasks/vehicles/hmmwv.yaml`), rounded. That of other vehicles isn't told.
 const SAG: f32 = 0.017;
@@ -60,9 +81,9 @@ const STEP: f32 = 0.8;
 /// What a support that doesn't touch is counted for, so that the equations have a solution however few do.
 const FAINT: f32 = 0.003;
 
-impl Shape {
-    /// The shape of a vehicle, as far as a planner is told.
-    pub(crate) fn of(vehicle: &Vehicle) -> Self {
+impl Stances {
+    /// The stances of a vehicle, as far as a planner is told of its shape.
+    pub(crate) fn new(map: &HeightMap, vehicle: &Vehicle) -> Self {
         let half = [0.5 * vehicle.wheelbase as f32, 0.5 * vehicle.track as f32];
         let point = |along: f32, across: f32, above: f32| Support {
             forward: along * half[0],
@@ -72,47 +93,87 @@ impl Shape {
         let clearance = vehicle.ground_clearance as f32;
         let end = ENDS.0 * 0.5 * vehicle.length as f32 / half[0];
         let (along, across) = BELLY;
-        let hull = std::array::from_fn(|i| match i.checked_sub(along.len() * across.len()) {
+        let hull = |i: usize| match i.checked_sub(along.len() * across.len()) {
             None => point(along[i / across.len()], across[i % across.len()], clearance),
             Some(i) => {
                 point(if i < across.len() { end } else { -end }, across[i % across.len()], ENDS.1 * clearance)
             }
-        });
-        Self {
-            wheels: [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(u, v)| point(u, v, 0.0)),
-            hull,
+        };
+        let wheels = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(u, v)| point(u, v, 0.0));
+        let supports = std::array::from_fn(|i| if i < WHEELS { wheels[i] } else { hull(i - WHEELS) });
+        let frame = map.frame;
+        let reach = (vehicle.length + vehicle.track + vehicle.wheel_radius) / frame.resolution;
+        let around = reach as usize + 2;
+        let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+        let (width, height) = (cols + 2 * around, rows + 2 * around);
+        let inside = |k: usize, n: usize| k.saturating_sub(around).min(n - 1);
+        let heights = (0..width * height)
+            .map(|k| map.data[inside(k / width, rows) * cols + inside(k % width, cols)])
+            .collect();
+        let mut all = Self {
+            supports,
             half,
             sag: SAG * vehicle.wheelbase as f32,
-            radius: vehicle.wheel_radius as f32,
-        }
+            taps: vec![],
+            heights,
+            width,
+            around,
+        };
+        let grid = (1.0 / frame.resolution) as f32;
+        all.taps =
+            (0..HEADINGS).map(|h| all.taps_of(heading(h), grid, vehicle.wheel_radius as f32)).collect();
+        all
     }
 
-    /// How the vehicle stands at rest at a place, looking in a direction (cosine and sine).
-    pub(crate) fn stand(&self, ground: &HeightMap, at: Point2, [cos, sin]: [f32; 2]) -> Stance {
-        let height = |forward: f32, left: f32| {
-            let x = at.x as f32 + cos * forward - sin * left;
-            let y = at.y as f32 + sin * forward + cos * left;
-            surface(ground, x, y)
+    /// Where heights are taken in a direction (cosine and sine) on a grid of so many nodes a metre.
+    fn taps_of(&self, [cos, sin]: [f32; 2], grid: f32, radius: f32) -> Taps {
+        let tap = |forward: f32, left: f32, above: f32| {
+            let col = (cos * forward - sin * left) * grid + self.around as f32;
+            let row = (sin * forward + cos * left) * grid + self.around as f32;
+            let (u, v) = (col - col.floor(), row - row.floor());
+            // Each cell is cut into two triangles from the south-west to the north-east, as in `HeightMap::ground`.
+            let parts = if v >= u { [1.0 - v, 0.0, v - u, u] } else { [1.0 - u, u - v, 0.0, v] };
+            Tap { above, node: row as usize * self.width + col as usize, parts }
         };
+        let tyre = TYRE * self.half[1];
+        let wheel = |w: usize| {
+            let Support { forward, left, .. } = self.supports[w];
+            std::array::from_fn(|i| {
+                let part = RIM[i / 2];
+                let up = radius * ((1.0 - part * part).sqrt() - 1.0);
+                tap(forward + part * radius, left + if i % 2 == 0 { -tyre } else { tyre }, up)
+            })
+        };
+        let hull = |i: usize| {
+            let Support { forward, left, above } = self.supports[WHEELS + i];
+            tap(forward, left, -above)
+        };
+        Taps { wheels: std::array::from_fn(wheel), hull: std::array::from_fn(hull) }
+    }
+
+    /// How the vehicle stands at rest at a node, with a heading.
+    pub(crate) fn at(&self, row: usize, col: usize, heading: usize) -> Stance {
+        // The vehicle's node without what lies around the map, which is in the taps already.
+        let ground = &self.heights[row * self.width + col..];
+        let height = |tap: &Tap| {
+            let south = &ground[tap.node..tap.node + 2];
+            let north = &ground[tap.node + self.width..tap.node + self.width + 2];
+            let [a, b, c, d] = tap.parts;
+            a * south[0] + b * south[1] + c * north[0] + d * north[1] + tap.above
+        };
+        let taps = &self.taps[heading];
         // The lowest that a wheel comes to is where its circumference meets the ground first.
-        let wheels = self.wheels.map(|w| {
-            let touch = |part: f32| {
-                let up = self.radius * ((1.0 - part * part).sqrt() - 1.0);
-                let at =
-                    |side: f32| height(w.forward + part * self.radius, w.left + side * TYRE * self.half[1]);
-                at(-1.0).max(at(1.0)) + up
-            };
-            RIM.into_iter().map(touch).fold(f32::NEG_INFINITY, f32::max)
-        });
+        let lowest = |taps: &[Tap; 2 * RIM.len()]| taps.iter().map(height).fold(f32::NEG_INFINITY, f32::max);
+        let [fl, fr, rl, rr] = taps.wheels.each_ref().map(lowest);
         let [a, b] = self.half;
-        let [fl, fr, rl, rr] = wheels;
         let plane =
             [0.25 * (fl + fr + rl + rr), 0.25 * (fl + fr - rl - rr) / a, 0.25 * (fl + rl - fr - rr) / b];
-        let hull = self.hull.map(|h| height(h.forward, h.left) - h.above);
+        let hull = taps.hull.each_ref().map(height);
         let over = |p: &[f32; 3], s: &Support, z: f32| z - (p[0] + p[1] * s.forward + p[2] * s.left);
+        let (wheel_points, hull_points) = self.supports.split_at(WHEELS);
         // Where the hull is clear of the ground by more than it can sink, the wheels bear everything. On two of them across a
         // diagonal there is no rest, and nothing to solve.
-        if self.hull.iter().zip(hull).all(|(s, z)| over(&plane, s, z) < -self.sag) {
+        if hull_points.iter().zip(hull).all(|(s, z)| over(&plane, s, z) < -self.sag) {
             return Stance::default();
         }
         // Balance of weight and moments. Forces are in quarters of the weight.
@@ -121,9 +182,9 @@ impl Shape {
         for _ in 0..STEPS {
             let (mut sums, mut m) = ([-(WHEELS as f32), 0.0, 0.0], [0.0; 6]);
             borne = 0.0;
-            let supports = self.wheels.iter().zip(wheels).map(|s| (s, 1.0 / self.sag, 1.0));
-            let hull = self.hull.iter().zip(hull).map(|s| (s, HARD / self.sag, 0.0));
-            for ((s, z), stiffness, preload) in supports.chain(hull) {
+            let wheels = wheel_points.iter().zip([fl, fr, rl, rr]).map(|s| (s, 1.0 / self.sag, 1.0));
+            let hull = hull_points.iter().zip(hull).map(|s| (s, HARD / self.sag, 0.0));
+            for ((s, z), stiffness, preload) in wheels.chain(hull) {
                 let force = (stiffness * over(&pose, s, z) + preload).max(0.0);
                 let k = if force > 0.0 { stiffness } else { FAINT * stiffness };
                 borne += if preload == 0.0 { force } else { 0.0 };
@@ -157,21 +218,6 @@ fn solve([m0, m1, m2, m3, m4, m5]: [f32; 6], [r0, r1, r2]: [f32; 3]) -> [f32; 3]
     ]
 }
 
-/// The height of the ground as [`HeightMap::ground`] has it, in single precision; beyond the edge, that of the edge.
-fn surface(map: &HeightMap, x: f32, y: f32) -> f32 {
-    let frame = &map.frame;
-    let per = (1.0 / frame.resolution) as f32;
-    let (rows, cols) = (frame.rows as usize, frame.cols as usize);
-    let c = ((x - frame.origin_x as f32) * per).clamp(0.0, (cols - 1) as f32);
-    let r = ((y - frame.origin_y as f32) * per).clamp(0.0, (rows - 1) as f32);
-    let (col, row) = ((c as usize).min(cols - 2), (r as usize).min(rows - 2));
-    let (u, v) = (c - col as f32, r - row as f32);
-    let cell = &map.data[row * cols + col..][..cols + 2];
-    let [sw, se, nw, ne] = [cell[0], cell[1], cell[cols], cell[cols + 1]];
-    let (gu, gv) = if v >= u { (ne - nw, nw - sw) } else { (se - sw, ne - se) };
-    sw + gu * u + gv * v
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -189,24 +235,29 @@ mod tests {
         Map { frame, data }
     }
 
-    fn hmmwv() -> Shape {
-        Shape::of(&Vehicle {
+    fn hmmwv() -> Vehicle {
+        Vehicle {
             wheelbase: 3.302,
             track: 1.819,
             length: 4.67,
             wheel_radius: 0.467,
             ground_clearance: 0.41,
             ..Vehicle::default()
-        })
+        }
     }
 
-    const HERE: Point2 = Point2 { x: 0.0, y: 0.0 };
-    const EAST: [f32; 2] = [1.0, 0.0];
+    const EAST: usize = 0;
+    const NORTH: usize = HEADINGS / 4;
+
+    /// How the HMMWV stands in the middle.
+    fn stand(map: &HeightMap, heading: usize) -> Stance {
+        Stances::new(map, &hmmwv()).at(40, 40, heading)
+    }
 
     #[test]
     fn on_a_plane_the_wheels_bear_everything() {
         for (along, across) in [(0.0, 0.0), (0.3, 0.0), (-0.1, 0.2)] {
-            let stance = hmmwv().stand(&ground(|x, y| along * x + across * y), HERE, EAST);
+            let stance = stand(&ground(|x, y| along * x + across * y), EAST);
             assert_eq!(stance, Stance::default(), "{along}, {across}");
         }
     }
@@ -214,11 +265,11 @@ mod tests {
     #[test]
     fn the_hull_bears_a_vehicle_on_a_ridge_that_is_higher_than_its_clearance() {
         let ridge = |top: f64| ground(move |x, _| if x.abs() < 0.6 { top } else { 0.0 });
-        assert_eq!(hmmwv().stand(&ridge(0.3), HERE, EAST).hull, 0.0);
-        let hung = hmmwv().stand(&ridge(0.6), HERE, EAST);
+        assert_eq!(stand(&ridge(0.3), EAST).hull, 0.0);
+        let hung = stand(&ridge(0.6), EAST);
         assert!(hung.hull > 0.5, "{hung:?}");
         // Along the ridge, which is narrower than the track, the belly stands on it as well.
-        let along = hmmwv().stand(&ridge(0.6), HERE, [0.0, 1.0]);
+        let along = stand(&ridge(0.6), NORTH);
         assert!(along.hull > 0.5, "{along:?}");
     }
 
@@ -228,20 +279,28 @@ mod tests {
         let bump = |side: f64| {
             ground(move |x, y| if x.abs() < 0.5 && (y * side - 0.5).abs() < 0.3 { 0.7 } else { 0.0 })
         };
-        let [left, right] = [1.0, -1.0].map(|side| hmmwv().stand(&bump(side), HERE, EAST));
+        let [left, right] = [1.0, -1.0].map(|side| stand(&bump(side), EAST));
         assert!(left.tilt > 0.01 && left.hull > 0.1, "{left:?}");
         assert!((left.tilt - right.tilt).abs() < 0.02, "{left:?} {right:?}");
     }
 
+    /// The hull's points against what planners are told of the ground, at places up to beyond the edge.
     #[test]
-    fn the_surface_is_the_ground_that_planners_are_told() {
+    fn heights_are_those_of_the_ground() {
         let map = ground(|x, y| 0.3 * x * y + (x - 0.4 * y).abs());
-        for k in 0..200 {
-            let (x, y) = (f64::from(k) * 0.09 - 9.0, f64::from(k * 7 % 200) * 0.09 - 9.0);
-            assert!(
-                (f64::from(surface(&map, x as f32, y as f32)) - map.ground(x, y).z).abs() < 1e-4,
-                "{x} {y}"
-            );
+        let stances = Stances::new(&map, &hmmwv());
+        for (row, col, h) in [(40, 40, 0), (13, 60, 3), (57, 21, 6), (30, 30, 11), (66, 40, 15)] {
+            let (x, y) = map.frame.position(row, col);
+            let [cos, sin] = heading(h).map(f64::from);
+            for (support, tap) in stances.supports[WHEELS..].iter().zip(&stances.taps[h].hull) {
+                let (u, v) = (f64::from(support.forward), f64::from(support.left));
+                let wanted =
+                    map.ground(x + cos * u - sin * v, y + sin * u + cos * v).z - f64::from(support.above);
+                let node = row as usize * stances.width + col as usize + tap.node;
+                let corners = [0, 1, stances.width, stances.width + 1].map(|k| stances.heights[node + k]);
+                let own = tap.above + corners.iter().zip(tap.parts).map(|(z, part)| z * part).sum::<f32>();
+                assert!((f64::from(own) - wanted).abs() < 1e-4, "{row} {col} {h}: {own} for {wanted}");
+            }
         }
     }
 }

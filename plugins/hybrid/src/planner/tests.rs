@@ -111,7 +111,7 @@ fn places_that_are_made_dearer_are_gone_around() {
     let flat = task(|_, _| 0.0, &[]);
     let (aim, by, here) = (Aim::Traversability, hears(Learned::All), observed(-20.0, 0.0, 3.0));
     for side in [1.0, -1.0] {
-        let dear = move |at: Point2, _: [f32; 2]| {
+        let dear = move |Place { at, .. }: Place| {
             if (-6.0..-2.0).contains(&at.x) && at.y * side < 4.0 { 20.0 } else { 0.0 }
         };
         let mut told_later = Hybrid::new(&flat, aim, by).unwrap();
