@@ -1,5 +1,5 @@
-//! Proof that the tasks of a suite can be done: the expert drives them, one variant after the other, until all are done
-//! or no variant is left.
+//! Proof that the tasks of a suite can be done: the expert drives them, one variant after the other, and then Ibex, until all
+//! are done or nobody is left.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,20 +9,22 @@ use serde_json::Value;
 use crate::run::{Failure, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
-/// Parameters of the expert: the usual ones, then faster, slower and more cautious, then other ways.
-const VARIANTS: [&[&str]; 12] = [
-    &[],
-    &["speed=4.5"],
-    &["speed=6", "caution=2"],
-    &["variant=1", "speed=4"],
-    &["variant=2", "speed=5", "caution=3"],
-    &["variant=3", "speed=7"],
-    &["speed=2"],
-    &["variant=4", "speed=5", "lookahead=8"],
-    &["caution=3"],
-    &["variant=5"],
-    &["variant=6", "speed=6", "caution=4"],
-    &["variant=7", "speed=4", "lookahead=3"],
+/// Who drives, with which parameters: the expert with its own, then faster, slower and more cautious, then on other ways; and the
+/// planner that does most of all in one drive.
+const VARIANTS: [(&str, &[&str]); 13] = [
+    ("expert", &[]),
+    ("expert", &["speed=4.5"]),
+    ("expert", &["speed=6", "caution=2"]),
+    ("expert", &["variant=1", "speed=4"]),
+    ("expert", &["variant=2", "speed=5", "caution=3"]),
+    ("expert", &["variant=3", "speed=7"]),
+    ("expert", &["speed=2"]),
+    ("expert", &["variant=4", "speed=5", "lookahead=8"]),
+    ("expert", &["caution=3"]),
+    ("expert", &["variant=5"]),
+    ("expert", &["variant=6", "speed=6", "caution=4"]),
+    ("expert", &["variant=7", "speed=4", "lookahead=3"]),
+    ("ibex", &[]),
 ];
 
 /// Drives the tasks of a suite and writes its `proof.json`.
@@ -35,13 +37,16 @@ pub(crate) fn prove(suite: &Path) -> Result<(), Failure> {
     }
     let mut left: Option<String> = None;
     let mut done = Vec::new();
-    for (k, params) in VARIANTS.iter().enumerate() {
-        step(&format!("expert {}", if params.is_empty() { "as it is".to_owned() } else { params.join(" ") }));
+    for (k, (planner, params)) in VARIANTS.iter().enumerate() {
+        step(&format!(
+            "{planner} {}",
+            if params.is_empty() { "as it is".to_owned() } else { params.join(" ") }
+        ));
         let out = runs.join(k.to_string());
         let mut drive = Command::new(built("vb-harness"));
-        drive.arg("--plugin").arg(default_plugin_dir().join("expert.wasm"));
+        drive.arg("--plugin").arg(default_plugin_dir().join(format!("{planner}.wasm")));
         drive.arg("--suite").arg(&suite).arg("--out").arg(&out).args(["--trace", "none"]);
-        // Of the tasks that are left, the expert may well find no way to any.
+        // Of the tasks that are left, a planner may well find no way to any.
         drive.arg("--keep-going");
         for param in *params {
             drive.args(["--param", param]);
