@@ -33,7 +33,7 @@ Tasks:
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
-  prove SUITE           Let the expert drive the tasks of a suite, and write who did which as its proof.json
+  prove SUITE           Let the expert and Ibex drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
   tune eh|mppi          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
