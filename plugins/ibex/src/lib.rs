@@ -2,7 +2,7 @@
 //! drives with momentum, backs out where it is stuck, and plans a way round that place.
 //!
 //! It is TNT of the hybrid planners ([`hybrid::Hybrid`]) with three more things, each of which has a parameter that turns it off:
-//! - The map of traversability has the price of what the networks can't see well: a hull that bears the vehicle ([`stance`]).
+//! - The map of traversability has the price of what the networks can't see well: a hull that bears the vehicle (`stance`).
 //! - [`vb_sdk::recovery`] takes over a vehicle that doesn't get on.
 //! - Where that happened is dearer from then on, and the way to the goal is searched again.
 //!
@@ -71,7 +71,9 @@ impl Planner for Ibex {
         };
         let (hull, tilt, again) = (price("price_hull")?, price("price_tilt")?, price("price_again")?);
         let heights = task.elevation()?;
-        let stances = (hull + tilt > 0.0).then(|| Stances::new(heights, &vehicle));
+        // Of a map that is no surface, the planner below tells.
+        let surface = heights.frame.rows.min(heights.frame.cols) > 1;
+        let stances = (surface && hull + tilt > 0.0).then(|| Stances::new(heights, &vehicle));
         let dearer = stances.map(|stances| {
             move |place: Place| {
                 let stance = stances.at(place.row as usize, place.col as usize, place.heading);

@@ -134,3 +134,14 @@ fn a_price_below_0_is_an_error() {
         assert!(error.contains(key) && error.contains("below 0"), "{error}");
     }
 }
+
+#[test]
+fn a_map_that_is_no_surface_is_an_error() {
+    for rows in [0, 1] {
+        let mut task = task(|_, _| 0.0, &[]);
+        let frame = GridFrame { rows, cols: 1, resolution: 1.0, origin_x: 0.0, origin_y: 0.0 };
+        task.elevation = Some(Map { frame, data: vec![0.0; rows as usize] });
+        let error = Ibex::init(&task).err().expect("an error").to_string();
+        assert!(error.contains("fewer than 2 x 2"), "{error}");
+    }
+}
