@@ -35,7 +35,7 @@ Tasks:
   suites --check        Say whether they are what it makes
   prove SUITE           Let the expert and Ibex drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
-  tune eh|mppi          Let candidates for its parameters drive training worlds, and print what became of them
+  tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
   soak [TASKS]          Drive vb-100, or the tasks of it that are selected, wildly with every vehicle, and fail where a

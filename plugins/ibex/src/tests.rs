@@ -110,11 +110,13 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     assert_eq!(stuck[0], Gear::Forward);
     assert!(stuck.contains(&Gear::Reverse), "{stuck:?}");
     assert!(planner.hurry > 1.0);
-    // With the place ahead dearer than before, a vehicle that comes again steers to one side of it.
-    let mut again = Ibex::init(&task(|_, _| 0.0, &[])).unwrap();
-    let straight = steering(&mut again).abs();
-    again.was_stuck(&observed(0.0, -8.0, 0.0, Gear::Forward)).unwrap();
-    let aside = steering(&mut again).abs();
+    // A vehicle that comes again steers to one side of the place, and straight on where that is no dearer than before.
+    let again = |price: &str| {
+        let mut planner = Ibex::init(&task(|_, _| 0.0, &[("price_again", price)])).unwrap();
+        planner.was_stuck(&observed(0.0, -8.0, 0.0, Gear::Forward)).unwrap();
+        steering(&mut planner).abs()
+    };
+    let (aside, straight) = (again("20"), again("0"));
     assert!(aside > straight + 0.02, "{aside} for {straight}");
 }
 
