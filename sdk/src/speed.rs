@@ -1,4 +1,6 @@
-//! A speed controller.
+//! Speed controllers.
+
+use crate::Gear;
 
 /// A proportional-integral controller of the forward speed, which acts by throttle and brake.
 ///
@@ -36,6 +38,47 @@ impl SpeedController {
     /// Sets the integral to 0.
     pub fn reset(&mut self) {
         self.integral = 0.0;
+    }
+}
+
+/// Keeps a signed speed by throttle, brake and gear: a [`SpeedController`] for each direction of travel, of which a
+/// change begins anew. Speeds are compared as a full-size vehicle would have them (Froude's rule), so that the gains hold at
+/// every scale.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpeedKeeper {
+    controller: SpeedController,
+    /// The root of the world's scale.
+    pace: f64,
+    /// m/s.
+    target: f64,
+}
+
+impl SpeedKeeper {
+    /// The gains: throttle per m/s of error, and per metre.
+    const GAINS: (f64, f64) = (0.6, 0.15);
+
+    /// A keeper that stands, in a world of this scale.
+    #[must_use]
+    pub fn new(scale: f64) -> Self {
+        let (kp, ki) = Self::GAINS;
+        Self { controller: SpeedController::new(kp, ki), pace: scale.sqrt(), target: 0.0 }
+    }
+
+    /// Sets the speed to keep, m/s, negative in reverse.
+    pub fn aim(&mut self, target: f64) {
+        if (target < 0.0) != (self.target < 0.0) {
+            self.controller.reset();
+        }
+        self.target = target;
+    }
+
+    /// The throttle and the brake, each in [0, 1], and the gear, at this forward speed (m/s). `dt` is the time since the last
+    /// call, s.
+    pub fn update(&mut self, speed: f64, dt: f64) -> (f64, f64, Gear) {
+        let (gear, along) = if self.target < 0.0 { (Gear::Reverse, -1.0) } else { (Gear::Forward, 1.0) };
+        let (target, speed) = (along * self.target / self.pace, along * speed / self.pace);
+        let (throttle, brake) = self.controller.update(target, speed, dt);
+        (throttle, brake, gear)
     }
 }
 
@@ -79,5 +122,29 @@ mod tests {
         assert_eq!(c.update(1.0, 1.0, 1.0), (0.5, 0.0));
         c.reset();
         assert_eq!(c.update(1.0, 1.0, 1.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_change_of_direction_changes_the_gear_and_forgets_the_integral() {
+        let mut k = SpeedKeeper::new(1.0);
+        k.aim(2.0);
+        // 0.6 of 1 m/s, and the integral of the step itself comes with the next.
+        let (throttle, brake, gear) = k.update(1.0, 0.1);
+        assert_eq!((brake, gear), (0.0, Gear::Forward));
+        assert!((throttle - 0.615).abs() < 1e-12, "{throttle}");
+        k.aim(-2.0);
+        // Still rolling forward: 3 m/s too fast for reverse, so all throttle would be wanted against it.
+        assert_eq!(k.update(-1.0, 0.1), (throttle, 0.0, Gear::Reverse));
+        // Faster than wanted in reverse: the brake.
+        let (throttle, brake, gear) = k.update(-4.0, 0.1);
+        assert!(throttle == 0.0 && brake > 0.9 && gear == Gear::Reverse);
+    }
+
+    #[test]
+    fn a_small_vehicle_is_kept_as_a_large_one_at_speeds_of_froude_s_rule() {
+        let (mut large, mut small) = (SpeedKeeper::new(1.0), SpeedKeeper::new(0.25));
+        large.aim(2.0);
+        small.aim(1.0);
+        assert_eq!(large.update(1.0, 0.1), small.update(0.5, 0.1));
     }
 }

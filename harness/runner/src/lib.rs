@@ -7,6 +7,7 @@
 mod brief;
 pub mod conformance;
 mod driver;
+mod episode;
 mod error;
 mod fail_fast;
 mod run;
@@ -17,10 +18,11 @@ mod trial;
 
 pub use brief::planner_vehicle;
 pub use driver::{Driver, Metered, PluginDriver, Witness};
+pub use episode::{Episode, commanded_gear, sample};
 pub use error::RunError;
 pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, check_control_period, check_perception, run};
 pub use setting::{Keep, Place, Setting, Wants, start};
 pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;
-pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, commanded_gear, sample};
+pub use trial::{SAMPLE_PERIOD, Trial, TrialResult};

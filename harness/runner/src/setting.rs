@@ -165,6 +165,28 @@ impl Setting {
         Ok((perception, brief))
     }
 
+    /// A task of a place as a trial, of which its driver is told this.
+    #[must_use]
+    pub fn trial<'a>(
+        &'a self,
+        place: &'a Place,
+        task: &'a Task,
+        brief: &'a vb_sdk::Task,
+        keep: Keep,
+    ) -> Trial<'a> {
+        Trial {
+            world: &place.world,
+            task,
+            brief,
+            vehicle: &self.model,
+            soils: &self.soils,
+            options: self.options,
+            rules: &self.rules,
+            trace: keep.trace,
+            logs: keep.logs,
+        }
+    }
+
     /// Lets a driver drive a task; `None` if `cancel` was set before the end came.
     ///
     /// # Errors
@@ -181,17 +203,7 @@ impl Setting {
         cancel: &AtomicBool,
     ) -> Result<Option<TrialResult>, RunError> {
         let (perception, brief) = self.brief(place, task, wants)?;
-        let trial = Trial {
-            world: &place.world,
-            task,
-            brief: &brief,
-            vehicle: &self.model,
-            soils: &self.soils,
-            options: self.options,
-            rules: &self.rules,
-            trace: keep.trace,
-            logs: keep.logs,
-        };
+        let trial = self.trial(place, task, &brief, keep);
         Ok(trial.run(driver, perception, witness, cancel))
     }
 }

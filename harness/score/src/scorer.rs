@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use vb_math::angle::degrees;
 use vb_math::{acos, cos};
 use vb_record::{Sample, TraceMeta};
+use vb_world::{Task, World};
 
 use crate::metrics::{Accumulator, displacement};
 use crate::{Fault, Metrics, Outcome, RollTime, Rules, StuckRule, SuccessRule, ThreeWay};
@@ -20,6 +21,20 @@ pub struct TaskGeometry {
     pub half_extent: [f64; 2],
     /// The factor by which the world's lengths were multiplied. The lengths in rules are multiplied by it too.
     pub scale: f64,
+}
+
+impl TaskGeometry {
+    /// The place of a task in a world, which is scaled already.
+    #[must_use]
+    pub fn of(world: &World, task: &Task) -> Self {
+        let (h, goal) = (&world.heightfield, task.goal);
+        Self {
+            goal,
+            goal_z: h.height(goal[0], goal[1]),
+            half_extent: [h.half_x(), h.half_y()],
+            scale: world.scale,
+        }
+    }
 }
 
 impl From<&TraceMeta> for TaskGeometry {

@@ -52,6 +52,7 @@ pub struct Readings {
 
 /// A sensor that scans the surroundings, and whom for: one of the planner's and one of the map's are two if they have
 /// different rates, so that what the planner asks for doesn't change the map.
+#[derive(Clone)]
 struct Scanner<S> {
     sensor: S,
     for_planner: bool,
@@ -62,6 +63,7 @@ struct Scanner<S> {
 ///
 /// Only what the planner asks for is computed, and it costs nothing else: with exact pose and wheels alone,
 /// [`Perception::sample`] returns at once.
+#[derive(Clone)]
 pub struct Perception {
     scene: Arc<Scene>,
     idle: bool,

@@ -12,13 +12,10 @@ use vb_host::{LogSink, PlannerFault};
 use vb_math::rng::Stream;
 use vb_math::{exp, ln, sin};
 use vb_runner::Driver;
-use vb_sdk::speed::SpeedController;
-use vb_sdk::{Command, Gear, Observation, Series, Task};
+use vb_sdk::speed::SpeedKeeper;
+use vb_sdk::{Command, Observation, Series, Task};
 
 use crate::episode::SPEED_SERIES;
-
-/// The gains of the speed controller: throttle per m/s of error, and per metre.
-const GAINS: (f64, f64) = (0.6, 0.15);
 
 /// Drives about: sinusoidal steering, and speeds that are drawn again and again.
 pub(crate) struct Explorer<'a> {
@@ -32,7 +29,7 @@ pub(crate) struct Explorer<'a> {
     /// m/s, negative in reverse.
     target: f64,
     wave: Wave,
-    controller: SpeedController,
+    keeper: SpeedKeeper,
 }
 
 /// When the next draw is due, s.
@@ -58,7 +55,7 @@ impl<'a> Explorer<'a> {
             steering: Held::default(),
             target: 0.0,
             wave: Wave::default(),
-            controller: SpeedController::new(GAINS.0, GAINS.1),
+            keeper: SpeedKeeper::new(1.0),
         }
     }
 
@@ -87,10 +84,8 @@ impl<'a> Explorer<'a> {
             Some((probability, speed)) if chance < probability => -speed,
             _ => forward,
         };
-        if (target < 0.0) != (self.target < 0.0) {
-            self.controller.reset();
-        }
         self.target = target * self.pace;
+        self.keeper.aim(self.target);
         self.speed.0 += self.draw(self.rules.speed.hold_s) * self.pace;
     }
 }
@@ -103,6 +98,7 @@ impl Driver for Explorer<'_> {
     fn start(&mut self, brief: &Task, _: LogSink) -> Result<(), PlannerFault> {
         self.pace = brief.vehicle.scale.sqrt();
         self.period = brief.control_period;
+        self.keeper = SpeedKeeper::new(brief.vehicle.scale);
         Ok(())
     }
 
@@ -117,9 +113,7 @@ impl Driver for Explorer<'_> {
         let Wave { offset, amplitude, frequency, phase } = self.wave;
         let steering = (offset + amplitude * sin(TAU * frequency * time + phase)).clamp(-1.0, 1.0);
         let speed = observation.pose.map_or(0.0, |p| p.linear_velocity.x);
-        let (gear, along) = if self.target < 0.0 { (Gear::Reverse, -1.0) } else { (Gear::Forward, 1.0) };
-        let target = along * self.target / self.pace;
-        let (throttle, brake) = self.controller.update(target, along * speed / self.pace, self.period);
+        let (throttle, brake, gear) = self.keeper.update(speed, self.period);
         let series = Series { name: SPEED_SERIES.to_owned(), values: vec![self.target as f32] };
         Ok(Command { steering, throttle, brake, gear, debug: vec![series] })
     }
