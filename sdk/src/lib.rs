@@ -27,6 +27,7 @@ pub mod native;
 pub mod nn;
 pub mod path;
 mod planner;
+pub mod policy;
 pub mod recovery;
 pub mod rng;
 pub mod search;

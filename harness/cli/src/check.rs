@@ -9,7 +9,7 @@ use vb_world::TaskRef;
 
 use crate::args::{CheckArgs, MessageFormat};
 use crate::error::CliError;
-use crate::{output, planner, run, suite};
+use crate::{output, places, planner, run, suite};
 
 /// The rules, vehicle and soils that runs have by default: a planner's promises don't depend on them.
 const RULES: &str = "paper";
@@ -37,8 +37,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
     let suite = suite::open(args.suite.as_deref())?;
     let tasks = spread(suite::select(&suite, args.tasks.as_deref())?);
     let rules = Rules::resolve(RULES).map_err(CliError::input)?;
-    let vehicle = run::vehicle(VEHICLE)?;
-    let soils = run::soils(SOILS, SOIL_RESOLUTION)?;
+    let vehicle = places::catalog().vehicle(VEHICLE)?;
+    let soils = places::catalog().soils(SOILS, SOIL_RESOLUTION)?;
     let limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
     planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
     let command = planner::command(&args.plugin);

@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use vb_catalog::CatalogError;
+use vb_suite::generate::GenerateError;
+use vb_world::SuiteError;
+
 /// All went well.
 pub(crate) const DONE: u8 = 0;
 /// A fault of the harness itself.
@@ -122,5 +126,18 @@ impl CliError {
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
+    }
+}
+
+impl From<CatalogError> for CliError {
+    fn from(e: CatalogError) -> Self {
+        match &e {
+            CatalogError::KeptForTraining(_) | CatalogError::NoTrainingSeed(_) => Self::usage(e),
+            CatalogError::Write { .. }
+            | CatalogError::Generate(GenerateError::Suite(
+                SuiteError::Write { .. } | SuiteError::NotEmpty { .. },
+            )) => Self::output(e),
+            _ => Self::input(e),
+        }
     }
 }

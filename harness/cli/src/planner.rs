@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use vb_host::{Limits, LoadError, Plugin, ProcessOptions, SandboxReport};
 
 use crate::error::CliError;
-use crate::{output, places};
+use crate::output;
 
 /// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
 pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {
@@ -34,7 +34,7 @@ pub(crate) fn load_quietly(
     let native = ProcessOptions { worker: None, require_sandbox };
     match command(wanted) {
         Some(words) => Plugin::command(&words, limits),
-        None => Plugin::load_with(wanted, limits, places::cache_dir().as_deref(), &native),
+        None => Plugin::load_with(wanted, limits, vb_catalog::cache_dir().as_deref(), &native),
     }
 }
 

@@ -20,7 +20,7 @@ use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
 use crate::error::CliError;
-use crate::{output, places, run};
+use crate::{output, places};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -149,7 +149,7 @@ impl Senses<'_> {
         if shows_nothing {
             return Ok(None);
         }
-        let profile = run::perception(name)?;
+        let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
             output::note(&format!(
                 "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (name the run's \
@@ -276,9 +276,9 @@ impl Player {
 /// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.
 pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
     let places = match wanted {
-        Some(dir) => vec![places::suite(Some(dir))?],
+        Some(dir) => vec![places::catalog().suite(Some(dir))?],
         None => {
-            let named = places::suites().unwrap_or_default();
+            let named = places::catalog().suites().unwrap_or_default();
             let named = named.into_iter().filter(|p| p.file_name().is_some_and(|n| *n == *header.suite.name));
             std::iter::once(PathBuf::from(&header.suite.path)).chain(named).collect()
         }
@@ -301,10 +301,13 @@ fn part(
     tasks: &BTreeSet<String>,
 ) -> Result<Part, CliError> {
     let header = r.header.clone();
-    let vehicle = run::vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
+    let vehicle = places::catalog()
+        .vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
         .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
     let same_vehicle = vehicle.hash == header.vehicle.hash;
-    let soils = run::soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution).ok();
+    let soils = places::catalog()
+        .soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)
+        .ok();
     let spec: VehicleSpec = vehicle.spec;
     let vehicle = VehicleModel::new(spec).map_err(CliError::input)?;
     let reader = RunReader::open(&r.dir).map_err(CliError::input)?;

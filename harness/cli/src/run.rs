@@ -7,15 +7,11 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 use vb_host::Limits;
-use vb_runner::{Event, FailedStart, RunConfig, RunError, Soils, Vehicle};
+use vb_runner::{Event, FailedStart, RunConfig, RunError};
 use vb_score::{Rules, Summary};
-use vb_sense::Profile;
-use vb_sim::SoilSet;
-use vb_vehicle::VehicleSpec;
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
-use crate::places::Data;
 use crate::progress::Progress;
 use crate::{output, places, planner, suite};
 
@@ -102,10 +98,10 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let suite = suite::open(args.suite.as_deref())?;
     let tasks = suite::select(&suite, args.tasks.as_deref())?;
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
-    let vehicle = vehicle(&args.vehicle)?;
+    let vehicle = places::catalog().vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
-    let soils = soils(&args.soils, args.soil_resolution)?;
-    let perception = perception(&args.perception)?;
+    let soils = places::catalog().soils(&args.soils, args.soil_resolution)?;
+    let perception = places::catalog().perception(&args.perception)?;
     let mut limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
@@ -161,58 +157,6 @@ pub(crate) fn limits(path: &Path) -> Result<Limits, CliError> {
     };
     limits.validate().map_err(|e| CliError::input(format!("{file}: {e}")))?;
     Ok(limits)
-}
-
-/// A vehicle by its name or file.
-pub(crate) fn vehicle(wanted: &str) -> Result<Vehicle, CliError> {
-    vehicle_of(&places::data(Data::Vehicle, wanted)?)
-}
-
-/// The vehicle in this file.
-pub(crate) fn vehicle_of(path: &Path) -> Result<Vehicle, CliError> {
-    let (file, text, hash) = read_data(Data::Vehicle, path)?;
-    Ok(Vehicle { spec: VehicleSpec::parse(&text, &file).map_err(CliError::input)?, hash })
-}
-
-/// A set of soils by its name or file, and the side of the cells in which soil remembers ruts, m.
-pub(crate) fn soils(wanted: &str, resolution: f64) -> Result<Soils, CliError> {
-    soils_of(&places::data(Data::Soils, wanted)?, resolution)
-}
-
-/// The set of soils in this file.
-pub(crate) fn soils_of(path: &Path, resolution: f64) -> Result<Soils, CliError> {
-    let (file, text, hash) = read_data(Data::Soils, path)?;
-    Ok(Soils { set: SoilSet::parse(&text, &file).map_err(CliError::input)?, hash, resolution })
-}
-
-/// A perception profile by its name or file.
-pub(crate) fn perception(wanted: &str) -> Result<Profile, CliError> {
-    perception_at(places::data(Data::Perception, wanted), wanted)
-}
-
-/// The perception profile of this name that comes with the harness, whatever lies in the working directory.
-pub(crate) fn own_perception(wanted: &str) -> Result<Profile, CliError> {
-    perception_at(places::own_data(Data::Perception, wanted), wanted)
-}
-
-/// The profile in a file, or the one that is built in where the folder of tasks lacks it, as it does in a folder with suites
-/// alone.
-fn perception_at(file: Result<PathBuf, CliError>, wanted: &str) -> Result<Profile, CliError> {
-    match (file, Profile::built_in(wanted)) {
-        (Ok(path), _) => Profile::load(&path).map_err(CliError::input),
-        (Err(_), Some(profile)) => Ok(profile),
-        (Err(error), None) => Err(error),
-    }
-}
-
-/// (path, text, SHA-256 in hexadecimal) of a data file.
-fn read_data(kind: Data, path: &Path) -> Result<(String, String, String), CliError> {
-    let file = path.display().to_string();
-    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| {
-        CliError::input(format!("cannot read {} {file}: {e} (give a file, or a name)", kind.noun()))
-    })?;
-    let hash = vb_files::sha256(text.as_bytes());
-    Ok((file, text, hash))
 }
 
 /// The first Ctrl-C sets what is returned: the run ends when it has put its results away. The second ends the process.

@@ -18,8 +18,9 @@ use vb_world::Suite;
 
 use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SubmitArgs, VerifyArgs};
 use crate::error::{self, CliError};
-use crate::places::{self, Data};
+use crate::places;
 use crate::{output, planner, replay, run, suite};
+use vb_catalog::Data;
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -134,22 +135,27 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     let suite = match &args.suite {
         Some(dir) => suite::open(Some(dir))?,
         None => {
-            let own = places::own_suite(plain("suite", &m.run.suite.name)?)?;
+            let own = places::catalog().own_suite(plain("suite", &m.run.suite.name)?)?;
             Suite::open(own).map_err(CliError::input)?
         }
     };
     let vehicle = match &args.vehicle {
-        Some(vehicle) => run::vehicle(vehicle)?,
-        None => run::vehicle_of(&places::own_data(Data::Vehicle, plain("vehicle", &m.run.vehicle.name)?)?)?,
+        Some(vehicle) => places::catalog().vehicle(vehicle)?,
+        None => vb_catalog::vehicle_of(
+            &places::catalog().own_data(Data::Vehicle, plain("vehicle", &m.run.vehicle.name)?)?,
+        )?,
     };
     let pitch = m.run.soil_resolution;
     let soils = match &args.soils {
-        Some(soils) => run::soils(soils, pitch)?,
-        None => run::soils_of(&places::own_data(Data::Soils, plain("soils", &m.run.soils.name)?)?, pitch)?,
+        Some(soils) => places::catalog().soils(soils, pitch)?,
+        None => vb_catalog::soils_of(
+            &places::catalog().own_data(Data::Soils, plain("soils", &m.run.soils.name)?)?,
+            pitch,
+        )?,
     };
     let perception = match &args.perception {
-        Some(perception) => run::perception(perception)?,
-        None => run::own_perception(plain("perception profile", &m.run.perception.name)?)?,
+        Some(perception) => places::catalog().perception(perception)?,
+        None => places::catalog().own_perception(plain("perception profile", &m.run.perception.name)?)?,
     };
     if !is_wasm(&args.plugin)? && !args.allow_native {
         return Err(CliError::input(format!(
@@ -239,8 +245,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     let hidden = |_: &dyn std::fmt::Display| {
         CliError::input("the suite can't be used (its owner sees why with vb-harness suite validate)")
     };
-    let suite =
-        Suite::open(places::suite(Some(&args.suite)).map_err(|e| hidden(&e))?).map_err(|e| hidden(&e))?;
+    let suite = Suite::open(places::catalog().suite(Some(&args.suite)).map_err(|e| hidden(&e))?)
+        .map_err(|e| hidden(&e))?;
     if !is_wasm(&args.plugin)? {
         return Err(CliError::input(format!(
             "{} is no WASM file: only those can be kept from telling what they see",
@@ -325,16 +331,16 @@ fn random() -> Result<u64, CliError> {
 /// What comes with the harness.
 fn shipped() -> Result<Shipped, CliError> {
     let mut shipped = Shipped {
-        soils: run::soils_of(&places::own_data(Data::Soils, "default")?, 0.1)?.hash,
+        soils: vb_catalog::soils_of(&places::catalog().own_data(Data::Soils, "default")?, 0.1)?.hash,
         ..Shipped::default()
     };
-    for dir in places::suites()? {
+    for dir in places::catalog().suites()? {
         let suite = Suite::open(&dir).map_err(CliError::input)?;
         let (name, tasks) = (suite.meta().name.clone(), suite.task_count() as u64);
         shipped.suites.push(ShippedSuite { name, hash: suite.hash(), tasks });
     }
-    for name in places::names(Data::Vehicle)? {
-        let vehicle = run::vehicle_of(&places::own_data(Data::Vehicle, &name)?)?;
+    for name in places::catalog().names(Data::Vehicle)? {
+        let vehicle = vb_catalog::vehicle_of(&places::catalog().own_data(Data::Vehicle, &name)?)?;
         shipped.vehicles.insert(
             vehicle.spec.name.clone(),
             ShippedVehicle { hash: vehicle.hash, scale: vehicle.spec.scale },

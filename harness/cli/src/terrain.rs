@@ -63,7 +63,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
         .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
     let path = match &args.model {
         Some(path) => path.clone(),
-        None => places::terrain_model(DEFAULT_MODEL)?,
+        None => places::catalog().terrain_model(DEFAULT_MODEL)?,
     };
     let model = Model::read(&path).map_err(CliError::input)?;
     let level = Elevation::from(args.level);

@@ -119,9 +119,8 @@ impl Trial<'_> {
         let (mut episode, mut trail) = (None, Trail::default());
         // A panic of the harness is a bug, but it must not take the other tasks' results with it.
         let end = catch_unwind(AssertUnwindSafe(|| {
-            let simulation = self
-                .simulation()
-                .map_err(|e| Failure::new(FaultCode::Simulation, e.to_string()))?;
+            let simulation =
+                self.simulation().map_err(|e| Failure::new(FaultCode::Simulation, e.to_string()))?;
             let episode = episode.insert(Episode::new(self, simulation, perception));
             self.drive(episode, driver, witness, &mut trail, cancel)
         }));

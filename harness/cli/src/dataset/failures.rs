@@ -118,7 +118,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
 /// Whether the worlds are in no suite that comes with the harness.
 fn suites_apart(suite: &Suite) -> Result<(), CliError> {
     let mut others = Vec::new();
-    for dir in places::suites()? {
+    for dir in places::catalog().suites()? {
         others.push(Suite::open(dir).map_err(CliError::input)?);
     }
     keep_apart(suite, &others).map_err(|e| failure(&e))
@@ -126,9 +126,10 @@ fn suites_apart(suite: &Suite) -> Result<(), CliError> {
 
 /// What a run's trials have in common, with the data at hand if they are those of the run.
 fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError> {
-    let vehicle = run::vehicle(args.data.vehicle.as_deref().unwrap_or(&header.vehicle.name))?;
-    let soils = run::soils(args.data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)?;
-    let perception = run::perception(&header.perception.name)?;
+    let vehicle = places::catalog().vehicle(args.data.vehicle.as_deref().unwrap_or(&header.vehicle.name))?;
+    let soils = places::catalog()
+        .soils(args.data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)?;
+    let perception = places::catalog().perception(&header.perception.name)?;
     let at_hand = [
         ("vehicle", &header.vehicle.name, &header.vehicle.hash, &vehicle.hash),
         ("soils", &header.soils.name, &header.soils.hash, &soils.hash),

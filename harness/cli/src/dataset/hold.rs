@@ -19,7 +19,7 @@ enum Message<'a> {
 
 pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
     let mut suites = Vec::new();
-    for dir in places::suites()?.iter().chain(&args.apart_from) {
+    for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
         suites.push(Suite::open(dir).map_err(CliError::input)?);
     }
     let findings = vb_dataset::validate(&args.dataset, &suites).map_err(|e| failure(&e))?.0;

@@ -33,15 +33,15 @@ pub(super) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     pub(super) fn new(args: &'a SceneArgs, rules: Rules) -> Result<Self, CliError> {
-        let vehicle = run::vehicle(&args.vehicle)?;
-        let soils = run::soils(&args.soils, SOIL_RESOLUTION)?;
-        let perception = run::perception(&args.perception)?;
+        let vehicle = places::catalog().vehicle(&args.vehicle)?;
+        let soils = places::catalog().soils(&args.soils, SOIL_RESOLUTION)?;
+        let perception = places::catalog().perception(&args.perception)?;
         let worlds = match &args.suite {
             Some(dir) => suite::open(Some(dir))?,
             None => suite::training(args.world_seed, args.worlds)?,
         };
         let mut others = Vec::new();
-        for dir in places::suites()?.iter().chain(&args.apart_from) {
+        for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
             others.push(Suite::open(dir).map_err(CliError::input)?);
         }
         keep_apart(&worlds, &others).map_err(|e| failure(&e))?;

@@ -13,7 +13,7 @@ use vb_world::{Suite, World};
 use super::failure;
 use crate::args::{DatasetMcapArgs, DatasetShowArgs};
 use crate::error::CliError;
-use crate::{output, replay, run};
+use crate::{output, places, replay};
 
 /// Worlds that are kept in memory at most.
 const WORLDS: usize = 128;
@@ -50,10 +50,10 @@ fn open(dir: &Path) -> Result<(Dataset, Worlds), CliError> {
 /// The vehicle of a dataset, if what is at hand, or what the user names, is it.
 fn vehicle(dataset: &Dataset, wanted: Option<&str>) -> Result<VehicleModel, CliError> {
     let own = &dataset.header().vehicle;
-    let found = run::vehicle(wanted.unwrap_or(&own.name));
+    let found = places::catalog().vehicle(wanted.unwrap_or(&own.name));
     match found {
         Ok(found) if found.hash == own.hash => VehicleModel::new(found.spec).map_err(CliError::input),
-        Err(e) if wanted.is_some() => Err(e),
+        Err(e) if wanted.is_some() => Err(e.into()),
         _ => Err(CliError::input(format!(
             "the vehicle {} at hand is not that of the dataset (name its file with --vehicle)",
             wanted.unwrap_or(&own.name)

@@ -10,10 +10,10 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use serde::Serialize;
+use vb_catalog::CatalogError;
 use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
 use vb_suite::rules::ParamsError;
-use vb_terrain::Model;
 use vb_world::{
     Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
 };
@@ -51,7 +51,7 @@ impl TasksCommand {
 
 /// A suite to be read.
 pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
-    Suite::open(places::suite(wanted)?).map_err(CliError::input)
+    Ok(places::catalog().open_suite(wanted)?)
 }
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
@@ -89,7 +89,7 @@ struct SuiteMessage<'a> {
 
 pub(crate) fn list(args: &SuiteListArgs) -> Result<(), CliError> {
     let mut rows = Vec::new();
-    for dir in places::suites()? {
+    for dir in places::catalog().suites()? {
         let suite = Suite::open(&dir).map_err(CliError::input)?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if args.format.is_json() {
@@ -156,7 +156,7 @@ pub(crate) fn rules<T: Default>(
 
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
-    let model = terrain_model(&params.elevation.model, args.params.as_deref())?;
+    let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let (drawn, worlds) = (&args.drawn, args.worlds as usize);
     keep_apart(drawn.seed, args.training)?;
     let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
@@ -169,47 +169,18 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
 }
 
 /// Refuses a seed of training worlds for a suite that judges planners, and the other way round.
-fn keep_apart(seed: u64, training: bool) -> Result<(), CliError> {
-    let (first, last) = (TRAINING_SEEDS.start(), TRAINING_SEEDS.end());
+fn keep_apart(seed: u64, training: bool) -> Result<(), CatalogError> {
     match (TRAINING_SEEDS.contains(&seed), training) {
-        (true, false) => Err(CliError::usage(format!(
-            "--seed {seed}: the seeds {first} to {last} are kept for training worlds, on which planners are tuned (take another \
-             seed, or say --training)"
-        ))),
-        (false, true) => Err(CliError::usage(format!(
-            "--seed {seed}: training worlds have a seed from {first} to {last}, so that no suite has one of them"
-        ))),
+        (true, false) => Err(CatalogError::KeptForTraining(seed)),
+        (false, true) => Err(CatalogError::NoTrainingSeed(seed)),
         _ => Ok(()),
     }
 }
 
 /// The suite of training worlds with this seed and number: where it was made before, or made now.
 pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
-    keep_apart(seed, true)?;
-    let params = GeneratorParams::default();
-    let model = terrain_model(&params.elevation.model, None)?;
-    let generator = Generator { rules: &params, model: &model, seed, worlds: worlds as usize };
-    let meta = generator.meta(&format!("training-{seed}"), "1");
-    let cache = places::cache_dir().unwrap_or_else(std::env::temp_dir).join("training");
-    // A newer generator makes other worlds of the same seed.
-    let made_by = vb_files::sha256(format!("{:?}", meta.provenance).as_bytes());
-    let dir = cache.join(format!("seed-{seed}-{worlds}-{}", &made_by[..12]));
-    if dir.is_dir() {
-        return Suite::open(&dir).map_err(CliError::input);
-    }
-    std::fs::create_dir_all(&cache).map_err(|e| CliError::output(format!("{}: {e}", cache.display())))?;
-    output::note(&format!("making {worlds} training worlds of seed {seed}"));
-    // Made elsewhere and then renamed, so that it is whole if it is there.
-    let making = tempfile::Builder::new().prefix(".making-").tempdir_in(&cache);
-    let making = making.map_err(|e| CliError::output(format!("{}: {e}", cache.display())))?;
-    generator.write(making.path().join("suite"), meta, |_, _| {}).map_err(generate_error)?;
-    if let Err(e) = std::fs::rename(making.path().join("suite"), &dir)
-        // Another process may have been faster.
-        && !dir.is_dir()
-    {
-        return Err(CliError::output(format!("{}: {e}", dir.display())));
-    }
-    Suite::open(&dir).map_err(CliError::input)
+    let making = &mut || output::note(&format!("making {worlds} training worlds of seed {seed}"));
+    Ok(places::catalog().training(seed, worlds, making)?)
 }
 
 fn generate_error(e: GenerateError) -> CliError {
@@ -223,17 +194,6 @@ fn generate_error(e: GenerateError) -> CliError {
 fn name(drawn: &DrawnArgs) -> String {
     let folder = || drawn.out.file_name().map_or_else(|| "generated".into(), OsStr::to_string_lossy);
     drawn.name.clone().unwrap_or_else(|| folder().into_owned())
-}
-
-/// The terrain model that rules name: one that comes with the harness, or a file beside the rules.
-fn terrain_model(name: &str, file: Option<&Path>) -> Result<Model, CliError> {
-    let wanted = Path::new(name);
-    let path = if places::is_name(wanted.as_os_str()) {
-        places::terrain_model(name)?
-    } else {
-        file.and_then(Path::parent).unwrap_or(Path::new("")).join(wanted)
-    };
-    Model::read(&path).map_err(|e| CliError::input(format!("elevation.model: {e}")))
 }
 
 #[derive(Serialize)]

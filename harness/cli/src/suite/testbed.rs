@@ -2,13 +2,14 @@
 
 use vb_suite::testbed::{Testbed, TestbedParams};
 
-use super::{name, rules, terrain_model, write};
+use super::{name, rules, write};
 use crate::args::TestbedArgs;
 use crate::error::CliError;
+use crate::places;
 
 pub(crate) fn testbed(args: &TestbedArgs) -> Result<(), CliError> {
     let params = rules(args.params.as_deref(), TestbedParams::parse)?;
-    let model = terrain_model(&params.elevation.model, args.params.as_deref())?;
+    let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let drawn = &args.drawn;
     let testbed = Testbed { rules: &params, model: &model, seed: drawn.seed };
     let worlds = testbed.worlds().map_err(CliError::input)?;

@@ -33,7 +33,7 @@ impl VehicleCommand {
 
 /// The vehicle that the user means, and its file.
 pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
-    let path = places::data(places::Data::Vehicle, wanted)?;
+    let path = places::catalog().data(vb_catalog::Data::Vehicle, wanted)?;
     let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
     Ok((path, spec))
 }
@@ -41,7 +41,7 @@ pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
 pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
     let head = ["name", "wheels", "scale", "mass", "description"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for name in places::names(places::Data::Vehicle)? {
+    for name in places::catalog().names(vb_catalog::Data::Vehicle)? {
         let (_, v) = load(&name)?;
         if args.format.is_json() {
             output::json(&ListMessage {
@@ -147,7 +147,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         return Err(CliError::usage("no vehicle given (see vb-harness vehicle test --help)"));
     };
     let (_, mut spec) = load(wanted)?;
-    let references = match args.references.clone().or_else(|| places::references(&spec.name)) {
+    let references = match args.references.clone().or_else(|| places::catalog().references(&spec.name)) {
         Some(path) => References::load(&path, &spec).map_err(CliError::input)?,
         None => References::default(),
     };
@@ -155,8 +155,8 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         spec = spec.with_tyre(tyre).map_err(CliError::usage)?;
     }
     let mut soils = Vec::new();
-    for name in places::names(places::Data::Soils)? {
-        let path = places::data(places::Data::Soils, &name)?;
+    for name in places::catalog().names(vb_catalog::Data::Soils)? {
+        let path = places::catalog().data(vb_catalog::Data::Soils, &name)?;
         soils.push(SoilSet::load(&path).map_err(CliError::input)?);
     }
     let options =

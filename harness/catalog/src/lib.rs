@@ -1,0 +1,292 @@
+//! What comes with the harness, found by its name: suites, vehicles, soils, perception profiles, and the training worlds
+//! that the generator draws. Whatever may be named may also be a file or a folder of the user's.
+
+mod error;
+mod training;
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use vb_runner::{Soils, Vehicle};
+use vb_sense::Profile;
+use vb_sim::SoilSet;
+use vb_vehicle::VehicleSpec;
+use vb_world::Suite;
+
+pub use error::CatalogError;
+
+/// The environment variable that names the directory with the built-in suites, rules and vehicles.
+pub const TASKS_VAR: &str = "VB_TASKS";
+/// The environment variable that names the directory for what is kept between commands.
+pub const CACHE_VAR: &str = "VB_CACHE";
+/// The suite that is run where none is named.
+const DEFAULT_SUITE: &str = "vb-100";
+
+/// A kind of data file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Data {
+    /// `tasks/vehicles`.
+    Vehicle,
+    /// `tasks/soils`.
+    Soils,
+    /// `tasks/perception`.
+    Perception,
+}
+
+impl Data {
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicles",
+            Self::Soils => "soils",
+            Self::Perception => "perception",
+        }
+    }
+
+    /// What one file is called in messages.
+    #[must_use]
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicle",
+            Self::Soils => "soil set",
+            Self::Perception => "perception profile",
+        }
+    }
+}
+
+/// The folder `tasks` that comes with the harness.
+#[derive(Clone, Debug)]
+pub struct Catalog {
+    tasks: Option<PathBuf>,
+}
+
+impl Catalog {
+    /// The folder that the environment variable [`TASKS_VAR`] names, else one in a directory above the program, else one in or
+    /// above the working directory. Where there is none, only files and folders of the user's are found.
+    #[must_use]
+    pub fn find() -> Self {
+        if let Some(dir) = var(TASKS_VAR) {
+            return Self { tasks: Some(dir) };
+        }
+        let roots = [std::env::current_exe().ok(), std::env::current_dir().ok().map(|d| d.join("."))];
+        let tasks = roots.into_iter().flatten().find_map(|root| {
+            root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("vehicles").is_dir())
+        });
+        Self { tasks }
+    }
+
+    /// This folder.
+    #[must_use]
+    pub fn at(tasks: impl Into<PathBuf>) -> Self {
+        Self { tasks: Some(tasks.into()) }
+    }
+
+    /// The folder.
+    ///
+    /// # Errors
+    /// Returns [`CatalogError::NoTasks`] if there is none.
+    pub fn tasks(&self) -> Result<&Path, CatalogError> {
+        self.tasks.as_deref().ok_or(CatalogError::NoTasks)
+    }
+
+    /// The built-in suites, by name.
+    ///
+    /// # Errors
+    /// Returns an error if the folder is missing or can't be listed.
+    pub fn suites(&self) -> Result<Vec<PathBuf>, CatalogError> {
+        let dir = self.tasks()?;
+        let entries =
+            std::fs::read_dir(dir).map_err(|source| CatalogError::List { path: dir.to_owned(), source })?;
+        let mut found: Vec<PathBuf> =
+            entries.flatten().map(|e| e.path()).filter(|p| p.join("suite.yaml").is_file()).collect();
+        found.sort();
+        Ok(found)
+    }
+
+    /// The suite that the user means: a directory, or the name of one that comes with the harness; vb-100 if none is named.
+    ///
+    /// # Errors
+    /// Returns an error if there is no suite of this name.
+    pub fn suite(&self, wanted: Option<&Path>) -> Result<PathBuf, CatalogError> {
+        let Some(wanted) = wanted else {
+            return Ok(self.tasks()?.join(DEFAULT_SUITE));
+        };
+        match wanted.to_str() {
+            Some(name) if !wanted.exists() && is_name(wanted.as_os_str()) => self.own_suite(name),
+            _ => Ok(wanted.to_owned()),
+        }
+    }
+
+    /// The suite of this name that comes with the harness, whatever lies in the working directory.
+    ///
+    /// # Errors
+    /// Returns an error if there is none.
+    pub fn own_suite(&self, name: &str) -> Result<PathBuf, CatalogError> {
+        let all = self.suites()?;
+        if let Some(found) = all.iter().find(|p| p.file_name() == Some(OsStr::new(name))) {
+            return Ok(found.clone());
+        }
+        let names: Vec<_> = all.iter().filter_map(|p| p.file_name()).map(OsStr::to_string_lossy).collect();
+        Err(CatalogError::Unknown {
+            noun: "suite",
+            name: name.to_owned(),
+            instead: "a directory with --suite",
+            known: names.join(", "),
+        })
+    }
+
+    /// Opens the suite that the user means.
+    ///
+    /// # Errors
+    /// Returns an error if there is no suite of this name, or it can't be read.
+    pub fn open_suite(&self, wanted: Option<&Path>) -> Result<Suite, CatalogError> {
+        Ok(Suite::open(self.suite(wanted)?)?)
+    }
+
+    /// The terrain model of this name that comes with the harness.
+    ///
+    /// # Errors
+    /// Returns an error if the folder is missing.
+    pub fn terrain_model(&self, name: &str) -> Result<PathBuf, CatalogError> {
+        Ok(self.tasks()?.join("terrain").join(format!("{name}.safetensors")))
+    }
+
+    /// The data file that the user means: a path, or the name of one that comes with the harness.
+    ///
+    /// # Errors
+    /// Returns an error if there is none of this name.
+    pub fn data(&self, kind: Data, wanted: &str) -> Result<PathBuf, CatalogError> {
+        if !is_name(OsStr::new(wanted)) || Path::new(wanted).is_file() {
+            return Ok(PathBuf::from(wanted));
+        }
+        self.own_data(kind, wanted)
+    }
+
+    /// The data file of this name that comes with the harness, whatever lies in the working directory.
+    ///
+    /// # Errors
+    /// Returns an error if there is none.
+    pub fn own_data(&self, kind: Data, wanted: &str) -> Result<PathBuf, CatalogError> {
+        let file = self.tasks()?.join(kind.folder()).join(format!("{wanted}.yaml"));
+        if file.is_file() {
+            return Ok(file);
+        }
+        Err(CatalogError::Unknown {
+            noun: kind.noun(),
+            name: wanted.to_owned(),
+            instead: "a file",
+            known: self.names(kind)?.join(", "),
+        })
+    }
+
+    /// The names of the data files of a kind that come with the harness.
+    ///
+    /// # Errors
+    /// Returns an error if the folder is missing.
+    pub fn names(&self, kind: Data) -> Result<Vec<String>, CatalogError> {
+        let dir = self.tasks()?.join(kind.folder());
+        let mut names: Vec<String> = std::fs::read_dir(&dir)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|e| e.file_name().to_string_lossy().strip_suffix(".yaml").map(str::to_owned))
+            .collect();
+        names.sort();
+        Ok(names)
+    }
+
+    /// The file of reference figures that comes with the harness for a vehicle of this name, if there is one.
+    #[must_use]
+    pub fn references(&self, vehicle: &str) -> Option<PathBuf> {
+        let file = self.tasks.as_deref()?.join("validation").join(format!("{vehicle}.yaml"));
+        file.is_file().then_some(file)
+    }
+
+    /// A vehicle by its name or file.
+    ///
+    /// # Errors
+    /// Returns an error if there is none of this name, or its file can't be used.
+    pub fn vehicle(&self, wanted: &str) -> Result<Vehicle, CatalogError> {
+        vehicle_of(&self.data(Data::Vehicle, wanted)?)
+    }
+
+    /// A set of soils by its name or file, and the side of the cells in which soil remembers ruts, m.
+    ///
+    /// # Errors
+    /// Returns an error if there is none of this name, or its file can't be used.
+    pub fn soils(&self, wanted: &str, resolution: f64) -> Result<Soils, CatalogError> {
+        soils_of(&self.data(Data::Soils, wanted)?, resolution)
+    }
+
+    /// A perception profile by its name or file.
+    ///
+    /// # Errors
+    /// Returns an error if there is none of this name, or its file can't be used.
+    pub fn perception(&self, wanted: &str) -> Result<Profile, CatalogError> {
+        perception_at(self.data(Data::Perception, wanted), wanted)
+    }
+
+    /// The perception profile of this name that comes with the harness, whatever lies in the working directory.
+    ///
+    /// # Errors
+    /// Returns an error if there is none of this name, or its file can't be used.
+    pub fn own_perception(&self, wanted: &str) -> Result<Profile, CatalogError> {
+        perception_at(self.own_data(Data::Perception, wanted), wanted)
+    }
+}
+
+/// The vehicle in this file.
+///
+/// # Errors
+/// Returns an error if the file can't be used.
+pub fn vehicle_of(path: &Path) -> Result<Vehicle, CatalogError> {
+    let (file, text, hash) = read_data(Data::Vehicle, path)?;
+    Ok(Vehicle { spec: VehicleSpec::parse(&text, &file)?, hash })
+}
+
+/// The set of soils in this file, and the side of the cells in which soil remembers ruts, m.
+///
+/// # Errors
+/// Returns an error if the file can't be used.
+pub fn soils_of(path: &Path, resolution: f64) -> Result<Soils, CatalogError> {
+    let (file, text, hash) = read_data(Data::Soils, path)?;
+    Ok(Soils { set: SoilSet::parse(&text, &file)?, hash, resolution })
+}
+
+/// The profile in a file, or the one that is built in where the folder of tasks lacks it, as it does in a folder with suites
+/// alone.
+fn perception_at(file: Result<PathBuf, CatalogError>, wanted: &str) -> Result<Profile, CatalogError> {
+    match (file, Profile::built_in(wanted)) {
+        (Ok(path), _) => Ok(Profile::load(&path)?),
+        (Err(_), Some(profile)) => Ok(profile),
+        (Err(error), None) => Err(error),
+    }
+}
+
+/// (path, text, SHA-256 in hexadecimal) of a data file.
+fn read_data(kind: Data, path: &Path) -> Result<(String, String, String), CatalogError> {
+    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|source| CatalogError::Read {
+        noun: kind.noun(),
+        path: path.to_owned(),
+        source,
+    })?;
+    let hash = vb_files::sha256(text.as_bytes());
+    Ok((path.display().to_string(), text, hash))
+}
+
+/// Whether this is a bare name rather than a path.
+#[must_use]
+pub fn is_name(text: &OsStr) -> bool {
+    !text.to_string_lossy().contains(['/', '\\', '.'])
+}
+
+/// Where compiled plugins and training worlds are kept between commands; none if the system has no place for it.
+#[must_use]
+pub fn cache_dir() -> Option<PathBuf> {
+    var(CACHE_VAR)
+        .or_else(|| var("XDG_CACHE_HOME").map(|d| d.join("verti-bench")))
+        .or_else(|| var("HOME").map(|d| d.join(".cache").join("verti-bench")))
+}
+
+fn var(name: &str) -> Option<PathBuf> {
+    std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from)
+}
