@@ -67,11 +67,9 @@ pub fn keep_apart<'s>(
     suites: impl IntoIterator<Item = &'s Suite>,
 ) -> Result<(), DatasetError> {
     for suite in suites {
-        for theirs in suite.worlds() {
-            if let Some(own) = worlds.worlds().iter().find(|w| w.sha256 == theirs.sha256) {
-                let (suite, of) = (suite.meta().name.clone(), theirs.id.clone());
-                return Err(DatasetError::SuiteWorld { world: own.id.clone(), suite, of });
-            }
+        if let Some((own, theirs)) = worlds.common_world(suite) {
+            let (suite, of) = (suite.meta().name.clone(), theirs.id.clone());
+            return Err(DatasetError::SuiteWorld { world: own.id.clone(), suite, of });
         }
     }
     Ok(())

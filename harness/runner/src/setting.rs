@@ -149,20 +149,50 @@ impl Setting {
         task: &Task,
         wants: &Wants,
     ) -> Result<(Perception, vb_sdk::Task), RunError> {
-        let terms = Terms {
+        self.brief_in(place, task, wants, self.seed)
+    }
+
+    /// As [`Self::brief`], in a run with this seed instead of the setting's own.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile doesn't offer what the driver asks for.
+    pub fn brief_in(
+        &self,
+        place: &Place,
+        task: &Task,
+        wants: &Wants,
+        seed: u64,
+    ) -> Result<(Perception, vb_sdk::Task), RunError> {
+        let terms = self.terms(wants, seed);
+        let perception = self.perception(place, task, wants, seed)?;
+        let brief = terms.brief(&place.world, task, self.vehicle.clone(), wants.params.clone(), &perception);
+        Ok((perception, brief))
+    }
+
+    /// The sensors of a task's vehicle, in a run with this seed instead of the setting's own.
+    ///
+    /// # Errors
+    /// Returns an error if the perception profile doesn't offer what the driver asks for.
+    pub fn perception(
+        &self,
+        place: &Place,
+        task: &Task,
+        wants: &Wants,
+        seed: u64,
+    ) -> Result<Perception, RunError> {
+        let seed = self.terms(wants, seed).perception_seed(&place.world, task);
+        Perception::new(&self.perception, &wants.needs, &place.scene, self.model.spec(), &seed)
+            .map_err(|source| RunError::Perception { planner: wants.name.clone(), source })
+    }
+
+    fn terms(&self, wants: &Wants, seed: u64) -> Terms<'_> {
+        Terms {
             rules: &self.rules,
             scale: self.scale,
             control_period: wants.control_period,
-            seed: self.seed,
+            seed,
             profile: &self.perception,
-        };
-        let seed = terms.perception_seed(&place.world, task);
-        let perception =
-            Perception::new(&self.perception, &wants.needs, &place.scene, self.model.spec(), &seed)
-                .map_err(|source| RunError::Perception { planner: wants.name.clone(), source })?;
-        let (vehicle, params) = (self.vehicle.clone(), wants.params.clone());
-        let brief = terms.brief(&place.world, task, vehicle, params, &perception);
-        Ok((perception, brief))
+        }
     }
 
     /// A task of a place as a trial, of which its driver is told this.

@@ -407,6 +407,14 @@ impl Profile {
         prior.elevation.is_some() && prior.semantics.is_some() && prior.occupancy.is_some()
     }
 
+    /// Tells whether the maps that a planner gets are the same in every run: as the world is.
+    #[must_use]
+    pub fn has_exact_maps(&self) -> bool {
+        let prior = &self.data.prior;
+        matches!(prior.elevation, None | Some(PriorElevation::Exact))
+            && matches!(prior.semantics, None | Some(PriorSemantics::Exact))
+    }
+
     /// The sensors that a planner gets.
     #[must_use]
     pub fn sensors_of(&self, planner: &Metadata) -> Vec<Need> {

@@ -159,6 +159,15 @@ impl Suite {
         })
     }
 
+    /// A world that has the same content as one of another suite: this one's, and the other's.
+    #[must_use]
+    pub fn common_world<'a>(&'a self, other: &'a Self) -> Option<(&'a WorldInfo, &'a WorldInfo)> {
+        other.worlds.iter().find_map(|theirs| {
+            let own = self.worlds.iter().find(|w| w.sha256 == theirs.sha256)?;
+            Some((own, theirs))
+        })
+    }
+
     /// The number of tasks in all worlds.
     #[must_use]
     pub fn task_count(&self) -> usize {

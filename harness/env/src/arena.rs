@@ -1,0 +1,286 @@
+//! What environments of one kind share.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use vb_catalog::Catalog;
+use vb_record::{LogMode, TraceMode};
+use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
+use vb_score::Rules;
+use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
+use vb_sim::Simulation;
+use vb_world::{Selector, Suite, Task, TaskRef};
+
+use crate::cache::Cache;
+use crate::{EnvError, Reward};
+
+/// The time step of the simulation, s: that of the benchmark.
+const TIME_STEP: f64 = 0.001;
+/// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
+const SOIL_RESOLUTION: f64 = 0.1;
+/// Worlds that are kept in memory: about 1 MB each.
+const WORLDS: usize = 256;
+/// Tasks whose vehicle is kept as it stands at the start: 20 to 200 kB each.
+const STARTS: usize = 2048;
+
+/// How environments are made. Names are those of what comes with the harness, or paths of files.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The suite whose tasks are driven; `None` for training worlds.
+    pub suite: Option<PathBuf>,
+    /// The tasks, as a selector; `None` for all.
+    pub tasks: Option<String>,
+    /// The number of training worlds.
+    pub worlds: u32,
+    /// The seed of the training worlds, one of [`vb_suite`'s](vb_catalog::CatalogError::NoTrainingSeed).
+    pub world_seed: u64,
+    /// Suites of which no training world may be one, beside those that come with the harness.
+    pub apart_from: Vec<PathBuf>,
+    /// The vehicle.
+    pub vehicle: String,
+    /// The soils of deformable ground.
+    pub soils: String,
+    /// The perception profile.
+    pub perception: String,
+    /// The rules by which episodes end.
+    pub rules: String,
+    /// The factor on every length of the worlds; `None` for the scale that the vehicle is made for.
+    pub scale: Option<f64>,
+    /// Actions a second.
+    pub control_hz: f64,
+    /// The parts of an observation, by their names.
+    pub observation: Vec<String>,
+    /// What is seen of the surroundings.
+    pub sight: Sight,
+    /// What an action means.
+    pub action: ActionKind,
+    /// What a step is worth.
+    pub reward: Reward,
+}
+
+impl Options {
+    /// The parts of an observation where none are named.
+    pub const OBSERVATION: [&str; 5] = ["state", "goal", "path", "command", "height"];
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            suite: None,
+            tasks: None,
+            worlds: 18,
+            world_seed: 7000,
+            apart_from: Vec::new(),
+            vehicle: "hmmwv".into(),
+            soils: "default".into(),
+            perception: "oracle".into(),
+            rules: "paper".into(),
+            scale: None,
+            control_hz: 10.0,
+            observation: Self::OBSERVATION.map(str::to_owned).to_vec(),
+            sight: Sight::default(),
+            action: ActionKind::default(),
+            reward: Reward::default(),
+        }
+    }
+}
+
+/// A task, ready to be driven: its world, and the vehicle as it stands at the start.
+pub(crate) struct Start {
+    pub(crate) name: String,
+    pub(crate) place: Place,
+    pub(crate) task: Task,
+    pub(crate) simulation: Simulation,
+    /// What is told about the task, in a run with the setting's own seed.
+    pub(crate) brief: Arc<vb_sdk::Task>,
+}
+
+/// What environments of one kind share: tasks, vehicle, observation, action, reward, and what was made of them before.
+pub struct Arena {
+    pub(crate) setting: Setting,
+    pub(crate) wants: Wants,
+    pub(crate) layout: Layout,
+    pub(crate) action: ActionKind,
+    pub(crate) reward: Reward,
+    suite: Suite,
+    tasks: Vec<TaskRef>,
+    places: Cache<Place>,
+    starts: Cache<Arc<Start>>,
+}
+
+/// Nothing but the record is kept of an episode.
+const KEEP: Keep = Keep { trace: TraceMode::None, logs: LogMode::None };
+
+impl Arena {
+    /// Makes what environments share. Training worlds that aren't there yet are drawn now, which takes about a second for each;
+    /// `making` hears of it.
+    ///
+    /// # Errors
+    /// Returns an error that names the option that is wrong.
+    pub fn new(catalog: &Catalog, options: Options, making: &mut dyn FnMut()) -> Result<Self, EnvError> {
+        let option = |option, value: String, problem: &str| EnvError::Option {
+            option,
+            value,
+            problem: problem.to_owned(),
+        };
+        let period = 1.0 / options.control_hz;
+        let samples = (period / SAMPLE_PERIOD).round();
+        if !(samples >= 1.0 && samples <= 100.0 && (samples * SAMPLE_PERIOD - period).abs() < 1e-9) {
+            let problem = "must be 100 over a whole number from 1 to 100, e.g. 10, 20 or 50";
+            return Err(option("control_hz", options.control_hz.to_string(), problem));
+        }
+        if let ActionKind::Speed { slowest, fastest } = options.action
+            && !(slowest < fastest && slowest >= -10.0 && fastest <= 30.0)
+        {
+            let problem = "must be two speeds, the lower first, from -10 to 30 m/s";
+            return Err(option("speed_range", format!("({slowest}, {fastest})"), problem));
+        }
+        if options.suite.is_none() && !(1..=1000).contains(&options.worlds) {
+            return Err(option("worlds", options.worlds.to_string(), "must lie in 1 to 1000"));
+        }
+        if let Some(name) = options.observation.iter().find(|n| PARTS.iter().all(|k| k.name != **n)) {
+            let known = PARTS.map(|k| k.name).join(", ");
+            return Err(option("observation", name.clone(), &format!("there are {known}")));
+        }
+        let rules = Rules::resolve(&options.rules)?;
+        let vehicle = catalog.vehicle(&options.vehicle)?;
+        let soils = catalog.soils(&options.soils, SOIL_RESOLUTION)?;
+        let perception = catalog.perception(&options.perception)?;
+        let scale = options.scale.unwrap_or(vehicle.spec.scale);
+        let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, 0)?;
+        let suite = match &options.suite {
+            Some(dir) => catalog.open_suite(Some(dir))?,
+            None => Self::training(catalog, &options, making)?,
+        };
+        let selector = Selector::parse(options.tasks.as_deref().unwrap_or("*"));
+        let tasks = match &options.tasks {
+            Some(_) => selector?.select(&suite)?,
+            None => {
+                let of = |w: &vb_world::WorldInfo| {
+                    let world = w.id.clone();
+                    w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
+                };
+                suite.worlds().iter().flat_map(of).collect()
+            }
+        };
+        let Some(first) = tasks.first() else {
+            return Err(option("tasks", options.tasks.unwrap_or_default(), "chooses no task"));
+        };
+        let wants = Wants {
+            name: "the environment".into(),
+            control_period: period,
+            needs: Layout::needs(&options.observation),
+            params: Vec::new(),
+        };
+        // What a task of the first world comes with, all others come with too.
+        let place = Place::load(&suite, &first.world, scale)?;
+        let Some(task) = place.world.task(&first.task) else {
+            return Err(option("tasks", first.task.clone(), "is not in its world"));
+        };
+        let (_, brief) = setting.brief(&place, task, &wants)?;
+        let layout =
+            Layout::new(&options.observation, options.sight, &brief).map_err(EnvError::Observation)?;
+        let places = Cache::new(WORLDS);
+        let _ = places.get(&first.world, || Ok::<_, EnvError>(place));
+        let (action, reward) = (options.action, options.reward);
+        Ok(Self { setting, wants, layout, action, reward, suite, tasks, places, starts: Cache::new(STARTS) })
+    }
+
+    /// Training worlds that no suite has.
+    fn training(catalog: &Catalog, options: &Options, making: &mut dyn FnMut()) -> Result<Suite, EnvError> {
+        let worlds = catalog.training(options.world_seed, options.worlds, making)?;
+        for dir in catalog.suites()?.iter().chain(&options.apart_from) {
+            let suite = Suite::open(dir)?;
+            if let Some((own, theirs)) = worlds.common_world(&suite) {
+                let (world, of) = (own.id.clone(), theirs.id.clone());
+                return Err(EnvError::SuiteWorld { world, suite: suite.meta().name.clone(), of });
+            }
+        }
+        Ok(worlds)
+    }
+
+    /// The suite that the tasks are of.
+    #[must_use]
+    pub fn suite(&self) -> &Suite {
+        &self.suite
+    }
+
+    /// The tasks, in the suite's order.
+    #[must_use]
+    pub fn tasks(&self) -> &[TaskRef] {
+        &self.tasks
+    }
+
+    /// The parts of an observation.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// What an action means.
+    #[must_use]
+    pub fn action(&self) -> ActionKind {
+        self.action
+    }
+
+    /// What a step is worth.
+    #[must_use]
+    pub fn reward(&self) -> &Reward {
+        &self.reward
+    }
+
+    /// The setting of the trials.
+    #[must_use]
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// The time between two actions, s.
+    #[must_use]
+    pub fn control_period(&self) -> f64 {
+        self.wants.control_period
+    }
+
+    /// The index of a task by its name.
+    pub(crate) fn find(&self, name: &str) -> Result<usize, EnvError> {
+        let is_it = |t: &TaskRef| name.split_once('/') == Some((&t.world, &t.task));
+        self.tasks.iter().position(is_it).ok_or_else(|| EnvError::NoTask {
+            task: name.to_owned(),
+            count: self.tasks.len(),
+            first: self.tasks.iter().take(3).map(ToString::to_string).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// A task with its vehicle at the start.
+    pub(crate) fn start(&self, index: usize) -> Result<Arc<Start>, EnvError> {
+        let wanted = &self.tasks[index];
+        let name = wanted.to_string();
+        self.starts.get(&name, || {
+            let load = || Place::load(&self.suite, &wanted.world, self.setting.scale);
+            let place = self.places.get(&wanted.world, load)?;
+            let task = place.world.task(&wanted.task).cloned().ok_or_else(|| EnvError::NoTask {
+                task: name.clone(),
+                count: self.tasks.len(),
+                first: String::new(),
+            })?;
+            let (_, brief) = self.setting.brief(&place, &task, &self.wants)?;
+            let trial = self.setting.trial(&place, &task, &brief, KEEP);
+            let simulation =
+                trial.simulation().map_err(|source| EnvError::Start { task: name.clone(), source })?;
+            Ok(Arc::new(Start { name: name.clone(), place, task, simulation, brief: Arc::new(brief) }))
+        })
+    }
+
+    /// What is told about a task in a run with this seed.
+    pub(crate) fn brief(&self, start: &Start, seed: u64) -> Result<Arc<vb_sdk::Task>, EnvError> {
+        if self.setting.perception.has_exact_maps() {
+            return Ok(Arc::clone(&start.brief));
+        }
+        Ok(Arc::new(self.setting.brief_in(&start.place, &start.task, &self.wants, seed)?.1))
+    }
+
+    /// A task as a trial.
+    pub(crate) fn trial<'a>(&'a self, start: &'a Start, brief: &'a vb_sdk::Task) -> Trial<'a> {
+        self.setting.trial(&start.place, &start.task, brief, KEEP)
+    }
+}

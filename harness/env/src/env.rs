@@ -1,0 +1,295 @@
+//! One environment: an episode after another.
+
+use std::sync::Arc;
+
+use vb_math::hypot;
+use vb_math::rng::Stream;
+use vb_runner::Episode;
+use vb_score::{Outcome, TaskRecord};
+use vb_sdk::path::{Follower, Path};
+use vb_sdk::policy::{Actuator, Observer, Row};
+use vb_sdk::{Observation, Point2};
+use vb_sim::{SimError, VehicleState};
+
+use crate::arena::Start;
+use crate::reward::Measured;
+use crate::{Arena, EnvError, TERMS, Terms};
+
+/// How far ahead of its progress along the path the vehicle is looked for, m at scale 1.
+const WINDOW: f64 = 8.0;
+
+/// What an episode begins with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reset {
+    /// The seed of all that is random from now on; `None` to go on with the numbers of the last one.
+    pub seed: Option<u64>,
+    /// The task, e.g. `w001/t03`; `None` for one that is drawn.
+    pub task: Option<String>,
+    /// The seed of the sensors' noise, that of a run (`vb-harness run --seed`); `None` for one that is drawn.
+    pub run_seed: Option<u64>,
+}
+
+/// What a step came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// The reward.
+    pub reward: f64,
+    /// What each term of the reward was worth.
+    pub terms: Terms,
+    /// Whether the episode has ended by what the vehicle did: success, rollover, stuck, out of bounds.
+    pub terminated: bool,
+    /// Whether the episode has ended by something else: time ran out, or the simulation failed.
+    pub truncated: bool,
+}
+
+/// An environment: drives one episode after another, of tasks of its arena.
+pub struct Env {
+    arena: Arc<Arena>,
+    draws: Stream,
+    running: Option<Running>,
+}
+
+/// An environment as it was at some time. It goes on exactly as the environment did.
+#[derive(Clone)]
+pub struct Snapshot {
+    draws: Stream,
+    running: Option<Running>,
+}
+
+/// An episode that was begun.
+#[derive(Clone)]
+struct Running {
+    start: Arc<Start>,
+    brief: Arc<vb_sdk::Task>,
+    run_seed: u64,
+    episode: Episode,
+    observer: Observer,
+    actuator: Actuator,
+    observation: Observation,
+    /// Where the vehicle is in truth, for the reward.
+    follower: Follower,
+    goal_distance: f64,
+    steering: f64,
+    time: f64,
+    /// The way until now, m: the place at the start and after each step.
+    way: Vec<[f32; 3]>,
+    record: Option<Box<TaskRecord>>,
+}
+
+impl Env {
+    /// An environment of an arena, whose numbers are drawn by this seed until another is given.
+    #[must_use]
+    pub fn new(arena: Arc<Arena>, seed: u64) -> Self {
+        Self { arena, draws: draws(seed), running: None }
+    }
+
+    /// What it shares with others.
+    #[must_use]
+    pub fn arena(&self) -> &Arc<Arena> {
+        &self.arena
+    }
+
+    /// Begins an episode.
+    ///
+    /// # Errors
+    /// Returns an error if there is no such task, or it can't be begun; the last episode goes on then.
+    pub fn reset(&mut self, reset: &Reset) -> Result<(), EnvError> {
+        let fixed = reset.task.as_deref().map(|name| self.arena.find(name)).transpose()?;
+        let mut stream = reset.seed.map_or_else(|| self.draws.clone(), draws);
+        // Both are drawn whether they are used or not, so that later episodes stay the same.
+        let drawn = stream.below(self.arena.tasks().len() as u64) as usize;
+        let noise = stream.next_u64();
+        let (index, run_seed) = (fixed.unwrap_or(drawn), reset.run_seed.unwrap_or(noise));
+        let running = Running::new(&self.arena, index, run_seed)?;
+        (self.draws, self.running) = (stream, Some(running));
+        Ok(())
+    }
+
+    /// Drives on with an action until the next is due, or the episode ends.
+    ///
+    /// # Errors
+    /// Returns an error if there is no episode or it has ended, and if the action isn't made of as many finite numbers as an
+    /// action has; the episode stays as it was then.
+    pub fn step(&mut self, action: &[f64]) -> Result<Step, EnvError> {
+        let arena = Arc::clone(&self.arena);
+        let running = self.running.as_mut().ok_or(EnvError::NoEpisode)?;
+        if let Some(record) = &running.record {
+            return Err(EnvError::Ended(record.reason.clone()));
+        }
+        let dimensions = arena.action().dimensions();
+        if action.len() != dimensions.len() {
+            let names = dimensions.iter().map(|d| d.name).collect::<Vec<_>>().join(", ");
+            return Err(EnvError::ActionLength { wanted: dimensions.len(), names, given: action.len() });
+        }
+        if let Some(index) = action.iter().position(|a| !a.is_finite()) {
+            return Err(EnvError::Action { index, name: dimensions[index].name, value: action[index] });
+        }
+        Ok(running.step(&arena, action))
+    }
+
+    /// Writes a part of the observation, in the order of [`vb_sdk::policy::Layout::parts`]. Without an episode nothing is
+    /// written.
+    pub fn observe(&self, part: usize, row: Row<'_>) {
+        if let (Some(running), Some(part)) = (&self.running, self.arena.layout().parts().get(part)) {
+            running.observer.fill(&running.brief, part, row);
+        }
+    }
+
+    /// Writes the flat observation ([`Observer::flat`]). Without an episode nothing is written.
+    pub fn observe_flat(&self, to: &mut [f32]) {
+        if let Some(running) = &self.running {
+            running.observer.flat(&running.brief, self.arena.layout(), to);
+        }
+    }
+
+    /// The name of the task.
+    #[must_use]
+    pub fn task(&self) -> Option<&str> {
+        self.running.as_ref().map(|r| r.start.name.as_str())
+    }
+
+    /// The seed of the sensors' noise.
+    #[must_use]
+    pub fn run_seed(&self) -> Option<u64> {
+        self.running.as_ref().map(|r| r.run_seed)
+    }
+
+    /// What is told about the task: maps, path, vehicle.
+    #[must_use]
+    pub fn brief(&self) -> Option<&vb_sdk::Task> {
+        self.running.as_ref().map(|r| &*r.brief)
+    }
+
+    /// The state of the vehicle, in truth.
+    #[must_use]
+    pub fn vehicle(&self) -> Option<VehicleState> {
+        self.running.as_ref().map(|r| r.episode.simulation().state())
+    }
+
+    /// The world, scaled.
+    #[must_use]
+    pub fn world(&self) -> Option<&Arc<vb_world::World>> {
+        self.running.as_ref().map(|r| &r.start.place.world)
+    }
+
+    /// The way of the vehicle until now: places of its reference point in the world, m, at the start and after each step.
+    #[must_use]
+    pub fn way(&self) -> &[[f32; 3]] {
+        self.running.as_ref().map_or(&[], |r| &r.way)
+    }
+
+    /// The record of the episode, as the benchmark has it, once it has ended.
+    #[must_use]
+    pub fn record(&self) -> Option<&TaskRecord> {
+        self.running.as_ref()?.record.as_deref()
+    }
+
+    /// The environment as it is now.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot { draws: self.draws.clone(), running: self.running.clone() }
+    }
+
+    /// Goes back to how an environment of the same arena was.
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        let Snapshot { draws, running } = snapshot.clone();
+        (self.draws, self.running) = (draws, running);
+    }
+}
+
+/// The stream that tasks and noise are drawn from.
+fn draws(seed: u64) -> Stream {
+    Stream::new(seed, &["env"])
+}
+
+impl Running {
+    fn new(arena: &Arena, index: usize, run_seed: u64) -> Result<Self, EnvError> {
+        let start = arena.start(index)?;
+        let brief = arena.brief(&start, run_seed)?;
+        let perception = arena.setting.perception(&start.place, &start.task, &arena.wants, run_seed)?;
+        let trial = arena.trial(&start, &brief);
+        let mut episode = Episode::new(&trial, start.simulation.clone(), perception);
+        let is_over = episode.begin(&mut ());
+        let record = is_over.then(|| Box::new(trial.result_of(episode.clone(), None).record));
+        let observation = episode.observe();
+        let mut observer = Observer::new(&brief, arena.layout()).map_err(EnvError::Observation)?;
+        observer.look(&observation);
+        let mut points = brief.path.clone();
+        points.push(brief.goal);
+        let path = Path::new(&points).map_err(EnvError::Observation)?;
+        let mut follower = Follower::new(path, WINDOW * brief.vehicle.scale);
+        let at = episode.simulation().state().position;
+        follower.update(at.x, at.y);
+        Ok(Self {
+            goal_distance: distance(brief.goal, at.x, at.y),
+            actuator: Actuator::new(arena.action(), &brief),
+            way: vec![[at.x as f32, at.y as f32, at.z as f32]],
+            steering: 0.0,
+            time: 0.0,
+            start,
+            brief,
+            run_seed,
+            episode,
+            observer,
+            observation,
+            follower,
+            record,
+        })
+    }
+
+    fn step(&mut self, arena: &Arena, action: &[f64]) -> Step {
+        let command = self.actuator.command(action, &self.observation);
+        let taken = self.episode.command(&command);
+        let ended = match self.episode.advance(&mut ()) {
+            Ok(is_over) => is_over.then_some(None),
+            Err(e) => Some(Some(e)),
+        };
+        let outcome = ended.map(|error| self.end(arena, error));
+        let state = self.episode.simulation().state();
+        let at = state.position;
+        self.way.push([at.x as f32, at.y as f32, at.z as f32]);
+        // The last observation of an episode is answered by nobody, so it is in no record.
+        self.observation = self.episode.observe();
+        self.observer.look(&self.observation);
+
+        let (scale, before) = (self.brief.vehicle.scale, self.follower.arc());
+        let progress = self.follower.update(at.x, at.y).arc - before;
+        let goal_distance = distance(self.brief.goal, at.x, at.y);
+        let (roll, pitch, _) = state.roll_pitch_yaw();
+        let measured = Measured {
+            progress: progress / scale,
+            approach: (self.goal_distance - goal_distance) / scale,
+            time: (state.time - self.time) / scale.sqrt(),
+            roll,
+            pitch,
+            steering: taken.steering - self.steering,
+            end: outcome,
+        };
+        (self.goal_distance, self.steering, self.time) = (goal_distance, taken.steering, state.time);
+        let mut terms = arena.reward().terms(&measured);
+        // The state of a simulation that has failed may be anything.
+        for (term, worth) in TERMS.iter().zip(&mut terms) {
+            if !worth.is_finite() || (outcome == Some(Outcome::SimError) && term.name != "sim_error") {
+                *worth = 0.0;
+            }
+        }
+        let is_truncated = |o: Outcome| matches!(o, Outcome::Timeout | Outcome::SimError);
+        Step {
+            reward: terms.iter().sum(),
+            terms,
+            terminated: outcome.is_some_and(|o| !is_truncated(o)),
+            truncated: outcome.is_some_and(is_truncated),
+        }
+    }
+
+    /// Puts the record away.
+    fn end(&mut self, arena: &Arena, error: Option<SimError>) -> Outcome {
+        let trial = arena.trial(&self.start, &self.brief);
+        let record = trial.result_of(self.episode.clone(), error.as_ref()).record;
+        self.record.insert(Box::new(record)).outcome
+    }
+}
+
+fn distance(goal: Point2, x: f64, y: f64) -> f64 {
+    hypot(goal.x - x, goal.y - y)
+}

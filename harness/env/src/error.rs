@@ -1,0 +1,126 @@
+//! The reasons why an environment can't be made or go on.
+
+use vb_catalog::CatalogError;
+use vb_runner::RunError;
+use vb_score::RulesError;
+use vb_sdk::PlannerError;
+use vb_sim::SimError;
+use vb_world::{SelectorError, SuiteError};
+
+/// An error of an environment. Each message is one line with what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EnvError {
+    /// Something that was named can't be had.
+    #[error(transparent)]
+    Catalog(#[from] CatalogError),
+    /// The suite can't be read.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// The tasks that were asked for aren't there.
+    #[error(transparent)]
+    Tasks(#[from] SelectorError),
+    /// The rules can't be used.
+    #[error(transparent)]
+    Rules(#[from] RulesError),
+    /// Vehicle, perception or scale don't fit.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The vehicle can't be put at the start of a task.
+    #[error("{task}: {source}")]
+    Start {
+        /// The name of the task.
+        task: String,
+        /// What went wrong.
+        source: SimError,
+    },
+    /// The observation can't be made.
+    #[error("observation: {0}")]
+    Observation(PlannerError),
+    /// An option has a value that makes no sense.
+    #[error("{option}: {value}: {problem}")]
+    Option {
+        /// The name of the option.
+        option: &'static str,
+        /// Its value.
+        value: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A reward file can't be used.
+    #[error("{file}: {problem}")]
+    Reward {
+        /// The name of the file.
+        file: String,
+        /// The field, the value and what is wrong.
+        problem: String,
+    },
+    /// A world of training belongs to a suite that judges planners.
+    #[error(
+        "{world} of the training worlds is world {of} of the suite {suite}, which judges planners: take another world_seed"
+    )]
+    SuiteWorld {
+        /// The training world.
+        world: String,
+        /// The suite.
+        suite: String,
+        /// The world of the suite.
+        of: String,
+    },
+    /// There is no such task among those of the environment.
+    #[error("there is no task {task} among the {count} tasks of this environment (the first are {first})")]
+    NoTask {
+        /// The name that was given.
+        task: String,
+        /// How many there are.
+        count: usize,
+        /// The names of the first.
+        first: String,
+    },
+    /// The numbers of an action are too many or too few.
+    #[error("an action has {wanted} numbers ({names}), not {given}")]
+    ActionLength {
+        /// How many there are in an action.
+        wanted: usize,
+        /// What they are called.
+        names: String,
+        /// How many were given.
+        given: usize,
+    },
+    /// An action is no number.
+    #[error("action[{index}] ({name}) is {value}: give a finite number")]
+    Action {
+        /// The index of the number.
+        index: usize,
+        /// The name of the number.
+        name: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// The environment has no episode.
+    #[error("there is no episode: call reset first")]
+    NoEpisode,
+    /// The episode has ended.
+    #[error("the episode has ended ({0}): call reset")]
+    Ended(String),
+    /// Steps and resets are under way.
+    #[error("{0} environments are still at work: call recv first")]
+    Pending(usize),
+    /// There is nothing to be received.
+    #[error("no environment is at work: call send or reset first")]
+    Nothing,
+    /// There is no such environment.
+    #[error("there is no environment {index}: there are {count}")]
+    NoEnv {
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The harness failed.
+    #[error("the harness panicked: {0}; please report it (close the environment and make it anew)")]
+    Panic(String),
+    /// The system can't start a thread.
+    #[error("can't start a worker thread: {0} (ask for fewer)")]
+    Thread(std::io::Error),
+}

@@ -1,0 +1,469 @@
+//! Many environments at a time, stepped by worker threads.
+
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use vb_score::TaskRecord;
+use vb_sdk::policy::{Dtype, Row};
+
+use crate::rows::Rows;
+use crate::{Arena, Env, EnvError, Reset, Step, TERMS};
+
+/// The stack of a worker, bytes. Simulations keep little there.
+const STACK: usize = 8 << 20;
+/// How often it is looked whether the caller wants no more.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// When the next episode begins after one has ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Autoreset {
+    /// With the step after it, whose action is not used and which is worth nothing.
+    #[default]
+    NextStep,
+    /// At once: the step returns the first observation of the next episode, and the last one of the old apart from it.
+    SameStep,
+    /// When it is asked for.
+    Disabled,
+}
+
+/// The numbers of all environments, a row for each. What an environment has written is there once it was received, and stays
+/// until it is sent on.
+pub struct Output {
+    /// For each part of the observation, or for the flat one.
+    observations: Vec<Numbers>,
+    /// The last observations of episodes, with [`Autoreset::SameStep`]; else none.
+    finals: Vec<Numbers>,
+    rewards: Rows<f64>,
+    terms: Rows<f64>,
+    terminated: Rows<bool>,
+    truncated: Rows<bool>,
+}
+
+enum Numbers {
+    F32(Rows<f32>),
+    U8(Rows<u8>),
+}
+
+/// Where an array lies: for each environment a row of `width` numbers.
+#[derive(Clone, Copy, Debug)]
+pub enum Pointer {
+    /// Numbers of 32 bits.
+    F32(*mut f32, usize),
+    /// Labels.
+    U8(*mut u8, usize),
+    /// Numbers of 64 bits.
+    F64(*mut f64, usize),
+    /// Flags.
+    Bool(*mut bool, usize),
+}
+
+impl Numbers {
+    fn pointer(&self) -> Pointer {
+        match self {
+            Self::F32(rows) => Pointer::F32(rows.pointer(), rows.width()),
+            Self::U8(rows) => Pointer::U8(rows.pointer(), rows.width()),
+        }
+    }
+}
+
+impl Output {
+    fn new(arena: &Arena, count: usize, flat: bool, with_finals: bool) -> Self {
+        let numbers = || -> Vec<Numbers> {
+            if flat {
+                return vec![Numbers::F32(Rows::new(count, arena.layout().flat_width()))];
+            }
+            let of = |p: &vb_sdk::policy::Part| match p.dtype {
+                Dtype::F32 => Numbers::F32(Rows::new(count, p.width())),
+                Dtype::U8 => Numbers::U8(Rows::new(count, p.width())),
+            };
+            arena.layout().parts().iter().map(of).collect()
+        };
+        Self {
+            observations: numbers(),
+            finals: if with_finals { numbers() } else { Vec::new() },
+            rewards: Rows::new(count, 1),
+            terms: Rows::new(count, TERMS.len()),
+            terminated: Rows::new(count, 1),
+            truncated: Rows::new(count, 1),
+        }
+    }
+
+    /// Where the observations lie, part by part, or the flat one.
+    #[must_use]
+    pub fn observations(&self) -> Vec<Pointer> {
+        self.observations.iter().map(Numbers::pointer).collect()
+    }
+
+    /// Where the last observations of episodes lie, with [`Autoreset::SameStep`].
+    #[must_use]
+    pub fn finals(&self) -> Vec<Pointer> {
+        self.finals.iter().map(Numbers::pointer).collect()
+    }
+
+    /// Where the rewards lie.
+    #[must_use]
+    pub fn rewards(&self) -> Pointer {
+        Pointer::F64(self.rewards.pointer(), 1)
+    }
+
+    /// Where the terms of the rewards lie, in the order of [`TERMS`].
+    #[must_use]
+    pub fn terms(&self) -> Pointer {
+        Pointer::F64(self.terms.pointer(), TERMS.len())
+    }
+
+    /// Where the flags lie that tell which episodes have ended by what the vehicle did.
+    #[must_use]
+    pub fn terminated(&self) -> Pointer {
+        Pointer::Bool(self.terminated.pointer(), 1)
+    }
+
+    /// Where the flags lie that tell which episodes have ended by something else.
+    #[must_use]
+    pub fn truncated(&self) -> Pointer {
+        Pointer::Bool(self.truncated.pointer(), 1)
+    }
+
+    /// Writes an environment's observation.
+    ///
+    /// # Safety
+    /// Nobody else uses the rows of this index.
+    unsafe fn observe(to: &[Numbers], flat: bool, index: usize, env: &Env) {
+        for (part, numbers) in to.iter().enumerate() {
+            // SAFETY: as the caller promises.
+            let row = unsafe {
+                match numbers {
+                    Numbers::F32(rows) => Row::F32(rows.row(index)),
+                    Numbers::U8(rows) => Row::U8(rows.row(index)),
+                }
+            };
+            match row {
+                Row::F32(row) if flat => env.observe_flat(row),
+                row => env.observe(part, row),
+            }
+        }
+    }
+
+    /// Writes what a step came to.
+    ///
+    /// # Safety
+    /// Nobody else uses the rows of this index.
+    unsafe fn write(&self, index: usize, step: &Step) {
+        // SAFETY: as the caller promises.
+        unsafe {
+            self.rewards.row(index)[0] = step.reward;
+            self.terms.row(index).copy_from_slice(&step.terms);
+            self.terminated.row(index)[0] = step.terminated;
+            self.truncated.row(index)[0] = step.truncated;
+        }
+    }
+}
+
+/// What an environment has done, beside the numbers of [`Output`].
+#[derive(Clone, Debug)]
+pub struct Arrival {
+    /// The index of the environment.
+    pub index: usize,
+    /// The task and the seed of the sensors' noise, if an episode has begun.
+    pub began: Option<(String, u64)>,
+    /// The record of the episode that has ended.
+    pub ended: Option<Box<TaskRecord>>,
+}
+
+enum Job {
+    Reset(Reset),
+    Step(Vec<f64>),
+}
+
+/// One environment among many.
+struct Place {
+    env: Env,
+    /// The episode has ended.
+    is_over: bool,
+}
+
+struct Shared {
+    places: Vec<Mutex<Place>>,
+    output: Output,
+    flat: bool,
+    autoreset: Autoreset,
+    jobs: Mutex<Jobs>,
+    there_are_jobs: Condvar,
+    done: Mutex<VecDeque<(usize, Result<Arrival, EnvError>)>>,
+    something_is_done: Condvar,
+}
+
+#[derive(Default)]
+struct Jobs {
+    waiting: VecDeque<(usize, Job)>,
+    stop: bool,
+}
+
+/// Many environments of an arena, which worker threads step.
+///
+/// [`Self::reset`] and [`Self::send`] hand out work, [`Self::receive`] waits for what is done. What an environment does
+/// depends on its own seed and actions alone; only the order in which environments are done depends on the threads.
+pub struct VectorEnv {
+    arena: Arc<Arena>,
+    shared: Arc<Shared>,
+    workers: Vec<JoinHandle<()>>,
+    /// The environments that are at work.
+    at_work: Vec<bool>,
+}
+
+/// A panic while a lock is held is told as an error of its environment; what the lock holds is whole.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl VectorEnv {
+    /// So many environments, on so many threads. Observations are flat, or by parts.
+    ///
+    /// # Errors
+    /// Returns an error if a number is 0 or too great, or a thread can't be started.
+    pub fn new(
+        arena: Arc<Arena>,
+        count: usize,
+        threads: usize,
+        autoreset: Autoreset,
+        flat: bool,
+    ) -> Result<Self, EnvError> {
+        let within = |option, value: usize, most: usize| {
+            if (1..=most).contains(&value) {
+                return Ok(());
+            }
+            let problem = format!("must lie in 1 to {most}");
+            Err(EnvError::Option { option, value: value.to_string(), problem })
+        };
+        within("num_envs", count, 65_536)?;
+        within("threads", threads, 1024)?;
+        let place = |k: usize| Mutex::new(Place { env: Env::new(arena.clone(), k as u64), is_over: true });
+        let with_finals = autoreset == Autoreset::SameStep;
+        let shared = Arc::new(Shared {
+            places: (0..count).map(place).collect(),
+            output: Output::new(&arena, count, flat, with_finals),
+            flat,
+            autoreset,
+            jobs: Mutex::default(),
+            there_are_jobs: Condvar::new(),
+            done: Mutex::default(),
+            something_is_done: Condvar::new(),
+        });
+        let mut own = Self { arena, shared, workers: Vec::new(), at_work: vec![false; count] };
+        for _ in 0..threads.min(count) {
+            let shared = Arc::clone(&own.shared);
+            let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
+            own.workers.push(thread.spawn(move || shared.work()).map_err(EnvError::Thread)?);
+        }
+        Ok(own)
+    }
+
+    /// What the environments share.
+    #[must_use]
+    pub fn arena(&self) -> &Arc<Arena> {
+        &self.arena
+    }
+
+    /// The number of environments.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.at_work.len()
+    }
+
+    /// When the next episode begins after one has ended.
+    #[must_use]
+    pub fn autoreset(&self) -> Autoreset {
+        self.shared.autoreset
+    }
+
+    /// The arrays of all environments.
+    #[must_use]
+    pub fn output(&self) -> &Output {
+        &self.shared.output
+    }
+
+    /// Begins episodes in these environments.
+    ///
+    /// # Errors
+    /// Returns an error, and begins nothing, if there is no such environment or task, or one is at work.
+    pub fn reset(&mut self, resets: Vec<(usize, Reset)>) -> Result<(), EnvError> {
+        for (index, reset) in &resets {
+            self.is_free(*index)?;
+            if let Some(task) = &reset.task {
+                self.arena.find(task)?;
+            }
+        }
+        self.hand_out(resets.into_iter().map(|(index, reset)| (index, Job::Reset(reset))));
+        Ok(())
+    }
+
+    /// Steps these environments, with the numbers of their actions one after the other.
+    ///
+    /// # Errors
+    /// Returns an error, and steps none, if there is no such environment, one is at work, or an action isn't made of as many
+    /// finite numbers as an action has.
+    pub fn send(&mut self, indices: &[usize], actions: &[f64]) -> Result<(), EnvError> {
+        let dimensions = self.arena.action().dimensions();
+        if actions.len() != indices.len() * dimensions.len() {
+            let names = dimensions.iter().map(|d| d.name).collect::<Vec<_>>().join(", ");
+            let given = actions.len() / indices.len().max(1);
+            return Err(EnvError::ActionLength { wanted: dimensions.len(), names, given });
+        }
+        if let Some(at) = actions.iter().position(|a| !a.is_finite()) {
+            let index = at % dimensions.len();
+            return Err(EnvError::Action { index, name: dimensions[index].name, value: actions[at] });
+        }
+        indices.iter().try_for_each(|index| self.is_free(*index))?;
+        let jobs = indices.iter().zip(actions.chunks(dimensions.len()));
+        self.hand_out(jobs.map(|(index, action)| (*index, Job::Step(action.to_vec()))));
+        Ok(())
+    }
+
+    fn is_free(&self, index: usize) -> Result<(), EnvError> {
+        match self.at_work.get(index) {
+            None => Err(EnvError::NoEnv { index, count: self.count() }),
+            Some(true) => Err(EnvError::Pending(self.pending())),
+            Some(false) => Ok(()),
+        }
+    }
+
+    /// The number of environments that are at work.
+    #[must_use]
+    pub fn pending(&self) -> usize {
+        self.at_work.iter().filter(|w| **w).count()
+    }
+
+    fn hand_out(&mut self, jobs: impl Iterator<Item = (usize, Job)>) {
+        let mut queue = lock(&self.shared.jobs);
+        for (index, job) in jobs {
+            self.at_work[index] = true;
+            queue.waiting.push_back((index, job));
+        }
+        drop(queue);
+        self.shared.there_are_jobs.notify_all();
+    }
+
+    /// Waits until `count` environments are done, and returns them in the order in which they came. `wants_more` is asked every
+    /// 50 ms; if it says no, `None` is returned, and what is done can be received later.
+    ///
+    /// # Errors
+    /// Returns an error if so many aren't at work, and the first error of an environment.
+    pub fn receive(
+        &mut self,
+        count: usize,
+        wants_more: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Vec<Arrival>>, EnvError> {
+        let pending = self.pending();
+        if count == 0 || pending < count {
+            return Err(if pending == 0 { EnvError::Nothing } else { EnvError::Pending(pending) });
+        }
+        let mut done = lock(&self.shared.done);
+        while done.len() < count {
+            let (guard, waited) = self
+                .shared
+                .something_is_done
+                .wait_timeout(done, LOOK)
+                .unwrap_or_else(PoisonError::into_inner);
+            done = guard;
+            if waited.timed_out() && done.len() < count {
+                drop(done);
+                if !wants_more() {
+                    return Ok(None);
+                }
+                done = lock(&self.shared.done);
+            }
+        }
+        let taken: Vec<_> = done.drain(..count).collect();
+        drop(done);
+        for (index, _) in &taken {
+            self.at_work[*index] = false;
+        }
+        taken.into_iter().map(|(_, arrival)| arrival).collect::<Result<Vec<_>, _>>().map(Some)
+    }
+
+    /// Looks at an environment.
+    ///
+    /// # Errors
+    /// Returns an error if there is no such environment, or it is at work.
+    pub fn with<T>(&self, index: usize, look: impl FnOnce(&mut Env) -> T) -> Result<T, EnvError> {
+        self.is_free(index)?;
+        Ok(look(&mut lock(&self.shared.places[index]).env))
+    }
+}
+
+impl Drop for VectorEnv {
+    fn drop(&mut self) {
+        let mut jobs = lock(&self.shared.jobs);
+        jobs.stop = true;
+        jobs.waiting.clear();
+        drop(jobs);
+        self.shared.there_are_jobs.notify_all();
+        for worker in self.workers.drain(..) {
+            // A worker catches the panics of its jobs, and its own would have been told as an error.
+            let _ = worker.join();
+        }
+    }
+}
+
+impl Shared {
+    fn work(&self) {
+        loop {
+            let mut jobs = lock(&self.jobs);
+            let (index, job) = loop {
+                if jobs.stop {
+                    return;
+                }
+                if let Some(next) = jobs.waiting.pop_front() {
+                    break next;
+                }
+                jobs = self.there_are_jobs.wait(jobs).unwrap_or_else(PoisonError::into_inner);
+            };
+            drop(jobs);
+            let arrival = catch_unwind(AssertUnwindSafe(|| self.job(index, &job)));
+            let arrival = arrival.unwrap_or_else(|panic| {
+                let text = panic.downcast_ref::<String>().cloned();
+                let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+                Err(EnvError::Panic(text.unwrap_or_else(|| "no message".to_owned())))
+            });
+            lock(&self.done).push_back((index, arrival));
+            self.something_is_done.notify_one();
+        }
+    }
+
+    fn job(&self, index: usize, job: &Job) -> Result<Arrival, EnvError> {
+        let mut place = lock(&self.places[index]);
+        let Place { env, is_over } = &mut *place;
+        let mut step = Step::default();
+        let mut ended = None;
+        let reset = match job {
+            Job::Reset(reset) => Some(reset.clone()),
+            Job::Step(_) if *is_over && self.autoreset == Autoreset::NextStep => Some(Reset::default()),
+            Job::Step(action) => {
+                step = env.step(action)?;
+                let is_last = step.terminated || step.truncated;
+                *is_over = is_last;
+                ended = env.record().filter(|_| is_last).cloned().map(Box::new);
+                (is_last && self.autoreset == Autoreset::SameStep).then(Reset::default)
+            }
+        };
+        let mut began = None;
+        if let Some(reset) = reset {
+            if ended.is_some() {
+                // SAFETY: this worker has the job of this index.
+                unsafe { Output::observe(&self.output.finals, self.flat, index, env) };
+            }
+            env.reset(&reset)?;
+            *is_over = env.record().is_some();
+            began = env.task().map(str::to_owned).zip(env.run_seed());
+        }
+        // SAFETY: this worker has the job of this index.
+        unsafe {
+            Output::observe(&self.output.observations, self.flat, index, env);
+            self.output.write(index, &step);
+        }
+        Ok(Arrival { index, began, ended })
+    }
+}
