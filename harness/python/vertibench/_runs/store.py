@@ -40,7 +40,7 @@ class Run:
         schema = self.header.get("schema")
         if schema not in SCHEMAS:
             raise RunError(file, f"version {schema} of runs, this package reads {SCHEMAS[0]} to {SCHEMAS[-1]}", "use a newer vertibench")
-        self._check("run.json", file, content)
+        _check(self._sums(), "run.json", file, content)
 
     def __fspath__(self) -> str:
         return str(self.path)
@@ -79,7 +79,7 @@ class Run:
             task = record.get("task")
             if not isinstance(task, str) or "outcome" not in record:
                 raise RunError(f"{file} line {number}", "it is no record of a task", _DAMAGED)
-            self._check(f"tasks.jsonl {task}", f"{file} line {number}", line, sums)
+            _check(sums, f"tasks.jsonl {task}", f"{file} line {number}", line)
             records[task] = record
         return [records[task] for task in sorted(records)]
 
@@ -100,7 +100,7 @@ class Run:
         file = self.path / name
         if not file.is_file():
             raise RunError(file, "the trajectory is missing", "restore the file, or run the task again")
-        self._check(name, file, _read(file))
+        _check(self._sums(), name, file, _read(file))
         return file
 
     def results(self, frame: str = "pandas") -> Any:
@@ -141,19 +141,20 @@ class Run:
             sums[name] = digest
         return sums
 
-    def _check(self, name: str, where: object, content: bytes, sums: dict[str, str] | None = None) -> None:
-        sums = self._sums() if sums is None else sums
-        if sums is None:
-            return
-        if name not in sums:
-            raise RunError(where, f"{name} has no checksum in checksums.txt", _DAMAGED)
-        if hashlib.sha256(content).hexdigest() != sums[name]:
-            raise RunError(where, f"{name} is not what was written: its checksum is another", _DAMAGED)
-
 
 def opened(run: Run | str | PathLike[str]) -> Run:
     """The run, opened if it is given as a directory."""
     return run if isinstance(run, Run) else Run(run)
+
+
+def _check(sums: dict[str, str] | None, name: str, where: object, content: bytes) -> None:
+    """Refuses what is no longer as it was written, if there are checksums."""
+    if sums is None:
+        return
+    if name not in sums:
+        raise RunError(where, f"{name} has no checksum in checksums.txt", _DAMAGED)
+    if hashlib.sha256(content).hexdigest() != sums[name]:
+        raise RunError(where, f"{name} is not what was written: its checksum is another", _DAMAGED)
 
 
 def _read(file: Path) -> bytes:
