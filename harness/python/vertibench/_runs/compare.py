@@ -112,7 +112,7 @@ class Comparison:
         rows = [[r.label, str(r.all.tasks), *(_shown(getattr(r.all, m), m) for m in MEASURES)] for r in self.runs]
         shown = table_html("runs", head, rows)
         if self.pairs:
-            head = ["second − first", "common tasks", "success, points", "only first / only second", "p", *units[1:]]
+            head = ["second − first", "tasks", "success, points", "only first / second", "p", *units[1:]]
             rows = [
                 [f"{p.second} − {p.first}", str(p.common), _shown(p.success_rate, "success_rate"), f"{p.only_first} / {p.only_second}",
                  _p(p.success_rate), *(_shown(getattr(p, m), m) for m in MEASURES[1:])]

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -93,17 +93,21 @@ def run(
     tell, finish = _teller(progress)
     where: Path | None = Path(out).absolute() if out is not None else None
     outcomes: dict[str, int] = {}
+
+    def handle(event: dict[str, Any]) -> None:
+        nonlocal where
+        kind = event.get("event")
+        if kind == "started":
+            tell(Progress(event["resumed"], event["total"], None, {}))
+        elif kind == "task":
+            name = event["record"]["outcome"]
+            outcomes[name] = outcomes.get(name, 0) + 1
+            tell(Progress(event["done"], event["total"], event["record"], dict(outcomes)))
+        elif kind == "finished":
+            where = Path(event["out"]).absolute()
+
     try:
-        for event in _events(command):
-            kind = event.get("event")
-            if kind == "started":
-                tell(Progress(event["resumed"], event["total"], None, {}))
-            elif kind == "task":
-                name = event["record"]["outcome"]
-                outcomes[name] = outcomes.get(name, 0) + 1
-                tell(Progress(event["done"], event["total"], event["record"], dict(outcomes)))
-            elif kind == "finished":
-                where = Path(event["out"]).absolute()
+        _listen(command, handle)
     except ProgramError as e:
         if e.code in (7, 10, 130) and where is not None:
             e.run = Run(where)
@@ -117,7 +121,9 @@ def run(
 
 def events(*arguments: str) -> list[dict[str, Any]]:
     """What a command of the program tells, as dictionaries. Raises the `ProgramError` of its exit code."""
-    return list(_events([str(harness_path()), *arguments]))
+    told: list[dict[str, Any]] = []
+    _listen([str(harness_path()), *arguments], told.append)
+    return told
 
 
 def _text(value: object) -> str:
@@ -126,9 +132,9 @@ def _text(value: object) -> str:
     return os.fspath(value) if isinstance(value, PathLike) else str(value)
 
 
-def _events(command: Sequence[str]) -> Iterator[dict[str, Any]]:
-    """Starts the program, yields what it tells on stdout while it goes on, and ends it if the caller stops. What it warns
-    of is warned of here."""
+def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) -> None:
+    """Starts the program, hands over what it tells on stdout while it goes on, and stops it if `handle` fails or we are
+    interrupted. What it warns of is warned of here."""
     # In a group of its own, so that Ctrl-C reaches it once, through us.
     apart: dict[str, Any] = {"start_new_session": True}
     if sys.platform == "win32":
@@ -144,30 +150,36 @@ def _events(command: Sequence[str]) -> Iterator[dict[str, Any]]:
     # Both pipes must be emptied, or the program waits for us while we wait for it.
     listener = threading.Thread(target=lambda: said.extend(line.rstrip() for line in child.stderr or ()), daemon=True)
     listener.start()
-    try:
-        for line in child.stdout or ():
-            try:
-                event = json.loads(line)
-            except ValueError:
-                event = None
-            if not isinstance(event, dict):
-                raise ProgramError(f"{command[0]}: `{line[:80]}` is no message (is it vb-harness?)", 0, command)
-            yield event
-        code = child.wait()
-    except BaseException as e:
-        _stop(child)
-        listener.join(1)
-        if isinstance(e, KeyboardInterrupt):
-            raise KeyboardInterrupt(_error(said) or "stopped") from None
-        raise
-    listener.join()
+    # Leaving this closes the pipes.
+    with child:
+        try:
+            for line in child.stdout or ():
+                handle(_message(line, command))
+            code = child.wait()
+            listener.join()
+        except BaseException as e:
+            _stop(child)
+            listener.join(1)
+            if isinstance(e, KeyboardInterrupt):
+                raise KeyboardInterrupt(_error(said) or "stopped") from None
+            raise
     for line in said:
         if line.startswith(("warning: ", "note: ")):
-            warnings.warn(line, stacklevel=4)
+            warnings.warn(line, stacklevel=3)
     if code == _SIM_ERRORS:
-        warnings.warn(_error(said), stacklevel=4)
+        warnings.warn(_error(said), stacklevel=3)
     elif code:
         raise of_program(_error(said), code, command)
+
+
+def _message(line: str, command: Sequence[str]) -> dict[str, Any]:
+    try:
+        event = json.loads(line)
+    except ValueError:
+        event = None
+    if not isinstance(event, dict):
+        raise ProgramError(f"{command[0]}: `{line[:80].strip()}` is no message (is it vb-harness?)", 0, command)
+    return event
 
 
 def _error(said: Sequence[str]) -> str:
@@ -182,9 +194,11 @@ def _stop(child: subprocess.Popen[str]) -> None:
     try:
         if child.poll() is None:
             child.send_signal(signal.CTRL_BREAK_EVENT if sys.platform == "win32" else signal.SIGINT)
-            # Nobody reads on, so that a full pipe must not hold it up.
-            threading.Thread(target=lambda: all(True for _ in child.stdout or ()), daemon=True).start()
+            # Nobody else reads on, and a full pipe must not hold it up.
+            reader = threading.Thread(target=lambda: all(True for _ in child.stdout or ()), daemon=True)
+            reader.start()
             child.wait(_PATIENCE)
+            reader.join(1)
     except (subprocess.TimeoutExpired, KeyboardInterrupt):
         pass
     finally:
@@ -204,14 +218,34 @@ def _teller(progress: bool | Callable[[Progress], object] | None) -> tuple[Calla
         raise UsageError(f"progress={progress!r}: it can't be called (give True, False or a function)", 2)
     if not progress:
         return lambda _: None, lambda: None
-    # Notebooks show stderr as if something was wrong.
-    out = sys.stdout if notebook else sys.stderr
+    return _in_a_notebook() if notebook else _on_a_terminal()
+
+
+def _on_a_terminal() -> tuple[Callable[[Progress], object], Callable[[], object]]:
+    """One line on stderr that is written over."""
     width = 0
 
     def tell(state: Progress) -> None:
         nonlocal width
         text = str(state)
-        print(f"\r{text:<{width}}", end="", file=out, flush=True)
+        print(f"\r{text:<{width}}", end="", file=sys.stderr, flush=True)
         width = len(text)
 
-    return tell, lambda: print(file=out, flush=True) if width else None
+    return tell, lambda: print(file=sys.stderr, flush=True) if width else None
+
+
+def _in_a_notebook() -> tuple[Callable[[Progress], object], Callable[[], object]]:
+    """One output that is replaced."""
+    from IPython.display import display
+
+    shown = None
+
+    def tell(state: Progress) -> None:
+        nonlocal shown
+        text = {"text/plain": str(state)}
+        if shown is None:
+            shown = display(text, raw=True, display_id=True)
+        else:
+            shown.update(text, raw=True)
+
+    return tell, lambda: None

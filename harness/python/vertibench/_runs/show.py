@@ -134,9 +134,16 @@ def _driven(run: Run, trace: Trace, label: str) -> Driven:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """The planners' names, with the folder where they are not unique."""
+    """The planners' names, with the parameters in which namesakes differ, and the folder where that doesn't tell them apart."""
     names = [r.planner for r in runs]
-    return [name if names.count(name) == 1 else f"{name} [{r.path.name}]" for name, r in zip(names, runs)]
+    params = [r.of("params") or {} for r in runs]
+    labels = []
+    for name, own in zip(names, params):
+        others = [p for p, n in zip(params, names) if n == name]
+        differ = sorted(key for key in set().union(*others) if any(p.get(key) != own.get(key) for p in others))
+        told = ", ".join(f"{key} {own.get(key, 'default')}" for key in differ)
+        labels.append(f"{name} ({told})" if told else name)
+    return [label if labels.count(label) == 1 else f"{label} [{r.path.name}]" for label, r in zip(labels, runs)]
 
 
 def _goal_radius(run: Run) -> float | None:

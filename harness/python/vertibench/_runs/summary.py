@@ -24,9 +24,13 @@ class Estimate:
     high: float | None
 
     def __format__(self, spec: str) -> str:
-        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`."""
+        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`, or `-2.0% (-9.1% to 5.0%)`."""
         text = format(self.mean, spec)
-        return text if self.low is None or self.high is None else f"{text} ({self.low:{spec}}–{self.high:{spec}})"
+        if self.low is None or self.high is None:
+            return text
+        # A dash beside a minus can't be read.
+        to = "–" if self.low >= 0 and self.high >= 0 else " to "
+        return f"{text} ({self.low:{spec}}{to}{self.high:{spec}})"
 
     def __str__(self) -> str:
         return format(self, ".4g")
@@ -117,7 +121,7 @@ def table_html(title: str, head: list[str], rows: list[list[str]]) -> str:
     align = ["left"] + ["right"] * (len(head) - 1)
 
     def line(tag: str, cells: list[str]) -> str:
-        return "".join(f'<{tag} style="text-align:{a}">{html.escape(c)}</{tag}>' for a, c in zip(align, cells))
+        return "".join(f'<{tag} style="text-align:{a};white-space:nowrap">{html.escape(c)}</{tag}>' for a, c in zip(align, cells))
 
     body = "".join(f"<tr>{line('td', row)}</tr>" for row in rows)
     caption = f'<caption style="text-align:left;caption-side:top">{html.escape(title)}</caption>'
