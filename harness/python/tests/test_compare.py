@@ -27,7 +27,12 @@ DIFFERENCES = {
     "pitch_deg": None,
 }
 PAIR = {"first": 0, "second": 1, "common": 9, "both": 3, "only_first": 1, "only_second": 4, "differences": DIFFERENCES}
-TOLD = {"event": "statistics", "level": 0.95, "runs": [_run("a <b>", "runs/a", 0.4), _run("c", "runs/c", 0.65)], "pairs": [PAIR]}
+TOLD = {
+    "event": "statistics",
+    "level": 0.95,
+    "runs": [_run("a <b>", "runs/a", 0.4), _run("c", "runs/c", 0.65)],
+    "pairs": [PAIR],
+}
 
 
 def test_what_the_program_tells_is_in_the_comparison(stand_in):
@@ -36,9 +41,18 @@ def test_what_the_program_tells_is_in_the_comparison(stand_in):
     first, second = comparison.runs
     assert (first.label, second.path, first.missing, first.all.tasks) == ("a <b>", "runs/c", 1, 10)
     assert first.all.success_rate == vertibench.Estimate(0.4, 0.1, 0.9) and first.all.pitch_deg is None
-    assert first.all.outcomes == {"success": 4, "stuck": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
+    assert (
+        first.all.outcomes == {"success": 4, "stuck": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
+    )
     (pair,) = comparison.pairs
-    assert (pair.first, pair.second, pair.common, pair.both, pair.only_first, pair.only_second) == ("a <b>", "c", 9, 3, 1, 4)
+    assert (pair.first, pair.second, pair.common, pair.both, pair.only_first, pair.only_second) == (
+        "a <b>",
+        "c",
+        9,
+        3,
+        1,
+        4,
+    )
     d = pair.success_rate
     assert (d.mean, d.low, d.high, d.tasks, d.p, d.p_adjusted) == (0.25, -0.1, 0.5, 9, 0.03, 0.0004)
     assert f"{d:.0%}" == "25% (-10% to 50%)" and pair.pitch_deg is None and pair.time_s.low is None
@@ -49,12 +63,21 @@ def test_comparisons_are_frames_and_tables(stand_in):
     stand_in(TOLD)
     comparison = vertibench.compare("runs/a", "runs/c")
     runs = comparison.runs_frame("dict")
-    assert runs["success_rate"] == [0.4, 0.65] and runs["success_rate_high"] == [0.9, 0.9] and runs["time_s_low"] == [None, None]
+    assert (
+        runs["success_rate"] == [0.4, 0.65]
+        and runs["success_rate_high"] == [0.9, 0.9]
+        and runs["time_s_low"] == [None, None]
+    )
     assert runs["outcome_stuck"] == [6, 6] and runs["label"] == ["a <b>", "c"]
     splits = comparison.splits_frame("dict")
     assert (splits["split"], splits["level"], splits["success_rate"]) == (["elevation"] * 2, ["low"] * 2, [1.0, 1.0])
     pairs = comparison.pairs_frame("dict")
-    assert pairs["measure"] == ["success_rate", "time_s", "roll_deg", "pitch_deg"] and pairs["mean"] == [0.25, -2.5, 0.0, None]
+    assert pairs["measure"] == ["success_rate", "time_s", "roll_deg", "pitch_deg"] and pairs["mean"] == [
+        0.25,
+        -2.5,
+        0.0,
+        None,
+    ]
     assert pairs["p_adjusted"] == [0.0004, 1.0, None, None] and pairs["only_second"] == [4] * 4
     page = comparison._repr_html_()
     assert "a &lt;b&gt;" in page and "<b>" not in page, "labels are text"
@@ -83,7 +106,10 @@ def test_a_program_without_statistics_is_told(stand_in):
 
 def test_runs_of_different_suites_are_refused_by_the_program(driven, tmp_path):
     other = vertibench.run("pid.wasm", suite="vb-100", tasks="w001/t00", out=tmp_path / "other", progress=False)
-    for do in (lambda: vertibench.compare(driven / "slow", other), lambda: vertibench.show([driven / "slow", other], "w001/t00")):
+    for do in (
+        lambda: vertibench.compare(driven / "slow", other),
+        lambda: vertibench.show([driven / "slow", other], "w001/t00"),
+    ):
         with pytest.raises(vertibench.VertibenchError, match="suite") as caught:
             do()
         assert "smoke" in str(caught.value) and "vb-100" in str(caught.value) and "\n" not in str(caught.value)
@@ -107,7 +133,9 @@ def test_the_programs_own_statistics_are_those_of_the_summaries(driven):
         assert of.all.roll_deg.mean == pytest.approx(summary["all"]["roll_mean_deg"])
         assert {k: n for k, n in of.all.outcomes.items() if n} == {k: n for k, n in summary.outcomes.items() if n}
         for split in ("elevation", "terrain", "density"):
-            assert {l: f.tasks for l, f in of.splits[split].items() if f.tasks} == {l: f["tasks"] for l, f in summary[split].items()}
+            assert {l: f.tasks for l, f in of.splits[split].items() if f.tasks} == {
+                l: f["tasks"] for l, f in summary[split].items()
+            }
     assert "speed 5" in comparison.runs[1].label
     (pair,) = comparison.pairs
     rates = [r.all.success_rate.mean for r in comparison.runs]

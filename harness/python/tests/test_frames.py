@@ -66,7 +66,11 @@ def test_packages_that_are_missing_are_named_with_their_extra(driven, monkeypatc
         with pytest.raises(vertibench.MissingPackageError) as caught:
             vertibench.results(driven / "slow", package)
         message = str(caught.value)
-        assert f"pip install 'vertibench[{package}]'" in message and "\n" not in message and isinstance(caught.value, ImportError)
+        assert (
+            f"pip install 'vertibench[{package}]'" in message
+            and "\n" not in message
+            and isinstance(caught.value, ImportError)
+        )
     with pytest.raises(vertibench.VertibenchError, match="give one of pandas, polars, arrow, dict"):
         vertibench.results(driven / "slow", "excel")
     assert len(vertibench.results(driven / "slow", "arrow")) == 4, "nothing more is needed"
@@ -97,7 +101,10 @@ def test_a_run_without_traces_says_so(program, tmp_path):
         with pytest.raises(vertibench.RunError, match=r"kept no trajectories \(run it again with trace='10hz'\)"):
             look("w001/t00")
     for look in (run.trace, run.show):
-        with pytest.raises(vertibench.RunError, match=r"no task w001/t01 among its 1 finished tasks \(give one of them, e.g. w001/t00\)"):
+        with pytest.raises(
+            vertibench.RunError,
+            match=r"no task w001/t01 among its 1 finished tasks \(give one of them, e.g. w001/t00\)",
+        ):
             look("w001/t01")
 
 
@@ -117,15 +124,20 @@ def test_the_summary_is_the_file(driven):
         for level, figures in content[split].items():
             assert by_level[split, level] == figures["time_mean_s"]
     assert rows["outcome_stuck"][0] == everything["outcomes"]["stuck"]
-    assert rows["fuel_total"][0] == everything["fuel"]["total"] and rows["three_way_success"][0] == everything["three_way"]["success"]
-    page = summary._repr_html_()
-    assert f"{100 * rate.mean:.1f} ({100 * rate.low:.1f}–{100 * rate.high:.1f})" in page and page.count("<tr>") == 1 + len(
-        [s for s in rows["split"] if s != "world"]
+    assert (
+        rows["fuel_total"][0] == everything["fuel"]["total"]
+        and rows["three_way_success"][0] == everything["three_way"]["success"]
     )
+    page = summary._repr_html_()
+    assert f"{100 * rate.mean:.1f} ({100 * rate.low:.1f}–{100 * rate.high:.1f})" in page and page.count(
+        "<tr>"
+    ) == 1 + len([s for s in rows["split"] if s != "world"])
 
 
 def test_estimates_are_written_with_their_interval():
     rate = vertibench.Estimate(0.377, 0.302, 0.459)
     assert f"{rate:.1%}" == "37.7% (30.2%–45.9%)" and str(rate) == "0.377 (0.302–0.459)"
-    assert f"{vertibench.Estimate(-0.02, -0.091, 0.05):.2f}" == "-0.02 (-0.09 to 0.05)", "a minus after a dash can't be read"
+    assert f"{vertibench.Estimate(-0.02, -0.091, 0.05):.2f}" == "-0.02 (-0.09 to 0.05)", (
+        "a minus after a dash can't be read"
+    )
     assert f"{vertibench.Estimate(0.5, None, None):.0%}" == "50%", "tasks of one world have no interval"

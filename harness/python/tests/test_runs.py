@@ -20,7 +20,17 @@ def test_it_is_the_run_of_the_command_line(driven, harness, tmp_path):
         run = vertibench.Run(driven / name)
         plugin = plugin_path("pid.wasm")
         out = tmp_path / name
-        harness("--plugin", plugin, "--suite", "smoke", "--tasks", "w001/t00,w003/t00-t01,w008/t04", "--out", str(out), *more)
+        harness(
+            "--plugin",
+            plugin,
+            "--suite",
+            "smoke",
+            "--tasks",
+            "w001/t00,w003/t00-t01,w008/t04",
+            "--out",
+            str(out),
+            *more,
+        )
         by_hand = vertibench.Run(out)
         assert run.records() == by_hand.records() and len(run.tasks) == 4
         for field in ("suite", "plugin", "params", "vehicle", "seed", "selector"):
@@ -105,7 +115,11 @@ def test_what_is_completed_with_a_warning_is_a_run(stand_in, driven):
 
 
 def test_what_is_no_harness_is_refused(stand_in, tmp_path, monkeypatch):
-    for told, what in (("hello", "`hello` is no message"), ([1], "is no message"), ({"event": "x"}, "without telling where")):
+    for told, what in (
+        ("hello", "`hello` is no message"),
+        ([1], "is no message"),
+        ({"event": "x"}, "without telling where"),
+    ):
         stand_in(told)
         with pytest.raises(vertibench.ProgramError, match=what):
             vertibench.run("pid.wasm")
@@ -151,7 +165,13 @@ def test_ctrl_c_stops_the_program_and_the_run_can_go_on(program, tmp_path):
     for again in range(2):
         with pytest.raises(RuntimeError, match="enough"):
             vertibench.run(
-                "pid.wasm", suite="vb-100", tasks="elevation=low", jobs=1, out=tmp_path / "r", resume=True, progress=stop
+                "pid.wasm",
+                suite="vb-100",
+                tasks="elevation=low",
+                jobs=1,
+                out=tmp_path / "r",
+                resume=True,
+                progress=stop,
             )
         assert seen[0] >= len(done), "no task is run again"
         done = vertibench.Run(tmp_path / "r").tasks
@@ -263,7 +283,9 @@ def test_hurt_runs_are_told_in_one_line(driven, tmp_path):
             run.trace("w001/t00")
             run.summary()
         message = str(caught.value)
-        assert told in message and message.startswith(str(folder)) and message.endswith(")") and "\n" not in message, message
+        assert told in message and message.startswith(str(folder)) and message.endswith(")") and "\n" not in message, (
+            message
+        )
 
 
 def test_a_run_that_goes_on_is_read_as_far_as_it_got(driven, tmp_path):

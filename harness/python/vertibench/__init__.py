@@ -7,8 +7,8 @@
 >>> run.show("w003/t00")                                             # map, trajectory and replay, in a notebook
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
-`vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what to
-do. Nothing is imported before it is used; results as pandas or polars need these packages.
+`vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what
+to do. Nothing is imported before it is used; results as pandas or polars need these packages.
 """
 
 from __future__ import annotations

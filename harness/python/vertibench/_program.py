@@ -18,7 +18,9 @@ def harness_path() -> Path:
     named = os.environ.get("VB_HARNESS")
     if named:
         if not Path(named).is_file():
-            raise VertibenchError(named, "no program is here", "let VB_HARNESS name the program vb-harness, or unset it")
+            raise VertibenchError(
+                named, "no program is here", "let VB_HARNESS name the program vb-harness, or unset it"
+            )
         return Path(named)
     found = shutil.which("vb-harness")
     if found is None:

@@ -77,8 +77,8 @@ class Comparison:
     pairs: tuple[Pair, ...]  #: all with all; of more than six runs the first with each of the others
 
     def runs_frame(self, frame: str = "pandas") -> Any:
-        """A row for each run (see `vertibench.results` for the kinds of frames): label, path, tasks, and of each measure the
-        mean with `_low` and `_high`."""
+        """A row for each run (see `vertibench.results` for the kinds of frames): label, path, tasks, and of each measure
+        the mean with `_low` and `_high`."""
         return _frame([{"label": r.label, "path": r.path, **_row(r.all)} for r in self.runs], frame)
 
     def splits_frame(self, frame: str = "pandas") -> Any:
@@ -92,7 +92,8 @@ class Comparison:
         return _frame(rows, frame)
 
     def pairs_frame(self, frame: str = "pandas") -> Any:
-        """A row for each pair of runs and each measure: the difference (second less first) with its interval and p-values."""
+        """A row for each pair of runs and each measure: the difference (second less first) with its interval and
+        p-values."""
         rows = []
         for p in self.pairs:
             counts = {k: getattr(p, k) for k in ("first", "second", "common", "both", "only_first", "only_second")}
@@ -103,7 +104,9 @@ class Comparison:
         return _frame(rows, frame)
 
     def __repr__(self) -> str:
-        told = [f"{r.label} {'–' if r.all.success_rate is None else format(r.all.success_rate, '.1%')}" for r in self.runs]
+        told = [
+            f"{r.label} {'–' if r.all.success_rate is None else format(r.all.success_rate, '.1%')}" for r in self.runs
+        ]
         return f"<Comparison of {len(self.runs)} runs: success {'; '.join(told)}>"
 
     def _repr_html_(self) -> str:
@@ -118,7 +121,9 @@ class Comparison:
                  _p(p.success_rate), *(_shown(getattr(p, m), m) for m in MEASURES[1:])]
                 for p in self.pairs
             ]  # fmt: skip
-            shown += table_html("paired differences, with 95 % intervals; p of McNemar's test after Holm's correction", head, rows)
+            shown += table_html(
+                "paired differences, with 95 % intervals; p of McNemar's test after Holm's correction", head, rows
+            )
         return shown
 
 
@@ -140,7 +145,9 @@ def compare(*runs: Run | str | PathLike[str]) -> Comparison:
     try:
         return _read(found)
     except (KeyError, TypeError, IndexError) as e:
-        raise ProgramError(f"vb-harness report tells statistics of another form: {e!r} (use the vb-harness of this version)", 0) from None
+        raise ProgramError(
+            f"vb-harness report tells statistics of another form: {e!r} (use the vb-harness of this version)", 0
+        ) from None
 
 
 def _read(told: dict[str, Any]) -> Comparison:
@@ -173,7 +180,7 @@ def _figures(f: dict[str, Any]) -> Figures:
 
 
 def _difference(d: dict[str, Any] | None) -> Difference | None:
-    return d and Difference(d["mean"], d["low"], d["high"], d["tasks"], d["p"], d["p_adjusted"])
+    return None if d is None else Difference(*(d[k] for k in ("mean", "low", "high", "tasks", "p", "p_adjusted")))
 
 
 def _row(f: Figures) -> dict[str, Any]:

@@ -71,7 +71,9 @@ def _results(run: Run) -> pa.Table:
         try:
             return pa.array([part.get(name) for part in parts], kind)
         except (pa.ArrowInvalid, pa.ArrowTypeError, AttributeError):
-            raise RunError(run.path / "tasks.jsonl", f"{name} is of a wrong type in some record", "restore the file") from None
+            raise RunError(
+                run.path / "tasks.jsonl", f"{name} is of a wrong type in some record", "restore the file"
+            ) from None
 
     columns = {name: column(None, name, pa.string()) for name in _TEXTS[:-1]}
     columns["time_s"] = column(None, "time_s", pa.float64())
@@ -106,7 +108,9 @@ def as_frame(table: pa.Table, frame: str, attrs: dict[str, Any]) -> Any:
     try:
         import pandas  # noqa: F401 - pyarrow needs it, and says less clearly that it isn't there
     except ImportError:
-        raise MissingPackageError("pandas", "frame='pandas', the default; frame='arrow' and frame='dict' need nothing more") from None
+        raise MissingPackageError(
+            "pandas", "frame='pandas', the default; frame='arrow' and frame='dict' need nothing more"
+        ) from None
     # Whole numbers stay whole where some are missing.
     made = table.to_pandas(integer_object_nulls=True)
     whole = [f.name for f in table.schema if pa.types.is_integer(f.type) and table[f.name].null_count]
@@ -118,9 +122,9 @@ def as_frame(table: pa.Table, frame: str, attrs: dict[str, Any]) -> Any:
 class Trace(Mapping[str, np.ndarray]):
     """The trajectory of a task: an array of float64 for each column, shape (samples,).
 
-    `time` (s); `x`, `y`, `z` (m, x east, y north, z up); `roll`, `pitch`, `yaw` (rad); `vx`, `vy`, `vz` (m/s) and `wx`, `wy`,
-    `wz` (rad/s) in the vehicle's axes, x forward and y left; `steering`, `throttle`, `brake`, `gear`: the command up to this time;
-    `speed_N` (rad/s) and `deflection_N` (m) of wheel N, front to back and left before right.
+    `time` (s); `x`, `y`, `z` (m, x east, y north, z up); `roll`, `pitch`, `yaw` (rad); `vx`, `vy`, `vz` (m/s) and `wx`,
+    `wy`, `wz` (rad/s) in the vehicle's axes, x forward and y left; `steering`, `throttle`, `brake`, `gear`: the command up
+    to this time; `speed_N` (rad/s) and `deflection_N` (m) of wheel N, front to back and left before right.
     """
 
     def __init__(self, run: Run, table: pa.Table, meta: dict[str, Any]):
@@ -162,8 +166,8 @@ class Trace(Mapping[str, np.ndarray]):
 def trace(run: Run | str | PathLike[str], task: str, frame: str = "numpy") -> Trace | Any:
     """The recorded trajectory of a task such as `w001/t03`: ten samples a second, or all if the run has full traces.
 
-    With `frame="numpy"` it is a `Trace`, arrays by the name of their column; `pandas`, `polars`, `arrow` and `dict` make frames
-    with a row for each sample (see `vertibench.results`).
+    With `frame="numpy"` it is a `Trace`, arrays by the name of their column; `pandas`, `polars`, `arrow` and `dict` make
+    frames with a row for each sample (see `vertibench.results`).
 
     Raises `RunError` if the run hasn't finished the task or kept no trajectories, or a file is damaged.
     """

@@ -66,17 +66,17 @@ def run(
     `plugin` is a WASM file, a native library, or a command such as `"python3 my_planner.py"`; a file that isn't there is
     looked for in the folder that the environment variable `VB_PLUGINS` names. `suite` is a directory or the name of a suite
     that comes with the harness (vb-100 if it is left out), `tasks` a selector such as `"w001/t03"` or
-    `"w001-w004,elevation=high"`, or a list of them. `params` are the planner's parameters by name. All other arguments are the
-    options of `vb-harness` of the same names; what is left out has the value that `vb-harness --help` tells. `jobs` is the number
-    of tasks that run at a time. `out` is the directory for the results, by default a new `runs/PLANNER-N`; with `resume=True` the run in
-    it goes on.
+    `"w001-w004,elevation=high"`, or a list of them. `params` are the planner's parameters by name. All other arguments are
+    the options of `vb-harness` of the same names; what is left out has the value that `vb-harness --help` tells. `jobs` is
+    the number of tasks that run at a time. `out` is the directory for the results, by default a new `runs/PLANNER-N`; with
+    `resume=True` the run in it goes on.
 
-    `progress` is called with a `Progress` at the start and after each task. True writes a line of text, False writes nothing,
-    and by default the line is written in notebooks and on terminals. Ctrl-C, the interruption of a notebook's cell, and an error
-    in `progress` stop the program; the finished tasks are safe.
+    `progress` is called with a `Progress` at the start and after each task. True writes a line of text, False writes
+    nothing, and by default the line is written in notebooks and on terminals. Ctrl-C, the interruption of a notebook's
+    cell, and an error in `progress` stop the program; the finished tasks are safe.
 
-    Raises the `ProgramError` of its exit code, with the program's own message, if the run doesn't come about; `HostError` and
-    `FailedStartError` have the tasks that were done as `run`. Tasks whose simulation failed are a warning.
+    Raises the `ProgramError` of its exit code, with the program's own message, if the run doesn't come about; `HostError`
+    and `FailedStartError` have the tasks that were done as `run`. Tasks whose simulation failed are a warning.
     """
     command = [str(harness_path()), "run", "--message-format", "json", "--plugin", plugin_path(plugin)]
     if tasks is not None and not isinstance(tasks, str):
@@ -145,7 +145,9 @@ def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) ->
             command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", **apart
         )
     except OSError as e:
-        raise ProgramError(f"{command[0]}: cannot be started: {e.strerror} (let VB_HARNESS name it)", 126, command) from None
+        raise ProgramError(
+            f"{command[0]}: cannot be started: {e.strerror} (let VB_HARNESS name it)", 126, command
+        ) from None
     said: list[str] = []
     # Both pipes must be emptied, or the program waits for us while we wait for it.
     listener = threading.Thread(target=lambda: said.extend(line.rstrip() for line in child.stderr or ()), daemon=True)
@@ -193,7 +195,10 @@ def _stop(child: subprocess.Popen[str]) -> None:
     interrupted again."""
     try:
         if child.poll() is None:
-            child.send_signal(signal.CTRL_BREAK_EVENT if sys.platform == "win32" else signal.SIGINT)
+            if sys.platform == "win32":
+                child.send_signal(signal.CTRL_BREAK_EVENT)
+            else:
+                child.send_signal(signal.SIGINT)
             # Nobody else reads on, and a full pipe must not hold it up.
             reader = threading.Thread(target=lambda: all(True for _ in child.stdout or ()), daemon=True)
             reader.start()
@@ -207,7 +212,9 @@ def _stop(child: subprocess.Popen[str]) -> None:
             child.wait()
 
 
-def _teller(progress: bool | Callable[[Progress], object] | None) -> tuple[Callable[[Progress], object], Callable[[], object]]:
+def _teller(
+    progress: bool | Callable[[Progress], object] | None,
+) -> tuple[Callable[[Progress], object], Callable[[], object]]:
     """What is called with each progress, and at the end."""
     if callable(progress):
         return progress, lambda: None

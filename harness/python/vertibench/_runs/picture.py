@@ -24,6 +24,8 @@ _MAP, _TOP, _SIDE, _GAP = 520.0, 10.0, 262.0, 18.0
 #: Points of a trajectory that are drawn at most.
 _POINTS = 1500
 _GOOD, _BAD = "#1d7a46", "#b3261e"
+#: Places in the world: x and y of each, m.
+Points = Sequence[tuple[float, float]] | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,13 @@ class _Map:
     def at(self, x: float, y: float) -> tuple[float, float]:
         return (_TOP + (x + self.size_x / 2) * self.per_m, _TOP + (self.size_y / 2 - y) * self.per_m)
 
-    def points(self, xy: Sequence[Sequence[float]]) -> str:
+    def points(self, xy: Points) -> str:
         return " ".join(f"{u:.1f},{v:.1f}" for u, v in (self.at(x, y) for x, y in xy))
 
 
 def svg(task: Task, runs: Sequence[Driven] = (), goal_radius: float | None = None) -> str:
-    """The picture. The trajectory of one run is coloured by its speed, those of several have a colour each. `goal_radius` (m)
-    is drawn around the goal where it is known."""
+    """The picture. The trajectory of one run is coloured by its speed, those of several have a colour each. `goal_radius`
+    (m) is drawn around the goal where it is known."""
     place = _Map(task.world)
     x0, x1, y0 = _TOP, _TOP + place.width, _TOP
     image = base64.b64encode(relief.png(task.world)).decode()
@@ -73,9 +75,15 @@ def svg(task: Task, runs: Sequence[Driven] = (), goal_radius: float | None = Non
     for k, driven in enumerate(runs):
         parts += _trajectory(driven, place, top if len(runs) == 1 else None, RUN_COLOURS[k % len(RUN_COLOURS)])
     parts += [_goal(task, place, goal_radius), _start(task, place)]
-    parts += [_end(d, place, RUN_COLOURS[k % len(RUN_COLOURS)] if len(runs) > 1 else None) for k, d in enumerate(runs) if len(d.x)]
+    parts += [
+        _end(d, place, RUN_COLOURS[k % len(RUN_COLOURS)] if len(runs) > 1 else None)
+        for k, d in enumerate(runs)
+        if len(d.x)
+    ]
     height = place.height + 2 * _TOP
-    frame = f'<rect x="{x0}" y="{y0}" width="{place.width:.1f}" height="{place.height:.1f}" fill="none" stroke="#8a8f94"/>'
+    frame = (
+        f'<rect x="{x0}" y="{y0}" width="{place.width:.1f}" height="{place.height:.1f}" fill="none" stroke="#8a8f94"/>'
+    )
     beside, needed = _beside(task, runs, top, x1 + _GAP)
     height = max(height, needed + _TOP)
     total = x1 + _GAP + _SIDE
@@ -99,7 +107,7 @@ def _obstacle(o: Obstacle, place: _Map) -> str:
     return f'<ellipse {turned} rx="{a / 2:.1f}" ry="{b / 2:.1f}">{title}</ellipse>'
 
 
-def _line(xy: Sequence[Sequence[float]], place: _Map, colour: str, width: float, opacity: float, more: str = "", title: str = "") -> str:
+def _line(xy: Points, place: _Map, colour: str, width: float, opacity: float, more: str = "", title: str = "") -> str:
     told = f"<title>{escape(title)}</title>" if title else ""
     return (
         f'<polyline points="{place.points(xy)}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-opacity="{opacity}" '
@@ -150,7 +158,9 @@ def _goal(task: Task, place: _Map, radius: float | None) -> str:
 
 def _star(u: float, v: float, size: float) -> str:
     corners = enumerate([size, 0.42 * size] * 5)
-    return " ".join(f"{u + r * math.sin(k * math.pi / 5):.1f},{v - r * math.cos(k * math.pi / 5):.1f}" for k, r in corners)
+    return " ".join(
+        f"{u + r * math.sin(k * math.pi / 5):.1f},{v - r * math.cos(k * math.pi / 5):.1f}" for k, r in corners
+    )
 
 
 def _end(driven: Driven, place: _Map, colour: str | None) -> str:
@@ -167,7 +177,9 @@ def _end(driven: Driven, place: _Map, colour: str | None) -> str:
 
 def _scale(place: _Map) -> str:
     """A bar of a round length, and where north is."""
-    length = next(m for m in (50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01) if m * place.per_m <= 0.3 * place.width or m == 0.01)
+    length = next(
+        m for m in (50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01) if m * place.per_m <= 0.3 * place.width or m == 0.01
+    )
     long, u, v = length * place.per_m, _TOP + 14, _TOP + place.height - 14
     right = _TOP + place.width - 20
     return (
@@ -210,9 +222,12 @@ def _beside(task: Task, runs: Sequence[Driven], top: float, x: float) -> tuple[s
         text("speed, m/s", soft, 8)
         wide = 180.0 / len(_SPEEDS)
         parts += [
-            f'<rect x="{x + k * wide:.1f}" y="{y:.1f}" width="{wide + 0.3:.1f}" height="10" fill="{c}"/>' for k, c in enumerate(_SPEEDS)
+            f'<rect x="{x + k * wide:.1f}" y="{y:.1f}" width="{wide + 0.3:.1f}" height="10" fill="{c}"/>'
+            for k, c in enumerate(_SPEEDS)
         ]
-        parts.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="180" height="10" fill="none" stroke="#8a8f94" stroke-width="0.6"/>')
+        parts.append(
+            f'<rect x="{x:.1f}" y="{y:.1f}" width="180" height="10" fill="none" stroke="#8a8f94" stroke-width="0.6"/>'
+        )
         y += 24
         parts.append(f'<text x="{x:.1f}" y="{y:.1f}" {soft}>0</text>')
         parts.append(f'<text x="{x + 180:.1f}" y="{y:.1f}" text-anchor="end" {soft}>{top:.1f}</text>')
@@ -232,7 +247,9 @@ def _beside(task: Task, runs: Sequence[Driven], top: float, x: float) -> tuple[s
     for k in np.argsort(-counts, kind="stable"):
         if counts[k]:
             colour = relief.COLOURS[CLASSES[k]]
-            parts.append(f'<rect x="{x + 1:.1f}" y="{y - 10:.1f}" width="12" height="12" rx="2" fill="{colour}" stroke="#8a8f94" stroke-width="0.6"/>')
+            parts.append(
+                f'<rect x="{x + 1:.1f}" y="{y - 10:.1f}" width="12" height="12" rx="2" fill="{colour}" stroke="#8a8f94" stroke-width="0.6"/>'
+            )
             share = 100 * counts[k] / counts.sum()
             text(f"{CLASSES[k]}  {share:.0f} %" if share >= 0.5 else f"{CLASSES[k]}  < 1 %", "", 17, 22)
     low, high = float(world.heights.min()), float(world.heights.max())

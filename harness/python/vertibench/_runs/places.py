@@ -49,7 +49,9 @@ def suite_folder(suite: str | PathLike[str]) -> Path:
     if tasks and str(suite) in found:
         return tasks / str(suite)
     known = f", or one of {', '.join(found)}" if found else ", or let VB_TASKS name the folder with the built-in suites"
-    raise RunError(f"suite {os.fspath(suite)}", "it is no folder and does not come with the harness", f"give a folder{known}")
+    raise RunError(
+        f"suite {os.fspath(suite)}", "it is no folder and does not come with the harness", f"give a folder{known}"
+    )
 
 
 def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
@@ -62,7 +64,11 @@ def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
     try:
         return suite_folder(str(run.of("suite", "name")))
     except RunError:
-        raise RunError(f"suite {run.of('suite', 'name')}", f"it is not at {there}, where it was for {run.path}", "give its folder as suite=") from None
+        raise RunError(
+            f"suite {run.of('suite', 'name')}",
+            f"it is not at {there}, where it was for {run.path}",
+            "give its folder as suite=",
+        ) from None
 
 
 def read_task(folder: Path, task: str, scale: float = 1.0) -> Task:

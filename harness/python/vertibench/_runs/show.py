@@ -81,8 +81,8 @@ def show(
     coloured by speed, and below it the replay in three dimensions. Of several runs of the same suite each trajectory has a
     colour, and the replay follows the first.
 
-    `replay=False` leaves the replay out, which is about a megabyte; `height` is its height in pixels. `suite` is the folder of
-    the suite, if it is neither where it was nor the one of its name that comes with the harness.
+    `replay=False` leaves the replay out, which is about a megabyte; `height` is its height in pixels. `suite` is the folder
+    of the suite, if it is neither where it was nor the one of its name that comes with the harness.
 
     Raises `RunError` if a run hasn't done the task, kept no trajectories, or is of another suite; `ProgramError` if
     `vb-harness replay` can't make the replay.
@@ -96,7 +96,9 @@ def show(
             names = " and ".join(str(r.of("suite", "name")) for r in (runs[0], other))
             raise RunError(other.path, f"it is of another suite than {runs[0].path}: {names}", "show them one by one")
         if other.of("scale") != runs[0].of("scale"):
-            raise RunError(other.path, f"its world has another scale than that of {runs[0].path}", "show them one by one")
+            raise RunError(
+                other.path, f"its world has another scale than that of {runs[0].path}", "show them one by one"
+            )
     traces = [r.trace(task) for r in runs]
     folder = suite_of(runs[0], suite)
     scene = read_task(folder, task, float(runs[0].of("scale") or 1))
@@ -123,7 +125,14 @@ def show_task(suite: str | PathLike[str], task: str, *, scale: float = 1.0) -> S
 def _replay(runs: Sequence[Run], task: str, folder: Path) -> str:
     with tempfile.TemporaryDirectory(prefix="vertibench-") as place:
         page = Path(place) / "replay.html"
-        events("replay", *(str(r.path) for r in runs), f"--task={task}", f"--suite={folder}", f"--out={page}", "--message-format=json")
+        events(
+            "replay",
+            *(str(r.path) for r in runs),
+            f"--task={task}",
+            f"--suite={folder}",
+            f"--out={page}",
+            "--message-format=json",
+        )
         return page.read_text(encoding="utf-8")
 
 
@@ -134,7 +143,8 @@ def _driven(run: Run, trace: Trace, label: str) -> Driven:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """The planners' names, with the parameters in which namesakes differ, and the folder where that doesn't tell them apart."""
+    """The planners' names, with the parameters in which namesakes differ, and the folder where that doesn't tell them
+    apart."""
     names = [r.planner for r in runs]
     params = [r.of("params") or {} for r in runs]
     labels = []
@@ -158,4 +168,8 @@ def _goal_radius(run: Run) -> float | None:
 def _same_task(trace: Trace, scene: Task, folder: Path) -> None:
     apart = np.abs(np.subtract([*trace.start[:2], *trace.goal], [*scene.start[:2], *scene.goal])).max()
     if apart > _SAME:
-        raise RunError(folder, f"its task {scene.name} is another than that of {trace.run.path}", "give the folder of the run's suite as suite=")
+        raise RunError(
+            folder,
+            f"its task {scene.name} is another than that of {trace.run.path}",
+            "give the folder of the run's suite as suite=",
+        )

@@ -39,7 +39,11 @@ class Run:
         self.header: dict[str, Any] = _json_object(file, content)
         schema = self.header.get("schema")
         if schema not in SCHEMAS:
-            raise RunError(file, f"version {schema} of runs, this package reads {SCHEMAS[0]} to {SCHEMAS[-1]}", "use a newer vertibench")
+            raise RunError(
+                file,
+                f"version {schema} of runs, this package reads {SCHEMAS[0]} to {SCHEMAS[-1]}",
+                "use a newer vertibench",
+            )
         _check(self._sums(), "run.json", file, content)
 
     def __fspath__(self) -> str:

@@ -24,7 +24,8 @@ class Estimate:
     high: float | None
 
     def __format__(self, spec: str) -> str:
-        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`, or `-2.0% (-9.1% to 5.0%)`."""
+        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`, or `-2.0% (-9.1% to
+        5.0%)`."""
         text = format(self.mean, spec)
         if self.low is None or self.high is None:
             return text
@@ -68,8 +69,8 @@ class Summary(Mapping[str, Any]):
 
     def frame(self, frame: str = "pandas") -> Any:
         """The figures over all tasks and over each level and world as a frame (see `vertibench.results`): `split` (`all`,
-        `elevation`, `terrain`, `density` or `world`), `level`, and a column for each figure; outcomes and classes of the paper
-        are columns with `outcome_` and `three_way_` before their names, the planner's fuel with `fuel_`."""
+        `elevation`, `terrain`, `density` or `world`), `level`, and a column for each figure; outcomes and classes of the
+        paper are columns with `outcome_` and `three_way_` before their names, the planner's fuel with `fuel_`."""
         import pyarrow as pa
 
         from .frames import as_frame
@@ -96,7 +97,16 @@ class Summary(Mapping[str, Any]):
              _number(f["roll_mean_deg"]), _number(f["pitch_mean_deg"]), str(f["outcomes"]["rollover"]), str(f["outcomes"]["stuck"])]
             for split, level, f in self._groups() if split != "world"
         ]  # fmt: skip
-        head = ["", "tasks", "success % (95 % interval)", "time s", "mean |roll| °", "mean |pitch| °", "rollover", "stuck"]
+        head = [
+            "",
+            "tasks",
+            "success % (95 % interval)",
+            "time s",
+            "mean |roll| °",
+            "mean |pitch| °",
+            "rollover",
+            "stuck",
+        ]
         return table_html(f"{self['planner']} on {self['suite']}", head, rows)
 
 
@@ -121,7 +131,9 @@ def table_html(title: str, head: list[str], rows: list[list[str]]) -> str:
     align = ["left"] + ["right"] * (len(head) - 1)
 
     def line(tag: str, cells: list[str]) -> str:
-        return "".join(f'<{tag} style="text-align:{a};white-space:nowrap">{html.escape(c)}</{tag}>' for a, c in zip(align, cells))
+        return "".join(
+            f'<{tag} style="text-align:{a};white-space:nowrap">{html.escape(c)}</{tag}>' for a, c in zip(align, cells)
+        )
 
     body = "".join(f"<tr>{line('td', row)}</tr>" for row in rows)
     caption = f'<caption style="text-align:left;caption-side:top">{html.escape(title)}</caption>'
