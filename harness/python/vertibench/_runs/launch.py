@@ -218,7 +218,9 @@ def _teller(
     """What is called with each progress, and at the end."""
     if callable(progress):
         return progress, lambda: None
-    notebook = "ipykernel" in sys.modules
+    # Whoever runs in a notebook has imported IPython.
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    notebook = hasattr(shell, "kernel")
     if progress is None:
         progress = notebook or sys.stderr.isatty()
     elif not isinstance(progress, bool):
