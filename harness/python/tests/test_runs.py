@@ -147,9 +147,11 @@ except KeyboardInterrupt as e:
 def test_ctrl_c_stops_the_program_and_the_run_can_go_on(program, tmp_path):
     path = os.pathsep.join([str(Path(vertibench.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
     command = [sys.executable, "-B", "-c", INTERRUPTED, str(tmp_path / "r")]
-    python = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.PIPE, text=True)
+    environment = {**os.environ, "PYTHONPATH": path}
+    python = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True, start_new_session=True)
     assert python.stdout.readline() == "two\n"
-    python.send_signal(signal.SIGINT)
+    # A terminal sends it to the whole group.
+    os.killpg(python.pid, signal.SIGINT)
     told, _ = python.communicate(timeout=60)
     assert told.startswith("interrupted: stopped, ") and "--resume" in told, told
     # The program is gone: nobody holds the run, which goes on where it was.
