@@ -1,10 +1,14 @@
-"""Datasets that the built harness makes for the tests."""
+"""Datasets and runs that the built harness makes for the tests."""
 
+import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+
+import vertibench
 
 ROOT = Path(__file__).parents[3]
 
@@ -43,3 +47,44 @@ def small(harness):
     """A sixth of the size, without the truth being told to the driver."""
     arguments = ["--worlds", "1", "--episodes", "2", "--scale", "1/6", "--crops", "8", "--out", "small"]
     return harness("dataset", "explore", "--perception", "degraded", *arguments) / "small"
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The harness and its planners where `vertibench` looks for them."""
+    plugins = Path(os.environ.get("VB_PLUGINS", ROOT / "target/plugins"))
+    if not (plugins / "pid.wasm").is_file():
+        pytest.skip(f"{plugins / 'pid.wasm'} is not built (cargo xtask demo, or set VB_PLUGINS)")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("VB_HARNESS", str(_harness()))
+        patch.setenv("VB_TASKS", os.environ.get("VB_TASKS", str(ROOT / "tasks")))
+        patch.setenv("VB_PLUGINS", str(plugins))
+        yield
+
+
+TASKS = ["w001/t00", "w003/t00-t01", "w008/t04"]
+
+
+@pytest.fixture(scope="session")
+def driven(program, tmp_path_factory):
+    """A run of PID over four tasks in three worlds, and the same at 5 m/s."""
+    folder = tmp_path_factory.mktemp("runs")
+    for name, params in (("slow", {}), ("fast", {"speed": 5})):
+        vertibench.run("pid.wasm", suite="smoke", tasks=TASKS, out=folder / name, params=params, progress=False)
+    return folder
+
+
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """Makes a program that stands in for the harness: it tells these lines, and ends with this code."""
+
+    def make(*told: object, code: int = 0, said: str = "") -> Path:
+        lines = "".join((t if isinstance(t, str) else json.dumps(t)) + "\n" for t in told)
+        file = tmp_path / "stand-in"
+        text = f"#!{sys.executable}\nimport sys\nsys.stdout.write({lines!r})\nsys.stderr.write({said!r})\nsys.exit({code})\n"
+        file.write_text(text)
+        file.chmod(0o755)
+        monkeypatch.setenv("VB_HARNESS", str(file))
+        return file
+
+    return make

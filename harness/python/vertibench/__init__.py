@@ -1,3 +1,87 @@
-"""Verti-Bench in Rust, for Python. See `vertibench.datasets`."""
+"""Verti-Bench in Rust, for Python.
+
+>>> import vertibench
+>>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00")   # the program vb-harness drives
+>>> run.results()                                                    # a frame, a row a task
+>>> run.summary().success_rate                                       # with its 95 % interval
+>>> run.show("w003/t00")                                             # map, trajectory and replay, in a notebook
+>>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
+
+`vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what
+to do. Nothing is imported before it is used; results as pandas or polars need these packages.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
+
+if TYPE_CHECKING:
+    from . import datasets as datasets
+    from ._runs.compare import Comparison as Comparison
+    from ._runs.compare import compare as compare
+    from ._runs.errors import FailedStartError as FailedStartError
+    from ._runs.errors import HostError as HostError
+    from ._runs.errors import InputError as InputError
+    from ._runs.errors import InternalError as InternalError
+    from ._runs.errors import MissingPackageError as MissingPackageError
+    from ._runs.errors import OutputError as OutputError
+    from ._runs.errors import ProgramError as ProgramError
+    from ._runs.errors import RunError as RunError
+    from ._runs.errors import StoppedError as StoppedError
+    from ._runs.errors import UsageError as UsageError
+    from ._runs.errors import VertibenchError as VertibenchError
+    from ._runs.frames import Trace as Trace
+    from ._runs.frames import results as results
+    from ._runs.frames import trace as trace
+    from ._runs.launch import Progress as Progress
+    from ._runs.launch import run as run
+    from ._runs.show import Shown as Shown
+    from ._runs.show import show as show
+    from ._runs.show import show_task as show_task
+    from ._runs.store import Run as Run
+    from ._runs.summary import Estimate as Estimate
+    from ._runs.summary import Summary as Summary
+    from ._runs.summary import summary as summary
+
+#: Where each name comes from; a module is imported when a name of it is first used (PEP 562).
+_FROM = {
+    "_runs.compare": ("Comparison", "compare"),
+    "_runs.errors": (
+        "FailedStartError",
+        "HostError",
+        "InputError",
+        "InternalError",
+        "MissingPackageError",
+        "OutputError",
+        "ProgramError",
+        "RunError",
+        "StoppedError",
+        "UsageError",
+        "VertibenchError",
+    ),
+    "_runs.frames": ("Trace", "results", "trace"),
+    "_runs.launch": ("Progress", "run"),
+    "_runs.show": ("Shown", "show", "show_task"),
+    "_runs.store": ("Run",),
+    "_runs.summary": ("Estimate", "Summary", "summary"),
+}
+_MODULES = {name: module for module, names in _FROM.items() for name in names}
+
+__all__ = ["datasets", *sorted(_MODULES)]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "datasets":
+        return importlib.import_module(".datasets", __name__)
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_MODULES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ CLASSES = ("clay", "concrete", "dirt", "grass", "gravel", "rock", "wood", "mud",
 
 #: The version of the suites' format that this package reads.
 _SCHEMA = 1
+#: What can be done about a damaged world of a dataset.
+_AGAIN = "make or fetch the dataset again"
 
 
 @dataclass(frozen=True)
@@ -86,13 +89,16 @@ class World:
         return (np.abs(x) <= half_x) & (np.abs(y) <= half_y), row, col
 
 
-def read_world(folder: Path, scale: float) -> World:
-    """Reads the world in a folder of a suite, and multiplies its lengths by the scale."""
+def read_world(
+    folder: Path, scale: float, error: Callable[[Path, str, str], Exception] = DatasetError, again: str = _AGAIN
+) -> World:
+    """Reads the world in a folder of a suite, and multiplies its lengths by the scale. `error` is what is raised, and `again`
+    what can be done about damage."""
     file = folder / "world.yaml"
     try:
         world = _document(file)
         if world["schema"] != _SCHEMA:
-            raise DatasetError(
+            raise error(
                 file, f"version {world['schema']} of worlds, this package reads version {_SCHEMA}", "use a newer vertibench"
             )
         grid = world["grid"]
@@ -114,10 +120,10 @@ def read_world(folder: Path, scale: float) -> World:
         file = folder / "obstacles.yaml"
         obstacles = tuple(_obstacle(o, scale) for o in _document(file)["obstacles"] or ())
     except OSError as e:
-        raise DatasetError(file, f"cannot be read: {e.strerror}", "make or fetch the dataset again") from None
+        raise error(file, f"cannot be read: {e.strerror}", again) from None
     except (KeyError, TypeError, ValueError) as e:
         what = f"no field {e}" if isinstance(e, KeyError) else str(e)
-        raise DatasetError(file, what, "the file is damaged or was changed: make or fetch the dataset again") from None
+        raise error(file, what, f"the file is damaged or was changed: {again}") from None
     return World(
         id=world["id"],
         elevation=world["elevation"],

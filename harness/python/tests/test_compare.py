@@ -1,0 +1,144 @@
+"""Comparisons are what the program's statistics say."""
+
+import pytest
+
+import vertibench
+
+
+def _estimate(mean, low=None, high=None):
+    return {"mean": mean, "low": low, "high": high}
+
+
+def _figures(**means):
+    none = dict.fromkeys(("success_rate", "time_s", "roll_deg", "pitch_deg"))
+    return {"tasks": 10, "worlds": 2, "outcomes": {"success": 4, "stuck": 6}} | none | means
+
+
+def _run(label, path, rate):
+    all_ = _figures(success_rate=_estimate(rate, 0.1, 0.9), time_s=_estimate(38.2), roll_deg=_estimate(4.0, 3.0, 5.0))
+    splits = {"elevation": {"low": _figures(success_rate=_estimate(1.0))}, "terrain": {}, "density": {}}
+    return {"label": label, "path": path, "missing": 1, "host_errors": 0, "all": all_, **splits}
+
+
+DIFFERENCES = {
+    "success_rate": {"tasks": 9, "mean": 0.25, "low": -0.1, "high": 0.5, "p": 0.03, "p_adjusted": 0.0004},
+    "time_s": {"tasks": 3, "mean": -2.5, "low": None, "high": None, "p": 0.5, "p_adjusted": 1.0},
+    "roll_deg": {"tasks": 9, "mean": 0.0, "low": -1.0, "high": 1.0, "p": None, "p_adjusted": None},
+    "pitch_deg": None,
+}
+PAIR = {"first": 0, "second": 1, "common": 9, "both": 3, "only_first": 1, "only_second": 4, "differences": DIFFERENCES}
+TOLD = {
+    "event": "statistics",
+    "level": 0.95,
+    "runs": [_run("a <b>", "runs/a", 0.4), _run("c", "runs/c", 0.65)],
+    "pairs": [PAIR],
+}
+
+
+def test_what_the_program_tells_is_in_the_comparison(stand_in):
+    stand_in(TOLD, {"event": "report", "runs": ["a <b>", "c"], "files": []})
+    comparison = vertibench.compare("runs/a", "runs/c")
+    first, second = comparison.runs
+    assert (first.label, second.path, first.missing, first.all.tasks) == ("a <b>", "runs/c", 1, 10)
+    assert first.all.success_rate == vertibench.Estimate(0.4, 0.1, 0.9) and first.all.pitch_deg is None
+    assert (
+        first.all.outcomes == {"success": 4, "stuck": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
+    )
+    (pair,) = comparison.pairs
+    assert (pair.first, pair.second, pair.common, pair.both, pair.only_first, pair.only_second) == (
+        "a <b>",
+        "c",
+        9,
+        3,
+        1,
+        4,
+    )
+    d = pair.success_rate
+    assert (d.mean, d.low, d.high, d.tasks, d.p, d.p_adjusted) == (0.25, -0.1, 0.5, 9, 0.03, 0.0004)
+    assert f"{d:.0%}" == "25% (-10% to 50%)" and pair.pitch_deg is None and pair.time_s.low is None
+    assert "success a <b> 40.0% (10.0%–90.0%); c 65.0%" in repr(comparison)
+
+
+def test_comparisons_are_frames_and_tables(stand_in):
+    stand_in(TOLD)
+    comparison = vertibench.compare("runs/a", "runs/c")
+    runs = comparison.runs_frame("dict")
+    assert (
+        runs["success_rate"] == [0.4, 0.65]
+        and runs["success_rate_high"] == [0.9, 0.9]
+        and runs["time_s_low"] == [None, None]
+    )
+    assert runs["outcome_stuck"] == [6, 6] and runs["label"] == ["a <b>", "c"]
+    splits = comparison.splits_frame("dict")
+    assert (splits["split"], splits["level"], splits["success_rate"]) == (["elevation"] * 2, ["low"] * 2, [1.0, 1.0])
+    pairs = comparison.pairs_frame("dict")
+    assert pairs["measure"] == ["success_rate", "time_s", "roll_deg", "pitch_deg"] and pairs["mean"] == [
+        0.25,
+        -2.5,
+        0.0,
+        None,
+    ]
+    assert pairs["p_adjusted"] == [0.0004, 1.0, None, None] and pairs["only_second"] == [4] * 4
+    page = comparison._repr_html_()
+    assert "a &lt;b&gt;" in page and "<b>" not in page, "labels are text"
+    for told in ("40.0 (10.0–90.0)", "25.0 (-10.0 to 50.0)", "&lt; 0.001", "1 / 4", "-2.5"):
+        assert told in page, told
+
+
+def test_frames_of_a_comparison_hold_numbers_where_all_is_missing(stand_in):
+    pandas = pytest.importorskip("pandas")
+    stand_in(TOLD)
+    frame = vertibench.compare("runs/a").runs_frame()
+    assert frame.time_s_low.dtype == float and frame.time_s_low.isna().all() and isinstance(frame, pandas.DataFrame)
+
+
+def test_a_program_without_statistics_is_told(stand_in):
+    stand_in({"event": "report", "runs": ["a"], "files": []})
+    with pytest.raises(vertibench.ProgramError, match=r"tells no statistics \(use a newer vb-harness\)"):
+        vertibench.compare("runs/a")
+    for other in ({"event": "statistics"}, TOLD | {"pairs": [PAIR | {"second": 7}]}, TOLD | {"runs": [1]}):
+        stand_in(other)
+        with pytest.raises(vertibench.ProgramError, match="statistics of another form"):
+            vertibench.compare("runs/a")
+    with pytest.raises(vertibench.VertibenchError, match="no run is given"):
+        vertibench.compare()
+
+
+def test_runs_of_different_suites_are_refused(driven, tmp_path):
+    other = vertibench.run("pid.wasm", suite="vb-100", tasks="w001/t00", out=tmp_path / "other", progress=False)
+    runs = [driven / "slow", other]
+    for kind, do in (
+        (vertibench.InputError, lambda: vertibench.compare(*runs)),
+        (vertibench.RunError, lambda: vertibench.show(runs, "w001/t00", replay=False)),
+    ):
+        with pytest.raises(kind, match="of (different suites|another suite)") as caught:
+            do()
+        assert "smoke" in str(caught.value) and "vb-100" in str(caught.value) and "\n" not in str(caught.value)
+    with pytest.raises(vertibench.InputError, match="run.json is missing"):
+        vertibench.compare(tmp_path)
+    with pytest.raises(vertibench.UsageError, match="given twice"):
+        vertibench.compare(other, other)
+
+
+def test_the_programs_own_statistics_are_those_of_the_summaries(driven):
+    runs = [vertibench.Run(driven / name) for name in ("slow", "fast")]
+    try:
+        comparison = vertibench.compare(*runs)
+    except vertibench.ProgramError as e:
+        if "tells no statistics" not in str(e):
+            raise
+        pytest.skip("this vb-harness tells no statistics")
+    for run, of in zip(runs, comparison.runs):
+        summary = run.summary()
+        assert of.all.success_rate == summary.success_rate and of.all.tasks == summary.tasks
+        assert of.all.roll_deg.mean == pytest.approx(summary["all"]["roll_mean_deg"])
+        assert {k: n for k, n in of.all.outcomes.items() if n} == {k: n for k, n in summary.outcomes.items() if n}
+        for split in ("elevation", "terrain", "density"):
+            assert {l: f.tasks for l, f in of.splits[split].items() if f.tasks} == {
+                l: f["tasks"] for l, f in summary[split].items()
+            }
+    assert "speed 5" in comparison.runs[1].label
+    (pair,) = comparison.pairs
+    rates = [r.all.success_rate.mean for r in comparison.runs]
+    assert pair.common == 4 and pair.success_rate.mean == pytest.approx(rates[1] - rates[0])
+    assert pair.success_rate.low <= pair.success_rate.mean <= pair.success_rate.high

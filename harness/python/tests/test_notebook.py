@@ -1,0 +1,47 @@
+"""The tutorial does what it says."""
+
+from pathlib import Path
+
+import pytest
+
+import vertibench
+
+NOTEBOOK = Path(__file__).parents[3] / "examples/notebook/tutorial.ipynb"
+
+
+@pytest.fixture
+def notebook():
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
+    return nbformat.read(NOTEBOOK, as_version=4)
+
+
+def test_the_tutorial_is_kept_without_outputs(notebook):
+    for cell in notebook.cells:
+        assert cell.cell_type != "code" or (not cell.outputs and cell.execution_count is None), cell.source
+
+
+def test_the_tutorial_runs(notebook, driven, tmp_path, monkeypatch):
+    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
+    pytest.importorskip("ipykernel", reason="ipykernel is not installed")
+    pytest.importorskip("pandas", reason="pandas is not installed")
+    try:
+        vertibench.compare(driven / "slow", driven / "fast")
+    except vertibench.ProgramError as e:
+        pytest.skip(f"the tutorial compares runs: {e}")
+    monkeypatch.setenv("PYTHONPATH", str(Path(vertibench.__file__).parents[1]), prepend=":")
+    # No kernel's settings of the user's own.
+    for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
+        monkeypatch.setenv(name, str(tmp_path / name.lower()))
+    # Raises if a cell errs.
+    nbclient.NotebookClient(
+        notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    pages = [o["data"].get("text/html", "") for o in outputs if "data" in o]
+    assert sum("<iframe" in p for p in pages) == 1 and sum("<svg" in p for p in pages) == 2
+    texts = "".join(o.get("text", "") for o in outputs) + "".join(
+        o["data"].get("text/plain", "") for o in outputs if "data" in o
+    )
+    assert "10 of 10 tasks" in texts and "success 60% (30%–90%) of 10 tasks" in texts
+    assert "no task w099/t00 among its 10 finished tasks" in texts
+    assert vertibench.Run(tmp_path / "runs/pid-1").of("suite", "name") == "smoke"

@@ -1,0 +1,99 @@
+"""Suites and their tasks: where they are, and what is in them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from .._program import harness_path
+from ..datasets import _yaml
+from ..datasets._world import World, read_world
+from .errors import RunError, VertibenchError
+from .store import Run
+
+_AGAIN = "restore the suite's folder"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task in its world, at the scale of the world."""
+
+    name: str  #: e.g. `w001/t03`
+    suite: str  #: name of the suite
+    world: World
+    start: tuple[float, float, float]  #: x and y, m; heading, rad
+    goal: tuple[float, float]  #: x and y, m
+    path: tuple[tuple[float, float], ...]  #: the global path: x and y of its points, m
+
+
+def suite_folder(suite: str | PathLike[str]) -> Path:
+    """The folder of a suite: a directory, or that of a suite that comes with the harness. These are looked for where the
+    program looks: in `VB_TASKS`, else in `tasks` beside or above the program, else in `tasks` in or above the working
+    directory. Raises `RunError` if there is none."""
+    if Path(suite).is_dir():
+        return Path(suite)
+    roots = []
+    if os.environ.get("VB_TASKS"):
+        roots = [Path(os.environ["VB_TASKS"])]
+    else:
+        try:
+            above = list(harness_path().resolve().parents)
+        except VertibenchError:
+            above = []
+        here = Path.cwd()
+        roots = [folder / "tasks" for folder in (*above, here, *here.parents)]
+    tasks = next((f for f in roots if os.environ.get("VB_TASKS") or (f / "vehicles").is_dir()), None)
+    found = sorted(f.parent.name for f in tasks.glob("*/suite.yaml")) if tasks else []
+    if tasks and str(suite) in found:
+        return tasks / str(suite)
+    known = f", or one of {', '.join(found)}" if found else ", or let VB_TASKS name the folder with the built-in suites"
+    raise RunError(
+        f"suite {os.fspath(suite)}", "it is no folder and does not come with the harness", f"give a folder{known}"
+    )
+
+
+def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
+    """The folder of a run's suite: where it is said to be, else where it was, else the one of its name."""
+    if suite is not None:
+        return suite_folder(suite)
+    there = run.of("suite", "path")
+    if there and (Path(there) / "suite.yaml").is_file():
+        return Path(there)
+    try:
+        return suite_folder(str(run.of("suite", "name")))
+    except RunError:
+        raise RunError(
+            f"suite {run.of('suite', 'name')}",
+            f"it is not at {there}, where it was for {run.path}",
+            "give its folder as suite=",
+        ) from None
+
+
+def read_task(folder: Path, task: str, scale: float = 1.0) -> Task:
+    """A task of the suite in a folder, with its world. Raises `RunError` if there is no such task, or a file is damaged."""
+    file = folder / "suite.yaml"
+    try:
+        index = _yaml.parse(file.read_text(encoding="utf-8"))
+        tasks = {f"{world['id']}/{name}" for world in index["worlds"] for name in world["tasks"]}
+        if task not in tasks:
+            raise RunError(folder, f"there is no task {task}", f"give one of its {len(tasks)} tasks, e.g. {min(tasks)}")
+        world_id, name = task.split("/")
+        place = folder / "worlds" / world_id
+        file = place / "tasks.yaml"
+        found = {own["id"]: own for own in _yaml.parse(file.read_text(encoding="utf-8"))["tasks"]}[name]
+        start = tuple(float(found["start"][k]) for k in ("x", "y", "yaw"))
+        return Task(
+            name=task,
+            suite=str(index["name"]),
+            world=read_world(place, scale, RunError, _AGAIN),
+            start=(scale * start[0], scale * start[1], start[2]),
+            goal=(scale * found["goal"][0], scale * found["goal"][1]),
+            path=tuple((scale * x, scale * y) for x, y in found["path"]),
+        )
+    except OSError as e:
+        raise RunError(file, f"cannot be read: {e.strerror}", "give the folder of a suite") from None
+    except (KeyError, TypeError, ValueError, IndexError) as e:
+        what = f"no field {e}" if isinstance(e, KeyError) else str(e)
+        raise RunError(file, what, _AGAIN) from None

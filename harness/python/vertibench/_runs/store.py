@@ -1,0 +1,178 @@
+"""A run directory, as `vb-harness` writes it (docs/results.md)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import RunError
+
+if TYPE_CHECKING:
+    from .frames import Trace
+    from .show import Shown
+    from .summary import Summary
+
+#: The versions of run.json that this package reads.
+SCHEMAS = (1, 2, 3)
+
+_DAMAGED = "the disk or a copy is damaged: restore the run from where it was whole, or run it again"
+
+
+class Run:
+    """A run directory: one planner over tasks of one suite. `Run("runs/pid-1")` opens it; a run that is still going on is
+    read as far as it got."""
+
+    def __init__(self, directory: str | PathLike[str]):
+        """Opens a run. Raises `RunError` if there is none, it is of another version, or it is damaged."""
+        #: The directory.
+        self.path = Path(directory)
+        file = self.path / "run.json"
+        if not self.path.is_dir():
+            raise RunError(self.path, "there is no such folder", "give the directory of a run")
+        if not file.is_file():
+            raise RunError(self.path, "no run is here: run.json is missing", "give the directory of a run")
+        content = _read(file)
+        #: Everything that decides the results: the content of run.json.
+        self.header: dict[str, Any] = _json_object(file, content)
+        schema = self.header.get("schema")
+        if schema not in SCHEMAS:
+            raise RunError(
+                file,
+                f"version {schema} of runs, this package reads {SCHEMAS[0]} to {SCHEMAS[-1]}",
+                "use a newer vertibench",
+            )
+        _check(self._sums(), "run.json", file, content)
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        return f"<Run {self.path}: {self.planner} on {self.of('suite', 'name')}, {self.header.get('tasks')} tasks>"
+
+    @property
+    def planner(self) -> str:
+        """Name of the planner."""
+        return str(self.of("plugin", "name"))
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """Names of the finished tasks, sorted, e.g. `w001/t03`."""
+        return tuple(record["task"] for record in self.records())
+
+    def of(self, *names: str) -> Any:
+        """A field of run.json by its way down, e.g. `of("suite", "name")`; None where it isn't there."""
+        value: Any = self.header
+        for name in names:
+            value = value.get(name) if isinstance(value, dict) else None
+        return value
+
+    def records(self) -> list[dict[str, Any]]:
+        """The lines of tasks.jsonl as dictionaries, in the order of the tasks' names. A last line that is being written, or
+        was when the run was killed, is left out."""
+        file = self.path / "tasks.jsonl"
+        if not file.is_file():
+            return []
+        sums = self._sums()
+        records = {}
+        *lines, _torn = _read(file).split(b"\n")
+        for number, line in enumerate(lines, 1):
+            record = _json_object(f"{file} line {number}", line)
+            task = record.get("task")
+            if not isinstance(task, str) or "outcome" not in record:
+                raise RunError(f"{file} line {number}", "it is no record of a task", _DAMAGED)
+            _check(sums, f"tasks.jsonl {task}", f"{file} line {number}", line)
+            records[task] = record
+        return [records[task] for task in sorted(records)]
+
+    def record(self, task: str) -> dict[str, Any]:
+        """The record of a task, as in tasks.jsonl. Raises `RunError` if the run hasn't finished it."""
+        records = {record["task"]: record for record in self.records()}
+        if task not in records:
+            example = f"give one of them, e.g. {next(iter(records))}" if records else "wait for one, or run it"
+            raise RunError(self.path, f"no task {task} among its {len(records)} finished tasks", example)
+        return records[task]
+
+    def trace_file(self, task: str) -> Path:
+        """The Parquet file of a task's trajectory, which is as it was written. Raises `RunError` if there is none."""
+        self.record(task)
+        if self.header.get("trace") == "none":
+            raise RunError(self.path, "the run kept no trajectories", "run it again with trace='10hz'")
+        name = f"traces/{task}.parquet"
+        file = self.path / name
+        if not file.is_file():
+            raise RunError(file, "the trajectory is missing", "restore the file, or run the task again")
+        _check(self._sums(), name, file, _read(file))
+        return file
+
+    def results(self, frame: str = "pandas") -> Any:
+        """See `vertibench.results`."""
+        from .frames import results
+
+        return results(self, frame)
+
+    def summary(self) -> Summary:
+        """See `vertibench.summary`."""
+        from .summary import summary
+
+        return summary(self)
+
+    def trace(self, task: str, frame: str = "numpy") -> Trace | Any:
+        """See `vertibench.trace`."""
+        from .frames import trace
+
+        return trace(self, task, frame)
+
+    def show(self, task: str, **options: Any) -> Shown:
+        """See `vertibench.show`."""
+        from .show import show
+
+        return show(self, task, **options)
+
+    def _sums(self) -> dict[str, str] | None:
+        """The SHA-256 by name, as checksums.txt has them; none for runs that have no such file."""
+        file = self.path / "checksums.txt"
+        if not file.is_file():
+            return None
+        sums = {}
+        *lines, _torn = _read(file).decode("utf-8", "replace").split("\n")
+        for number, line in enumerate(lines, 1):
+            digest, gap, name = line.partition("  ")
+            if len(digest) != 64 or not gap or not name:
+                raise RunError(f"{file} line {number}", "it is no checksum", _DAMAGED)
+            sums[name] = digest
+        return sums
+
+
+def opened(run: Run | str | PathLike[str]) -> Run:
+    """The run, opened if it is given as a directory."""
+    return run if isinstance(run, Run) else Run(run)
+
+
+def _check(sums: dict[str, str] | None, name: str, where: object, content: bytes) -> None:
+    """Refuses what is no longer as it was written, if there are checksums."""
+    if sums is None:
+        return
+    if name not in sums:
+        raise RunError(where, f"{name} has no checksum in checksums.txt", _DAMAGED)
+    if hashlib.sha256(content).hexdigest() != sums[name]:
+        raise RunError(where, f"{name} is not what was written: its checksum is another", _DAMAGED)
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as e:
+        raise RunError(file, f"cannot be read: {e.strerror}", "see to its rights, or restore it") from None
+
+
+def _json_object(where: object, content: bytes) -> dict[str, Any]:
+    try:
+        value = json.loads(content)
+    except ValueError as e:
+        raise RunError(where, f"not JSON: {e}", _DAMAGED) from None
+    if not isinstance(value, dict):
+        raise RunError(where, "it is no JSON object", _DAMAGED)
+    return value

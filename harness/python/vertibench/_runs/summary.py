@@ -1,0 +1,167 @@
+"""The summary of a run."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from .errors import RunError
+from .store import Run, _json_object, _read, opened
+
+#: By what the figures are split.
+SPLITS = ("elevation", "terrain", "density", "world")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean with its 95 % interval, by the bootstrap that draws whole worlds (docs/reports.md)."""
+
+    mean: float
+    low: float | None  #: None where all tasks are of one world
+    high: float | None
+
+    def __format__(self, spec: str) -> str:
+        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`, or `-2.0% (-9.1% to
+        5.0%)`."""
+        text = format(self.mean, spec)
+        if self.low is None or self.high is None:
+            return text
+        # A dash beside a minus can't be read.
+        to = "–" if self.low >= 0 and self.high >= 0 else " to "
+        return f"{text} ({self.low:{spec}}{to}{self.high:{spec}})"
+
+    def __str__(self) -> str:
+        return format(self, ".4g")
+
+
+class Summary(Mapping[str, Any]):
+    """The summary of a run: summary.json as a mapping (docs/scoring.md), with what is asked for most by name."""
+
+    def __init__(self, content: dict[str, Any]):
+        self._content = content
+
+    def __getitem__(self, name: str) -> Any:
+        return self._content[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._content)
+
+    def __len__(self) -> int:
+        return len(self._content)
+
+    @property
+    def tasks(self) -> int:
+        """The number of tasks that count."""
+        return self["all"]["tasks"]
+
+    @property
+    def success_rate(self) -> Estimate | None:
+        """The share of tasks that succeed, in [0, 1], with its interval; None without a task that counts."""
+        return _success(self["all"])
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """The number of tasks by outcome."""
+        return dict(self["all"]["outcomes"])
+
+    def frame(self, frame: str = "pandas") -> Any:
+        """The figures over all tasks and over each level and world as a frame (see `vertibench.results`): `split` (`all`,
+        `elevation`, `terrain`, `density` or `world`), `level`, and a column for each figure; outcomes and classes of the
+        paper are columns with `outcome_` and `three_way_` before their names, the planner's fuel with `fuel_`."""
+        import pyarrow as pa
+
+        from .frames import as_frame
+
+        rows = [{"split": split, "level": level, **_flat(figures)} for split, level, figures in self._groups()]
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        table = pa.table({name: [row.get(name) for row in rows] for name in names})
+        return as_frame(table, frame, {"summary": {k: v for k, v in self.items() if k not in ("all", *SPLITS)}})
+
+    def _groups(self) -> Iterator[tuple[str, str, dict[str, Any]]]:
+        yield "all", "all", self["all"]
+        for split in SPLITS:
+            for level, figures in (self.get(split) or {}).items():
+                yield split, level, figures
+
+    def __repr__(self) -> str:
+        rate = self.success_rate
+        told = "none that count" if rate is None else f"success {rate:.1%}"
+        return f"<Summary {self['planner']} on {self['suite']}: {self.tasks} tasks, {told}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [level if split == "all" else f"{split} {level}", str(f["tasks"]), _percent(_success(f)), _number(f["time_mean_s"]),
+             _number(f["roll_mean_deg"]), _number(f["pitch_mean_deg"]), str(f["outcomes"]["rollover"]), str(f["outcomes"]["stuck"])]
+            for split, level, f in self._groups() if split != "world"
+        ]  # fmt: skip
+        head = [
+            "",
+            "tasks",
+            "success % (95 % interval)",
+            "time s",
+            "mean |roll| °",
+            "mean |pitch| °",
+            "rollover",
+            "stuck",
+        ]
+        return table_html(f"{self['planner']} on {self['suite']}", head, rows)
+
+
+def summary(run: Run | str | PathLike[str]) -> Summary:
+    """The figures over all tasks of a run, and by elevation, terrain, obstacle density and world: summary.json.
+
+    Raises `RunError` if there is none, since the run goes on or was killed.
+    """
+    run = opened(run)
+    file = run.path / "summary.json"
+    if not file.is_file():
+        raise RunError(file, "there is no summary yet", "wait for the end of the run, or finish it with resume=True")
+    content = _json_object(file, _read(file))
+    figures = content.get("all")
+    if not isinstance(figures, dict) or not {"tasks", "success_rate", "outcomes"} <= figures.keys():
+        raise RunError(file, "it is no summary of this version", "make it anew: vb-harness score --help")
+    return Summary(content)
+
+
+def table_html(title: str, head: list[str], rows: list[list[str]]) -> str:
+    """A table for a notebook; nothing of the texts is markup. The first column is to the left, numbers are to the right."""
+    align = ["left"] + ["right"] * (len(head) - 1)
+
+    def line(tag: str, cells: list[str]) -> str:
+        return "".join(
+            f'<{tag} style="text-align:{a};white-space:nowrap">{html.escape(c)}</{tag}>' for a, c in zip(align, cells)
+        )
+
+    body = "".join(f"<tr>{line('td', row)}</tr>" for row in rows)
+    caption = f'<caption style="text-align:left;caption-side:top">{html.escape(title)}</caption>'
+    return f"<table>{caption}<thead><tr>{line('th', head)}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _flat(figures: dict[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in figures.items():
+        if name in ("outcomes", "three_way", "fuel"):
+            before = "outcome" if name == "outcomes" else name
+            flat |= {f"{before}_{k}": v for k, v in (value or {}).items()}
+        else:
+            flat[name] = value
+    return flat
+
+
+def _success(figures: dict[str, Any]) -> Estimate | None:
+    rate = figures["success_rate"]
+    return None if rate is None else Estimate(rate, figures.get("success_low"), figures.get("success_high"))
+
+
+def _percent(e: Estimate | None) -> str:
+    if e is None:
+        return "–"
+    of = Estimate(*(None if v is None else 100 * v for v in (e.mean, e.low, e.high)))  # type: ignore[arg-type]
+    return format(of, ".1f")
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.1f}"
