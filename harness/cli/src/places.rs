@@ -7,6 +7,8 @@ use crate::error::CliError;
 
 /// The environment variable that names the directory with the built-in suites, rules and vehicles.
 const TASKS_VAR: &str = "VB_TASKS";
+/// The environment variable that names the directory with the planners that are found by their file names.
+pub(crate) const PLUGINS_VAR: &str = "VB_PLUGINS";
 /// The environment variable that names the directory for compiled plugins.
 const CACHE_VAR: &str = "VB_CACHE";
 
@@ -151,6 +153,26 @@ pub(crate) fn references(vehicle: &str) -> Option<PathBuf> {
     file.is_file().then_some(file)
 }
 
+/// The planner's file that the user means by `--plugin`: as it is written, or a bare file name that isn't in the working directory
+/// in the directory that `VB_PLUGINS` names.
+pub(crate) fn plugin(wanted: PathBuf) -> PathBuf {
+    match plugins_dir() {
+        Some(dir) => plugin_in(&dir, wanted),
+        None => wanted,
+    }
+}
+
+/// The directory with the planners that are found by their file names, if there is one.
+pub(crate) fn plugins_dir() -> Option<PathBuf> {
+    var(PLUGINS_VAR)
+}
+
+fn plugin_in(dir: &Path, wanted: PathBuf) -> PathBuf {
+    let file = dir.join(&wanted);
+    let is_bare = wanted.file_name() == Some(wanted.as_os_str());
+    if is_bare && !wanted.exists() && file.is_file() { file } else { wanted }
+}
+
 /// Whether this is a bare name rather than a path.
 pub(crate) fn is_name(text: &OsStr) -> bool {
     !text.to_string_lossy().contains(['/', '\\', '.'])
@@ -176,5 +198,27 @@ pub(crate) fn new_run_dir(name: &str) -> PathBuf {
             return dir;
         }
         n += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_planner_is_found_by_its_file_name_and_by_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("pid.wasm");
+        std::fs::write(&file, "").unwrap();
+        std::fs::create_dir(dir.path().join("inner")).unwrap();
+        let found = |wanted: &str| plugin_in(dir.path(), wanted.into());
+        assert_eq!(found("pid.wasm"), file);
+        // A path is one that the user has, a name without its ending is none of a file, and Cargo.toml is here.
+        std::fs::write(dir.path().join("Cargo.toml"), "").unwrap();
+        for as_it_is in
+            ["./pid.wasm", "planners/pid.wasm", "pid", "gone.wasm", "inner", "Cargo.toml", "..", ""]
+        {
+            assert_eq!(found(as_it_is), Path::new(as_it_is), "{as_it_is}");
+        }
     }
 }

@@ -1,8 +1,7 @@
-"""The one kind of error."""
+"""The kind of error that datasets raise."""
+
+from .._errors import VertiBenchError
 
 
-class DatasetError(Exception):
+class DatasetError(VertiBenchError):
     """A dataset can't be used. The message is one line: where, what, what to do."""
-
-    def __init__(self, where: object, what: str, to_do: str):
-        super().__init__(" ".join(f"{where}: {what} ({to_do})".split()))
