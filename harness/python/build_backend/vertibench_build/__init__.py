@@ -31,6 +31,8 @@ def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata
         with _chdir(folder):
             # The metadata that were made before lack the licences, which lie in this folder only.
             name = maturin.build_wheel(folder, config_settings)
+        # It leaves its own there, too, which nobody should take for the finished one.
+        (_stage.target() / "wheels" / name).unlink(missing_ok=True)
         return _wheel.finish(Path(folder, name), Path(out))
 
 

@@ -13,7 +13,7 @@ _NAMES = ("licen", "copying", "notice", "unlicense")
 def text(root: Path) -> str:
     """All of them, each once, with the crates that it is of. Crates without a file of their own are named with their terms."""
     told = subprocess.run(
-        ["cargo", "metadata", "--format-version", "1", "--locked"],
+        ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", _host(root)],
         cwd=root, stdout=subprocess.PIPE, text=True, check=False,
     )  # fmt: skip
     if told.returncode != 0:
@@ -31,6 +31,15 @@ def text(root: Path) -> str:
     parts = ["This package contains code of the following crates.\n\n" + "\n".join(listed)]
     parts += [", ".join(names) + "\n\n" + terms for terms, names in sorted(of.items(), key=lambda item: item[1])]
     return f"\n\n{'-' * 80}\n\n".join(parts) + "\n"
+
+
+def _host(root: Path) -> str:
+    """The platform that Rust builds for by itself; another one with the same system has the same crates, but for a few."""
+    told = subprocess.run(["rustc", "-vV"], cwd=root, stdout=subprocess.PIPE, text=True, check=False).stdout
+    found = [line.removeprefix("host: ") for line in told.splitlines() if line.startswith("host: ")]
+    if not found:
+        raise SystemExit("error: `rustc -vV` doesn't name its host (install Rust from https://rustup.rs)")
+    return found[0]
 
 
 def _linked(metadata: dict) -> list[dict]:

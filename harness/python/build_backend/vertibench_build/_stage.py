@@ -69,7 +69,7 @@ def program() -> Path:
     if named:
         return _existing(Path(named), "VB_WHEEL_HARNESS")
     _cargo("build", "--release", "--locked", "--package", "vb-harness")
-    return _target() / "release" / f"vb-harness{_SUFFIX}"
+    return target() / "release" / f"vb-harness{_SUFFIX}"
 
 
 def plugins() -> list[Path]:
@@ -80,8 +80,8 @@ def plugins() -> list[Path]:
     elif (ROOT / PREBUILT).is_dir():
         folder = ROOT / PREBUILT
     else:
-        folder = _target() / "plugins"
-        _cargo("xtask", "plugins", "--out", str(folder))
+        folder = target() / "plugins"
+        _cargo("xtask", "plugins", "--wasm", "--out", str(folder))
     files = [folder / f"{name}.wasm" for name in planners()]
     for file in files:
         if not file.is_file():
@@ -116,7 +116,8 @@ def _existing(path: Path, variable: str) -> Path:
     return path
 
 
-def _target() -> Path:
+def target() -> Path:
+    """The folder of what cargo builds."""
     # Relative to the current folder where the user sets it, as cargo takes it.
     return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target").absolute()
 
@@ -125,7 +126,7 @@ def _cargo(*arguments: str) -> None:
     if not shutil.which("cargo"):
         raise SystemExit("error: cargo isn't there, and the package is built from Rust (install it from https://rustup.rs)")
     print("Running `cargo {}`".format(" ".join(arguments)), flush=True)
-    done = subprocess.run(["cargo", *arguments], cwd=ROOT, env={**os.environ, "CARGO_TARGET_DIR": str(_target())}, check=False)
+    done = subprocess.run(["cargo", *arguments], cwd=ROOT, env={**os.environ, "CARGO_TARGET_DIR": str(target())}, check=False)
     if done.returncode != 0:
         raise SystemExit(f"error: `cargo {' '.join(arguments)}` failed in {ROOT} (what it says above is the reason)")
 
