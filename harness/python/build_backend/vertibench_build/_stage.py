@@ -42,6 +42,8 @@ def description(into: Path) -> None:
     """Puts there what says how the package is built, as if it lay beside the workspace."""
     text = pyproject(manifest=(ROOT / PYTHON / "Cargo.toml").as_posix())
     (into / "pyproject.toml").write_text(text, encoding="utf-8")
+    # maturin looks for it even where it only writes the metadata.
+    (into / "vertibench").mkdir()
     _copy(ROOT / PYTHON / "README.md", into / "README.md")
     for licence in sorted(ROOT.glob("LICENSE-*")):
         _copy(licence, into / licence.name)
