@@ -16,17 +16,18 @@ _SUFFIX = ".exe" if sys.platform == "win32" else ""
 
 def harness_path() -> Path:
     """The program `vb-harness`: what VB_HARNESS names, else the packaged one, else the one that is built in the checkout."""
-    return _find("VB_HARNESS", f"bin/vb-harness{_SUFFIX}", _target() / f"release/vb-harness{_SUFFIX}", "the program")
+    built = _target() / f"release/vb-harness{_SUFFIX}"
+    return _find("VB_HARNESS", f"bin/vb-harness{_SUFFIX}", built, "the program", "cargo build --release -p vb-harness")
 
 
 def tasks_path() -> Path:
     """The folder of suites, vehicles and rules: what VB_TASKS names, else the packaged one, else that of the checkout."""
-    return _find("VB_TASKS", "tasks", _CHECKOUT / "tasks", "the folder of tasks")
+    return _find("VB_TASKS", "tasks", _CHECKOUT / "tasks", "the folder of tasks", "git checkout tasks")
 
 
 def plugins_path() -> Path:
     """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one that is built in the checkout."""
-    return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners")
+    return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners", "cargo xtask plugins")
 
 
 def plugin_path(name: str | os.PathLike[str]) -> Path:
@@ -56,7 +57,7 @@ def environment() -> dict[str, str]:
     return found
 
 
-def _find(variable: str, packaged: str, built: Path, what: str) -> Path:
+def _find(variable: str, packaged: str, built: Path, what: str, build: str) -> Path:
     named = os.environ.get(variable)
     if named:
         path = Path(named)
@@ -68,8 +69,8 @@ def _find(variable: str, packaged: str, built: Path, what: str) -> Path:
     if _in_checkout():
         if built.exists():
             return built
-        raise MissingError(built, f"{what} isn't there", "run `cargo xtask wheel` in the checkout, or set " + variable)
-    raise MissingError(_DATA / packaged, f"{what} isn't there", "install vertibench again, or set " + variable)
+        raise MissingError(built, f"{what} isn't there", f"run `{build}` in the checkout, or set {variable}")
+    raise MissingError(_DATA / packaged, f"{what} isn't there", f"install vertibench again, or set {variable}")
 
 
 def _in_checkout() -> bool:

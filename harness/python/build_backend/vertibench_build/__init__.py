@@ -16,8 +16,6 @@ import tempfile
 from pathlib import Path
 from typing import Any, Mapping
 
-import maturin
-
 from . import _sdist, _stage, _wheel
 
 Settings = Mapping[str, Any] | None
@@ -25,6 +23,8 @@ Settings = Mapping[str, Any] | None
 
 def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None) -> str:
     """Makes the wheel, and tags it with the systems on which both the module and the program run."""
+    import maturin
+
     out = os.path.abspath(wheel_directory)
     with tempfile.TemporaryDirectory() as folder:
         _stage.package(Path(folder))
@@ -38,6 +38,8 @@ def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata
 
 def build_sdist(sdist_directory: str, config_settings: Settings = None) -> str:
     """Makes an archive from which a Rust toolchain alone makes the wheel."""
+    import maturin
+
     out = os.path.abspath(sdist_directory)
     with tempfile.TemporaryDirectory() as folder:
         _stage.description(Path(folder))
@@ -48,11 +50,15 @@ def build_sdist(sdist_directory: str, config_settings: Settings = None) -> str:
 
 def build_editable(wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None) -> str:
     """Makes a wheel that leads to the checkout, where program, tasks and planners are found."""
+    import maturin
+
     return maturin.build_editable(wheel_directory, config_settings, metadata_directory)
 
 
 def prepare_metadata_for_build_wheel(metadata_directory: str, config_settings: Settings = None) -> str:
     """The metadata without the wheel."""
+    import maturin
+
     return maturin.prepare_metadata_for_build_wheel(metadata_directory, config_settings)
 
 

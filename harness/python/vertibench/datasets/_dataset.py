@@ -105,7 +105,7 @@ def open(directory: str | PathLike[str]) -> Dataset:  # noqa: A001 - used as `da
     """
     folder = Path(directory)
     if pq is None:
-        raise DatasetError(folder, "datasets are read by pyarrow, which is missing", "pip install 'vertibench[datasets]'")
+        raise DatasetError(folder, "datasets are read by pyarrow, which is missing", "pip install pyarrow")
     if not folder.is_dir():
         raise DatasetError(folder, "there is no such folder", "give the folder that `vb-harness dataset` wrote")
     file = folder / "dataset.json"
