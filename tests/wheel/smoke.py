@@ -1,8 +1,8 @@
 """Installs the wheel in a fresh virtual environment, and sees that all of it works without Rust and without a checkout.
 
-`cargo xtask wheel --check` runs it; by hand: `python3 tests/wheel/smoke.py target/wheels/vertibench-*.whl`. It needs no more
-than Python and pip; what the package depends on is fetched by pip. A check is a function with `Installed` as its argument, in
-the list at the end.
+`cargo xtask wheel --check` runs it; by hand: `python3 tests/wheel/smoke.py target/wheels/vertibench-*.whl`. It needs no
+more than Python and pip; what the package depends on is fetched by pip. A check is a function with `Installed` as its
+argument, in the list at the end.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def versions(package: Installed) -> None:
 def paths(package: Installed) -> None:
     """Everything lies in the package."""
     told = package.python(
-        "import vertibench as v; print(v.harness_path(), v.tasks_path(), v.plugins_path(), v.plugin_path('pid.wasm'), sep='\\n')"
+        "from vertibench import *; print(harness_path(), tasks_path(), plugins_path(), plugin_path('pid.wasm'), sep='\\n')"
     )
     root = package.python("import vertibench; print(vertibench.__path__[0])").strip()
     lines = told.splitlines()

@@ -32,14 +32,18 @@ def wheel(folder: Path, program: bytes) -> Path:
     return file
 
 
-@pytest.mark.parametrize("program, tag", [(NEWER, "manylinux_2_34"), (OLDER, "manylinux_2_17"), (b"#!", "manylinux_2_17")])
+@pytest.mark.parametrize(
+    "program, tag", [(NEWER, "manylinux_2_34"), (OLDER, "manylinux_2_17"), (b"#!", "manylinux_2_17")]
+)
 def test_the_tag_is_that_of_the_file_that_needs_most(tmp_path, program, tag):
     out = tmp_path / "out"
     out.mkdir()
     name = _wheel.finish(wheel(tmp_path, program), out)
     assert name == f"vertibench-1.0-cp310-abi3-{tag}_x86_64.whl"
     with zipfile.ZipFile(out / name) as archive:
-        assert archive.read("vertibench-1.0.dist-info/WHEEL").decode().splitlines()[-1] == f"Tag: cp310-abi3-{tag}_x86_64"
+        assert (
+            archive.read("vertibench-1.0.dist-info/WHEEL").decode().splitlines()[-1] == f"Tag: cp310-abi3-{tag}_x86_64"
+        )
         record = archive.read("vertibench-1.0.dist-info/RECORD").decode().splitlines()
         assert len(record) == len(archive.namelist()) and record[-1] == "vertibench-1.0.dist-info/RECORD,,"
         assert archive.getinfo("vertibench/_data/bin/vb-harness").external_attr >> 16 == 0o755
@@ -59,10 +63,15 @@ def test_only_versions_of_glibc_count():
     assert _wheel.glibc([b"text with \0GLIBC_2.99\0", b"\x7fELF of musl", b"\x7fELF\0XGLIBC_2.50\0"]) is None
 
 
-@pytest.mark.parametrize("platform", ["linux_aarch64", "manylinux_2_17_aarch64", "manylinux2014_aarch64.manylinux_2_17_aarch64"])
+@pytest.mark.parametrize(
+    "platform", ["linux_aarch64", "manylinux_2_17_aarch64", "manylinux2014_aarch64.manylinux_2_17_aarch64"]
+)
 def test_every_tag_of_maturin_for_linux_is_replaced(platform):
     name = f"vertibench-1.0-cp310-abi3-{platform}.whl"
-    assert _wheel._tagged(name, 28) == ("vertibench-1.0-cp310-abi3-manylinux_2_28_aarch64.whl", "manylinux_2_28_aarch64")
+    assert _wheel._tagged(name, 28) == (
+        "vertibench-1.0-cp310-abi3-manylinux_2_28_aarch64.whl",
+        "manylinux_2_28_aarch64",
+    )
 
 
 def test_other_systems_keep_their_tag():

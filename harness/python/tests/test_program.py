@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 import vertibench
 from vertibench import MissingError, __main__, _program, datasets, harness_path, plugin_path, plugins_path, tasks_path
 

@@ -25,7 +25,10 @@ def main() -> int:
             os.execve(program, command, variables)
         return subprocess.run(command, env=variables, check=False).returncode
     except OSError as e:
-        print(f"error: {program}: can't be run: {e.strerror or e} (install vertibench again, or set VB_HARNESS)", file=sys.stderr)
+        print(
+            f"error: {program}: can't be run: {e.strerror or e} (install vertibench again, or set VB_HARNESS)",
+            file=sys.stderr,
+        )
         return 3
 
 

@@ -1,4 +1,4 @@
-"""Where the program, its tasks and its planners are: in the installed package, or in the checkout that it is imported from."""
+"""Where the program, its tasks and its planners are: in the installed package, or in the checkout around it."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ _SUFFIX = ".exe" if sys.platform == "win32" else ""
 
 
 def harness_path() -> Path:
-    """The program `vb-harness`: what VB_HARNESS names, else the packaged one, else the one that is built in the checkout."""
+    """The program `vb-harness`: what VB_HARNESS names, else the packaged one, else the one built in the checkout."""
     built = _target() / f"release/vb-harness{_SUFFIX}"
     return _find("VB_HARNESS", f"bin/vb-harness{_SUFFIX}", built, "the program", "cargo build --release -p vb-harness")
 
 
 def tasks_path() -> Path:
-    """The folder of suites, vehicles and rules: what VB_TASKS names, else the packaged one, else that of the checkout."""
+    """The folder of suites and vehicles: what VB_TASKS names, else the packaged one, else that of the checkout."""
     return _find("VB_TASKS", "tasks", _CHECKOUT / "tasks", "the folder of tasks", "git checkout tasks")
 
 
 def plugins_path() -> Path:
-    """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one that is built in the checkout."""
+    """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one built in the checkout."""
     return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners", "cargo xtask plugins")
 
 

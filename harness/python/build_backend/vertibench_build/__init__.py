@@ -1,11 +1,11 @@
 """Builds the Python package: maturin's build backend (PEP 517), and what it doesn't do.
 
-A wheel has the module in Rust, which maturin builds, and as its data the program `vb-harness`, the suites and vehicles of
-`tasks/` and the reference planners as WASM. They are put together in a folder of their own, so that nothing is left in the
-checkout. An editable install finds the same in the checkout.
+A wheel has the module in Rust, which maturin builds, and as its data the program `vb-harness`, the suites and vehicles
+of `tasks/` and the reference planners as WASM. They are put together in a folder of their own, so that nothing is left
+in the checkout. An editable install finds the same in the checkout.
 
-Environment variables: `VB_WHEEL_HARNESS` names a program and `VB_WHEEL_PLUGINS` a folder of planners that are taken as they
-are, where both would be built otherwise; `SOURCE_DATE_EPOCH` is the time that the files in archives get.
+Environment variables: `VB_WHEEL_HARNESS` names a program and `VB_WHEEL_PLUGINS` a folder of planners that are taken as
+they are, where both would be built otherwise; `SOURCE_DATE_EPOCH` is the time that the files in archives get.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Mapping
+from typing import Any
 
 from . import _sdist, _stage, _wheel
 
@@ -48,7 +49,9 @@ def build_sdist(sdist_directory: str, config_settings: Settings = None) -> str:
         return _sdist.make(Path(out), metadata.read_bytes())
 
 
-def build_editable(wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None) -> str:
+def build_editable(
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
+) -> str:
     """Makes a wheel that leads to the checkout, where program, tasks and planners are found."""
     import maturin
 

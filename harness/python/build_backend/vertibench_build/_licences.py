@@ -11,7 +11,7 @@ _NAMES = ("licen", "copying", "notice", "unlicense")
 
 
 def text(root: Path) -> str:
-    """All of them, each once, with the crates that it is of. Crates without a file of their own are named with their terms."""
+    """All of them, each once, with the crates that it is of; and all crates, with their terms in a word."""
     told = subprocess.run(
         ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", _host(root)],
         cwd=root, stdout=subprocess.PIPE, text=True, check=False,
@@ -34,7 +34,7 @@ def text(root: Path) -> str:
 
 
 def _host(root: Path) -> str:
-    """The platform that Rust builds for by itself; another one with the same system has the same crates, but for a few."""
+    """The platform that Rust builds for by itself; another with the same system has the same crates, but for a few."""
     told = subprocess.run(["rustc", "-vV"], cwd=root, stdout=subprocess.PIPE, text=True, check=False).stdout
     found = [line.removeprefix("host: ") for line in told.splitlines() if line.startswith("host: ")]
     if not found:

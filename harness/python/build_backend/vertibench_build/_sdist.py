@@ -49,7 +49,10 @@ def _git(*arguments: str) -> str | None:
 
 def _write(file: Path, folder: str, files: dict[str, tuple[bytes, int]]) -> None:
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH") or _git("log", "-1", "--format=%ct") or 315532800)
-    with gzip.GzipFile(file, "wb", 9, mtime=seconds) as packed, tarfile.open(fileobj=packed, mode="w|", format=tarfile.PAX_FORMAT) as archive:
+    with (
+        gzip.GzipFile(file, "wb", 9, mtime=seconds) as packed,
+        tarfile.open(fileobj=packed, mode="w|", format=tarfile.PAX_FORMAT) as archive,
+    ):
         for path in sorted(files):
             content, mode = files[path]
             entry = tarfile.TarInfo(f"{folder}/{path}")

@@ -60,7 +60,9 @@ def pyproject(manifest: str, folder: str = "") -> str:
     }
     for old, new in changes.items():
         if text.count(f"{old}\n") != 1:
-            raise SystemExit(f"error: {PYTHON}/pyproject.toml: wants one line `{old}` (the build puts another in its place)")
+            raise SystemExit(
+                f"error: {PYTHON}/pyproject.toml: wants one line `{old}` (the build puts another in its place)"
+            )
         text = text.replace(f"{old}\n", f"{new}\n")
     return text
 
@@ -99,13 +101,15 @@ def planners() -> list[str]:
 
 
 def tracked(folder: str = ".") -> list[Path]:
-    """The files of the sources in a folder, relative to their root: those that git tracks, or all where there is no git."""
+    """The files of the sources in a folder, relative to their root: those that git tracks; all where there is no git."""
     git = ["git", "-C", str(ROOT), "ls-files", "-z", "--", folder]
     if (ROOT / ".git").exists():
         done = subprocess.run(git, capture_output=True, check=False)
         if done.returncode != 0:
             reason = done.stderr.decode(errors="replace").strip()
-            raise SystemExit(f"error: {ROOT}: git can't list the sources: {reason} (see that `git ls-files` works there)")
+            raise SystemExit(
+                f"error: {ROOT}: git can't list the sources: {reason} (see that `git ls-files` works there)"
+            )
         paths = [Path(os.fsdecode(name)) for name in done.stdout.split(b"\0") if name]
         return sorted(path for path in paths if (ROOT / path).is_file())
     files = [path.relative_to(ROOT) for path in sorted((ROOT / folder).rglob("*")) if path.is_file()]
@@ -126,9 +130,13 @@ def target() -> Path:
 
 def _cargo(*arguments: str) -> None:
     if not shutil.which("cargo"):
-        raise SystemExit("error: cargo isn't there, and the package is built from Rust (install it from https://rustup.rs)")
+        raise SystemExit(
+            "error: cargo isn't there, and the package is built from Rust (install it from https://rustup.rs)"
+        )
     print("Running `cargo {}`".format(" ".join(arguments)), flush=True)
-    done = subprocess.run(["cargo", *arguments], cwd=ROOT, env={**os.environ, "CARGO_TARGET_DIR": str(target())}, check=False)
+    done = subprocess.run(
+        ["cargo", *arguments], cwd=ROOT, env={**os.environ, "CARGO_TARGET_DIR": str(target())}, check=False
+    )
     if done.returncode != 0:
         raise SystemExit(f"error: `cargo {' '.join(arguments)}` failed in {ROOT} (what it says above is the reason)")
 
