@@ -9,7 +9,14 @@ const SOURCES: [&str; 4] = ["harness", "sdk", "Cargo.toml", "Cargo.lock"];
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    println!("cargo::rustc-env=VB_COMMIT={}", commit(&root).unwrap_or_else(|| "unknown".into()));
+    let commit = commit(&root).or_else(|| told(&root)).unwrap_or_else(|| "unknown".into());
+    println!("cargo::rustc-env=VB_COMMIT={commit}");
+}
+
+/// The commit that a source distribution says it was made of.
+fn told(root: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(root.join(".commit")).ok()?;
+    text.lines().next().map(|line| line.trim().to_owned())
 }
 
 /// The commit, with `, modified` if the sources differ from it; none outside of a checkout of this repository, or without git.

@@ -84,15 +84,16 @@ fn newest(folder: &Path) -> std::io::Result<SystemTime> {
     Ok(newest)
 }
 
-/// A compiler of a pinned version.
+/// A compiler, or another program that builds, of a pinned version.
 #[derive(Debug)]
-struct Compiler {
+pub(crate) struct Compiler {
     /// Name and version, e.g. `ziglang-0.17.0`.
     name: String,
     /// What the registry's client is asked for, e.g. `ziglang==0.17.0`.
     wanted: String,
     registry: Registry,
-    folder: PathBuf,
+    /// Where it is installed.
+    pub(crate) folder: PathBuf,
 }
 
 impl Compiler {
@@ -107,8 +108,18 @@ impl Compiler {
             Registry::Pip => read("requirements.txt").map(|(path, text)| (path, pip_pin(&text)))?,
             Registry::Npm => read("package.json").map(|(path, text)| (path, npm_pin(&text)))?,
         };
-        let (package, version) = pinned
+        let pin = pinned
             .ok_or_else(|| Failure::new(format!("{}: it pins no compiler's version", path.display())))?;
+        Self::new(pin, registry)
+    }
+
+    /// What pip installs: `maturin==1.16.0`.
+    pub(crate) fn of_pip(pin: &str) -> Result<Self, Failure> {
+        let read = pip_pin(pin).ok_or_else(|| Failure::new(format!("{pin}: it pins no version")))?;
+        Self::new(read, Registry::Pip)
+    }
+
+    fn new((package, version): (String, String), registry: Registry) -> Result<Self, Failure> {
         let wanted = match registry {
             Registry::Pip => format!("{package}=={version}"),
             Registry::Npm => format!("{package}@{version}"),
@@ -122,7 +133,8 @@ impl Compiler {
         self.folder.is_dir()
     }
 
-    fn install(&self) -> Result<(), Failure> {
+    /// Installs it where it is missing.
+    pub(crate) fn install(&self) -> Result<(), Failure> {
         if self.is_installed() {
             return Ok(());
         }
@@ -168,7 +180,8 @@ impl Compiler {
     }
 }
 
-fn python() -> OsString {
+/// Python as the user wants it.
+pub(crate) fn python() -> OsString {
     std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into())
 }
 

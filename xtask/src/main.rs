@@ -12,6 +12,7 @@ mod soak;
 mod suites;
 mod tune;
 mod wasm_target;
+mod wheel;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -27,8 +28,14 @@ Tasks:
   test                  Build everything the tests need and run them all
   lint                  Check formatting, lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
+  plugins --wasm [--out DIR]
+                        Build them as WASM alone
   examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
                         npm into ~/.cache/verti-bench [default DIR: target/plugins]
+  wheel [--portable] [--target TRIPLE] [--check] [--out DIR]
+                        Make the Python package as wheel and source distribution [default DIR: target/wheels];
+                        --portable: for Linux with glibc 2.17 on, by zig; --target: portable, for another processor;
+                        --check: install the wheel in a fresh environment, and see that it works
   abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
@@ -73,6 +80,9 @@ fn main() -> ExitCode {
         ["fuzz", target] if !target.starts_with('-') => fuzz::fuzz(Some(target), FUZZ_MINUTES),
         ["fuzz", "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(None, n)),
         ["fuzz", target, "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(Some(target), n)),
+        ["wheel", ref options @ ..] => wheel::wheel(options),
+        ["plugins", "--wasm"] => plugins::build_as_wasm(&default_plugin_dir()),
+        ["plugins", "--wasm", "--out", dir] => plugins::build_as_wasm(Path::new(dir)),
         ["plugins"] => plugins::build(&default_plugin_dir()),
         ["plugins", "--out", dir] => plugins::build(Path::new(dir)),
         ["examples"] => build_examples(&default_plugin_dir()),

@@ -22,6 +22,12 @@ pub(crate) fn build(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Builds all planners as WASM alone.
+pub(crate) fn build_as_wasm(out: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(out).map_err(|e| Failure::new(format!("can't make {}: {e}", out.display())))?;
+    build_wasm(&packages(crate::root())?, out)
+}
+
 /// Builds one planner as WASM and puts it into `out`.
 pub(crate) fn build_one(package: &str, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out).map_err(|e| Failure::new(format!("can't make {}: {e}", out.display())))?;
@@ -98,8 +104,14 @@ fn build_wasm(packages: &[String], out: &Path) -> Result<(), Failure> {
 
 /// Flags for the code of a planner, separated as cargo wants them.
 fn wasm_flags() -> OsString {
-    let mut flags = vec![OsString::from("-Ctarget-feature=+simd128")];
-    // Paths end up in panic messages: without these the bytes of a plugin would depend on where it was built.
+    let flags = [OsString::from("-Ctarget-feature=+simd128")].into_iter().chain(without_places());
+    flags.collect::<Vec<_>>().join(OsStr::new("\u{1f}"))
+}
+
+/// Flags that keep the places of checkout, registry and compiler out of what is built. Paths end up in panic messages: without
+/// these the bytes of a plugin would depend on where it was built.
+pub(crate) fn without_places() -> Vec<OsString> {
+    let mut flags = Vec::new();
     let cargo_home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
         .or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
@@ -114,7 +126,7 @@ fn wasm_flags() -> OsString {
             flags.push(flag);
         }
     }
-    flags.join(OsStr::new("\u{1f}"))
+    flags
 }
 
 /// The file name of a native library of a package.

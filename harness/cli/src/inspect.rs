@@ -61,7 +61,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
         Some(words) => Plugin::command(&words, &Limits::default()).map(|p| p.metadata().clone()),
         None => vb_host::inspect(&args.plugin),
     };
-    let meta = meta.map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let meta = meta.map_err(|e| planner::unusable(&e))?;
     match args.format.get() {
         MessageFormat::Json => output::json(&Message {
             event: "plugin",

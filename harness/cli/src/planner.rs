@@ -38,6 +38,17 @@ pub(crate) fn load_quietly(
     }
 }
 
+/// Why a plugin can't be used. Of a bare file name it is said where else it was looked for.
+pub(crate) fn unusable(e: &LoadError) -> CliError {
+    let elsewhere = match (e, places::plugins_dir()) {
+        (LoadError::NotFound { path }, Some(dir)) if path.file_name() == Some(path.as_os_str()) => {
+            format!("; it isn't in {} either, which {} names", dir.display(), places::PLUGINS_VAR)
+        }
+        _ => String::new(),
+    };
+    CliError::input(format!("{e}{elsewhere} ({})", e.code()))
+}
+
 /// Refuses a command where the user demands a sandbox.
 pub(crate) fn can_be_confined(wanted: &Path, require_sandbox: bool) -> Result<(), CliError> {
     if require_sandbox && command(wanted).is_some() {

@@ -15,6 +15,10 @@ use crate::{output, suite};
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
     Report { runs: Vec<&'a str>, files: &'a [PathBuf] },
+    Statistics {
+        #[serde(flatten)]
+        statistics: serde_json::Value,
+    },
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
@@ -53,6 +57,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
     }
     if args.format.get() == MessageFormat::Json {
         let labels = report.runs().runs.iter().map(|r| r.label.as_str()).collect();
+        output::json(&Message::Statistics { statistics: report.statistics() });
         output::json(&Message::Report { runs: labels, files: &files });
         return Ok(());
     }

@@ -114,7 +114,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
     planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
     let plugin = planner::load(&args.plugin, &limits, args.planner.require_sandbox)
-        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+        .map_err(|e| planner::unusable(&e))?;
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
     Ok(RunConfig {
         suite,

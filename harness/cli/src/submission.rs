@@ -79,8 +79,8 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     {
         return ended;
     }
-    let plugin = planner::load_quietly(&args.plugin, &Limits::default(), false)
-        .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+    let plugin =
+        planner::load_quietly(&args.plugin, &Limits::default(), false).map_err(|e| planner::unusable(&e))?;
     let shipped = shipped()?;
     let request = Request {
         suite: &suite,

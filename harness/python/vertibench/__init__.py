@@ -20,19 +20,24 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from . import datasets as datasets
+    from ._errors import MissingError as MissingError
+    from ._errors import MissingPackageError as MissingPackageError
+    from ._errors import VertibenchError as VertibenchError
+    from ._program import harness_path as harness_path
+    from ._program import plugin_path as plugin_path
+    from ._program import plugins_path as plugins_path
+    from ._program import tasks_path as tasks_path
     from ._runs.compare import Comparison as Comparison
     from ._runs.compare import compare as compare
     from ._runs.errors import FailedStartError as FailedStartError
     from ._runs.errors import HostError as HostError
     from ._runs.errors import InputError as InputError
     from ._runs.errors import InternalError as InternalError
-    from ._runs.errors import MissingPackageError as MissingPackageError
     from ._runs.errors import OutputError as OutputError
     from ._runs.errors import ProgramError as ProgramError
     from ._runs.errors import RunError as RunError
     from ._runs.errors import StoppedError as StoppedError
     from ._runs.errors import UsageError as UsageError
-    from ._runs.errors import VertibenchError as VertibenchError
     from ._runs.frames import Trace as Trace
     from ._runs.frames import results as results
     from ._runs.frames import trace as trace
@@ -48,19 +53,19 @@ if TYPE_CHECKING:
 
 #: Where each name comes from; a module is imported when a name of it is first used (PEP 562).
 _FROM = {
+    "_errors": ("MissingError", "MissingPackageError", "VertibenchError"),
+    "_program": ("harness_path", "plugin_path", "plugins_path", "tasks_path"),
     "_runs.compare": ("Comparison", "compare"),
     "_runs.errors": (
         "FailedStartError",
         "HostError",
         "InputError",
         "InternalError",
-        "MissingPackageError",
         "OutputError",
         "ProgramError",
         "RunError",
         "StoppedError",
         "UsageError",
-        "VertibenchError",
     ),
     "_runs.frames": ("Trace", "results", "trace"),
     "_runs.launch": ("Progress", "run"),

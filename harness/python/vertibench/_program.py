@@ -1,42 +1,82 @@
-"""Where the program `vb-harness` and the planners for it are."""
+"""Where the program, its tasks and its planners are: in the installed package, or in the checkout around it."""
 
 from __future__ import annotations
 
 import os
-import shutil
-from os import PathLike
+import sys
 from pathlib import Path
 
-from ._runs.errors import VertibenchError
+from ._errors import MissingError
+
+# What the build puts into the package; a checkout has none of it.
+_DATA = Path(__file__).parent / "_data"
+_CHECKOUT = Path(__file__).parent.parent.parent.parent
+_SUFFIX = ".exe" if sys.platform == "win32" else ""
 
 
 def harness_path() -> Path:
-    """The program `vb-harness`: what the environment variable `VB_HARNESS` names, else the one on the search path.
+    """The program `vb-harness`: what VB_HARNESS names, else the packaged one, else the one built in the checkout."""
+    built = _target() / f"release/vb-harness{_SUFFIX}"
+    return _find("VB_HARNESS", f"bin/vb-harness{_SUFFIX}", built, "the program", "cargo build --release -p vb-harness")
 
-    Raises `VertibenchError` if there is none.
-    """
-    named = os.environ.get("VB_HARNESS")
+
+def tasks_path() -> Path:
+    """The folder of suites and vehicles: what VB_TASKS names, else the packaged one, else that of the checkout."""
+    return _find("VB_TASKS", "tasks", _CHECKOUT / "tasks", "the folder of tasks", "git checkout tasks")
+
+
+def plugins_path() -> Path:
+    """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one built in the checkout."""
+    return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners", "cargo xtask plugins")
+
+
+def plugin_path(name: str | os.PathLike[str]) -> Path:
+    """A planner's file: as it is named, or a bare file name such as `pid.wasm` in the folder of planners."""
+    wanted = Path(name)
+    if wanted.exists():
+        return wanted
+    if wanted.name != os.fspath(name):
+        raise MissingError(wanted, "no such planner", "give the file of a planner, or pid.wasm")
+    folder = plugins_path()
+    if (folder / wanted).is_file():
+        return folder / wanted
+    there = ", ".join(sorted(file.name for file in folder.glob("*.wasm"))) or "none"
+    raise MissingError(wanted, f"no such planner, here or in {folder}", f"the planners there: {there}")
+
+
+def environment() -> dict[str, str]:
+    """The environment in which the program finds its tasks and planners. What the user has set stays."""
+    found = dict(os.environ)
+    for variable, path in (("VB_TASKS", tasks_path), ("VB_PLUGINS", plugins_path)):
+        if not found.get(variable):
+            try:
+                found[variable] = str(path())
+            except MissingError:
+                # The program says it where it needs them: a checkout may have no planners yet.
+                pass
+    return found
+
+
+def _find(variable: str, packaged: str, built: Path, what: str, build: str) -> Path:
+    named = os.environ.get(variable)
     if named:
-        if not Path(named).is_file():
-            raise VertibenchError(
-                named, "no program is here", "let VB_HARNESS name the program vb-harness, or unset it"
-            )
-        return Path(named)
-    found = shutil.which("vb-harness")
-    if found is None:
-        raise VertibenchError(
-            "vb-harness", "the program is not on the search path", "put it there, or let VB_HARNESS name it"
-        )
-    return Path(found)
+        path = Path(named)
+        if path.exists():
+            return path
+        raise MissingError(path, f"{what} isn't there", f"{variable} names it: correct or unset it")
+    if (_DATA / packaged).exists():
+        return _DATA / packaged
+    if _in_checkout():
+        if built.exists():
+            return built
+        raise MissingError(built, f"{what} isn't there", f"run `{build}` in the checkout, or set {variable}")
+    raise MissingError(_DATA / packaged, f"{what} isn't there", f"install vertibench again, or set {variable}")
 
 
-def plugin_path(name: str | PathLike[str]) -> str:
-    """The planner that a name means: a file of this name, else one in the folder that the environment variable
-    `VB_PLUGINS` names, else the name as it is, which may be a command."""
-    text = os.fspath(name)
-    folder = os.environ.get("VB_PLUGINS")
-    if folder and not Path(text).exists():
-        there = Path(folder) / text
-        if there.is_file():
-            return str(there)
-    return text
+def _in_checkout() -> bool:
+    return (_CHECKOUT / "harness/cli/Cargo.toml").is_file()
+
+
+def _target() -> Path:
+    # Relative to the current folder where the user sets it, as cargo takes it.
+    return Path(os.environ.get("CARGO_TARGET_DIR") or _CHECKOUT / "target")

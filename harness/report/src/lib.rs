@@ -7,6 +7,7 @@
 mod compare;
 mod error;
 mod figures;
+mod json;
 mod markdown;
 mod page;
 mod report;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use vb_tests::{Bench, PluginKind, copy_dir, pid, plugin, release_harness};
+use vb_tests::{Bench, Done, PluginKind, copy_dir, pid, plugin, release_harness};
 
 /// Exit codes of docs/results.md.
 const USAGE: i32 = 2;
@@ -88,6 +88,24 @@ fn a_plugin_that_is_nearly_named_is_suggested() {
         not_started(&bench, &["--plugin", name], BAD_INPUT, says);
         refused(&bench, &["inspect", "--plugin", name], BAD_INPUT, says);
     }
+}
+
+#[test]
+fn a_planner_in_the_folder_of_planners_is_found_by_its_file_name() {
+    let bench = Bench::new();
+    let folder = pid().parent().expect("it lies in a folder").to_owned();
+    let inspect = |name: &str| {
+        Done::of(bench.command(&["inspect", "--plugin", name, "--json"]).env("VB_PLUGINS", &folder))
+    };
+    assert!(inspect("pid.wasm").ok().contains("\"name\":\"pid\""));
+    let told = inspect("gone.wasm").error(BAD_INPUT);
+    let elsewhere = format!("it isn't in {} either, which VB_PLUGINS names", folder.display());
+    assert!(told.contains("gone.wasm: no such plugin file") && told.contains(&elsewhere), "{told}");
+    // A path is looked up nowhere else, and the working directory comes first.
+    let told = inspect("./pid.wasm").error(BAD_INPUT);
+    assert!(!told.contains("VB_PLUGINS"), "{told}");
+    bench.write("pid.wasm", "no planner");
+    assert!(inspect("pid.wasm").error(BAD_INPUT).contains("not a planner plugin"));
 }
 
 /// Every command of it is out of range: the scores are those of what the vehicle was let do.

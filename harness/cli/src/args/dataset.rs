@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use vb_dataset::Part;
 
-use super::values::{key_value, positive, scale};
+use super::values::{key_value, planner, positive, scale};
 use super::{FormatArgs, JobsArgs, ReplayData};
 
 #[derive(Debug, Subcommand)]
@@ -257,7 +257,7 @@ pub(crate) struct DatasetDriveArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// A planner: a WASM file, a native library, or a command; may be repeated
-    #[arg(long, value_name = "FILE|COMMAND", required = true)]
+    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), required = true)]
     pub(crate) plugin: Vec<PathBuf>,
     /// Parameter of the planner, if there is but one; may be repeated
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::FormatArgs;
+use super::values::planner;
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {
     /// The planner: a WASM file, a native library, or a command, which is started for it
-    #[arg(long, value_name = "FILE|COMMAND")]
+    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     #[command(flatten)]
     pub(crate) format: FormatArgs,

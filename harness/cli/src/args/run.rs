@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use vb_record::{LogMode, TraceMode};
 
-use super::values::{bytes, log_mode, scale, soil_resolution, time_step, trace_mode};
+use super::values::{bytes, log_mode, planner, scale, soil_resolution, time_step, trace_mode};
 use super::{FormatArgs, JobsArgs, PlannerArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// The planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
     // Whether there is a run without a subcommand is seen by this: clap leaves the group of a struct with a flattened one empty.
-    #[arg(long, value_name = "FILE|COMMAND", group = "RunArgs")]
+    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), group = "RunArgs")]
     pub(crate) plugin: PathBuf,
     #[command(flatten)]
     pub(crate) planner: PlannerArgs,
@@ -121,7 +121,7 @@ pub(crate) struct ScoreArgs {
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
     /// The planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
-    #[arg(long, value_name = "FILE|COMMAND")]
+    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     #[command(flatten)]
     pub(crate) planner: PlannerArgs,

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use vb_record::LogMode;
 
-use super::values::log_mode;
+use super::values::{log_mode, planner};
 use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct SubmitArgs {
     /// The planner: a WASM file; a native library can be entered in the open division only
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     /// Directory for the submission
     #[arg(long, value_name = "DIR")]
@@ -55,7 +55,7 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "SUBMISSION")]
     pub(crate) submission: PathBuf,
     /// The planner that was submitted
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     /// Suite of the submission: a directory; default: the one of its name that comes with the harness
     #[arg(long, value_name = "DIR")]
@@ -93,7 +93,7 @@ pub(crate) struct VerifyArgs {
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
     /// The planner: a WASM file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     /// The hidden suite: a directory
     #[arg(long, value_name = "DIR")]

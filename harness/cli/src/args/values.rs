@@ -1,7 +1,13 @@
 //! Values of options, as people write them.
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use vb_record::{LogMode, TraceMode};
 use vb_runner::SAMPLE_PERIOD;
+
+/// A planner: a file, which may lie in the directory that `VB_PLUGINS` names, or a command.
+pub(super) fn planner() -> impl TypedValueParser {
+    PathBufValueParser::new().map(crate::places::plugin)
+}
 
 /// A number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {

@@ -72,8 +72,7 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
     let limits = Limits::default();
     let mut planners: Vec<(Plugin, Wants)> = Vec::new();
     for wanted in &args.plugin {
-        let plugin = planner::load(wanted, &limits, false)
-            .map_err(|e| CliError::input(format!("{e} ({})", e.code())))?;
+        let plugin = planner::load(wanted, &limits, false).map_err(|e| planner::unusable(&e))?;
         let (setting, metadata) = (&scene.setting, plugin.metadata());
         check_control_period(metadata, setting.options.step).map_err(run::run_error)?;
         check_perception(&plugin, &setting.perception).map_err(run::run_error)?;

@@ -5,39 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from .._errors import MissingPackageError as MissingPackageError
+from .._errors import VertibenchError as VertibenchError
+from .._errors import one_line
+
 if TYPE_CHECKING:
     from .store import Run
-
-
-def _one_line(text: object) -> str:
-    return " ".join(str(text).split())
-
-
-class VertibenchError(Exception):
-    """Any error of `vertibench` that its user can mend. The message is one line: where, what, what to do."""
-
-    def __init__(self, where: object, what: str, to_do: str):
-        super().__init__(_one_line(f"{where}: {what} ({to_do})"))
 
 
 class RunError(VertibenchError):
     """A run directory, a file in it, or a suite can't be used."""
 
 
-class MissingPackageError(VertibenchError, ImportError):
-    """A package that is needed for this alone is not installed."""
-
-    def __init__(self, package: str, what_for: str):
-        super().__init__(
-            package, f"it is not installed, but needed for {what_for}", f"pip install 'vertibench[{package}]'"
-        )
-
-
 class ProgramError(VertibenchError):
     """The program `vb-harness` ended with an error. The message is its own."""
 
     def __init__(self, message: str, code: int, command: Sequence[str] = (), run: Run | None = None):
-        Exception.__init__(self, _one_line(message))
+        Exception.__init__(self, one_line(message))
         #: Its exit code, as `vb-harness --help` lists them; negative if a signal ended it.
         self.code = code
         #: The command that was started.

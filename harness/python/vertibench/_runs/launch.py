@@ -15,7 +15,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._program import harness_path, plugin_path
+from .._program import environment, harness_path
 from .errors import ProgramError, UsageError, of_program
 from .store import Run
 
@@ -63,8 +63,8 @@ def run(
 ) -> Run:
     """Drives a planner over tasks, and returns the run when it has ended.
 
-    `plugin` is a WASM file, a native library, or a command such as `"python3 my_planner.py"`; a file that isn't there is
-    looked for in the folder that the environment variable `VB_PLUGINS` names. `suite` is a directory or the name of a suite
+    `plugin` is a WASM file, a native library, or a command such as `"python3 my_planner.py"`; a bare file
+    name such as `pid.wasm` that isn't in the working directory is one of the planners that come with the package. `suite` is a directory or the name of a suite
     that comes with the harness (vb-100 if it is left out), `tasks` a selector such as `"w001/t03"` or
     `"w001-w004,elevation=high"`, or a list of them. `params` are the planner's parameters by name. All other arguments are
     the options of `vb-harness` of the same names; what is left out has the value that `vb-harness --help` tells. `jobs` is
@@ -78,7 +78,7 @@ def run(
     Raises the `ProgramError` of its exit code, with the program's own message, if the run doesn't come about; `HostError`
     and `FailedStartError` have the tasks that were done as `run`. Tasks whose simulation failed are a warning.
     """
-    command = [str(harness_path()), "run", "--message-format", "json", "--plugin", plugin_path(plugin)]
+    command = [str(harness_path()), "run", "--message-format", "json", "--plugin", os.fspath(plugin)]
     if tasks is not None and not isinstance(tasks, str):
         tasks = ",".join(tasks)
     named = {
@@ -142,7 +142,7 @@ def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) ->
     pipe = subprocess.PIPE
     try:
         child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", **apart
+            command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment(), **apart
         )
     except OSError as e:
         raise ProgramError(

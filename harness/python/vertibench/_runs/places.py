@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
-from .._program import harness_path
+from .._errors import MissingError
+from .._program import tasks_path
 from ..datasets import _yaml
 from ..datasets._world import World, read_world
-from .errors import RunError, VertibenchError
+from .errors import RunError
 from .store import Run
 
 _AGAIN = "restore the suite's folder"
@@ -29,22 +30,13 @@ class Task:
 
 
 def suite_folder(suite: str | PathLike[str]) -> Path:
-    """The folder of a suite: a directory, or that of a suite that comes with the harness. These are looked for where the
-    program looks: in `VB_TASKS`, else in `tasks` beside or above the program, else in `tasks` in or above the working
-    directory. Raises `RunError` if there is none."""
+    """The folder of a suite: a directory, or that of a suite that comes with the harness. Raises `RunError` if there is none."""
     if Path(suite).is_dir():
         return Path(suite)
-    roots = []
-    if os.environ.get("VB_TASKS"):
-        roots = [Path(os.environ["VB_TASKS"])]
-    else:
-        try:
-            above = list(harness_path().resolve().parents)
-        except VertibenchError:
-            above = []
-        here = Path.cwd()
-        roots = [folder / "tasks" for folder in (*above, here, *here.parents)]
-    tasks = next((f for f in roots if os.environ.get("VB_TASKS") or (f / "vehicles").is_dir()), None)
+    try:
+        tasks = tasks_path()
+    except MissingError:
+        tasks = None
     found = sorted(f.parent.name for f in tasks.glob("*/suite.yaml")) if tasks else []
     if tasks and str(suite) in found:
         return tasks / str(suite)

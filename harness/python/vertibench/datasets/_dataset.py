@@ -12,8 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError:
+    # `open` says so: who wants environments only needs none.
+    pa = pq = None
 
 from ._errors import DatasetError
 from ._world import World, read_world
@@ -99,6 +104,8 @@ def open(directory: str | PathLike[str]) -> Dataset:  # noqa: A001 - used as `da
     Raises `DatasetError` if there is none, it isn't finished, it is of a newer version, or it is damaged.
     """
     folder = Path(directory)
+    if pq is None:
+        raise DatasetError(folder, "datasets are read by pyarrow, which is missing", "pip install pyarrow")
     if not folder.is_dir():
         raise DatasetError(folder, "there is no such folder", "give the folder that `vb-harness dataset` wrote")
     file = folder / "dataset.json"

@@ -1,6 +1,6 @@
-"""The one kind of error."""
+"""The kind of error that datasets raise."""
 
-from .._runs.errors import VertibenchError
+from .._errors import VertibenchError
 
 
 class DatasetError(VertibenchError):

@@ -78,7 +78,7 @@ def to_minari(
 
 
 def _missing(e: ImportError) -> DatasetError:
-    return DatasetError("to_minari", f"a package is missing: {e.name}", "pip install 'vertibench[minari]'")
+    return DatasetError("to_minari", f"a package is missing: {e.name}", "pip install 'minari[hdf5]' pillow")
 
 
 def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:

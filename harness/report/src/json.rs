@@ -1,0 +1,70 @@
+//! Figures and comparison for programs.
+
+use serde_json::{Map, Value, json};
+use vb_score::Outcome;
+
+use crate::Report;
+use crate::compare::Difference;
+use crate::figures::{Estimate, Figures, Measure};
+
+/// The name of a measure, with its unit.
+fn key(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Success => "success_rate",
+        Measure::Time => "time_s",
+        Measure::Roll => "roll_deg",
+        Measure::Pitch => "pitch_deg",
+    }
+}
+
+fn estimate(e: Estimate) -> Value {
+    json!({"mean": e.mean, "low": e.interval.map(|i| i.low), "high": e.interval.map(|i| i.high)})
+}
+
+fn figures(f: &Figures) -> Value {
+    let outcomes: Map<String, Value> = Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
+    let mut all = Map::from_iter([
+        ("tasks".to_owned(), json!(f.tasks)),
+        ("worlds".to_owned(), json!(f.worlds)),
+        ("outcomes".to_owned(), Value::Object(outcomes)),
+    ]);
+    all.extend(Measure::ALL.map(|m| (key(m).to_owned(), f.mean(m).map_or(Value::Null, estimate))));
+    Value::Object(all)
+}
+
+fn difference(d: &Difference) -> Value {
+    d.difference.map_or(Value::Null, |e| {
+        let mut all = estimate(e);
+        all["tasks"] = json!(d.tasks);
+        all["p"] = json!(d.p);
+        all["p_adjusted"] = json!(d.adjusted);
+        all
+    })
+}
+
+impl Report {
+    /// All figures and the comparison as JSON: `runs` and `pairs` (docs/results.md).
+    #[must_use]
+    pub fn statistics(&self) -> Value {
+        let runs: Vec<Value> = self.runs.runs.iter().zip(&self.figures).map(|(run, f)| {
+            let mut all = json!({
+                "label": run.label, "path": run.dir.display().to_string(), "missing": run.missing(),
+                "host_errors": run.host_errors(), "all": figures(&f.all),
+            });
+            for (name, levels) in ["elevation", "terrain", "density"].into_iter().zip(&f.splits) {
+                // In the order of Split::ALL; levels without tasks are left out.
+                let levels: Map<String, Value> = levels.iter().filter(|(_, f)| f.tasks > 0)
+                    .map(|(level, f)| ((*level).to_owned(), figures(f))).collect();
+                all[name] = Value::Object(levels);
+            }
+            all
+        }).collect();
+        let pairs: Vec<Value> = self.comparison.iter().flat_map(|c| &c.pairs).map(|p| {
+            let differences: Map<String, Value> =
+                p.differences.iter().map(|d| (key(d.measure).to_owned(), difference(d))).collect();
+            json!({"first": p.a, "second": p.b, "common": p.common, "both": p.both, "only_first": p.only_a,
+                   "only_second": p.only_b, "differences": differences})
+        }).collect();
+        json!({"level": 0.95, "runs": runs, "pairs": pairs})
+    }
+}

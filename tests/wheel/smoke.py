@@ -1,0 +1,151 @@
+"""Installs the wheel in a fresh virtual environment, and sees that all of it works without Rust and without a checkout.
+
+`cargo xtask wheel --check` runs it; by hand: `python3 tests/wheel/smoke.py target/wheels/vertibench-*.whl`. It needs no
+more than Python and pip; what the package depends on is fetched by pip. A check is a function with `Installed` as its
+argument, in the list at the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+from pathlib import Path
+
+
+class Installed:
+    """The package in a virtual environment, and a folder to work in, far from any checkout."""
+
+    def __init__(self, wheel: Path, folder: Path, python: str, extras: str) -> None:
+        self.folder = folder / "work"
+        self.folder.mkdir()
+        venv = folder / "venv"
+        # Debian's Python brings no pip for environments, but the pip that is there can install into them.
+        _run([python, "-m", "venv", "--without-pip", str(venv)], os.environ)
+        install = [python, "-m", "pip", "--disable-pip-version-check", "--python", str(venv / "bin/python")]
+        _run([*install, "install", "--quiet", f"{wheel}{extras}"], os.environ)
+        self.bin = venv / "bin"
+        kept = {name: value for name, value in os.environ.items() if not name.startswith(("VB_", "PYTHON", "CARGO"))}
+        # No Rust, and no compiled planners of another program.
+        self.environment = {**kept, "PATH": f"{self.bin}:/usr/bin:/bin", "XDG_CACHE_HOME": str(folder / "cache")}
+
+    def run(self, *command: str, code: int = 0) -> str:
+        """What a program of the environment prints; it must end with this exit code."""
+        return _run([str(self.bin / command[0]), *command[1:]], self.environment, self.folder, code)
+
+    def has(self, module: str) -> bool:
+        """Whether another package is there, too."""
+        return self.python(f"import importlib.util as u; print(u.find_spec({module!r}) is not None)").strip() == "True"
+
+    def python(self, source: str) -> str:
+        """What a piece of Python prints."""
+        return self.run("python", "-c", source)
+
+
+def _run(command: list[str], environment, folder: Path | None = None, code: int = 0) -> str:
+    done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != code:
+        sys.exit(f"error: {' '.join(command)}: ended with {done.returncode}, not {code}:\n{done.stdout}{done.stderr}")
+    # Errors are told there.
+    return done.stdout if code == 0 else done.stderr
+
+
+def versions(package: Installed) -> None:
+    """Program, module and package are of one version."""
+    version = package.python("import vertibench; print(vertibench.__version__)").strip()
+    assert package.python("import vertibench._native as n; print(n.version())").strip() == version
+    metadata = "import importlib.metadata as m; print(m.version('vertibench'))"
+    assert package.python(metadata).strip() == version
+    for command in (["vertibench"], ["python", "-m", "vertibench"]):
+        told = package.run(*command, "--version")
+        assert told.startswith(f"vb-harness {version} "), told
+
+
+def paths(package: Installed) -> None:
+    """Everything lies in the package."""
+    told = package.python(
+        "from vertibench import *; print(harness_path(), tasks_path(), plugins_path(), plugin_path('pid.wasm'), sep='\\n')"
+    )
+    root = package.python("import vertibench; print(vertibench.__path__[0])").strip()
+    lines = told.splitlines()
+    assert len(lines) == 4 and all(line.startswith(f"{root}/_data/") and Path(line).exists() for line in lines), told
+
+
+def planners(package: Installed) -> None:
+    """Every planner that comes with it can be loaded, and an unknown one is told in one line."""
+    folder = Path(package.python("import vertibench; print(vertibench.plugins_path())").strip())
+    names = sorted(path.name for path in folder.iterdir())
+    assert {"pid.wasm", "ibex.wasm", "pursuit.wasm"} <= set(names) and "faulty.wasm" not in names, names
+    for name in names:
+        told = json.loads(package.run("vertibench", "inspect", "--plugin", name, "--json"))
+        assert told["event"] == "plugin", told
+    told = package.run("vertibench", "--plugin", "gone.wasm", code=3)
+    assert "gone.wasm" in told and "which VB_PLUGINS names" in told and told.count("error:") == 1, told
+
+
+def ten_tasks(package: Installed) -> None:
+    """A planner drives the tasks of a world, and one of them is replayed."""
+    run = ["--plugin", "pid.wasm", "--suite", "smoke", "--tasks", "w001", "--out", "run", "--json"]
+    events = [json.loads(line) for line in package.run("vertibench", *run).splitlines()]
+    records = [event["record"] for event in events if event["event"] == "task"]
+    assert len(records) == 10, len(records)
+    outcomes = [record["outcome"] for record in records]
+    assert outcomes.count("success") >= 5, outcomes
+    told = package.run("vertibench", "replay", "run", "--task", "w001/t00", "--out", "replay.html", "--json")
+    assert json.loads(told)["exact"] == [True], told
+    assert (package.folder / "replay.html").stat().st_size > 100_000
+
+
+def datasets(package: Installed) -> None:
+    """The converter is there; without pyarrow it says what to install."""
+    assert "to-minari" in package.run("python", "-m", "vertibench.datasets", "--help")
+    told = package.run("python", "-m", "vertibench.datasets", "to-minari", "gone", "a/b-v0", code=3)
+    wanted = "no such folder" if package.has("pyarrow") else "pip install pyarrow"
+    assert told.startswith("error: gone: ") and wanted in told and told.count("\n") == 1, told
+
+
+CHECKS = [versions, paths, planners, ten_tasks, datasets]
+
+
+def check_sources(sdist: Path, folder: Path) -> None:
+    """The source distribution is a whole workspace with planners; building it takes too long for a check."""
+    with tarfile.open(sdist) as archive:
+        if hasattr(tarfile, "data_filter"):
+            archive.extractall(folder, filter="data")
+        else:
+            archive.extractall(folder)
+    root = next(folder.iterdir())
+    for path in ("PKG-INFO", "pyproject.toml", "harness/python/prebuilt/pid.wasm", "tasks/smoke/suite.yaml"):
+        assert (root / path).is_file(), path
+    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--offline", "--no-deps"]
+    members = json.loads(_run(command, os.environ, root))["packages"]
+    assert {"vb-harness", "vb-python", "xtask"} <= {package["name"] for package in members}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("wheel", type=Path)
+    parser.add_argument("--sdist", type=Path, help="a source distribution to look into")
+    parser.add_argument("--python", default=sys.executable, help="the Python of the environment")
+    parser.add_argument("--extras", default="", help="extras to install, e.g. [datasets]")
+    given = parser.parse_args()
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        package = Installed(given.wheel.absolute(), Path(folder), given.python, given.extras)
+        for check in CHECKS:
+            check(package)
+            print(f"{check.__name__}: ok", file=sys.stderr)
+    if given.sdist:
+        with tempfile.TemporaryDirectory() as folder:
+            check_sources(given.sdist.absolute(), Path(folder))
+            print("sources: ok", file=sys.stderr)
+    print(f"{given.wheel.name}: works ({time.monotonic() - began:.0f} s)", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
