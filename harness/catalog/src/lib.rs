@@ -57,6 +57,7 @@ impl Data {
 #[derive(Clone, Debug)]
 pub struct Catalog {
     tasks: Option<PathBuf>,
+    cache: Option<PathBuf>,
 }
 
 impl Catalog {
@@ -65,19 +66,25 @@ impl Catalog {
     #[must_use]
     pub fn find() -> Self {
         if let Some(dir) = var(TASKS_VAR) {
-            return Self { tasks: Some(dir) };
+            return Self::at(dir);
         }
         let roots = [std::env::current_exe().ok(), std::env::current_dir().ok().map(|d| d.join("."))];
         let tasks = roots.into_iter().flatten().find_map(|root| {
             root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("vehicles").is_dir())
         });
-        Self { tasks }
+        Self { tasks, cache: cache_dir() }
     }
 
     /// This folder.
     #[must_use]
     pub fn at(tasks: impl Into<PathBuf>) -> Self {
-        Self { tasks: Some(tasks.into()) }
+        Self { tasks: Some(tasks.into()), cache: cache_dir() }
+    }
+
+    /// The same, with training worlds kept in this folder instead of [`cache_dir`].
+    #[must_use]
+    pub fn keeping_in(self, cache: impl Into<PathBuf>) -> Self {
+        Self { cache: Some(cache.into()), ..self }
     }
 
     /// The folder.

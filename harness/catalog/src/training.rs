@@ -6,7 +6,7 @@ use vb_suite::generate::{Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_terrain::Model;
 use vb_world::Suite;
 
-use crate::{Catalog, CatalogError, cache_dir, is_name};
+use crate::{Catalog, CatalogError, is_name};
 
 impl Catalog {
     /// The terrain model that a generator's rules name: one that comes with the harness, or a file beside the rules' file.
@@ -36,7 +36,7 @@ impl Catalog {
         let model = self.model(&params.elevation.model, None)?;
         let generator = Generator { rules: &params, model: &model, seed, worlds: worlds as usize };
         let meta = generator.meta(&format!("training-{seed}"), "1");
-        let cache = cache_dir().unwrap_or_else(std::env::temp_dir).join("training");
+        let cache = self.cache.clone().unwrap_or_else(std::env::temp_dir).join("training");
         // A newer generator makes other worlds of the same seed.
         let made_by = vb_files::sha256(format!("{:?}", meta.provenance).as_bytes());
         let dir = cache.join(format!("seed-{seed}-{worlds}-{}", &made_by[..12]));

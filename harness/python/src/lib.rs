@@ -1,4 +1,10 @@
-//! `vertibench._native`: what the Python package `vertibench` has in Rust.
+//! `vertibench._native`: what the Python package `vertibench` has in Rust. The package wraps it; users don't meet it.
+
+mod arena;
+mod arrays;
+mod env;
+mod errors;
+mod vector;
 
 use pyo3::prelude::*;
 
@@ -7,9 +13,28 @@ use pyo3::prelude::*;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::arena::Arena;
+    #[pymodule_export]
+    use crate::env::{Env, Snapshot};
+    #[pymodule_export]
+    use crate::vector::VectorEnv;
+
     /// The version of the package, which is that of the workspace.
     #[pyfunction]
     fn version() -> &'static str {
         env!("CARGO_PKG_VERSION")
+    }
+
+    /// All parts that an observation can have, as (name, what it is, the sensor that it takes or None).
+    #[pyfunction]
+    fn parts() -> Vec<(&'static str, &'static str, Option<&'static str>)> {
+        vb_sdk::policy::PARTS.iter().map(|k| (k.name, k.about, k.sensor.map(|s| s.name()))).collect()
+    }
+
+    /// All terms of a reward, as (name, unit, what is measured).
+    #[pyfunction]
+    fn terms() -> Vec<(&'static str, &'static str, &'static str)> {
+        vb_env::TERMS.iter().map(|t| (t.name, t.unit, t.about)).collect()
     }
 }

@@ -26,3 +26,32 @@ class MissingPackageError(VertibenchError, ImportError):
         super().__init__(
             package, f"it is not installed, but needed for {what_for}", f"pip install 'vertibench[{package}]'"
         )
+
+
+class EnvError(VertibenchError):
+    """Something is wrong with an environment, or with what is asked of it. The message is one line."""
+
+    def __init__(self, message: str):
+        Exception.__init__(self, one_line(message))
+
+
+class OptionError(EnvError, ValueError):
+    """An option of an environment makes no sense, or names what isn't there."""
+
+
+class UnknownError(EnvError, KeyError):
+    """There is no such task, or no such environment."""
+
+    __str__ = Exception.__str__  # A KeyError would put its message in quotes.
+
+
+class ActionError(EnvError, ValueError):
+    """An action has the wrong shape, or is no number."""
+
+
+class EpisodeError(EnvError, RuntimeError):
+    """There is no episode, it has ended, the environment is at work, in another process, or closed."""
+
+
+class PanicError(EnvError, RuntimeError):
+    """A fault of the package itself. The interpreter goes on; the environment should be made anew."""

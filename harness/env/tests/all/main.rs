@@ -1,0 +1,6 @@
+//! What environments promise.
+
+mod common;
+mod episodes;
+mod options;
+mod vector;

@@ -1,0 +1,189 @@
+//! What environments share.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use vb_catalog::Catalog;
+use vb_env::{EnvError, Options, Reward};
+use vb_sdk::policy::{ActionKind, Dtype, Sight};
+
+use crate::errors;
+
+/// What environments of one kind share: tasks, vehicle, observation, action, reward.
+#[pyclass(frozen, module = "vertibench._native")]
+pub(crate) struct Arena {
+    pub(crate) inner: Arc<vb_env::Arena>,
+}
+
+/// A reward as it is given: a name or a file, or weights by the terms' names.
+#[derive(FromPyObject)]
+enum Wanted {
+    Named(String),
+    Weights(BTreeMap<String, f64>),
+}
+
+#[pymethods]
+impl Arena {
+    #[new]
+    #[pyo3(signature = (*, tasks_dir, suite, tasks, worlds, world_seed, apart_from, vehicle, soils, perception, rules, scale,
+        control_hz, observation, sight, action, speed_range, reward))]
+    #[allow(clippy::too_many_arguments, reason = "each is an option of its own, given by its name")]
+    fn new(
+        py: Python<'_>,
+        tasks_dir: PathBuf,
+        suite: Option<PathBuf>,
+        tasks: Option<String>,
+        worlds: u32,
+        world_seed: u64,
+        apart_from: Vec<PathBuf>,
+        vehicle: String,
+        soils: String,
+        perception: String,
+        rules: String,
+        scale: Option<f64>,
+        control_hz: f64,
+        observation: Vec<String>,
+        sight: BTreeMap<String, f64>,
+        action: &str,
+        speed_range: (f64, f64),
+        reward: Wanted,
+    ) -> PyResult<Self> {
+        let raise = |e: EnvError| errors::exception(py, &e);
+        let wrong = |option, value: String, problem: String| raise(EnvError::Option { option, value, problem });
+        let action = match action {
+            "speed" => ActionKind::Speed { slowest: speed_range.0, fastest: speed_range.1 },
+            "pedals" => ActionKind::Pedals,
+            other => return Err(wrong("action", other.to_owned(), "must be speed or pedals".into())),
+        };
+        let mut seen = Sight::default();
+        for (name, value) in sight {
+            match name.as_str() {
+                // What is no count is out of range as a count, too.
+                "cells" => seen.cells = value as usize,
+                "points" => seen.points = value as usize,
+                "resolution" => seen.resolution = value,
+                "ahead" => seen.ahead = value,
+                "spacing" => seen.spacing = value,
+                _ => {
+                    let known = "there are cells, resolution, ahead, points and spacing";
+                    return Err(wrong("sight", name, known.into()));
+                }
+            }
+        }
+        let reward = match reward {
+            Wanted::Named(name) => Reward::resolve(&name),
+            Wanted::Weights(weights) => Reward::new("reward", "given", weights),
+        };
+        let options = Options {
+            suite,
+            tasks,
+            worlds,
+            world_seed,
+            apart_from,
+            vehicle,
+            soils,
+            perception,
+            rules,
+            scale,
+            control_hz,
+            observation,
+            sight: seen,
+            action,
+            reward: reward.map_err(raise)?,
+        };
+        // Worlds may have to be made, which takes a while: on a thread, so that Ctrl-C ends the waiting.
+        let (sender, mut receiver) = mpsc::channel();
+        let made = std::thread::Builder::new().stack_size(16 << 20).spawn(move || {
+            let arena = vb_env::Arena::new(&Catalog::at(tasks_dir), options, &mut || {});
+            // Nobody listens any more if the waiting was ended.
+            let _ = sender.send(arena);
+        });
+        made.map_err(|e| raise(EnvError::Thread(e)))?;
+        loop {
+            let waiting = &mut receiver;
+            match py.detach(move || waiting.recv_timeout(Duration::from_millis(50))) {
+                Ok(arena) => return arena.map(|a| Self { inner: Arc::new(a) }).map_err(raise),
+                Err(mpsc::RecvTimeoutError::Timeout) => py.check_signals()?,
+                Err(mpsc::RecvTimeoutError::Disconnected) => {
+                    return Err(raise(EnvError::Panic("while the arena was made".into())));
+                }
+            }
+        }
+    }
+
+    /// The parts of an observation: dictionaries of name, about, dtype, shape, and for the innermost axis names, units, low, high
+    /// and usual.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let part = |p: &vb_sdk::policy::Part| {
+            let all = PyDict::new(py);
+            all.set_item("name", p.name)?;
+            all.set_item("about", p.about)?;
+            all.set_item("dtype", if p.dtype == Dtype::F32 { "float32" } else { "uint8" })?;
+            all.set_item("shape", p.shape.clone())?;
+            let of = |f: fn(&vb_sdk::policy::Entry) -> f64| p.entries.iter().map(f).collect::<Vec<_>>();
+            all.set_item("names", p.entries.iter().map(|e| e.name).collect::<Vec<_>>())?;
+            all.set_item("units", p.entries.iter().map(|e| e.unit).collect::<Vec<_>>())?;
+            all.set_item("low", of(|e| e.low))?;
+            all.set_item("high", of(|e| e.high))?;
+            all.set_item("usual", of(|e| e.usual))?;
+            Ok(all)
+        };
+        self.inner.layout().parts().iter().map(part).collect()
+    }
+
+    /// The number of numbers of a flat observation.
+    #[getter]
+    fn flat_width(&self) -> usize {
+        self.inner.layout().flat_width()
+    }
+
+    /// The bound of the numbers of a flat observation.
+    #[getter]
+    fn flat_bound(&self) -> f32 {
+        vb_sdk::policy::Layout::FLAT_BOUND
+    }
+
+    /// The numbers of an action, as (name, low, high, what it means).
+    fn action(&self) -> Vec<(&'static str, f64, f64, &'static str)> {
+        let dimensions = self.inner.action().dimensions();
+        dimensions.iter().map(|d| (d.name, d.low, d.high, d.about)).collect()
+    }
+
+    /// The weights of the reward's terms, by their names.
+    fn weights(&self) -> BTreeMap<&'static str, f64> {
+        vb_env::TERMS.iter().map(|t| t.name).zip(self.inner.reward().weights).collect()
+    }
+
+    /// The names of the tasks.
+    fn tasks(&self) -> Vec<String> {
+        self.inner.tasks().iter().map(ToString::to_string).collect()
+    }
+
+    /// The name and the hash of the suite that the tasks are of.
+    fn suite(&self) -> (String, String) {
+        let suite = self.inner.suite();
+        (suite.meta().name.clone(), suite.hash())
+    }
+
+    /// The time between two actions, s.
+    #[getter]
+    fn control_period(&self) -> f64 {
+        self.inner.control_period()
+    }
+
+    /// The factor on every length of the worlds.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.inner.setting().scale
+    }
+
+    /// The limit of an episode's time, s.
+    #[getter]
+    fn time_limit(&self) -> f64 {
+        self.inner.setting().rules.time_limit(self.inner.setting().scale)
+    }
+}

@@ -1,0 +1,151 @@
+//! One environment.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use vb_env::{EnvError, Reset, Terms};
+use vb_sdk::policy::{Dtype, Row};
+
+use crate::arena::Arena;
+use crate::arrays::copied;
+use crate::errors;
+
+/// One environment: an episode after another.
+#[pyclass(frozen, module = "vertibench._native")]
+pub(crate) struct Env {
+    inner: Mutex<vb_env::Env>,
+}
+
+/// An environment as it was at some time.
+#[pyclass(frozen, module = "vertibench._native")]
+pub(crate) struct Snapshot {
+    pub(crate) inner: vb_env::Snapshot,
+}
+
+impl Env {
+    fn lock(&self) -> MutexGuard<'_, vb_env::Env> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl Env {
+    #[new]
+    fn new(arena: &Arena, seed: u64) -> Self {
+        Self { inner: Mutex::new(vb_env::Env::new(arena.inner.clone(), seed)) }
+    }
+
+    /// Begins an episode.
+    #[pyo3(signature = (seed=None, task=None, run_seed=None))]
+    fn reset(
+        &self,
+        py: Python<'_>,
+        seed: Option<u64>,
+        task: Option<String>,
+        run_seed: Option<u64>,
+    ) -> PyResult<()> {
+        errors::guarded(py, || self.lock().reset(&Reset { seed, task, run_seed }))
+    }
+
+    /// Drives on; gives the reward, the worth of its terms, and whether the episode has terminated or was truncated.
+    fn step(&self, py: Python<'_>, action: Vec<f64>) -> PyResult<(f64, Terms, bool, bool)> {
+        let step = errors::guarded(py, || self.lock().step(&action))?;
+        Ok((step.reward, step.terms, step.terminated, step.truncated))
+    }
+
+    /// The parts of the observation as fresh arrays, in order.
+    fn observe<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let env = self.lock();
+        let part = |(k, part): (usize, &vb_sdk::policy::Part)| match part.dtype {
+            Dtype::F32 => {
+                let mut to = vec![0f32; part.width()];
+                env.observe(k, Row::F32(&mut to));
+                copied(py, &to, &part.shape)
+            }
+            Dtype::U8 => {
+                let mut to = vec![0u8; part.width()];
+                env.observe(k, Row::U8(&mut to));
+                copied(py, &to, &part.shape)
+            }
+        };
+        env.arena().layout().parts().iter().enumerate().map(part).collect()
+    }
+
+    /// The flat observation as a fresh array.
+    fn observe_flat<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let env = self.lock();
+        let mut to = vec![0f32; env.arena().layout().flat_width()];
+        env.observe_flat(&mut to);
+        copied(py, &to, &[to.len()])
+    }
+
+    /// The name of the task, and the seed of the sensors' noise; None without an episode.
+    fn episode(&self) -> Option<(String, u64)> {
+        let env = self.lock();
+        Some((env.task()?.to_owned(), env.run_seed()?))
+    }
+
+    /// The record of the episode as JSON, once it has ended.
+    fn record(&self) -> Option<String> {
+        self.lock().record().and_then(|r| serde_json::to_string(r).ok())
+    }
+
+    /// The environment as it is now.
+    fn snapshot(&self, py: Python<'_>) -> Snapshot {
+        Snapshot { inner: py.detach(|| self.lock().snapshot()) }
+    }
+
+    /// Goes back to how it was.
+    fn restore(&self, py: Python<'_>, snapshot: &Snapshot) {
+        py.detach(|| self.lock().restore(&snapshot.inner));
+    }
+
+    /// The true state of the vehicle as a dictionary; None without an episode.
+    fn vehicle<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(state) = self.lock().vehicle() else { return Ok(None) };
+        let all = PyDict::new(py);
+        let (roll, pitch, yaw) = state.roll_pitch_yaw();
+        let three = |v: [f64; 3]| copied(py, &v, &[3]);
+        all.set_item("time", state.time)?;
+        all.set_item("position", three(state.position.into())?)?;
+        all.set_item("attitude", three([roll, pitch, yaw])?)?;
+        all.set_item("velocity", three(state.velocity.into())?)?;
+        all.set_item("angular_velocity", three(state.angular_velocity.into())?)?;
+        all.set_item("steering", state.steering)?;
+        all.set_item("engine_speed", state.engine_speed)?;
+        let wheels: Vec<f64> =
+            state.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]).collect();
+        all.set_item("wheels", copied(py, &wheels, &[state.wheels.len(), 4])?)?;
+        Ok(Some(all))
+    }
+
+    /// Start (x, y, heading), goal (x, y), its radius, and the path's points of the task; None without an episode.
+    fn task<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let env = self.lock();
+        let Some(brief) = env.brief() else { return Ok(None) };
+        let all = PyDict::new(py);
+        all.set_item("name", &brief.id)?;
+        all.set_item("start", (brief.start.x, brief.start.y, brief.start.yaw))?;
+        all.set_item("goal", (brief.goal.x, brief.goal.y))?;
+        all.set_item("goal_radius", brief.goal_radius)?;
+        all.set_item("time_limit", brief.time_limit)?;
+        let points: Vec<f64> = brief.path.iter().flat_map(|p| [p.x, p.y]).collect();
+        all.set_item("path", copied(py, &points, &[brief.path.len(), 2])?)?;
+        Ok(Some(all))
+    }
+
+    /// The way of the vehicle until now: places of its reference point, m.
+    fn way<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let env = self.lock();
+        copied(py, env.way().as_flattened(), &[env.way().len(), 3])
+    }
+
+    /// Whether there is an episode; raises what a step would raise without one.
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        match self.lock().task() {
+            Some(_) => Ok(()),
+            None => Err(errors::exception(py, &EnvError::NoEpisode)),
+        }
+    }
+}

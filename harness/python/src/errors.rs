@@ -1,0 +1,47 @@
+//! Errors of Rust as exceptions of the package.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use pyo3::prelude::*;
+use vb_env::EnvError;
+
+/// The exception for an error: a class of `vertibench._errors`, with the same text.
+pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
+    let class = match error {
+        EnvError::ActionLength { .. } | EnvError::Action { .. } => "ActionError",
+        EnvError::NoEpisode | EnvError::Ended(_) | EnvError::Pending(_) | EnvError::Nothing => "EpisodeError",
+        EnvError::NoTask { .. } | EnvError::NoEnv { .. } => "UnknownError",
+        EnvError::Panic(_) => "PanicError",
+        _ => "OptionError",
+    };
+    named(py, class, &error.to_string())
+}
+
+/// An exception of the package by the name of its class.
+pub(crate) fn named(py: Python<'_>, class: &str, message: &str) -> PyErr {
+    // Texts of libraries may span lines; ours never do.
+    let message = message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    let made = py
+        .import("vertibench._errors")
+        .and_then(|errors| errors.getattr(class))
+        .and_then(|class| class.call1((message,)));
+    match made {
+        Ok(value) => PyErr::from_value(value),
+        Err(error) => error,
+    }
+}
+
+/// Does some work without Python's lock. A panic becomes an error: it must not end the interpreter.
+pub(crate) fn guarded<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, EnvError> + Send,
+) -> PyResult<T> {
+    let done = py.detach(|| {
+        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().cloned();
+            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+            Err(EnvError::Panic(text.unwrap_or_else(|| "no message".to_owned())))
+        })
+    });
+    done.map_err(|e| exception(py, &e))
+}

@@ -1,0 +1,157 @@
+//! Many environments at a time.
+
+use std::sync::{Mutex, PoisonError, TryLockError};
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use vb_env::{Arrival, Autoreset, EnvError, Pointer, Reset};
+
+use crate::arena::Arena;
+use crate::arrays::over;
+use crate::env::Snapshot;
+use crate::errors;
+
+/// The name of an episode's task with the seed of its noise.
+type Began = Option<(String, u64)>;
+
+/// Many environments at a time, stepped by worker threads.
+#[pyclass(frozen, module = "vertibench._native")]
+pub(crate) struct VectorEnv {
+    inner: Mutex<vb_env::VectorEnv>,
+    /// The process that the threads are in.
+    process: u32,
+    flat: bool,
+}
+
+impl VectorEnv {
+    /// Does something with the environments, without Python's lock.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut vb_env::VectorEnv) -> Result<T, EnvError> + Send,
+    ) -> PyResult<T> {
+        if std::process::id() != self.process {
+            let what = "the vector environment was made in another process, whose threads a fork doesn't have: make it in the \
+                        process that uses it, or start processes by spawn";
+            return Err(errors::named(py, "EpisodeError", what));
+        }
+        let done = errors::guarded(py, || match self.inner.try_lock() {
+            Ok(mut env) => work(&mut env).map(Some),
+            Err(TryLockError::Poisoned(env)) => work(&mut env.into_inner()).map(Some),
+            Err(TryLockError::WouldBlock) => Ok(None),
+        })?;
+        done.ok_or_else(|| {
+            let what = "another thread is using the vector environment: use it from one thread at a time";
+            errors::named(py, "EpisodeError", what)
+        })
+    }
+}
+
+#[pymethods]
+impl VectorEnv {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        arena: &Arena,
+        count: usize,
+        threads: usize,
+        autoreset: &str,
+        flat: bool,
+    ) -> PyResult<Self> {
+        let autoreset = match autoreset {
+            "next_step" => Autoreset::NextStep,
+            "same_step" => Autoreset::SameStep,
+            _ => Autoreset::Disabled,
+        };
+        let inner = vb_env::VectorEnv::new(arena.inner.clone(), count, threads, autoreset, flat);
+        let inner = Mutex::new(inner.map_err(|e| errors::exception(py, &e))?);
+        Ok(Self { inner, process: std::process::id(), flat })
+    }
+
+    /// Arrays over the memory that the workers write: observations (a list in the order of the parts, or of the flat one alone),
+    /// finals (the same, or empty), rewards, terms, terminated, truncated. A row is valid from when its environment was received
+    /// until it is sent on.
+    fn arrays<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let (py, own) = (slf.py(), slf.get());
+        let env = own.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let (count, output, owner) = (env.count(), env.output(), slf.as_any());
+        // SAFETY: the memory belongs to the environment, which the arrays keep alive, has a row of the right width for each
+        // environment, and never moves. The package hands out rows of environments that aren't at work.
+        let array = |pointer: Pointer, shape: &[usize]| unsafe {
+            over(pointer, &[&[count], shape].concat(), owner)
+        };
+        let observations = |pointers: Vec<Pointer>| -> Vec<Bound<'py, PyAny>> {
+            let layout = env.arena().layout();
+            if own.flat {
+                return pointers.into_iter().map(|p| array(p, &[layout.flat_width()])).collect();
+            }
+            pointers.into_iter().zip(layout.parts()).map(|(p, part)| array(p, &part.shape)).collect()
+        };
+        let all = PyDict::new(py);
+        all.set_item("observations", observations(output.observations()))?;
+        all.set_item("finals", observations(output.finals()))?;
+        all.set_item("rewards", array(output.rewards(), &[]))?;
+        all.set_item("terms", array(output.terms(), &[vb_env::TERMS.len()]))?;
+        all.set_item("terminated", array(output.terminated(), &[]))?;
+        all.set_item("truncated", array(output.truncated(), &[]))?;
+        Ok(all)
+    }
+
+    /// Begins episodes: (index, seed or None, task or None, seed of the noise or None) for each.
+    #[allow(clippy::type_complexity, reason = "a tuple of Python")]
+    fn reset(
+        &self,
+        py: Python<'_>,
+        resets: Vec<(usize, Option<u64>, Option<String>, Option<u64>)>,
+    ) -> PyResult<()> {
+        let resets = resets.into_iter();
+        let resets = resets.map(|(k, seed, task, run_seed)| (k, Reset { seed, task, run_seed })).collect();
+        self.with(py, |env| env.reset(resets))
+    }
+
+    /// Steps environments: an action, which is a row, for each index.
+    fn send(
+        &self,
+        py: Python<'_>,
+        indices: PyReadonlyArray1<'_, i64>,
+        actions: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let indices: Vec<i64> = indices.as_array().iter().copied().collect();
+        let actions: Vec<f64> = actions.as_array().iter().copied().collect();
+        self.with(py, |env| {
+            let count = env.count();
+            let index = |k: i64| usize::try_from(k).map_err(|_| EnvError::NoEnv { index: usize::MAX, count });
+            let indices = indices.into_iter().map(index).collect::<Result<Vec<_>, _>>()?;
+            env.send(&indices, &actions)
+        })
+    }
+
+    /// Waits until so many are done: for each, in the order in which they came, (index, task and seed of the noise if an episode
+    /// has begun, the record as JSON if one has ended).
+    fn receive(&self, py: Python<'_>, count: usize) -> PyResult<Vec<(usize, Began, Option<String>)>> {
+        let arrivals = loop {
+            // One look at a time, so that signals are seen in between.
+            match self.with(py, |env| env.receive(count, &mut || false))? {
+                Some(arrivals) => break arrivals,
+                None => py.check_signals()?,
+            }
+        };
+        let arrival = |a: Arrival| {
+            let record = a.ended.and_then(|r| serde_json::to_string(&*r).ok());
+            (a.index, a.began, record)
+        };
+        Ok(arrivals.into_iter().map(arrival).collect())
+    }
+
+    /// The number of environments that are at work.
+    fn pending(&self, py: Python<'_>) -> PyResult<usize> {
+        self.with(py, |env| Ok(env.pending()))
+    }
+
+    /// One of the environments as it is now.
+    fn snapshot(&self, py: Python<'_>, index: usize) -> PyResult<Snapshot> {
+        let inner = self.with(py, |env| env.with(index, |env| env.snapshot()))?;
+        Ok(Snapshot { inner })
+    }
+}

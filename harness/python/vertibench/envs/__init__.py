@@ -1,0 +1,17 @@
+"""Environments for reinforcement learning: tasks of the benchmark, driven step by step.
+
+>>> import gymnasium
+>>> env = gymnasium.make("VertiBench/Navigation-v0", suite="smoke", tasks="w003/t00")
+>>> observation, info = env.reset(seed=0)
+>>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+
+`NavigationEnv` is one environment, `NavigationVectorEnv` many at a time on threads of Rust. `vertibench.envs.sb3` has them for
+stable-baselines3, `vertibench.envs.puffer` for PufferLib. `describe_parts()` and `describe_rewards()` tell what an observation
+and a reward can be made of.
+"""
+
+from ._common import describe_parts, describe_rewards
+from ._navigation import NavigationEnv, State
+from ._vector import NavigationVectorEnv
+
+__all__ = ["NavigationEnv", "NavigationVectorEnv", "State", "describe_parts", "describe_rewards"]

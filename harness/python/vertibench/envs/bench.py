@@ -1,0 +1,110 @@
+"""How fast environments are: `python -m vertibench.envs.bench`.
+
+Each figure is the median of several stretches of the same length. A vehicle follows the path of its task at 3 m/s, at ten actions a
+second, so that the simulation has as much to do as in driving, not in standing. The last lines are gymnasium's own vector
+environments over the single environment, for comparison.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+NAME = "VertiBench/Navigation-v0"
+STATE = ("state", "path")
+
+
+def pursue(observation: Any) -> np.ndarray:
+    """Steers to the third point of the path, 6 m ahead, at half of the greatest speed."""
+    point = observation["path"][..., 2, :]
+    steering = np.clip(1.5 * point[..., 1] / np.maximum(np.abs(point[..., 0]), 1.0), -1.0, 1.0)
+    return np.stack([steering, np.zeros_like(steering)], axis=-1).astype(np.float32)
+
+
+def steps_a_second(env: Any, seconds: float, stretches: int) -> float:
+    """Actions a second over all environments of a vector environment, or of a single one."""
+    count = getattr(env, "num_envs", 1)
+    is_single = not hasattr(env, "num_envs")
+    observation, _ = env.reset(seed=0)
+
+    def stretch() -> float:
+        nonlocal observation
+        done, begin = 0, time.perf_counter()
+        while time.perf_counter() - begin < seconds:
+            observation, _, terminated, truncated, _ = env.step(pursue(observation))
+            if is_single and (terminated or truncated):
+                observation, _ = env.reset()
+            done += count
+        return done / (time.perf_counter() - begin)
+
+    stretch()  # Loads worlds.
+    return statistics.median(stretch() for _ in range(stretches))
+
+
+def reset_ms(env: gymnasium.Env, tasks: list[str]) -> tuple[float, float]:
+    """The time of a reset, ms: of tasks that were begun before, and the first time in a world that is loaded."""
+
+    def times() -> list[float]:
+        spent = []
+        for task in tasks:
+            begin = time.perf_counter()
+            env.reset(options={"task": task})
+            spent.append(1e3 * (time.perf_counter() - begin))
+        return spent
+
+    first, again = times()[1:], times()
+    return statistics.median(again), statistics.median(first)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m vertibench.envs.bench", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=2.0, help="length of a stretch (default: 2)")
+    parser.add_argument("--stretches", type=int, default=5, help="number of stretches (default: 5)")
+    parser.add_argument("--envs", type=int, default=16, help="environments of a vector environment (default: 16)")
+    chosen = parser.parse_args()
+    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+    def show(what: str, make: Callable[[], Any]) -> None:
+        env = make()
+        print(f"{what:62} {steps_a_second(env, chosen.seconds, chosen.stretches):8.0f} steps/s", flush=True)
+        env.close()
+
+    def vector(terrain: str, threads: int, observation: tuple[str, ...] = STATE) -> Callable[[], Any]:
+        return lambda: gymnasium.make_vec(
+            NAME,
+            num_envs=chosen.envs,
+            vectorization_mode="vector_entry_point",
+            vector_kwargs={"threads": threads},
+            suite="vb-100",
+            tasks=f"terrain={terrain}",
+            observation=observation,
+        )
+
+    def single(terrain: str) -> gymnasium.Env:
+        return gymnasium.make(NAME, suite="vb-100", tasks=f"terrain={terrain}", observation=STATE)
+
+    for terrain in ("rigid", "deformable"):
+        show(f"{terrain}: one environment", lambda terrain=terrain: single(terrain))
+        for count in sorted({1, threads // 2 or 1, threads}):
+            show(f"{terrain}: {chosen.envs} environments, {count} threads", vector(terrain, count))
+    crops = (*STATE, "height", "class", "friction")
+    show(f"rigid: {chosen.envs} environments, {threads} threads, with three crops", vector("rigid", threads, crops))
+    env = single("rigid")
+    again, first = reset_ms(env, env.unwrapped.tasks[:10])
+    print(f"{'rigid: reset of a task that was begun before':62} {again:8.2f} ms")
+    print(f"{'rigid: reset of a task that is begun for the first time':62} {first:8.2f} ms")
+    env.close()
+    for name, kind in (("AsyncVectorEnv", gymnasium.vector.AsyncVectorEnv), ("SyncVectorEnv", gymnasium.vector.SyncVectorEnv)):
+        makers = [lambda: gymnasium.make(NAME, suite="vb-100", tasks="terrain=rigid", observation=STATE)] * chosen.envs
+        show(f"rigid: {chosen.envs} environments in gymnasium's {name}", lambda: kind(makers))
+
+
+if __name__ == "__main__":
+    main()
