@@ -1,0 +1,257 @@
+//! Cameras: how points of the world come to places on the canvas.
+
+use crate::V3;
+use nalgebra::UnitQuaternion;
+use vb_math::{angle::radians, hypot, tan};
+use vb_world::{Heightfield, Obstacle, World};
+
+/// From where the world is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum View {
+    /// From behind and above the vehicle, along its heading. The camera stays level whatever the vehicle does; it rises
+    /// where ground or obstacles would else be around it or between it and the vehicle.
+    Chase,
+    /// Straight down, with the north at the top of the picture and one scale everywhere.
+    Top {
+        /// The side of the square, m, that fits into the picture with the vehicle in its middle; `None` for the whole
+        /// world.
+        window: Option<f64>,
+    },
+}
+
+/// The opening of the chase camera from top to bottom, degrees.
+pub(crate) const OPENING: f64 = 48.0;
+/// Places of the chase camera in lengths of the vehicle: behind its reference point, and above it.
+const BEHIND: f64 = 1.9;
+const ABOVE: f64 = 0.82;
+/// The point that it looks at, likewise: before the reference point, and above it.
+const LOOK: [f64; 2] = [0.9, 0.12];
+/// Its least height above anything, in lengths of the vehicle.
+const CLEAR: f64 = 0.25;
+/// The distance of the nearest thing that it sees, in lengths of the vehicle.
+const NEAR: f64 = 0.06;
+
+/// How lengths across the line of sight become samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Lens {
+    /// A pinhole: `focal` samples across for one metre across at a depth of one metre.
+    Pinhole { focal: f64, near: f64 },
+    /// Parallel rays: samples a metre.
+    Parallel { scale: f64 },
+}
+
+/// A place on the canvas: samples to the right and down from its upper left corner, and the nearness, which is linear in
+/// these and grows towards the camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spot {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) near: f64,
+}
+
+/// A camera with its canvas.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Camera {
+    pub(crate) eye: V3,
+    pub(crate) right: V3,
+    pub(crate) up: V3,
+    pub(crate) forward: V3,
+    pub(crate) lens: Lens,
+    /// The number of samples across and down.
+    pub(crate) samples: [usize; 2],
+}
+
+impl Camera {
+    /// A level pinhole camera that looks at a point, which is neither straight above nor straight below it. `opening`
+    /// is the angle between the rays to the middles of the upper and the lower edge, rad.
+    pub(crate) fn looking(eye: V3, at: V3, opening: f64, near: f64, samples: [usize; 2]) -> Self {
+        let forward = (at - eye).normalize();
+        let right = forward.cross(&V3::z()).normalize();
+        let focal = 0.5 * samples[1] as f64 / tan(0.5 * opening);
+        let lens = Lens::Pinhole { focal, near };
+        Self { eye, right, up: right.cross(&forward), forward, lens, samples }
+    }
+
+    /// A camera with parallel rays along −z, north up, whose picture's middle is (x, y).
+    pub(crate) fn above(eye: V3, scale: f64, samples: [usize; 2]) -> Self {
+        let lens = Lens::Parallel { scale };
+        Self { eye, right: V3::x(), up: V3::y(), forward: -V3::z(), lens, samples }
+    }
+
+    /// A point in the camera's own axes: to the right, up, and along the line of sight, m.
+    #[inline]
+    pub(crate) fn own(&self, p: &V3) -> V3 {
+        let d = p - self.eye;
+        V3::new(self.right.dot(&d), self.up.dot(&d), self.forward.dot(&d))
+    }
+
+    /// Where a point in the camera's own axes comes to lie on the canvas. Before a pinhole it must be.
+    #[inline]
+    pub(crate) fn spot(&self, own: &V3) -> Spot {
+        let [cx, cy] = self.samples.map(|n| 0.5 * n as f64);
+        match self.lens {
+            Lens::Pinhole { focal, .. } => {
+                let near = 1.0 / own.z;
+                Spot { x: cx + focal * own.x * near, y: cy - focal * own.y * near, near }
+            }
+            Lens::Parallel { scale } => Spot { x: cx + scale * own.x, y: cy - scale * own.y, near: -own.z },
+        }
+    }
+
+    /// Least depth of what is seen, m.
+    #[inline]
+    pub(crate) fn nearest(&self) -> f64 {
+        match self.lens {
+            Lens::Pinhole { near, .. } => near,
+            Lens::Parallel { .. } => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Whether nothing of a sphere can be seen.
+    pub(crate) fn misses(&self, centre: &V3, radius: f64) -> bool {
+        let own = self.own(centre);
+        let [hx, hy] = self.samples.map(|n| 0.5 * n as f64);
+        match self.lens {
+            Lens::Pinhole { focal, near } => {
+                // Distances to the planes through the eye and the canvas' edges.
+                let beyond = |across: f64, half: f64| {
+                    (focal * across.abs() - half * own.z) / hypot(focal, half) > radius
+                };
+                own.z + radius < near || beyond(own.x, hx) || beyond(own.y, hy)
+            }
+            Lens::Parallel { scale } => {
+                scale * (own.x.abs() - radius) > hx || scale * (own.y.abs() - radius) > hy
+            }
+        }
+    }
+
+    /// Samples for a metre across at a depth, m.
+    pub(crate) fn samples_a_metre(&self, depth: f64) -> f64 {
+        match self.lens {
+            Lens::Pinhole { focal, near } => focal / depth.max(near),
+            Lens::Parallel { scale } => scale,
+        }
+    }
+}
+
+/// The camera behind a vehicle of this length, m.
+pub(crate) fn chase(
+    world: &World,
+    position: &V3,
+    attitude: &UnitQuaternion<f64>,
+    length: f64,
+    samples: [usize; 2],
+) -> Camera {
+    let nose = attitude * V3::x();
+    let flat = hypot(nose.x, nose.y);
+    // A vehicle on its nose or tail heads where its roof or floor looks.
+    let heading = if flat > 0.2 { nose } else { -nose.z.signum() * (attitude * V3::z()) };
+    let heading = V3::new(heading.x, heading.y, 0.0).try_normalize(1e-9).unwrap_or_else(V3::x);
+    let mut eye = position - BEHIND * length * heading + V3::z() * (ABOVE * length);
+    let at = position + LOOK[0] * length * heading + V3::z() * (LOOK[1] * length);
+    let clear = CLEAR * length;
+    eye.z = eye.z.max(top(world, eye.x, eye.y, clear) + clear);
+    // The line of sight to the vehicle stays free too, all the higher above things the nearer they are to the camera.
+    let target = position + V3::z() * (0.2 * length);
+    const STEPS: usize = 24;
+    for k in 1..STEPS {
+        let share = k as f64 / STEPS as f64;
+        let p = target + (eye - target) * share;
+        let needed = top(world, p.x, p.y, 0.0) + share * clear;
+        if p.z < needed && share > 0.3 {
+            eye.z = eye.z.max(target.z + (needed - target.z) / share);
+        }
+    }
+    Camera::looking(eye, at, radians(OPENING), NEAR * length, samples)
+}
+
+/// The height of ground and obstacles within `reach` of a place, or more, m.
+fn top(world: &World, x: f64, y: f64, reach: f64) -> f64 {
+    let ground = highest(&world.heightfield, x, y, reach);
+    let under = |o: &&Obstacle| {
+        let [l, w, _] = o.size();
+        hypot(x - o.x, y - o.y) < 0.5 * hypot(l, w) + reach
+    };
+    let roof = |o: &Obstacle| o.base_z(&world.heightfield) + o.size()[2] - o.buried;
+    world.obstacles.iter().filter(under).map(roof).fold(ground, f64::max)
+}
+
+/// The greatest height of the ground within the square of half side `reach` about a place, m; beyond the edge that at the
+/// edge.
+fn highest(field: &Heightfield, x: f64, y: f64, reach: f64) -> f64 {
+    let inside = |x: f64, y: f64| {
+        field.height(
+            x.clamp(-field.half_x(), field.half_x()),
+            y.clamp(-field.half_y(), field.half_y()),
+        )
+    };
+    // Between nodes the surface is flat, so nodes and the square's own points suffice, at half the distance of nodes.
+    let steps = ((4.0 * reach / field.resolution()).ceil() as usize).clamp(1, 64);
+    let mut most = f64::NEG_INFINITY;
+    for i in 0..=steps {
+        for j in 0..=steps {
+            let at = |k: usize| reach * (2.0 * k as f64 / steps as f64 - 1.0);
+            most = most.max(inside(x + at(i), y + at(j)));
+        }
+    }
+    most
+}
+
+/// The camera above the whole world, or above a window about a place.
+pub(crate) fn top_down(
+    field: &Heightfield,
+    range: [f64; 2],
+    position: &V3,
+    window: Option<f64>,
+    samples: [usize; 2],
+) -> Camera {
+    let [w, h] = samples.map(|n| n as f64);
+    let high = range[1].max(position.z) + 1.0;
+    match window {
+        Some(side) => Camera::above(V3::new(position.x, position.y, high), w.min(h) / side, samples),
+        None => {
+            let scale = (w / (2.0 * field.half_x())).min(h / (2.0 * field.half_y()));
+            Camera::above(V3::new(0.0, 0.0, high), scale, samples)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_comes_to_lie_where_the_pinhole_formula_says() {
+        // Eye 2 m above the origin, looking north and level: east is to the right.
+        let camera =
+            Camera::looking(V3::new(0.0, 0.0, 2.0), V3::new(0.0, 5.0, 2.0), radians(90.0), 0.1, [640, 480]);
+        // Opening of 90°: the focal length is half the height, 240 samples. 1 m right, 0.5 m up, at 4 m.
+        let spot = camera.spot(&camera.own(&V3::new(1.0, 4.0, 2.5)));
+        assert!((spot.x - (320.0 + 240.0 * 1.0 / 4.0)).abs() < 1e-9, "{spot:?}");
+        assert!((spot.y - (240.0 - 240.0 * 0.5 / 4.0)).abs() < 1e-9, "{spot:?}");
+        assert!((spot.near - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn north_is_up_and_east_is_right_from_above() {
+        let field = Heightfield::flat(11, 21, 1.0, 0.0);
+        let camera = top_down(&field, [0.0, 0.0], &V3::zeros(), None, [400, 400]);
+        // 20 m wide: 20 samples a metre.
+        let spot = camera.spot(&camera.own(&V3::new(3.0, 4.0, 0.0)));
+        assert!((spot.x - 260.0).abs() < 1e-9 && (spot.y - 120.0).abs() < 1e-9, "{spot:?}");
+        let about = top_down(&field, [0.0, 0.0], &V3::new(3.0, 4.0, 0.0), Some(8.0), [400, 200]);
+        let spot = about.spot(&about.own(&V3::new(5.0, 4.0, 0.0)));
+        assert!((spot.x - 250.0).abs() < 1e-9 && (spot.y - 100.0).abs() < 1e-9, "{spot:?}");
+    }
+
+    #[test]
+    fn spheres_are_missed_only_beyond_the_edges() {
+        let camera = Camera::looking(V3::zeros(), V3::x(), radians(90.0), 0.1, [480, 480]);
+        // The edges' planes are at 45°.
+        let at = |angle: f64| 10.0 * V3::new(vb_math::cos(radians(angle)), vb_math::sin(radians(angle)), 0.0);
+        let off = 10.0 * vb_math::sin(radians(5.0));
+        assert!(!camera.misses(&at(40.0), 0.01));
+        assert!(camera.misses(&at(50.0), off - 0.01) && !camera.misses(&at(50.0), off + 0.01));
+        assert!(camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.0) && !camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.2));
+    }
+}
