@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut sim = Simulation::new(
         world.clone(),
         &model,
-        &SoilSet::default(),
+        &SoilSet::load(&tasks.join("soils/default.yaml"))?,
         task.start,
         SimOptions::default(),
     )?;

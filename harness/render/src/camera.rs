@@ -21,11 +21,11 @@ pub enum View {
 
 /// The opening of the chase camera from top to bottom, degrees.
 pub(crate) const OPENING: f64 = 48.0;
-/// Places of the chase camera in lengths of the vehicle: behind its reference point, and above it.
-const BEHIND: f64 = 1.9;
-const ABOVE: f64 = 0.82;
-/// The point that it looks at, likewise: before the reference point, and above it.
-const LOOK: [f64; 2] = [0.9, 0.12];
+/// Places of the chase camera in lengths of the vehicle: behind its middle, and above it.
+const BEHIND: f64 = 2.3;
+const ABOVE: f64 = 0.95;
+/// The point that it looks at, likewise: before the middle, and above it.
+const LOOK: [f64; 2] = [0.8, 0.1];
 /// Its least height above anything, in lengths of the vehicle.
 const CLEAR: f64 = 0.25;
 /// The distance of the nearest thing that it sees, in lengths of the vehicle.
@@ -134,10 +134,10 @@ impl Camera {
     }
 }
 
-/// The camera behind a vehicle of this length, m.
+/// The camera behind a vehicle with its middle here and of this length, m.
 pub(crate) fn chase(
     world: &World,
-    position: &V3,
+    middle: &V3,
     attitude: &UnitQuaternion<f64>,
     length: f64,
     samples: [usize; 2],
@@ -147,12 +147,12 @@ pub(crate) fn chase(
     // A vehicle on its nose or tail heads where its roof or floor looks.
     let heading = if flat > 0.2 { nose } else { -nose.z.signum() * (attitude * V3::z()) };
     let heading = V3::new(heading.x, heading.y, 0.0).try_normalize(1e-9).unwrap_or_else(V3::x);
-    let mut eye = position - BEHIND * length * heading + V3::z() * (ABOVE * length);
-    let at = position + LOOK[0] * length * heading + V3::z() * (LOOK[1] * length);
+    let mut eye = middle - BEHIND * length * heading + V3::z() * (ABOVE * length);
+    let at = middle + LOOK[0] * length * heading + V3::z() * (LOOK[1] * length);
     let clear = CLEAR * length;
     eye.z = eye.z.max(top(world, eye.x, eye.y, clear) + clear);
     // The line of sight to the vehicle stays free too, all the higher above things the nearer they are to the camera.
-    let target = position + V3::z() * (0.2 * length);
+    let target = middle + V3::z() * (0.15 * length);
     const STEPS: usize = 24;
     for k in 1..STEPS {
         let share = k as f64 / STEPS as f64;

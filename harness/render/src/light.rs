@@ -7,9 +7,9 @@ use crate::{Colour, V3};
 /// Direction to the sun: from the north-west, 45° high, as maps have it; a unit vector.
 pub(crate) const SUN: [f64; 3] = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
 /// Share of the light of level ground that comes from all of the sky.
-pub(crate) const SKYLIGHT: f64 = 0.42;
+pub(crate) const SKYLIGHT: f64 = 0.48;
 /// The same for the faces of solids, whose dark sides would else be black.
-const SKYLIGHT_ON_SOLIDS: f64 = 0.5;
+const SKYLIGHT_ON_SOLIDS: f64 = 0.6;
 
 /// The air at the horizon, and the sky straight up.
 pub(crate) const HAZE: Colour = [212, 222, 230];

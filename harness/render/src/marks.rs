@@ -9,12 +9,14 @@ use vb_math::{hypot, sin_cos};
 use vb_world::Heightfield;
 
 pub(crate) const PATH: Colour = [255, 255, 255];
-pub(crate) const TRAIL: Colour = [255, 96, 64];
+pub(crate) const TRAIL: Colour = [24, 68, 168];
+/// Around the path, which is white: some ground is too.
+const OUTLINE: Colour = [58, 62, 70];
 pub(crate) const GOAL: Colour = [255, 206, 40];
 pub(crate) const VEHICLE: Colour = [40, 92, 178];
 
 /// The widths of path, trail and ring, m in a world of full size, and in pixels at least from above.
-const WIDTHS: [f64; 3] = [0.22, 0.28, 0.4];
+const WIDTHS: [f64; 3] = [0.18, 0.28, 0.4];
 const LEAST: [f64; 3] = [1.6, 1.8, 2.2];
 /// How high marks lie above the ground, m in a world of full size.
 const LIFT: f64 = 0.04;
@@ -35,6 +37,7 @@ impl Marks<'_> {
 
     /// The planned path.
     pub(crate) fn path(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
+        self.band(canvas, points.iter().copied(), 1.9 * self.width(0), OUTLINE);
         self.band(canvas, points.iter().copied(), self.width(0), PATH);
     }
 

@@ -156,7 +156,7 @@ impl Painter {
         let samples = [size.width, size.height].map(|n| per * n as usize);
         let (field, unit, length) = (&self.world.heightfield, self.world.scale, self.vehicle.length());
         let camera = match view {
-            View::Chase => chase(&self.world, &state.position, &state.attitude, length, samples),
+            View::Chase => chase(&self.world, &self.vehicle.middle(state), &state.attitude, length, samples),
             View::Top { window } => top_down(field, self.range, &state.position, window, samples),
         };
         let mut canvas = Canvas::new(camera);

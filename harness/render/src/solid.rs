@@ -86,6 +86,11 @@ pub(crate) fn turned(
     faces
 }
 
+/// The volume of a closed body, m³, by the divergence theorem.
+pub(crate) fn volume(faces: &[Face]) -> f64 {
+    faces.iter().map(|f| f.corners[0].dot(&f.corners[1].cross(&f.corners[2])) / 6.0).sum()
+}
+
 /// The smallest sphere about the middle of the faces' box: centre and radius.
 pub(crate) fn sphere<'a>(faces: impl Iterator<Item = &'a Face> + Clone) -> (V3, f64) {
     let points = || faces.clone().flat_map(|f| f.corners.iter());
@@ -101,11 +106,6 @@ pub(crate) fn sphere<'a>(faces: impl Iterator<Item = &'a Face> + Clone) -> (V3, 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The volume below closed faces, by the divergence theorem.
-    fn volume(faces: &[Face]) -> f64 {
-        faces.iter().map(|f| f.corners[0].dot(&f.corners[1].cross(&f.corners[2])) / 6.0).sum()
-    }
 
     #[test]
     fn faces_look_outwards_and_close_a_body() {

@@ -10,7 +10,7 @@ const TEXELS: usize = 1024;
 const TEXELS_OF_LARGE: usize = 2048;
 const PER_CELL: usize = 8;
 /// Slopes are so much exaggerated in the light, as on relief maps.
-const EXAGGERATION: f64 = 1.5;
+const EXAGGERATION: f64 = 1.25;
 
 /// Colours at even distances, the first in the south-western corner and the last in the north-eastern one; red, green and
 /// blue from the third byte down. The highest byte tells whether the ground yields there: 255 or 0.

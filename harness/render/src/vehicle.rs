@@ -1,14 +1,15 @@
 //! A vehicle as triangles: its hull, its wheels at their travel and steering, its belts.
 
-use crate::solid::{Face, hull, sphere, turned};
+use crate::solid::{Face, hull, sphere, turned, volume};
 use crate::tracks::{Roller, belt};
 use crate::{Colour, V3};
 use nalgebra::UnitQuaternion;
 use vb_sim::VehicleState;
 use vb_vehicle::{VehicleModel, kinematics::Side};
 
-/// The colours of a hull's parts in the order of the vehicle's file: the body first, then what stands on it.
-const PARTS: [Colour; 3] = [[40, 92, 178], [232, 236, 240], [198, 206, 214]];
+/// The colours of a hull's parts: the largest one's, and those of the others in turn.
+const BODY: Colour = [40, 92, 178];
+const PARTS: [Colour; 2] = [[232, 236, 240], [198, 206, 214]];
 const RUBBER: [Colour; 2] = [[38, 38, 41], [26, 26, 28]];
 const RIM: Colour = [150, 153, 158];
 const SPOKES: [Colour; 2] = [[92, 95, 100], [150, 153, 158]];
@@ -27,31 +28,43 @@ pub(crate) struct Vehicle {
     /// Of each wheel, about its centre with the axle along y.
     wheels: Vec<Vec<Face>>,
     sizes: Vec<[f64; 2]>,
+    /// The middle of the hull in the frame of the chassis, m.
+    middle: V3,
     length: f64,
 }
 
 impl Vehicle {
     pub(crate) fn new(model: &VehicleModel) -> Self {
         let spec = model.spec();
-        let body = spec
+        let mut parts: Vec<Vec<Face>> = spec
             .chassis
             .hull
             .iter()
-            .enumerate()
-            .flat_map(|(k, part)| {
-                let points: Vec<V3> = part.iter().map(|p| V3::from(*p)).collect();
-                hull(&points, PARTS[k.min(PARTS.len() - 1)])
-            })
+            .map(|part| hull(&part.iter().map(|p| V3::from(*p)).collect::<Vec<_>>(), BODY))
             .collect();
+        // The largest first; the order of equal ones stays.
+        parts.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
+        for (k, part) in parts.iter_mut().enumerate().skip(1) {
+            for face in part {
+                face.colour = PARTS[(k - 1) % PARTS.len()];
+            }
+        }
+        let body = parts.concat();
+        let middle = sphere(body.iter()).0;
         let sizes = spec.wheel_sizes();
         let tracked = spec.tracks.is_some();
         let wheels = sizes.iter().map(|&[r, w]| wheel(r, w, tracked)).collect();
-        Self { model: model.clone(), body, wheels, sizes, length: spec.length }
+        Self { model: model.clone(), body, wheels, sizes, middle, length: spec.length }
     }
 
     /// Overall length, m.
     pub(crate) fn length(&self) -> f64 {
         self.length
+    }
+
+    /// The middle of the hull in the world, m.
+    pub(crate) fn middle(&self, state: &VehicleState) -> V3 {
+        state.position + state.attitude * self.middle
     }
 
     /// The faces in the world. `turned` are the angles by which the wheels have turned, rad; those that are not given
