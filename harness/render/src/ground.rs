@@ -147,7 +147,7 @@ impl Block {
             if cut {
                 canvas.face_of_own(&k.map(|k| nodes.own[k]), Faces::Front, GROUND);
             } else {
-                canvas.fill(&k.map(|k| nodes.spots[k]), Faces::Front, GROUND);
+                canvas.fill(k.map(|k| nodes.spots[k]), Faces::Front, GROUND);
             }
         };
         let n = cols.len();

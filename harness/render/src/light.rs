@@ -47,26 +47,37 @@ const SHADOW: usize = 160;
 
 /// The shadow of solids near one place: what the sun sees of them, which is what it does not see of the ground below.
 pub(crate) struct Shadow {
-    camera: Camera,
-    centre: V3,
-    radius: f64,
+    /// The middle of the solids, m.
+    centre: [f32; 3],
+    /// Half its breadth across the sun's rays, and how far it reaches along the ground in their direction, m.
+    radius: f32,
+    reach: f32,
+    /// Samples for a metre along the axes, to the right and down, as the sun sees them.
+    axes: [[f32; 3]; 2],
     /// How much of each sample's surroundings is covered, 0 to 255.
     cover: Vec<u8>,
 }
 
 impl Shadow {
-    /// The shadow of triangles that lie in a sphere.
-    pub(crate) fn of<'a>(centre: V3, radius: f64, faces: impl Iterator<Item = &'a [V3; 3]>) -> Self {
+    /// The shadow of triangles that lie in a sphere, on ground which is nowhere more than `drop` below its centre, m.
+    pub(crate) fn of<'a>(
+        centre: V3,
+        radius: f64,
+        drop: f64,
+        faces: impl Iterator<Item = &'a [V3; 3]>,
+    ) -> Self {
         let right = V3::z().cross(&sun()).normalize();
         let up = sun().cross(&right);
         // A margin for the softened edge.
-        let lens = Lens::Parallel { scale: 0.47 * SHADOW as f64 / radius.max(1e-6) };
+        let scale = 0.47 * SHADOW as f64 / radius.max(1e-6);
+        let lens = Lens::Parallel { scale };
         let camera = Camera { eye: centre, right, up, forward: -sun(), lens, samples: [SHADOW; 2] };
         let mut canvas = Canvas::new(camera);
         for face in faces {
             canvas.face(face, Faces::Both, solid([0; 3]));
         }
-        let covered = |row: usize, col: usize| u32::from(canvas.paint[row * SHADOW + col] != SKY);
+        let seen = canvas.exposed();
+        let covered = |row: usize, col: usize| u32::from(seen.paint[row * SHADOW + col] != SKY);
         let mut cover = vec![0; SHADOW * SHADOW];
         for row in 1..SHADOW - 1 {
             for col in 1..SHADOW - 1 {
@@ -75,25 +86,39 @@ impl Shadow {
                 cover[row * SHADOW + col] = (around * 255 / 9) as u8;
             }
         }
-        Self { camera, centre, radius, cover }
-    }
-
-    /// How far from its centre the shadow can reach on ground that lies between the heights `drop` below it and its own,
-    /// m.
-    pub(crate) fn reach(&self, drop: f64) -> f64 {
+        let narrow = |v: V3| [v.x as f32, v.y as f32, v.z as f32];
         // The sun stands 45° high.
-        self.radius * std::f64::consts::SQRT_2 + drop.max(0.0)
+        let reach = radius * std::f64::consts::SQRT_2 + drop.max(0.0);
+        Self {
+            centre: narrow(centre),
+            radius: radius as f32,
+            reach: reach as f32,
+            axes: [narrow(scale * right), narrow(-scale * up)],
+            cover,
+        }
     }
 
-    /// The centre of what casts it.
-    pub(crate) fn centre(&self) -> V3 {
-        self.centre
+    /// How far from its centre the shadow can reach, m.
+    pub(crate) fn reach(&self) -> f64 {
+        f64::from(self.reach)
     }
 
     /// The share of the sun that a point of the ground does not see, 0 to 1.
-    pub(crate) fn at(&self, x: f32, y: f32, z: f32) -> f32 {
-        let spot = self.camera.spot(&self.camera.own(&V3::new(x.into(), y.into(), z.into())));
-        let (u, v) = (spot.x as f32 - 0.5, spot.y as f32 - 0.5);
+    #[inline]
+    pub(crate) fn at(&self, p: [f32; 3]) -> f32 {
+        let d = [0, 1, 2].map(|k| p[k] - self.centre[k]);
+        // Along the ground in the direction of the sun's rays, and across.
+        const DIAGONAL: f32 = std::f32::consts::FRAC_1_SQRT_2;
+        let (along, across) = (DIAGONAL * (d[0] - d[1]), DIAGONAL * (d[0] + d[1]));
+        let margin = 1.1 * self.radius;
+        if across.abs() > margin || along > self.reach || along < -2.0 * self.radius {
+            return 0.0;
+        }
+        self.looked_up(d)
+    }
+
+    fn looked_up(&self, d: [f32; 3]) -> f32 {
+        let [u, v] = self.axes.map(|a| a[0] * d[0] + a[1] * d[1] + a[2] * d[2] + 0.5 * (SHADOW - 1) as f32);
         let most = (SHADOW - 2) as f32;
         if !(u >= 0.0 && v >= 0.0 && u < most && v < most) {
             return 0.0;
@@ -129,12 +154,12 @@ mod tests {
         // by 2 m to the south-east.
         let p = |x: f64, y: f64| V3::new(x, y, 2.0);
         let [a, b, c, d] = [p(-0.5, -0.5), p(0.5, -0.5), p(0.5, 0.5), p(-0.5, 0.5)];
-        let shadow = Shadow::of(V3::new(0.0, 0.0, 2.0), 0.8, [[a, b, c], [a, c, d]].iter());
+        let shadow = Shadow::of(V3::new(0.0, 0.0, 2.0), 0.8, 2.0, [[a, b, c], [a, c, d]].iter());
         let off = std::f64::consts::SQRT_2 as f32;
-        assert!((shadow.at(off, -off, 0.0) - 1.0).abs() < 1e-6, "{}", shadow.at(off, -off, 0.0));
-        assert!((shadow.at(off + 0.4, -off + 0.4, 0.0) - 1.0).abs() < 1e-6);
-        assert_eq!(shadow.at(off + 0.6, -off, 0.0), 0.0);
-        assert_eq!(shadow.at(0.0, 0.0, 0.0), 0.0);
-        assert_eq!(shadow.at(-off, off, 0.0), 0.0);
+        assert!((shadow.at([off, -off, 0.0]) - 1.0).abs() < 1e-6, "{}", shadow.at([off, -off, 0.0]));
+        assert!((shadow.at([off + 0.4, -off + 0.4, 0.0]) - 1.0).abs() < 1e-6);
+        assert_eq!(shadow.at([off + 0.6, -off, 0.0]), 0.0);
+        assert_eq!(shadow.at([0.0, 0.0, 0.0]), 0.0);
+        assert_eq!(shadow.at([-off, off, 0.0]), 0.0);
     }
 }

@@ -22,8 +22,8 @@ const BOULDER: Colour = [128, 124, 118];
 const TRUNK: Colour = [112, 82, 54];
 const BOX: Colour = [176, 160, 138];
 
-/// Pictures with more pixels than this are drawn with one sample a pixel instead of four, for the sake of memory.
-const SMOOTH: u64 = 1 << 22;
+/// Samples of a pixel across and down.
+const SAMPLES: usize = 2;
 /// A vehicle that is shorter than this from above, in pixels, is shown as an arrow.
 const SMALL: f64 = 12.0;
 
@@ -152,8 +152,7 @@ impl Painter {
         if !state.position.iter().chain(state.attitude.coords.iter()).all(|v| v.is_finite()) {
             return Err(RenderError::Pose);
         }
-        let per = if u64::from(size.width) * u64::from(size.height) <= SMOOTH { 2 } else { 1 };
-        let samples = [size.width, size.height].map(|n| per * n as usize);
+        let samples = [size.width, size.height].map(|n| SAMPLES * n as usize);
         let (field, unit, length) = (&self.world.heightfield, self.world.scale, self.vehicle.length());
         let camera = match view {
             View::Chase => chase(&self.world, &self.vehicle.middle(state), &state.attitude, length, samples),
@@ -174,7 +173,7 @@ impl Painter {
             face.draw(&mut canvas);
         }
         let pixel = match camera.lens {
-            Lens::Parallel { scale } => Some(per as f64 / scale),
+            Lens::Parallel { scale } => Some(SAMPLES as f64 / scale),
             Lens::Pinhole { .. } => None,
         };
         let marks = Marks { field, unit, pixel };
@@ -189,16 +188,15 @@ impl Painter {
             marks.arrow(&mut canvas, &at, atan2(nose.y, nose.x), SMALL * pixel);
         }
         let (centre, radius) = Vehicle::sphere(&vehicle);
-        let shadow = Shadow::of(centre, radius, vehicle.iter().map(|f| &f.corners));
-        let reach = shadow.reach((centre.z - self.range[0]).min(4.0 * radius)) as f32;
+        let drop = centre.z - self.range[0];
+        let shadow = Shadow::of(centre, radius, drop, vehicle.iter().map(|f| &f.corners));
         let look = Look {
             texture: &self.texture,
             grain: &self.grain,
             unit: unit as f32,
             shadow: &shadow,
-            reach: reach * reach,
             change: moment.change,
         };
-        Ok(look.develop(&canvas, per))
+        Ok(look.develop(&canvas, SAMPLES))
     }
 }

@@ -18,9 +18,10 @@ const EXAGGERATION: f64 = 1.25;
 pub(crate) struct Texture {
     cols: usize,
     rows: usize,
-    /// Half the extents of the world, m, and texels a metre.
+    /// Half the extents of the world, m, 256ths of a texel's side a metre, and in the whole world.
     half: [f32; 2],
     density: [f32; 2],
+    most: [f32; 2],
     texels: Vec<u32>,
 }
 
@@ -48,8 +49,9 @@ impl Texture {
                 texels.push(soft << 24 | r << 16 | g << 8 | b);
             }
         }
-        let density = pitch.map(|p| (1.0 / p) as f32);
-        let mut texture = Self { cols, rows, half: half.map(|h| h as f32), density, texels };
+        let density = pitch.map(|p| (256.0 / p) as f32);
+        let most = [cols, rows].map(|n| (256 * (n - 1)) as f32);
+        let mut texture = Self { cols, rows, half: half.map(|h| h as f32), density, most, texels };
         for obstacle in obstacles {
             texture.shade(field, obstacle, half, pitch);
         }
@@ -63,8 +65,9 @@ impl Texture {
         let above: Vec<Face> =
             obstacle.iter().map(|f| Face { corners: f.corners.each_ref().map(raise), ..*f }).collect();
         let (centre, radius) = sphere(above.iter());
-        let shadow = Shadow::of(centre, radius, above.iter().map(|f| &f.corners));
-        let reach = shadow.reach(centre.z - field.range().0);
+        let drop = centre.z - field.range().0;
+        let shadow = Shadow::of(centre, radius, drop, above.iter().map(|f| &f.corners));
+        let reach = shadow.reach();
         // Towards the south-east.
         let span = |low: f64, high: f64, axis: usize, n: usize| {
             let at = |v: f64| ((v + half[axis]) / pitch[axis]).clamp(0.0, n as f64);
@@ -74,7 +77,7 @@ impl Texture {
             let y = row as f64 * pitch[1] - half[1];
             for col in span(centre.x - radius, centre.x + reach, 0, self.cols) {
                 let x = col as f64 * pitch[0] - half[0];
-                let covered = shadow.at(x as f32, y as f32, field.height(x, y) as f32);
+                let covered = shadow.at([x, y, field.height(x, y)].map(|v| v as f32));
                 if covered > 0.0 {
                     let texel = &mut self.texels[row * self.cols + col];
                     let light = shaded(covered);
@@ -89,17 +92,26 @@ impl Texture {
     #[inline]
     pub(crate) fn at(&self, x: f32, y: f32) -> ([f32; 3], bool) {
         let cell = |v: f32, axis: usize, n: usize| {
-            let f = ((v + self.half[axis]) * self.density[axis]).max(0.0).min((n - 1) as f32);
-            let k = (f as u32 as usize).min(n - 2);
-            (k, ((f - k as f32) * 256.0) as u32)
+            let at = ((v + self.half[axis]) * self.density[axis]).max(0.0).min(self.most[axis]);
+            let at = whole(at) as usize;
+            let k = (at >> 8).min(n - 2);
+            (k, (at - (k << 8)) as u32)
         };
         let ((col, u), (row, v)) = (cell(x, 0, self.cols), cell(y, 1, self.rows));
         let k = row * self.cols + col;
-        let south = mix(self.texels[k], self.texels[k + 1], u);
-        let north = mix(self.texels[k + self.cols], self.texels[k + self.cols + 1], u);
-        let c = mix(south, north, v);
-        ([(c >> 16 & 255) as f32, (c >> 8 & 255) as f32, (c & 255) as f32], c >> 31 != 0)
+        let (south, north) = (&self.texels[k..k + 2], &self.texels[k + self.cols..k + self.cols + 2]);
+        let c = mix(mix(south[0], south[1], u), mix(north[0], north[1], u), v);
+        let byte = |shift: u32| (c >> shift & 255) as i32 as f32;
+        ([byte(16), byte(8), byte(0)], c >> 31 != 0)
     }
+}
+
+/// The nearest whole number, of which the lowest 22 bits are those of a negative number too, for numbers up to 2²¹: adding
+/// this makes a float's last bits the number's. It takes fewer instructions than a conversion, which has to be right for
+/// all numbers.
+#[inline]
+pub(crate) fn whole(v: f32) -> u32 {
+    (v + 12_582_912.0).to_bits() & 0x003f_ffff
 }
 
 /// The share of light that is left of ground which is covered to this share.
