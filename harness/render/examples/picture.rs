@@ -16,9 +16,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [world, task, vehicle, out, rest @ ..] = &words[..] else {
         return Err("name a world, a task, a vehicle and the beginning of the pictures' paths".into());
     };
-    let number = |name: &str| {
-        rest.iter().find_map(|w| w.strip_prefix(name)?.strip_prefix('=')?.parse::<f64>().ok())
-    };
+    let number =
+        |name: &str| rest.iter().find_map(|w| w.strip_prefix(name)?.strip_prefix('=')?.parse::<f64>().ok());
     let tasks = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
     let spec = VehicleSpec::load(&tasks.join(format!("vehicles/{vehicle}.yaml")))?;
     let scale = spec.scale;
@@ -35,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     )?;
     let mut trail = Vec::new();
     let mut turned = vec![0.0; 2 * model.axles().len()];
-    let controls = Controls { steering: number("steer").unwrap_or(0.0), throttle: 0.6, ..Controls::default() };
+    let controls =
+        Controls { steering: number("steer").unwrap_or(0.0), throttle: 0.6, ..Controls::default() };
     for _ in 0..(number("drive").unwrap_or(0.0) * 20.0) as usize {
         sim.advance(controls, 50)?;
         let state = sim.state();

@@ -180,10 +180,7 @@ fn top(world: &World, x: f64, y: f64, reach: f64) -> f64 {
 /// edge.
 fn highest(field: &Heightfield, x: f64, y: f64, reach: f64) -> f64 {
     let inside = |x: f64, y: f64| {
-        field.height(
-            x.clamp(-field.half_x(), field.half_x()),
-            y.clamp(-field.half_y(), field.half_y()),
-        )
+        field.height(x.clamp(-field.half_x(), field.half_x()), y.clamp(-field.half_y(), field.half_y()))
     };
     // Between nodes the surface is flat, so nodes and the square's own points suffice, at half the distance of nodes.
     let steps = ((4.0 * reach / field.resolution()).ceil() as usize).clamp(1, 64);
@@ -252,6 +249,58 @@ mod tests {
         let off = 10.0 * vb_math::sin(radians(5.0));
         assert!(!camera.misses(&at(40.0), 0.01));
         assert!(camera.misses(&at(50.0), off - 0.01) && !camera.misses(&at(50.0), off + 0.01));
-        assert!(camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.0) && !camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.2));
+        assert!(
+            camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.0) && !camera.misses(&V3::new(-1.0, 0.0, 0.0), 1.2)
+        );
+    }
+
+    #[test]
+    fn the_chase_camera_is_above_everything_and_sees_the_vehicle() {
+        let mut stream = vb_math::rng::Stream::new(3, &["chase"]);
+        let n = 65;
+        // Ground as rough as none that can be driven on: 6 m between neighbours.
+        let heights = (0..n * n).map(|_| stream.uniform(0.0, 6.0)).collect();
+        let mut world =
+            World::uniform("w", Heightfield::new(n, n, 1.0, heights), vb_world::TerrainClass::Rock, 0.5);
+        world.obstacles = (0..40)
+            .map(|seed| Obstacle {
+                x: stream.uniform(-30.0, 30.0),
+                y: stream.uniform(-30.0, 30.0),
+                yaw: 0.0,
+                buried: 1.0,
+                kind: vb_world::ObstacleKind::Boulder { size: [4.0, 4.0, 5.0], seed },
+            })
+            .collect();
+        let field = &world.heightfield;
+        let length = 4.7;
+        for _ in 0..300 {
+            let (x, y) = (stream.uniform(-31.0, 31.0), stream.uniform(-31.0, 31.0));
+            let turn = UnitQuaternion::from_euler_angles(
+                stream.uniform(-3.2, 3.2),
+                stream.uniform(-1.6, 1.6),
+                stream.uniform(-3.2, 3.2),
+            );
+            let middle = V3::new(x, y, field.height(x, y) + 1.0);
+            let eye = chase(&world, &middle, &turn, length, [640, 480]).eye;
+            let inside = |v: f64| v.clamp(-32.0, 32.0);
+            let ground = field.height(inside(eye.x), inside(eye.y));
+            assert!(eye.z >= ground + CLEAR * length - 1e-9, "{eye:?} {ground}");
+            for o in &world.obstacles {
+                let near = hypot(eye.x - o.x, eye.y - o.y) < 2.0;
+                assert!(!near || eye.z > o.base_z(field) + 4.0, "{eye:?} {o:?}");
+            }
+            // The camera is behind: as far as it has to be, whatever the attitude.
+            let away = hypot(eye.x - x, eye.y - y);
+            assert!((away - BEHIND * length).abs() < 1e-9, "{away}");
+        }
+        // A wall of 5 m between the camera and a vehicle on level ground: it looks over it.
+        let heights = (0..n * n).map(|i| if i % n == 26 { 5.0 } else { 0.0 }).collect();
+        let world =
+            World::uniform("w", Heightfield::new(n, n, 1.0, heights), vb_world::TerrainClass::Rock, 0.5);
+        let middle = V3::new(0.0, 0.0, 1.0);
+        let eye = chase(&world, &middle, &UnitQuaternion::identity(), length, [640, 480]).eye;
+        // The wall is at x = -6, the eye at x = -10.8.
+        let sight = middle.z + (eye.z - middle.z) * 6.0 / -eye.x;
+        assert!(eye.x < -10.0 && sight > 4.0, "{eye:?} {sight}");
     }
 }

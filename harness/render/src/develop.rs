@@ -169,10 +169,8 @@ impl Developer<'_> {
         let paint = samples.map(|k| strip.paint[k]);
         let near = samples.map(|k| strip.near[k]);
         let one = paint[0] == paint[1] && paint[0] == paint[2] && paint[0] == paint[3];
-        let (least, most) = (
-            near[0].min(near[1]).min(near[2].min(near[3])),
-            near[0].max(near[1]).max(near[2].max(near[3])),
-        );
+        let (least, most) =
+            (near[0].min(near[1]).min(near[2].min(near[3])), near[0].max(near[1]).max(near[2].max(near[3])));
         if one && (paint[0] != GROUND || !place.pinhole || most <= APART * least) {
             return self.colour(paint[0], 0.25 * (near[0] + near[1] + near[2] + near[3]), place);
         }
@@ -209,7 +207,8 @@ impl Developer<'_> {
             let far = 1.0 / near;
             let fade = 1.0 - far * self.smooth;
             if fade > 0.0 {
-                light += ROUGHNESS * fade * self.look.grain.at(x * self.fine, y * self.fine, far * self.footprint);
+                light +=
+                    ROUGHNESS * fade * self.look.grain.at(x * self.fine, y * self.fine, far * self.footprint);
             }
         }
         if soft && let Some(change) = self.look.change.and_then(|c| c(f64::from(x), f64::from(y))) {

@@ -96,12 +96,8 @@ impl Ground {
         let east = (0..last_row).map(|r| (r, last_col));
         let north = (1..cols).rev().map(|c| (last_row, c));
         let west = (1..rows).rev().map(|r| (r, 0));
-        let edge: Vec<V3> = south
-            .chain(east)
-            .chain(north)
-            .chain(west)
-            .map(|(r, c)| point(field, r, c))
-            .collect();
+        let edge: Vec<V3> =
+            south.chain(east).chain(north).chain(west).map(|(r, c)| point(field, r, c)).collect();
         let level = edge.iter().map(|p| p.z).sum::<f64>() / edge.len() as f64;
         let far = 1.0 + 6.0 * FOG * unit / field.half_x().min(field.half_y());
         let out = |p: &V3, by: f64| V3::new(p.x * by, p.y * by, level);
@@ -118,14 +114,7 @@ impl Ground {
 }
 
 impl Block {
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        field: &Heightfield,
-        stride: usize,
-        hang: f64,
-        nodes: &mut Nodes,
-    ) {
+    fn draw(&self, canvas: &mut Canvas, field: &Heightfield, stride: usize, hang: f64, nodes: &mut Nodes) {
         let camera = canvas.camera;
         let steps = |[from, to]: [usize; 2]| {
             (from..to).step_by(stride).chain(std::iter::once(to)).collect::<Vec<usize>>()

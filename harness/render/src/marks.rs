@@ -59,13 +59,7 @@ impl Marks<'_> {
     }
 
     /// A band on the ground along points; those that are too near to the last one are left out.
-    fn band(
-        &self,
-        canvas: &mut Canvas,
-        points: impl Iterator<Item = [f64; 2]>,
-        width: f64,
-        colour: Colour,
-    ) {
+    fn band(&self, canvas: &mut Canvas, points: impl Iterator<Item = [f64; 2]>, width: f64, colour: Colour) {
         let step = (0.5 * self.unit).max(self.pixel.unwrap_or(0.0));
         let mut line: Vec<[f64; 2]> = Vec::new();
         let mut points = points.filter(|p| p.iter().all(|v| v.is_finite())).peekable();
@@ -88,8 +82,7 @@ impl Marks<'_> {
         let lift = LIFT * self.unit;
         let edges: Vec<[V3; 2]> = (0..line.len())
             .map(|k| {
-                let ([ax, ay], [bx, by]) =
-                    (line[k.saturating_sub(1)], line[(k + 1).min(line.len() - 1)]);
+                let ([ax, ay], [bx, by]) = (line[k.saturating_sub(1)], line[(k + 1).min(line.len() - 1)]);
                 let length = hypot(bx - ax, by - ay).max(1e-12);
                 let (nx, ny) = (0.5 * width * (ay - by) / length, 0.5 * width * (bx - ax) / length);
                 let [x, y] = line[k];
@@ -122,7 +115,8 @@ impl Marks<'_> {
         let upright = UnitQuaternion::from_axis_angle(&V3::x_axis(), FRAC_PI_2);
         let shaft = turned(&[[pole, height - jewel], [pole, -self.unit]], 8, |_, _| PATH);
         let top = height - 0.75 * jewel;
-        let stone = turned(&[[0.0, top + 1.3 * jewel], [jewel, top], [0.0, top - 1.3 * jewel]], 6, |_, _| GOAL);
+        let stone =
+            turned(&[[0.0, top + 1.3 * jewel], [jewel, top], [0.0, top - 1.3 * jewel]], 6, |_, _| GOAL);
         for face in shaft.iter().chain(&stone) {
             face.placed(&upright, &foot).draw_as_beacon(canvas);
         }

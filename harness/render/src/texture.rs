@@ -211,8 +211,7 @@ mod tests {
         // A wall of 6 m from the south-west to the north-east. The sun stands in the north-west.
         let n = 41;
         let heights = (0..n * n).map(|i| if i / n == i % n { 6.0 } else { 0.0 }).collect();
-        let world =
-            World::uniform("w", Heightfield::new(n, n, 1.0, heights), TerrainClass::Concrete, 0.5);
+        let world = World::uniform("w", Heightfield::new(n, n, 1.0, heights), TerrainClass::Concrete, 0.5);
         let texture = Texture::of(&world, &[]);
         let full = f32::from(TerrainClass::Concrete.colour()[0]);
         // 3 √2 m behind the crest: the ray passes 1.8 m below it.

@@ -135,3 +135,48 @@ pub(crate) fn belt(wheels: &[Roller], thickness: f64, width: f64, rolled: f64) -
     }
     faces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::volume;
+    use std::f64::consts::PI;
+
+    fn rollers(places: &[[f64; 3]]) -> Vec<Roller> {
+        places.iter().map(|&[x, z, radius]| Roller { hub: V3::new(x, 1.0, z), radius }).collect()
+    }
+
+    #[test]
+    fn a_belt_around_equal_wheels_is_two_lines_and_a_circle_long() {
+        // Pins 0.02 m outside of wheels of 0.3 m that are 4 m apart, with a wheel between that touches below only.
+        let wheels = rollers(&[[2.0, 0.0, 0.3], [0.0, 0.0, 0.3], [-2.0, 0.0, 0.3]]);
+        let length: f64 = way(&wheels, 0.02).iter().map(Part::length).sum();
+        assert!((length - (8.0 + 2.0 * PI * 0.32)).abs() < 1e-9, "{length}");
+        // Its pads are prisms whose cross-sections are a little shorter than the way.
+        let faces = belt(&wheels, 0.04, 0.5, 0.0);
+        let filled = volume(&faces);
+        assert!((filled / (length * 0.04 * 0.5) - 1.0).abs() < 0.02, "{filled}");
+    }
+
+    #[test]
+    fn the_lower_run_of_a_belt_moves_to_the_rear_when_it_rolls_forward() {
+        let wheels = rollers(&[[2.0, 0.0, 0.3], [-2.0, 0.0, 0.3]]);
+        // Edges between pads on the lower run: the places of outer faces' corners.
+        let edges = |rolled: f64| {
+            let mut x: Vec<f64> = belt(&wheels, 0.04, 0.5, rolled)
+                .iter()
+                .filter(|f| f.colour == PADS[0])
+                .flat_map(|f| f.corners)
+                .filter(|p| p.z < -0.33 && p.x.abs() < 1.5)
+                .map(|p| p.x)
+                .collect();
+            x.sort_by(f64::total_cmp);
+            x.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            x
+        };
+        let (before, after) = (edges(0.0), edges(0.03));
+        for x in &before[1..before.len() - 1] {
+            assert!(after.iter().any(|y| (y - (x - 0.03)).abs() < 1e-9), "{x}");
+        }
+    }
+}
