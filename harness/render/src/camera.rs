@@ -176,22 +176,17 @@ fn top(world: &World, x: f64, y: f64, reach: f64) -> f64 {
     world.obstacles.iter().filter(under).map(roof).fold(ground, f64::max)
 }
 
-/// The greatest height of the ground within the square of half side `reach` about a place, m; beyond the edge that at the
-/// edge.
+/// The height of the highest node of all cells that reach into the square of half side `reach` about a place, m; beyond
+/// the edge that of the cells at the edge.
 fn highest(field: &Heightfield, x: f64, y: f64, reach: f64) -> f64 {
-    let inside = |x: f64, y: f64| {
-        field.height(x.clamp(-field.half_x(), field.half_x()), y.clamp(-field.half_y(), field.half_y()))
+    let nodes = |v: f64, half: f64, n: usize| {
+        let at = |v: f64| ((v + half) / field.resolution()).clamp(0.0, (n - 1) as f64);
+        at(v - reach) as usize..=at(v + reach).ceil() as usize
     };
-    // Between nodes the surface is flat, so nodes and the square's own points suffice, at half the distance of nodes.
-    let steps = ((4.0 * reach / field.resolution()).ceil() as usize).clamp(1, 64);
-    let mut most = f64::NEG_INFINITY;
-    for i in 0..=steps {
-        for j in 0..=steps {
-            let at = |k: usize| reach * (2.0 * k as f64 / steps as f64 - 1.0);
-            most = most.max(inside(x + at(i), y + at(j)));
-        }
-    }
-    most
+    let cols = nodes(x, field.half_x(), field.cols());
+    nodes(y, field.half_y(), field.rows())
+        .flat_map(|row| cols.clone().map(move |col| field.node(row, col)))
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The camera above the whole world, or above a window about a place.
@@ -302,5 +297,11 @@ mod tests {
         // The wall is at x = -6, the eye at x = -10.8.
         let sight = middle.z + (eye.z - middle.z) * 6.0 / -eye.x;
         assert!(eye.x < -10.0 && sight > 4.0, "{eye:?} {sight}");
+        // A peak behind the camera, as near as its clearance: it is above that too.
+        let heights = (0..n * n).map(|i| if i == 32 * n + 20 { 20.0 } else { 0.0 }).collect();
+        let field = Heightfield::new(n, n, 1.0, heights);
+        let world = World::uniform("w", field, vb_world::TerrainClass::Rock, 0.5);
+        let eye = chase(&world, &middle, &UnitQuaternion::identity(), length, [640, 480]).eye;
+        assert!(eye.x < -10.8 && eye.z >= 20.0 + CLEAR * length, "{eye:?}");
     }
 }

@@ -73,8 +73,8 @@ impl Grain {
         let (u, v) = (x & 255, y & 255);
         let shift = GRAINS.trailing_zeros() - level;
         let mask = (1 << shift) - 1;
-        let (left, right) = (x >> 8 & mask, (x >> 8) + 1 & mask);
-        let (lower, upper) = ((y >> 8 & mask) << shift, ((y >> 8) + 1 & mask) << shift);
+        let (left, right) = (x >> 8 & mask, ((x >> 8) + 1) & mask);
+        let (lower, upper) = ((y >> 8 & mask) << shift, (((y >> 8) + 1) & mask) << shift);
         let value = |k: u32| u32::from(values[k as usize]);
         let south = value(lower | left) * (256 - u) + value(lower | right) * u;
         let north = value(upper | left) * (256 - u) + value(upper | right) * u;

@@ -161,5 +161,9 @@ mod tests {
         assert_eq!(shadow.at([off + 0.6, -off, 0.0]), 0.0);
         assert_eq!(shadow.at([0.0, 0.0, 0.0]), 0.0);
         assert_eq!(shadow.at([-off, off, 0.0]), 0.0);
+        // The half of it in the south-east alone.
+        let half = Shadow::of(V3::new(0.0, 0.0, 2.0), 0.8, 2.0, [[a, b, c]].iter());
+        assert!((half.at([off + 0.25, -off - 0.25, 0.0]) - 1.0).abs() < 1e-6);
+        assert_eq!(half.at([off - 0.25, -off + 0.25, 0.0]), 0.0);
     }
 }
