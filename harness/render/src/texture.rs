@@ -37,14 +37,29 @@ impl Texture {
         let half = [field.half_x(), field.half_y()];
         let pitch = [2.0 * half[0] / (cols - 1) as f64, 2.0 * half[1] / (rows - 1) as f64];
         let light = node_light(field);
+        let semantics = &world.semantics;
+        // What the columns have in common: the cell of the ground, the place in it, the column of patches.
+        let columns: Vec<(usize, f32, usize)> = (0..cols)
+            .map(|col| {
+                let x = col as f64 * pitch[0] - half[0];
+                let (cell, u) = cell(x, half[0], field.resolution(), field.cols());
+                (cell, u, semantics.patch_index(x, -half[1]) % semantics.cols)
+            })
+            .collect();
         let mut texels = Vec::with_capacity(rows * cols);
         for row in 0..rows {
             let y = row as f64 * pitch[1] - half[1];
-            for col in 0..cols {
-                let x = col as f64 * pitch[0] - half[0];
-                let class = world.semantics.class_at(x, y);
-                let light = interpolate(field, &light, x, y);
-                let [r, g, b] = class.colour().map(|c| (f32::from(c) * light + 0.5).min(255.0) as u32);
+            let (cell, v) = cell(y, half[1], field.resolution(), field.rows());
+            let patches =
+                &semantics.classes[semantics.patch_index(-half[0], y) / semantics.cols * semantics.cols..];
+            let (south, north) = (&light[cell * field.cols()..], &light[(cell + 1) * field.cols()..]);
+            for &(k, u, patch) in &columns {
+                let class = patches[patch];
+                // Linear between nodes, so that no facets show.
+                let south = south[k] + u * (south[k + 1] - south[k]);
+                let north = north[k] + u * (north[k + 1] - north[k]);
+                let light = south + v * (north - south);
+                let [r, g, b] = class.colour().map(|c| whole((f32::from(c) * light).min(255.0)));
                 let soft = if class.is_deformable() { 255 } else { 0 };
                 texels.push(soft << 24 | r << 16 | g << 8 | b);
             }
@@ -158,18 +173,11 @@ fn node_light(field: &Heightfield) -> Vec<f32> {
     light
 }
 
-/// A value of the nodes at a point of the world, linear between them: no facets show in the light.
-fn interpolate(field: &Heightfield, values: &[f32], x: f64, y: f64) -> f32 {
-    let at = |v: f64, half: f64, n: usize| {
-        let f = ((v + half) / field.resolution()).clamp(0.0, (n - 1) as f64);
-        let k = (f as usize).min(n - 2);
-        (k, (f - k as f64) as f32)
-    };
-    let ((col, u), (row, v)) = (at(x, field.half_x(), field.cols()), at(y, field.half_y(), field.rows()));
-    let i = row * field.cols() + col;
-    let south = values[i] + u * (values[i + 1] - values[i]);
-    let north = values[i + field.cols()] + u * (values[i + field.cols() + 1] - values[i + field.cols()]);
-    south + v * (north - south)
+/// The cell of the ground at a place along one axis, and where in it that is, from 0 to 1.
+fn cell(v: f64, half: f64, resolution: f64, nodes: usize) -> (usize, f32) {
+    let at = ((v + half) / resolution).clamp(0.0, (nodes - 1) as f64);
+    let k = (at as usize).min(nodes - 2);
+    (k, (at - k as f64) as f32)
 }
 
 #[cfg(test)]
