@@ -1,9 +1,7 @@
 //! The page: filters, a card a world, the larger view, tables and plots.
 
 use super::map::map;
-use super::picture::{
-    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, pictures,
-};
+use super::picture::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, pictures};
 use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
