@@ -17,7 +17,7 @@ use vb_world::World;
 
 use crate::debug::Lines;
 use crate::motion::attitude;
-use crate::scene::{Mesh, class_colour, ground, obstacles, parts};
+use crate::scene::{Mesh, ground, obstacles, parts};
 use crate::sensors_file::write_sensors;
 use crate::{Replay, ReplayError, ReplayRun};
 
@@ -234,7 +234,7 @@ fn world_scene(replay: &Replay, stamp: Timestamp) -> SceneUpdate {
         for c in 0..cols {
             let p = at(r, c);
             surface.points.push(point(p));
-            surface.colors.push(colour(class_colour(world.class_at(p[0], p[1])), 1.0));
+            surface.colors.push(colour(world.class_at(p[0], p[1]).colour(), 1.0));
             if r + 1 < rows && c + 1 < cols {
                 let i = (r * cols + c) as u32;
                 let (e, n) = (i + 1, i + cols as u32);

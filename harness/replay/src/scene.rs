@@ -97,26 +97,10 @@ pub(crate) fn parts(vehicle: &VehicleSpec) -> Vec<Mesh> {
     vehicle.chassis.hull.iter().filter_map(|part| Mesh::hull(part)).collect()
 }
 
-/// Colour of a class, sRGB in [0, 255]: those of the albums.
-pub(crate) fn class_colour(class: TerrainClass) -> [u8; 3] {
-    match class {
-        TerrainClass::Clay => [207, 114, 76],
-        TerrainClass::Concrete => [190, 196, 204],
-        TerrainClass::Dirt => [150, 111, 74],
-        TerrainClass::Grass => [124, 179, 66],
-        TerrainClass::Gravel => [196, 176, 160],
-        TerrainClass::Rock => [116, 128, 150],
-        TerrainClass::Wood => [217, 160, 88],
-        TerrainClass::Mud => [104, 79, 66],
-        TerrainClass::Sand => [243, 213, 110],
-        TerrainClass::Snow => [236, 245, 255],
-    }
-}
-
 /// The colour of a label of the depth camera, sRGB.
 pub(crate) fn label_colour(label: u8) -> [u8; 3] {
     match TerrainClass::from_label(label) {
-        Some(class) => class_colour(class),
+        Some(class) => class.colour(),
         // An obstacle; nothing.
         None if label == 10 => [192, 65, 43],
         None => [0, 0, 0],
@@ -162,7 +146,7 @@ impl Replay {
             .iter()
             .map(|c| {
                 let soil = s.soil.of(*c).map(SoilLevel::name);
-                json!({"name": c.name(), "colour": class_colour(*c), "soil": soil, "there": s.classes.contains(c)})
+                json!({"name": c.name(), "colour": c.colour(), "soil": soil, "there": s.classes.contains(c)})
             })
             .collect();
         let task = &self.task;

@@ -60,6 +60,23 @@ impl TerrainClass {
         ["clay", "concrete", "dirt", "grass", "gravel", "rock", "wood", "mud", "sand", "snow"][self as usize]
     }
 
+    /// The colour of the class on maps and in pictures, as red, green and blue in sRGB, 0…255 each.
+    #[must_use]
+    pub fn colour(self) -> [u8; 3] {
+        match self {
+            Self::Clay => [207, 114, 76],      // terracotta
+            Self::Concrete => [190, 196, 204], // light grey
+            Self::Dirt => [150, 111, 74],      // brown
+            Self::Grass => [124, 179, 66],     // green
+            Self::Gravel => [196, 176, 160],   // warm grey
+            Self::Rock => [116, 128, 150],     // slate
+            Self::Wood => [217, 160, 88],      // amber
+            Self::Mud => [104, 79, 66],        // dark brown
+            Self::Sand => [243, 213, 110],     // yellow
+            Self::Snow => [236, 245, 255],     // bluish white
+        }
+    }
+
     /// Tells whether the ground yields under a wheel (mud, sand, snow).
     #[must_use]
     pub fn is_deformable(self) -> bool {

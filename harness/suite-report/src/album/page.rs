@@ -1,9 +1,7 @@
 //! The page: filters, a card a world, the larger view, tables and plots.
 
 use super::map::map;
-use super::picture::{
-    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, class_colour, pictures,
-};
+use super::picture::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, pictures};
 use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
@@ -73,7 +71,7 @@ fn labels(w: &WorldStatistics) -> String {
 fn ground_bar(s: &mut String, w: &WorldStatistics) {
     s.push_str("<div class=\"ground\" aria-hidden=\"true\">");
     for c in &w.classes {
-        let [r, g, b] = class_colour(c.class);
+        let [r, g, b] = c.class.colour();
         let soil = c.soil.map_or_else(String::new, |l| format!(", {}", l.name()));
         let _ = write!(
             s,
@@ -123,7 +121,7 @@ fn more(s: &mut String, w: &WorldStatistics) {
     for c in &w.classes {
         let soil = c.soil.map_or_else(String::new, |l| format!(", {}", l.name()));
         let fraction = number(100.0 * c.fraction, 0);
-        let _ = write!(s, "<li>{}{} {fraction} %{soil}</li>", swatch(class_colour(c.class)), c.class.name());
+        let _ = write!(s, "<li>{}{} {fraction} %{soil}</li>", swatch(c.class.colour()), c.class.name());
     }
     s.push_str("</ul>");
     if w.tasks.is_empty() {
@@ -250,7 +248,7 @@ fn legends(s: &mut String, statistics: &SuiteStatistics) {
     s.push_str("<div class=\"legends\"><ul class=\"legend\" data-for=\"classes\">");
     for class in TerrainClass::ALL {
         if statistics.classes.iter().any(|c| c.class == class) {
-            let _ = write!(s, "<li>{}{}</li>", swatch(class_colour(class)), class.name());
+            let _ = write!(s, "<li>{}{}</li>", swatch(class.colour()), class.name());
         }
     }
     s.push_str("</ul>");
@@ -342,7 +340,7 @@ fn table(s: &mut String, t: &Table, statistics: &SuiteStatistics) {
             let swatch = TerrainClass::ALL
                 .into_iter()
                 .find(|k| c == 0 && k.name() == cell)
-                .map_or_else(String::new, |k| swatch(class_colour(k)));
+                .map_or_else(String::new, |k| swatch(k.colour()));
             let empty = cell == EMPTY;
             let class = match (numeric[c], empty) {
                 (true, true) => " class=\"n empty\"",

@@ -22,20 +22,6 @@ const STEPS: usize = 32;
 
 pub(super) type Colour = [u8; 3];
 
-/// Colour of a class on the maps, in label order.
-pub(super) const CLASSES: [Colour; 10] = [
-    [207, 114, 76],  // clay: terracotta
-    [190, 196, 204], // concrete: light grey
-    [150, 111, 74],  // dirt: brown
-    [124, 179, 66],  // grass: green
-    [196, 176, 160], // gravel: warm grey
-    [116, 128, 150], // rock: slate
-    [217, 160, 88],  // wood: amber
-    [104, 79, 66],   // mud: dark brown
-    [243, 213, 110], // sand: yellow
-    [236, 245, 255], // snow: bluish white
-];
-
 /// From low to high ground: marsh, meadow, heath, scree.
 pub(super) const HEIGHTS: [Colour; 5] =
     [[74, 128, 132], [128, 176, 118], [224, 212, 140], [201, 148, 92], [244, 236, 226]];
@@ -99,7 +85,7 @@ pub(super) fn pictures(world: &World, figures: &WorldStatistics, side: usize) ->
     grips.push([255; 3]);
     Pictures {
         shade: uri(&relief.grey(shade)),
-        classes: uri(&patches.indexed(&CLASSES, None, class)),
+        classes: uri(&patches.indexed(&TerrainClass::ALL.map(TerrainClass::colour), None, class)),
         heights: uri(&layer.indexed(&palette(&HEIGHTS), None, |x, y| step(height(x, y)))),
         slopes: uri(&layer.indexed(&palette(&SLOPES), None, |x, y| step(slope(x, y)))),
         friction: uri(&patches.indexed(&grips, Some(STEPS as u8), grip)),
@@ -214,11 +200,6 @@ fn brightness(gradient: [f64; 2]) -> u8 {
     // Quantised to 64 greys, which the eye does not tell apart on rough ground and which halves the picture.
     let grey = (200.0 * light / (0.12 + 0.88 * SUN[2])).min(255.0);
     ((grey / 4.0).round() * 4.0).min(255.0) as u8
-}
-
-/// The colour of a class on the maps.
-pub(super) fn class_colour(class: TerrainClass) -> Colour {
-    CLASSES[usize::from(class.label())]
 }
 
 #[cfg(test)]

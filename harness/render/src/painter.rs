@@ -1,0 +1,202 @@
+//! What draws pictures.
+
+use crate::camera::{Lens, View, chase, top_down};
+use crate::canvas::Canvas;
+use crate::develop::{Grain, Look};
+use crate::error::RenderError;
+use crate::ground::Ground;
+use crate::light::Shadow;
+use crate::marks::Marks;
+use crate::solid::{Face, hull, sphere};
+use crate::texture::Texture;
+use crate::vehicle::Vehicle;
+use crate::{Colour, V3};
+use nalgebra::UnitQuaternion;
+use std::sync::Arc;
+use vb_math::atan2;
+use vb_sim::VehicleState;
+use vb_vehicle::VehicleModel;
+use vb_world::{Obstacle, ObstacleKind, World};
+
+const BOULDER: Colour = [128, 124, 118];
+const TRUNK: Colour = [112, 82, 54];
+const BOX: Colour = [176, 160, 138];
+
+/// Samples of a pixel across and down.
+const SAMPLES: usize = 2;
+/// A vehicle that is shorter than this from above, in pixels, is shown as an arrow.
+const SMALL: f64 = 12.0;
+
+/// The size of a picture in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// The number of columns.
+    pub width: u32,
+    /// The number of rows.
+    pub height: u32,
+}
+
+impl Size {
+    /// The greatest number of columns, and of rows, that a picture can have.
+    pub const MAX: u32 = 4096;
+
+    /// The number of bytes of a picture of this size: three for each pixel.
+    #[must_use]
+    pub fn bytes(self) -> usize {
+        3 * self.width as usize * self.height as usize
+    }
+
+    fn check(self) -> Result<(), RenderError> {
+        let fits = |n: u32| (1..=Self::MAX).contains(&n);
+        if fits(self.width) && fits(self.height) {
+            return Ok(());
+        }
+        Err(RenderError::Size { width: self.width, height: self.height, most: Self::MAX })
+    }
+}
+
+/// By how much the ground at (x, y) is higher than it was at first, m: negative in a rut, positive on a heap, `None` where
+/// nothing has touched it. `Simulation::soil_change` answers this.
+pub type Change<'a> = dyn Fn(f64, f64) -> Option<f64> + 'a;
+
+/// What is drawn into the world at one instant.
+#[derive(Clone, Copy)]
+pub struct Moment<'a> {
+    /// The state of the vehicle.
+    pub state: &'a VehicleState,
+    /// The angles by which the wheels have turned since the start, rad, positive when rolling forward; in the order of
+    /// the state's wheels. Wheels without an angle stand still.
+    pub turned: &'a [f64],
+    /// The goal (x, y) in the world, m.
+    pub goal: [f64; 2],
+    /// The radius of the ring on the ground around the goal, m; there is no ring if it isn't positive.
+    pub goal_radius: f64,
+    /// The planned path in the world as points (x, y), m; a line on the ground.
+    pub path: &'a [[f64; 2]],
+    /// The places (x, y, z) in the world where the vehicle has been, m; a line on the ground below them.
+    pub trail: &'a [[f64; 3]],
+    /// The change of the ground by ruts and heaps, which darken and brighten it, if it is known.
+    pub change: Option<&'a Change<'a>>,
+}
+
+/// Draws pictures of one world with one vehicle in it. It can be shared by threads.
+#[derive(Clone, Debug)]
+pub struct Painter {
+    world: Arc<World>,
+    range: [f64; 2],
+    texture: Texture,
+    ground: Ground,
+    obstacles: Vec<Body>,
+    vehicle: Vehicle,
+    grain: Grain,
+}
+
+/// An obstacle where it stands, with a sphere around it.
+#[derive(Clone, Debug)]
+struct Body {
+    faces: Vec<Face>,
+    centre: V3,
+    radius: f64,
+}
+
+fn obstacle(o: &Obstacle, world: &World) -> Vec<Face> {
+    let colour = match o.kind {
+        ObstacleKind::Boulder { .. } => BOULDER,
+        ObstacleKind::Trunk { .. } => TRUNK,
+        ObstacleKind::Box { .. } => BOX,
+    };
+    let points: Vec<V3> = o.hull().into_iter().map(V3::from).collect();
+    let turn = UnitQuaternion::from_axis_angle(&V3::z_axis(), o.yaw);
+    let to = V3::new(o.x, o.y, o.base_z(&world.heightfield));
+    hull(&points, colour).iter().map(|f| f.placed(&turn, &to)).collect()
+}
+
+impl Painter {
+    /// Prepares what stays as it is: the ground's colours with light and shadow, and the solids of obstacles and vehicle.
+    /// The world is drawn at the scale that it has (see [`World::scaled`]).
+    #[must_use]
+    pub fn new(world: &Arc<World>, vehicle: &VehicleModel) -> Self {
+        let obstacles: Vec<Vec<Face>> = world.obstacles.iter().map(|o| obstacle(o, world)).collect();
+        let texture = Texture::of(world, &obstacles);
+        let body = |faces: Vec<Face>| {
+            let (centre, radius) = sphere(faces.iter());
+            Body { faces, centre, radius }
+        };
+        let (low, high) = world.heightfield.range();
+        Self {
+            range: [low, high],
+            texture,
+            ground: Ground::new(&world.heightfield),
+            obstacles: obstacles.into_iter().map(body).collect(),
+            vehicle: Vehicle::new(vehicle),
+            grain: Grain::new(),
+            world: world.clone(),
+        }
+    }
+
+    /// The picture of a moment: red, green and blue in sRGB of each pixel, a byte each, row by row from the top and from
+    /// left to right within a row. Points of path, trail and goal that are not finite are left out.
+    ///
+    /// # Errors
+    /// Returns [`RenderError::Size`] if a side has no pixels or more than [`Size::MAX`], [`RenderError::Window`] if the
+    /// window of [`View::Top`] is not a positive number, and [`RenderError::Pose`] if the vehicle's position or attitude
+    /// is not finite.
+    pub fn picture(&self, view: View, size: Size, moment: &Moment<'_>) -> Result<Vec<u8>, RenderError> {
+        size.check()?;
+        if let View::Top { window: Some(side) } = view
+            && !(side.is_finite() && side > 0.0)
+        {
+            return Err(RenderError::Window(side));
+        }
+        let state = moment.state;
+        if !state.position.iter().chain(state.attitude.coords.iter()).all(|v| v.is_finite()) {
+            return Err(RenderError::Pose);
+        }
+        let samples = [size.width, size.height].map(|n| SAMPLES * n as usize);
+        let (field, unit, length) = (&self.world.heightfield, self.world.scale, self.vehicle.length());
+        let camera = match view {
+            View::Chase => chase(&self.world, &self.vehicle.middle(state), &state.attitude, length, samples),
+            View::Top { window } => top_down(field, self.range, &state.position, window, samples),
+        };
+        let mut canvas = Canvas::new(camera);
+        self.ground.draw(&mut canvas, field);
+        if view == View::Chase {
+            Ground::surround(&mut canvas, field, unit);
+        }
+        for body in self.obstacles.iter().filter(|b| !camera.misses(&b.centre, b.radius)) {
+            for face in &body.faces {
+                face.draw(&mut canvas);
+            }
+        }
+        let vehicle = self.vehicle.faces(state, moment.turned);
+        for face in &vehicle {
+            face.draw(&mut canvas);
+        }
+        let pixel = match camera.lens {
+            Lens::Parallel { scale } => Some(SAMPLES as f64 / scale),
+            Lens::Pinhole { .. } => None,
+        };
+        let marks = Marks { field, unit, pixel };
+        marks.beacon(&mut canvas, moment.goal);
+        marks.path(&mut canvas, moment.path);
+        marks.trail(&mut canvas, moment.trail);
+        marks.ring(&mut canvas, moment.goal, moment.goal_radius);
+        if let Some(pixel) = pixel.filter(|p| length < SMALL * p) {
+            let nose = state.attitude * V3::x();
+            // Above all that is there.
+            let at = V3::new(state.position.x, state.position.y, camera.eye.z - 0.95);
+            marks.arrow(&mut canvas, &at, atan2(nose.y, nose.x), SMALL * pixel);
+        }
+        let (centre, radius) = Vehicle::sphere(&vehicle);
+        let drop = centre.z - self.range[0];
+        let shadow = Shadow::of(centre, radius, drop, vehicle.iter().map(|f| &f.corners));
+        let look = Look {
+            texture: &self.texture,
+            grain: &self.grain,
+            unit: unit as f32,
+            shadow: &shadow,
+            change: moment.change,
+        };
+        Ok(look.develop(&canvas, SAMPLES))
+    }
+}
