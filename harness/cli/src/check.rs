@@ -111,6 +111,7 @@ fn finish(report: &Report, format: MessageFormat) {
 fn kit_error(e: KitError) -> CliError {
     match e {
         KitError::Load(LoadError::Faulty { .. }) | KitError::Host(_) => CliError::host_errors(e),
+        KitError::Load(e) => planner::unusable(&e),
         KitError::Param(_) | KitError::Run(RunError::NoTasks) => CliError::usage(e),
         KitError::Cancelled => CliError::interrupted(e),
         _ => CliError::input(e),
