@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use vb_host::{Limits, LoadError, Plugin, ProcessOptions, SandboxReport};
 
 use crate::error::CliError;
-use crate::output;
+use crate::{output, places};
 
 /// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
 pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use vb_catalog::Catalog;
 use vb_record::{LogMode, TraceMode};
 use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
+use vb_render::Painter;
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::Simulation;
@@ -22,6 +23,9 @@ const SOIL_RESOLUTION: f64 = 0.1;
 const WORLDS: usize = 256;
 /// Tasks whose vehicle is kept as it stands at the start: 20 to 200 kB each.
 const STARTS: usize = 2048;
+
+/// Worlds of which pictures can be taken without preparing them anew: about 5 MB each.
+const PAINTERS: usize = 16;
 
 /// How environments are made. Names are those of what comes with the harness, or paths of files.
 #[derive(Clone, Debug)]
@@ -106,6 +110,7 @@ pub struct Arena {
     tasks: Vec<TaskRef>,
     places: Cache<Place>,
     starts: Cache<Arc<Start>>,
+    painters: Cache<Arc<Painter>>,
 }
 
 /// Nothing but the record is kept of an episode.
@@ -182,8 +187,18 @@ impl Arena {
             Layout::new(&options.observation, options.sight, &brief).map_err(EnvError::Observation)?;
         let places = Cache::new(WORLDS);
         let _ = places.get(&first.world, || Ok::<_, EnvError>(place));
-        let (action, reward) = (options.action, options.reward);
-        Ok(Self { setting, wants, layout, action, reward, suite, tasks, places, starts: Cache::new(STARTS) })
+        Ok(Self {
+            setting,
+            wants,
+            layout,
+            action: options.action,
+            reward: options.reward,
+            suite,
+            tasks,
+            places,
+            starts: Cache::new(STARTS),
+            painters: Cache::new(PAINTERS),
+        })
     }
 
     /// Training worlds that no suite has.
@@ -277,6 +292,16 @@ impl Arena {
             return Ok(Arc::clone(&start.brief));
         }
         Ok(Arc::new(self.setting.brief_in(&start.place, &start.task, &self.wants, seed)?.1))
+    }
+
+    /// Who takes pictures in a world.
+    pub(crate) fn painter(&self, start: &Start) -> Arc<Painter> {
+        let world = &start.place.world;
+        let make = || Ok::<_, std::convert::Infallible>(Arc::new(Painter::new(world, &self.setting.model)));
+        match self.painters.get(&world.id, make) {
+            Ok(painter) => painter,
+            Err(never) => match never {},
+        }
     }
 
     /// A task as a trial.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use vb_math::hypot;
 use vb_math::rng::Stream;
+use vb_render::{Moment, Size, View};
 use vb_runner::Episode;
 use vb_score::{Outcome, TaskRecord};
 use vb_sdk::path::{Follower, Path};
@@ -73,6 +74,8 @@ struct Running {
     time: f64,
     /// The way until now, m: the place at the start and after each step.
     way: Vec<[f32; 3]>,
+    /// How far each wheel has turned until now, rad, for pictures.
+    turned: Vec<f64>,
     record: Option<Box<TaskRecord>>,
 }
 
@@ -98,7 +101,8 @@ impl Env {
         let mut stream = reset.seed.map_or_else(|| self.draws.clone(), draws);
         // Both are drawn whether they are used or not, so that later episodes stay the same.
         let drawn = stream.below(self.arena.tasks().len() as u64) as usize;
-        let noise = stream.next_u64();
+        // Below 2^63: gymnasium puts whole numbers into arrays of signed ones.
+        let noise = stream.next_u64() >> 1;
         let (index, run_seed) = (fixed.unwrap_or(drawn), reset.run_seed.unwrap_or(noise));
         let running = Running::new(&self.arena, index, run_seed)?;
         (self.draws, self.running) = (stream, Some(running));
@@ -178,6 +182,27 @@ impl Env {
         self.running.as_ref().map_or(&[], |r| &r.way)
     }
 
+    /// A picture of the episode as it is now: rows of pixels from the top, each of red, green and blue.
+    ///
+    /// # Errors
+    /// Returns an error without an episode, and for a size or a window that a picture can't have.
+    pub fn picture(&self, view: View, size: Size) -> Result<Vec<u8>, EnvError> {
+        let running = self.running.as_ref().ok_or(EnvError::NoEpisode)?;
+        let sim = running.episode.simulation();
+        let path: Vec<[f64; 2]> = running.brief.path.iter().map(|p| [p.x, p.y]).collect();
+        let trail: Vec<[f64; 3]> = running.way.iter().map(|p| p.map(f64::from)).collect();
+        let moment = Moment {
+            state: &sim.state(),
+            turned: &running.turned,
+            goal: running.brief.goal.into(),
+            goal_radius: running.brief.goal_radius,
+            path: &path,
+            trail: &trail,
+            change: Some(&|x, y| sim.soil_change(x, y)),
+        };
+        Ok(self.arena.painter(&running.start).picture(view, size, &moment)?)
+    }
+
     /// The record of the episode, as the benchmark has it, once it has ended.
     #[must_use]
     pub fn record(&self) -> Option<&TaskRecord> {
@@ -224,6 +249,7 @@ impl Running {
             goal_distance: distance(brief.goal, at.x, at.y),
             actuator: Actuator::new(arena.action(), &brief),
             way: vec![[at.x as f32, at.y as f32, at.z as f32]],
+            turned: Vec::new(),
             steering: 0.0,
             time: 0.0,
             start,
@@ -265,6 +291,10 @@ impl Running {
             steering: taken.steering - self.steering,
             end: outcome,
         };
+        self.turned.resize(state.wheels.len(), 0.0);
+        for (turned, wheel) in self.turned.iter_mut().zip(&state.wheels) {
+            *turned += wheel.speed * (state.time - self.time);
+        }
         (self.goal_distance, self.steering, self.time) = (goal_distance, taken.steering, state.time);
         let mut terms = arena.reward().terms(&measured);
         // The state of a simulation that has failed may be anything.

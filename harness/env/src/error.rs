@@ -117,6 +117,9 @@ pub enum EnvError {
         /// How many there are.
         count: usize,
     },
+    /// A picture can't be taken.
+    #[error(transparent)]
+    Picture(#[from] vb_render::RenderError),
     /// The harness failed.
     #[error("the harness panicked: {0}; please report it (close the environment and make it anew)")]
     Panic(String),

@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vb_env::{EnvError, Reset, Terms};
+use vb_env::{EnvError, Reset, Size, Terms, View};
 use vb_sdk::policy::{Dtype, Row};
 
 use crate::arena::Arena;
@@ -139,6 +139,13 @@ impl Env {
     fn way<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let env = self.lock();
         copied(py, env.way().as_flattened(), &[env.way().len(), 3])
+    }
+
+    /// A picture of the episode: height x width x 3 numbers of 8 bits.
+    fn render<'py>(&self, py: Python<'py>, camera: &str, width: u32, height: u32) -> PyResult<Bound<'py, PyAny>> {
+        let view = if camera == "top" { View::Top { window: None } } else { View::Chase };
+        let picture = errors::guarded(py, || self.lock().picture(view, Size { width, height }))?;
+        copied(py, &picture, &[height as usize, width as usize, 3])
     }
 
     /// Whether there is an episode; raises what a step would raise without one.

@@ -88,3 +88,23 @@ def stand_in(tmp_path, monkeypatch):
         return file
 
     return make
+
+
+@pytest.fixture(scope="session")
+def envs():
+    """The package's environments; skipped without the native module, or gymnasium."""
+    pytest.importorskip("gymnasium", reason="gymnasium is not installed")
+    try:
+        import vertibench._native  # noqa: F401
+    except ImportError:
+        pytest.skip("the native module is not installed (pip install the wheel)")
+    os.environ.setdefault("VB_TASKS", str(ROOT / "tasks"))
+    import vertibench.envs
+
+    return vertibench.envs
+
+
+def pursue(path, speed=0.0):
+    """The policy of examples/policy: steers to the third point of the path."""
+    forward, left = float(path[2, 0]), float(path[2, 1])
+    return [min(max(1.5 * left / max(abs(forward), 1.0), -1.0), 1.0), speed]

@@ -7,7 +7,7 @@
 >>> run.show("w003/t00")                                             # map, trajectory and replay, in a notebook
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
-`vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what
+`vertibench.envs` has environments for reinforcement learning, `vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what
 to do. Nothing is imported before it is used; results as pandas or polars need these packages.
 """
 
@@ -20,8 +20,15 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from . import datasets as datasets
+    from . import envs as envs
+    from ._errors import ActionError as ActionError
+    from ._errors import EnvError as EnvError
+    from ._errors import EpisodeError as EpisodeError
     from ._errors import MissingError as MissingError
     from ._errors import MissingPackageError as MissingPackageError
+    from ._errors import OptionError as OptionError
+    from ._errors import PanicError as PanicError
+    from ._errors import UnknownError as UnknownError
     from ._errors import VertibenchError as VertibenchError
     from ._program import harness_path as harness_path
     from ._program import plugin_path as plugin_path
@@ -53,7 +60,17 @@ if TYPE_CHECKING:
 
 #: Where each name comes from; a module is imported when a name of it is first used (PEP 562).
 _FROM = {
-    "_errors": ("MissingError", "MissingPackageError", "VertibenchError"),
+    "_errors": (
+        "ActionError",
+        "EnvError",
+        "EpisodeError",
+        "MissingError",
+        "MissingPackageError",
+        "OptionError",
+        "PanicError",
+        "UnknownError",
+        "VertibenchError",
+    ),
     "_program": ("harness_path", "plugin_path", "plugins_path", "tasks_path"),
     "_runs.compare": ("Comparison", "compare"),
     "_runs.errors": (
@@ -75,12 +92,12 @@ _FROM = {
 }
 _MODULES = {name: module for module, names in _FROM.items() for name in names}
 
-__all__ = ["datasets", *sorted(_MODULES)]
+__all__ = ["datasets", "envs", *sorted(_MODULES)]
 
 
 def __getattr__(name: str) -> Any:
-    if name == "datasets":
-        return importlib.import_module(".datasets", __name__)
+    if name in ("datasets", "envs"):
+        return importlib.import_module(f".{name}", __name__)
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(f".{_MODULES[name]}", __name__), name)

@@ -10,8 +10,12 @@ stable-baselines3, `vertibench.envs.puffer` for PufferLib. `describe_parts()` an
 and a reward can be made of.
 """
 
+from ..registration import register
 from ._common import describe_parts, describe_rewards
 from ._navigation import NavigationEnv, State
 from ._vector import NavigationVectorEnv
+
+# Where the package is on the path without being installed, gymnasium hasn't heard of it.
+register()
 
 __all__ = ["NavigationEnv", "NavigationVectorEnv", "State", "describe_parts", "describe_rewards"]

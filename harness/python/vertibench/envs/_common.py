@@ -124,7 +124,7 @@ def ended(record: str) -> dict[str, Any]:
 
 
 def seed_of(value: Any) -> int | None:
-    """A seed, checked: None or a whole number of 64 bits."""
+    """A seed, checked: None or a whole number below 2^63."""
     if value is None:
         return None
     try:
@@ -133,8 +133,8 @@ def seed_of(value: Any) -> int | None:
             raise ValueError
     except (TypeError, ValueError):
         raise OptionError(f"seed: {value!r} is no whole number") from None
-    if not 0 <= seed < 2**64:
-        raise OptionError(f"seed: {seed} must lie in 0 to 2**64 - 1")
+    if not 0 <= seed < 2**63:
+        raise OptionError(f"seed: {seed} must lie in 0 to 2**63 - 1")
     return seed
 
 

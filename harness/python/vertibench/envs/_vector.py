@@ -146,7 +146,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             first = seed_of(seed)
             if first is None and not self._is_seeded:
                 first = int(np.random.default_rng().integers(2**63))
-            seeds = [None if first is None else (first + k) % 2**64 for k in range(self.num_envs)]
+            seeds = [None if first is None else (first + k) % 2**63 for k in range(self.num_envs)]
         resets = [(int(k), seed_of(seeds[k]), tasks[k], seed_of(run_seeds[k])) for k in which]
         try:
             env.reset(resets)
@@ -195,7 +195,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             for key, one in value.items():
                 self._note(inner, key, one, index)
             return
-        kinds: dict[type, Any] = {bool: np.bool_, int: np.uint64}
+        kinds: dict[type, Any] = {bool: np.bool_, int: np.int64}
         if name not in infos:
             infos[name] = np.zeros(self.num_envs, dtype=kinds.get(type(value), object))
             if infos[name].dtype == object:

@@ -81,7 +81,7 @@ def main() -> None:
             NAME,
             num_envs=chosen.envs,
             vectorization_mode="vector_entry_point",
-            vector_kwargs={"threads": threads},
+            threads=threads,
             suite="vb-100",
             tasks=f"terrain={terrain}",
             observation=observation,
