@@ -27,12 +27,16 @@ class Installed:
         venv = folder / "venv"
         # Debian's Python brings no pip for environments, but the pip that is there can install into them.
         _run([python, "-m", "venv", "--without-pip", str(venv)], os.environ)
-        install = [python, "-m", "pip", "--disable-pip-version-check", "--python", str(venv / "bin/python")]
-        _run([*install, "install", "--quiet", f"{wheel}{extras}"], os.environ)
+        self._pip = [python, "-m", "pip", "--disable-pip-version-check", "--python", str(venv / "bin/python")]
+        self.pip("install", "--quiet", f"{wheel}{extras}")
         self.bin = venv / "bin"
         kept = {name: value for name, value in os.environ.items() if not name.startswith(("VB_", "PYTHON", "CARGO"))}
         # No Rust, and no compiled planners of another program.
         self.environment = {**kept, "PATH": f"{self.bin}:/usr/bin:/bin", "XDG_CACHE_HOME": str(folder / "cache")}
+
+    def pip(self, *arguments: str) -> None:
+        """Has pip do something in the environment."""
+        _run([*self._pip, *arguments], os.environ)
 
     def run(self, *command: str, code: int = 0) -> str:
         """What a program of the environment prints; it must end with this exit code."""
@@ -109,7 +113,19 @@ def datasets(package: Installed) -> None:
     assert told.startswith("error: gone: ") and wanted in told and told.count("\n") == 1, told
 
 
-CHECKS = [versions, paths, planners, ten_tasks, datasets]
+def environments(package: Installed) -> None:
+    """The environments pass their tests, as far as what is installed goes: among them that a policy has the same record in an
+    environment and as a planner."""
+    package.pip("install", "--quiet", "pytest")
+    tests = Path(__file__).parents[2] / "harness/python/tests"
+    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "policy")]
+    told = package.run("python", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(tests), *files)
+    print("environments:", told.splitlines()[-1], flush=True)
+    skipped = [line for line in told.splitlines() if line.startswith("SKIPPED")]
+    assert all("not installed" in line for line in skipped), skipped
+
+
+CHECKS = [versions, paths, planners, ten_tasks, datasets, environments]
 
 
 def check_sources(sdist: Path, folder: Path) -> None:

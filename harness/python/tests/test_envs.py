@@ -184,6 +184,17 @@ def test_pictures_are_taken_without_a_screen(make):
     assert make(observation=["path"]).unwrapped.render_mode is None
 
 
+def test_a_picture_is_a_png_that_readers_read(envs):
+    rgb = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
+    file = envs.picture(rgb)._repr_png_()
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    import io
+
+    assert np.array_equal(np.asarray(image.open(io.BytesIO(file))), rgb)
+    with pytest.raises(vertibench.OptionError, match="picture: give what render"):
+        envs.picture(None)
+
+
 def test_gymnasium_records_a_video(make, tmp_path):
     pytest.importorskip("moviepy", reason="moviepy is not installed")
     from gymnasium.wrappers import RecordVideo

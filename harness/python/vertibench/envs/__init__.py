@@ -13,9 +13,10 @@ and a reward can be made of.
 from ..registration import register
 from ._common import describe_parts, describe_rewards
 from ._navigation import NavigationEnv, State
+from ._render import Picture, picture
 from ._vector import NavigationVectorEnv
 
 # Where the package is on the path without being installed, gymnasium hasn't heard of it.
 register()
 
-__all__ = ["NavigationEnv", "NavigationVectorEnv", "State", "describe_parts", "describe_rewards"]
+__all__ = ["NavigationEnv", "NavigationVectorEnv", "Picture", "State", "describe_parts", "describe_rewards", "picture"]
