@@ -147,7 +147,10 @@ fn last_line(command: &mut Command) -> Option<String> {
 fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
     step("trying the Python package in a fresh environment");
     let script = crate::root().join("tests/wheel/smoke.py");
-    run(Command::new(python()).arg("-B").arg(script).arg(wheel).arg("--sdist").arg(sdist))
+    let mut command = Command::new(python());
+    // With what the tests need, so that none of the environments' is skipped but those of large libraries.
+    command.arg("-B").arg(script).arg(wheel).arg("--sdist").arg(sdist).args(["--extras", "[test]"]);
+    run(&mut command)
 }
 
 #[cfg(test)]

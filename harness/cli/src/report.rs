@@ -14,7 +14,10 @@ use crate::{output, suite};
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Report { runs: Vec<&'a str>, files: &'a [PathBuf] },
+    Report {
+        runs: Vec<&'a str>,
+        files: &'a [PathBuf],
+    },
     Statistics {
         #[serde(flatten)]
         statistics: serde_json::Value,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use vb_catalog::Catalog;
 use vb_record::{LogMode, TraceMode};
-use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
 use vb_render::Painter;
+use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::Simulation;

@@ -53,7 +53,8 @@ impl Arena {
         reward: Wanted,
     ) -> PyResult<Self> {
         let raise = |e: EnvError| errors::exception(py, &e);
-        let wrong = |option, value: String, problem: String| raise(EnvError::Option { option, value, problem });
+        let wrong =
+            |option, value: String, problem: String| raise(EnvError::Option { option, value, problem });
         let action = match action {
             "speed" => ActionKind::Speed { slowest: speed_range.0, fastest: speed_range.1 },
             "pedals" => ActionKind::Pedals,

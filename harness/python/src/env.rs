@@ -142,7 +142,13 @@ impl Env {
     }
 
     /// A picture of the episode: height x width x 3 numbers of 8 bits.
-    fn render<'py>(&self, py: Python<'py>, camera: &str, width: u32, height: u32) -> PyResult<Bound<'py, PyAny>> {
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        camera: &str,
+        width: u32,
+        height: u32,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let view = if camera == "top" { View::Top { window: None } } else { View::Chase };
         let picture = errors::guarded(py, || self.lock().picture(view, Size { width, height }))?;
         copied(py, &picture, &[height as usize, width as usize, 3])

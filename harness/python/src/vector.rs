@@ -78,9 +78,8 @@ impl VectorEnv {
         let (count, output, owner) = (env.count(), env.output(), slf.as_any());
         // SAFETY: the memory belongs to the environment, which the arrays keep alive, has a row of the right width for each
         // environment, and never moves. The package hands out rows of environments that aren't at work.
-        let array = |pointer: Pointer, shape: &[usize]| unsafe {
-            over(pointer, &[&[count], shape].concat(), owner)
-        };
+        let array =
+            |pointer: Pointer, shape: &[usize]| unsafe { over(pointer, &[&[count], shape].concat(), owner) };
         let observations = |pointers: Vec<Pointer>| -> Vec<Bound<'py, PyAny>> {
             let layout = env.arena().layout();
             if own.flat {

@@ -22,7 +22,8 @@ fn estimate(e: Estimate) -> Value {
 }
 
 fn figures(f: &Figures) -> Value {
-    let outcomes: Map<String, Value> = Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
+    let outcomes: Map<String, Value> =
+        Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
     let mut all = Map::from_iter([
         ("tasks".to_owned(), json!(f.tasks)),
         ("worlds".to_owned(), json!(f.worlds)),
@@ -46,19 +47,28 @@ impl Report {
     /// All figures and the comparison as JSON: `runs` and `pairs` (docs/results.md).
     #[must_use]
     pub fn statistics(&self) -> Value {
-        let runs: Vec<Value> = self.runs.runs.iter().zip(&self.figures).map(|(run, f)| {
-            let mut all = json!({
-                "label": run.label, "path": run.dir.display().to_string(), "missing": run.missing(),
-                "host_errors": run.host_errors(), "all": figures(&f.all),
-            });
-            for (name, levels) in ["elevation", "terrain", "density"].into_iter().zip(&f.splits) {
-                // In the order of Split::ALL; levels without tasks are left out.
-                let levels: Map<String, Value> = levels.iter().filter(|(_, f)| f.tasks > 0)
-                    .map(|(level, f)| ((*level).to_owned(), figures(f))).collect();
-                all[name] = Value::Object(levels);
-            }
-            all
-        }).collect();
+        let runs: Vec<Value> = self
+            .runs
+            .runs
+            .iter()
+            .zip(&self.figures)
+            .map(|(run, f)| {
+                let mut all = json!({
+                    "label": run.label, "path": run.dir.display().to_string(), "missing": run.missing(),
+                    "host_errors": run.host_errors(), "all": figures(&f.all),
+                });
+                for (name, levels) in ["elevation", "terrain", "density"].into_iter().zip(&f.splits) {
+                    // In the order of Split::ALL; levels without tasks are left out.
+                    let levels: Map<String, Value> = levels
+                        .iter()
+                        .filter(|(_, f)| f.tasks > 0)
+                        .map(|(level, f)| ((*level).to_owned(), figures(f)))
+                        .collect();
+                    all[name] = Value::Object(levels);
+                }
+                all
+            })
+            .collect();
         let pairs: Vec<Value> = self.comparison.iter().flat_map(|c| &c.pairs).map(|p| {
             let differences: Map<String, Value> =
                 p.differences.iter().map(|d| (key(d.measure).to_owned(), difference(d))).collect();

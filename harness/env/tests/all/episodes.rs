@@ -178,7 +178,9 @@ fn what_is_no_action_changes_nothing() {
     assert_eq!(told(env.step(&[0.0])), "an action has 2 numbers (steering, speed), not 1");
     assert_eq!(told(env.step(&[0.0, f64::NAN])), "action[1] (speed) is NaN: give a finite number");
     let unknown = env.reset(&on("w009/t77")).unwrap_err().to_string();
-    assert!(unknown.starts_with("there is no task w009/t77 among the 30 tasks") && unknown.contains("w001/t00"));
+    assert!(
+        unknown.starts_with("there is no task w009/t77 among the 30 tasks") && unknown.contains("w001/t00")
+    );
     assert_eq!(env.task(), Some("w001/t00"));
     let steps = drive(&mut env, 20).unwrap();
     env.reset(&on("w001/t00")).unwrap();

@@ -16,12 +16,19 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     };
     assert!(told(|o| o.control_hz = 30.0).starts_with("control_hz: 30: must be 100 over"));
     assert!(told(|o| o.control_hz = f64::NAN).starts_with("control_hz: NaN"));
-    assert!(told(|o| o.observation = vec!["hights".into()]).starts_with("observation: hights: there are state,"));
+    assert!(
+        told(|o| o.observation = vec!["hights".into()]).starts_with("observation: hights: there are state,")
+    );
     assert!(told(|o| o.observation.clear()).contains("one part at least"));
-    assert!(told(|o| o.sight = Sight { cells: 0, ..Sight::default() }).contains("sight: cells: 0 must lie in 2 to 256"));
+    assert!(
+        told(|o| o.sight = Sight { cells: 0, ..Sight::default() })
+            .contains("sight: cells: 0 must lie in 2 to 256")
+    );
     let backwards = |o: &mut Options| o.action = ActionKind::Speed { slowest: 3.0, fastest: 1.0 };
     assert!(told(backwards).starts_with("speed_range: (3, 1): must be two speeds"));
-    assert!(told(|o| o.vehicle = "tank".into()).starts_with("there is no vehicle tank (give a file, or one of:"));
+    assert!(
+        told(|o| o.vehicle = "tank".into()).starts_with("there is no vehicle tank (give a file, or one of:")
+    );
     assert!(told(|o| o.suite = Some("vb-1000".into())).starts_with("there is no suite vb-1000"));
     assert!(told(|o| o.tasks = Some("w777".into())).contains("w777"));
     assert!(told(|o| o.scale = Some(-1.0)).contains("a scale of -1 is not a positive number"));
@@ -51,6 +58,9 @@ fn a_world_of_a_suite_is_not_trained_on() {
     assert_eq!(made.tasks().len(), 10);
     let hidden = made.suite().dir().to_owned();
     let told = make(train(vec![hidden])).err().unwrap().to_string();
-    assert!(told.starts_with("w001 of the training worlds is world w001 of the suite training-7999"), "{told}");
+    assert!(
+        told.starts_with("w001 of the training worlds is world w001 of the suite training-7999"),
+        "{told}"
+    );
     assert!(catalog.suites().unwrap().len() >= 2);
 }

@@ -10,7 +10,9 @@ const COUNT: usize = 5;
 fn floats(pointer: Pointer, index: usize) -> Vec<f32> {
     match pointer {
         // SAFETY: nothing is at work while a test looks.
-        Pointer::F32(at, width) => unsafe { std::slice::from_raw_parts(at.add(index * width), width).to_vec() },
+        Pointer::F32(at, width) => unsafe {
+            std::slice::from_raw_parts(at.add(index * width), width).to_vec()
+        },
         _ => panic!("no numbers of 32 bits"),
     }
 }
