@@ -120,7 +120,11 @@ fn environment<'a>(command: &'a mut Command, tools: &[Compiler], portable: bool)
         command.env("CARGO_TARGET_DIR", portable_dir());
         // strip is there for one processor only.
         command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
-        command.env("CARGO_ENCODED_RUSTFLAGS", plugins::without_places().join(OsStr::new("\u{1f}")));
+        let mut target = OsString::from("--remap-path-prefix=");
+        target.push(portable_dir());
+        target.push("=/target");
+        let flags: Vec<_> = plugins::without_places().into_iter().chain([target]).collect();
+        command.env("CARGO_ENCODED_RUSTFLAGS", flags.join(OsStr::new("\u{1f}")));
         command.env_remove("RUSTFLAGS");
     }
     command
