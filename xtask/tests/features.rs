@@ -16,13 +16,15 @@ fn built(selection: &[&str]) -> BTreeSet<String> {
 }
 
 #[test]
-fn what_the_harness_is_built_of_serves_the_tests_too() {
-    let harness = built(&["--package", "vb-harness", "--edges", "normal,build"]);
+fn what_the_harness_and_the_python_package_are_built_of_serves_the_tests_too() {
     let all = built(&["--workspace", "--edges", "normal,build,dev"]);
-    assert!(harness.len() > 200 && all.len() > harness.len());
-    let alone: Vec<&String> = harness.difference(&all).collect();
-    assert!(
-        alone.is_empty(),
-        "tests build these crates again, with other features: name those in tools/unify/Cargo.toml: {alone:#?}"
-    );
+    for package in ["vb-harness", "vb-python"] {
+        let own = built(&["--package", package, "--edges", "normal,build"]);
+        assert!(own.len() > 200 && all.len() > own.len());
+        let alone: Vec<&String> = own.difference(&all).collect();
+        assert!(
+            alone.is_empty(),
+            "tests build these crates of {package} again, with other features: name those in tools/unify/Cargo.toml: {alone:#?}"
+        );
+    }
 }
