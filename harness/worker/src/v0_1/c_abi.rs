@@ -338,7 +338,9 @@ fn no_error() -> CError {
 }
 
 fn told(error: &CError, function: &str, status: i32) -> String {
-    let bytes: Vec<u8> = error.message.iter().take_while(|c| **c != 0).map(|c| c.cast_unsigned()).collect();
+    // A char of C has a sign on x86-64 and none on aarch64.
+    let bytes: Vec<u8> =
+        error.message.iter().take_while(|c| **c != 0).flat_map(|c| c.to_ne_bytes()).collect();
     if bytes.is_empty() {
         format!("{function} returned {status} without a message")
     } else {
