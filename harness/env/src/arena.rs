@@ -130,7 +130,7 @@ impl Arena {
         };
         let period = 1.0 / options.control_hz;
         let samples = (period / SAMPLE_PERIOD).round();
-        if !(samples >= 1.0 && samples <= 100.0 && (samples * SAMPLE_PERIOD - period).abs() < 1e-9) {
+        if !((1.0..=100.0).contains(&samples) && (samples * SAMPLE_PERIOD - period).abs() < 1e-9) {
             let problem = "must be 100 over a whole number from 1 to 100, e.g. 10, 20 or 50";
             return Err(option("control_hz", options.control_hz.to_string(), problem));
         }

@@ -166,7 +166,7 @@ impl Reward {
                 let known = TERMS.map(|t| t.name).join(", ");
                 return Err(flaw(format!("weights: there is no term {name} (there are {known})")));
             };
-            if !(weight.abs() <= HEAVIEST) {
+            if weight.is_nan() || weight.abs() > HEAVIEST {
                 return Err(flaw(format!("weights.{name}: {weight} must lie in -1000000 to 1000000")));
             }
             own.weights[k] = weight;

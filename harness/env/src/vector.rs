@@ -212,6 +212,19 @@ pub struct VectorEnv {
     workers: Vec<JoinHandle<()>>,
     /// The environments that are at work.
     at_work: Vec<bool>,
+    /// How far each is, as far as it was received.
+    phases: Vec<Phase>,
+}
+
+/// How far an environment is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Phase {
+    /// It was never reset.
+    Fresh,
+    /// It is in an episode.
+    Driving,
+    /// Its episode has ended, for this reason.
+    Over(String),
 }
 
 /// A panic while a lock is held is told as an error of its environment; what the lock holds is whole.
@@ -252,7 +265,8 @@ impl VectorEnv {
             done: Mutex::default(),
             something_is_done: Condvar::new(),
         });
-        let mut own = Self { arena, shared, workers: Vec::new(), at_work: vec![false; count] };
+        let phases = vec![Phase::Fresh; count];
+        let mut own = Self { arena, shared, workers: Vec::new(), at_work: vec![false; count], phases };
         for _ in 0..threads.min(count) {
             let shared = Arc::clone(&own.shared);
             let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
@@ -303,8 +317,8 @@ impl VectorEnv {
     /// Steps these environments, with the numbers of their actions one after the other.
     ///
     /// # Errors
-    /// Returns an error, and steps none, if there is no such environment, one is at work, or an action isn't made of as many
-    /// finite numbers as an action has.
+    /// Returns an error, and steps none, if there is no such environment, one is at work, was never reset, or has ended its episode
+    /// without [`Autoreset`], or if an action isn't made of as many finite numbers as an action has.
     pub fn send(&mut self, indices: &[usize], actions: &[f64]) -> Result<(), EnvError> {
         let dimensions = self.arena.action().dimensions();
         if actions.len() != indices.len() * dimensions.len() {
@@ -316,7 +330,16 @@ impl VectorEnv {
             let index = at % dimensions.len();
             return Err(EnvError::Action { index, name: dimensions[index].name, value: actions[at] });
         }
-        indices.iter().try_for_each(|index| self.is_free(*index))?;
+        for index in indices {
+            self.is_free(*index)?;
+            match &self.phases[*index] {
+                Phase::Fresh => return Err(EnvError::NoEpisode),
+                Phase::Over(reason) if self.autoreset() == Autoreset::Disabled => {
+                    return Err(EnvError::Ended(reason.clone()));
+                }
+                Phase::Driving | Phase::Over(_) => {}
+            }
+        }
         let jobs = indices.iter().zip(actions.chunks(dimensions.len()));
         self.hand_out(jobs.map(|(index, action)| (*index, Job::Step(action.to_vec()))));
         Ok(())
@@ -378,8 +401,15 @@ impl VectorEnv {
         }
         let taken: Vec<_> = done.drain(..count).collect();
         drop(done);
-        for (index, _) in &taken {
+        for (index, arrival) in &taken {
             self.at_work[*index] = false;
+            match arrival {
+                Ok(Arrival { began: Some(_), .. }) => self.phases[*index] = Phase::Driving,
+                Ok(Arrival { ended: Some(record), .. }) => {
+                    self.phases[*index] = Phase::Over(record.reason.clone());
+                }
+                Ok(_) | Err(_) => {}
+            }
         }
         taken.into_iter().map(|(_, arrival)| arrival).collect::<Result<Vec<_>, _>>().map(Some)
     }

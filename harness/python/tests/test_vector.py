@@ -160,8 +160,9 @@ def test_a_state_of_one_goes_on_alone(make, envs):
 
 def test_what_is_wrong_is_told_before_anything_is_stepped(make, envs):
     env = make(2)
-    with pytest.raises(vertibench.EpisodeError, match="there is no episode|call reset"):
-        make(1, autoreset_mode="DISABLED").step(np.zeros((1, 2)))
+    for mode in ("NEXT_STEP", "SAME_STEP", "DISABLED"):
+        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+            make(1, autoreset_mode=mode).step(np.zeros((1, 2)))
     observation, _ = env.reset(seed=0)
     for actions, message in [
         (np.zeros((3, 2)), r"actions have the shape \(2, 2\)"),

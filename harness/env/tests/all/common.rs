@@ -16,13 +16,13 @@ pub(crate) fn options() -> Options {
         suite: Some(PathBuf::from("smoke")),
         tasks: Some("w001-w003".into()),
         observation: ["state", "path", "height", "class"].map(str::to_owned).to_vec(),
-        reward: Reward::resolve("default").unwrap(),
+        reward: Reward::resolve("default").expect("a reward"),
         ..Options::default()
     }
 }
 
 pub(crate) fn arena(options: Options) -> Arc<Arena> {
-    Arc::new(Arena::new(&catalog(), options, &mut || {}).unwrap())
+    Arc::new(Arena::new(&catalog(), options, &mut || {}).expect("an arena"))
 }
 
 pub(crate) fn refused(options: Options) -> String {

@@ -23,15 +23,15 @@ impl Driver for Planner {
     }
 
     fn start(&mut self, brief: &Task, _: LogSink) -> Result<(), PlannerFault> {
-        let layout = Layout::new(&["path"], Sight::default(), brief).unwrap();
-        let observer = Observer::new(brief, &layout).unwrap();
+        let layout = Layout::new(&["path"], Sight::default(), brief).expect("a layout");
+        let observer = Observer::new(brief, &layout).expect("an observer");
         let actuator = Actuator::new(ActionKind::default(), brief);
         self.parts = Some((brief.clone(), layout, observer, actuator));
         Ok(())
     }
 
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
-        let (task, layout, observer, actuator) = self.parts.as_mut().unwrap();
+        let (task, layout, observer, actuator) = self.parts.as_mut().expect("a trial starts its driver");
         observer.look(observation);
         let mut path = vec![0.0; 20];
         observer.fill(task, &layout.parts()[0], Row::F32(&mut path));
@@ -88,7 +88,7 @@ fn the_reward_is_the_sum_of_its_terms_and_the_way_counts_once() {
         let brief = env.brief().unwrap();
         let mut points = brief.path.clone();
         points.push(brief.goal);
-        points.windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].y - w[0].y)).sum::<f64>()
+        points.windows(2).map(|w| vb_math::hypot(w[1].x - w[0].x, w[1].y - w[0].y)).sum::<f64>()
     };
     let steps = drive(&mut env, usize::MAX).unwrap();
     assert_eq!(env.record().unwrap().outcome, Outcome::Success, "the test wants a task that the policy does");

@@ -38,15 +38,15 @@ fn seeds() -> Vec<(usize, Reset)> {
 }
 
 fn wait(env: &mut VectorEnv, count: usize) -> Vec<vb_env::Arrival> {
-    env.receive(count, &mut || true).unwrap().unwrap()
+    env.receive(count, &mut || true).expect("arrivals").expect("all of them")
 }
 
 /// Observations, reward and flags of environment 2 over many steps, and what it told.
 type Story = Vec<(Vec<f32>, f64, bool, bool, Option<String>, Option<String>)>;
 
 fn story(threads: usize, autoreset: Autoreset, steps: usize) -> Story {
-    let mut env = VectorEnv::new(arena(options()), COUNT, threads, autoreset, false).unwrap();
-    env.reset(seeds()).unwrap();
+    let mut env = VectorEnv::new(arena(options()), COUNT, threads, autoreset, false).expect("environments");
+    env.reset(seeds()).expect("episodes");
     wait(&mut env, COUNT);
     let all: Vec<usize> = (0..COUNT).collect();
     let mut told = Vec::new();
@@ -54,9 +54,9 @@ fn story(threads: usize, autoreset: Autoreset, steps: usize) -> Story {
         let output = env.output();
         let action = |k: usize| pursue(&floats(output.observations()[1], k), 1.0);
         let actions: Vec<f64> = all.iter().flat_map(|k| action(*k)).collect();
-        env.send(&all, &actions).unwrap();
+        env.send(&all, &actions).expect("a step");
         let arrivals = wait(&mut env, COUNT);
-        let own = arrivals.iter().find(|a| a.index == 2).unwrap();
+        let own = arrivals.iter().find(|a| a.index == 2).expect("all arrive");
         let output = env.output();
         told.push((
             floats(output.observations()[0], 2),
@@ -115,8 +115,7 @@ fn the_same_step_begins_the_next_episode_and_keeps_the_last_observation() {
 #[test]
 fn without_autoreset_an_episode_that_has_ended_is_an_error_until_it_is_reset() {
     let mut env = VectorEnv::new(arena(options()), 1, 1, Autoreset::Disabled, true).unwrap();
-    let told = env.send(&[0], &[0.0, 0.0]).and_then(|()| env.receive(1, &mut || true).map(|_| ()));
-    assert!(matches!(told, Err(EnvError::NoEpisode)));
+    assert!(matches!(env.send(&[0], &[0.0, 0.0]), Err(EnvError::NoEpisode)));
     env.reset(vec![(0, Reset { seed: Some(1), ..Reset::default() })]).unwrap();
     wait(&mut env, 1);
     // Stands until it is stuck.
@@ -126,8 +125,8 @@ fn without_autoreset_an_episode_that_has_ended_is_an_error_until_it_is_reset() {
             break;
         }
     }
-    env.send(&[0], &[0.0, 0.0]).unwrap();
-    assert!(matches!(env.receive(1, &mut || true), Err(EnvError::Ended(_))));
+    assert!(matches!(env.send(&[0], &[0.0, 0.0]), Err(EnvError::Ended(_))));
+    assert_eq!(env.pending(), 0);
     env.reset(vec![(0, Reset::default())]).unwrap();
     assert!(wait(&mut env, 1)[0].began.is_some());
 }
