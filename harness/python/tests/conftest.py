@@ -13,11 +13,16 @@ import vertibench
 ROOT = Path(__file__).parents[3]
 
 
+def _found(find) -> Path:
+    """What the package finds: in itself where it is installed, else what was built in the checkout."""
+    try:
+        return find()
+    except vertibench.MissingError as e:
+        pytest.skip(f"not installed, and not built: {e}")
+
+
 def _harness() -> Path:
-    path = Path(os.environ.get("VB_HARNESS", ROOT / "target/release/vb-harness"))
-    if not path.is_file():
-        pytest.skip(f"{path} is not built (cargo build --release -p vb-harness, or set VB_HARNESS)")
-    return path
+    return _found(vertibench.harness_path)
 
 
 @pytest.fixture(scope="session")
@@ -52,9 +57,7 @@ def small(harness):
 @pytest.fixture(scope="session")
 def program():
     """The harness and its planners where `vertibench` looks for them."""
-    plugins = Path(os.environ.get("VB_PLUGINS", ROOT / "target/plugins"))
-    if not (plugins / "pid.wasm").is_file():
-        pytest.skip(f"{plugins / 'pid.wasm'} is not built (cargo xtask demo, or set VB_PLUGINS)")
+    plugins = _found(lambda: vertibench.plugin_path("pid.wasm")).parent
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("VB_HARNESS", str(_harness()))
         patch.setenv("VB_TASKS", os.environ.get("VB_TASKS", str(ROOT / "tasks")))

@@ -23,9 +23,7 @@ class MissingPackageError(VertibenchError, ImportError):
     """A package that is needed for this alone is not installed."""
 
     def __init__(self, package: str, what_for: str):
-        super().__init__(
-            package, f"it is not installed, but needed for {what_for}", f"pip install 'vertibench[{package}]'"
-        )
+        super().__init__(package, f"it is not installed, but needed for {what_for}", f"pip install {package}")
 
 
 class EnvError(VertibenchError):

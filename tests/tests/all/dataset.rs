@@ -260,6 +260,7 @@ fn the_python_package_s_own_tests_pass() {
         .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--basetemp"])
         .arg(bench.path("pytest"));
     python.env("VB_HARNESS", bench.command::<&str>(&[]).get_program());
+    python.env("VB_PLUGINS", plugin("pid", PluginKind::Wasm).parent().expect("a folder"));
     let done = Done::of(python.current_dir(root().join("harness/python")));
     assert!(done.status.success(), "{}", done.stdout);
     for reason in done.stdout.lines().filter(|line| line.starts_with("SKIPPED")) {

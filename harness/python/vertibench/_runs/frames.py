@@ -8,11 +8,14 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from .errors import MissingPackageError, RunError, VertibenchError
 from .store import Run, opened
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError:
+    raise MissingPackageError("pyarrow", "results and trajectories as frames") from None
 
 _TEXTS = ("task", "world", "elevation", "terrain", "density", "outcome", "three_way", "reason", "fault", "state_hash")
 _COUNTS = ("sim_steps", "planner_steps", "clamped")

@@ -76,33 +76,34 @@ def main() -> None:
         print(f"{what:62} {steps_a_second(env, chosen.seconds, chosen.stretches):8.0f} steps/s", flush=True)
         env.close()
 
-    def vector(terrain: str, threads: int, observation: tuple[str, ...] = STATE) -> Callable[[], Any]:
+    def vector(tasks: str, threads: int, observation: tuple[str, ...] = STATE) -> Callable[[], Any]:
         return lambda: gymnasium.make_vec(
             NAME,
             num_envs=chosen.envs,
             vectorization_mode="vector_entry_point",
             threads=threads,
             suite="vb-100",
-            tasks=f"terrain={terrain}",
+            tasks=tasks,
             observation=observation,
         )
 
-    def single(terrain: str) -> gymnasium.Env:
-        return gymnasium.make(NAME, suite="vb-100", tasks=f"terrain={terrain}", observation=STATE)
+    def single(tasks: str) -> gymnasium.Env:
+        return gymnasium.make(NAME, suite="vb-100", tasks=tasks, observation=STATE)
 
-    for terrain in ("rigid", "deformable"):
-        show(f"{terrain}: one environment", lambda terrain=terrain: single(terrain))
+    rigid = "terrain=rigid"
+    for what, tasks in (("low, rigid", f"{rigid}:elevation=low"), ("rigid", rigid), ("deformable", "terrain=deformable")):
+        show(f"{what}: one environment", lambda tasks=tasks: single(tasks))
         for count in sorted({1, threads // 2 or 1, threads}):
-            show(f"{terrain}: {chosen.envs} environments, {count} threads", vector(terrain, count))
+            show(f"{what}: {chosen.envs} environments, {count} threads", vector(tasks, count))
     crops = (*STATE, "height", "class", "friction")
-    show(f"rigid: {chosen.envs} environments, {threads} threads, with three crops", vector("rigid", threads, crops))
-    env = single("rigid")
+    show(f"rigid: {chosen.envs} environments, {threads} threads, with three crops", vector(rigid, threads, crops))
+    env = single(rigid)
     again, first = reset_ms(env, env.unwrapped.tasks[:10])
     print(f"{'rigid: reset of a task that was begun before':62} {again:8.2f} ms")
     print(f"{'rigid: reset of a task that is begun for the first time':62} {first:8.2f} ms")
     env.close()
     for name, kind in (("AsyncVectorEnv", gymnasium.vector.AsyncVectorEnv), ("SyncVectorEnv", gymnasium.vector.SyncVectorEnv)):
-        makers = [lambda: gymnasium.make(NAME, suite="vb-100", tasks="terrain=rigid", observation=STATE)] * chosen.envs
+        makers = [lambda: single(rigid)] * chosen.envs
         show(f"rigid: {chosen.envs} environments in gymnasium's {name}", lambda: kind(makers))
 
 

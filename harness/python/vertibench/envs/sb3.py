@@ -17,7 +17,7 @@ try:
 except ImportError as e:
     from .._errors import MissingPackageError
 
-    raise MissingPackageError("sb3", "vertibench.envs.sb3") from e
+    raise MissingPackageError("stable-baselines3", "vertibench.envs.sb3") from e
 
 from ._vector import NavigationVectorEnv
 
