@@ -132,7 +132,9 @@ impl fmt::Display for CliError {
 impl From<CatalogError> for CliError {
     fn from(e: CatalogError) -> Self {
         match &e {
-            CatalogError::KeptForTraining(_) | CatalogError::NoTrainingSeed(_) => Self::usage(e),
+            CatalogError::KeptForTraining(_) => Self::usage(e),
+            // The option's name is the command line's.
+            CatalogError::NoTrainingSeed(_) => Self::usage(format!("--{e}")),
             CatalogError::Write { .. }
             | CatalogError::Generate(GenerateError::Suite(
                 SuiteError::Write { .. } | SuiteError::NotEmpty { .. },

@@ -36,7 +36,7 @@ pub struct Options {
     pub tasks: Option<String>,
     /// The number of training worlds.
     pub worlds: u32,
-    /// The seed of the training worlds, one of [`vb_suite`'s](vb_catalog::CatalogError::NoTrainingSeed).
+    /// The seed of the training worlds, from 7000 to 7999.
     pub world_seed: u64,
     /// Suites of which no training world may be one, beside those that come with the harness.
     pub apart_from: Vec<PathBuf>,
