@@ -86,7 +86,7 @@ def test_comparisons_are_frames_and_tables(stand_in):
 
 
 def test_frames_of_a_comparison_hold_numbers_where_all_is_missing(stand_in):
-    pandas = pytest.importorskip("pandas")
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     stand_in(TOLD)
     frame = vertibench.compare("runs/a").runs_frame()
     assert frame.time_s_low.dtype == float and frame.time_s_low.isna().all() and isinstance(frame, pandas.DataFrame)

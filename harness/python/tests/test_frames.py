@@ -31,7 +31,7 @@ def test_results_are_the_table_that_the_report_writes(driven, harness, tmp_path)
 
 
 def test_every_kind_of_frame_has_the_same(driven):
-    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    pandas, polars = pytest.importorskip("pandas", reason="pandas is not installed"), pytest.importorskip("polars", reason="polars is not installed")
     run = vertibench.Run(driven / "slow")
     table = run.results("dict")
     frame, arrow, of_polars = run.results(), run.results("arrow"), run.results("polars")
@@ -45,7 +45,7 @@ def test_every_kind_of_frame_has_the_same(driven):
 
 
 def test_what_is_missing_is_missing_and_whole_numbers_stay_whole(driven, tmp_path):
-    pandas = pytest.importorskip("pandas")
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     import shutil
 
     shutil.copytree(driven / "slow", tmp_path / "r")
@@ -88,7 +88,7 @@ def test_a_trace_is_the_file_of_its_task(driven):
     assert (trace.task, trace.run, len(trace.start), len(trace.goal)) == ("w003/t00", run, 3, 2)
     assert trace["time"][-1] == run.record("w003/t00")["time_s"]
     assert vertibench.trace(run, "w003/t00", "dict") == table.to_pydict()
-    pandas = pytest.importorskip("pandas")
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     frame = trace.frame()
     assert isinstance(frame, pandas.DataFrame) and frame.attrs["trace"] == trace.meta and len(frame) == len(table)
     with pytest.raises(KeyError, match="no column speed"):
