@@ -101,7 +101,6 @@ def envs():
         import vertibench._native  # noqa: F401
     except ImportError:
         pytest.skip("the native module is not installed (pip install the wheel)")
-    os.environ.setdefault("VB_TASKS", str(ROOT / "tasks"))
     import vertibench.envs
 
     return vertibench.envs
