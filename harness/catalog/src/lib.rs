@@ -11,7 +11,7 @@ use vb_runner::{Soils, Vehicle};
 use vb_sense::Profile;
 use vb_sim::SoilSet;
 use vb_vehicle::VehicleSpec;
-use vb_world::Suite;
+use vb_world::{Selector, SelectorError, Suite, TaskRef, WorldInfo};
 
 pub use error::CatalogError;
 
@@ -267,6 +267,21 @@ fn perception_at(file: Result<PathBuf, CatalogError>, wanted: &str) -> Result<Pr
         (Err(_), Some(profile)) => Ok(profile),
         (Err(error), None) => Err(error),
     }
+}
+
+/// The tasks that a selector chooses, in the suite's order; without one, all.
+///
+/// # Errors
+/// Returns an error if the selector makes no sense, or names what the suite doesn't have.
+pub fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, SelectorError> {
+    let Some(text) = selector else {
+        let of = |w: &WorldInfo| {
+            let world = w.id.clone();
+            w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
+        };
+        return Ok(suite.worlds().iter().flat_map(of).collect());
+    };
+    Selector::parse(text)?.select(suite)
 }
 
 /// (path, text, SHA-256 in hexadecimal) of a data file.

@@ -10,7 +10,7 @@ use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::Simulation;
-use vb_world::{Selector, Suite, Task, TaskRef};
+use vb_world::{Suite, Task, TaskRef};
 
 use crate::cache::Cache;
 use crate::{EnvError, Reward};
@@ -157,17 +157,7 @@ impl Arena {
             Some(dir) => catalog.open_suite(Some(dir))?,
             None => Self::training(catalog, &options, making)?,
         };
-        let selector = Selector::parse(options.tasks.as_deref().unwrap_or("*"));
-        let tasks = match &options.tasks {
-            Some(_) => selector?.select(&suite)?,
-            None => {
-                let of = |w: &vb_world::WorldInfo| {
-                    let world = w.id.clone();
-                    w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
-                };
-                suite.worlds().iter().flat_map(of).collect()
-            }
-        };
+        let tasks = vb_catalog::select(&suite, options.tasks.as_deref())?;
         let Some(first) = tasks.first() else {
             return Err(option("tasks", options.tasks.unwrap_or_default(), "chooses no task"));
         };

@@ -170,18 +170,6 @@ impl Env {
         self.running.as_ref().map(|r| r.episode.simulation().state())
     }
 
-    /// The world, scaled.
-    #[must_use]
-    pub fn world(&self) -> Option<&Arc<vb_world::World>> {
-        self.running.as_ref().map(|r| &r.start.place.world)
-    }
-
-    /// The way of the vehicle until now: places of its reference point in the world, m, at the start and after each step.
-    #[must_use]
-    pub fn way(&self) -> &[[f32; 3]] {
-        self.running.as_ref().map_or(&[], |r| &r.way)
-    }
-
     /// A picture of the episode as it is now: rows of pixels from the top, each of red, green and blue.
     ///
     /// # Errors
@@ -235,7 +223,7 @@ impl Running {
         let trial = arena.trial(&start, &brief);
         let mut episode = Episode::new(&trial, start.simulation.clone(), perception);
         let is_over = episode.begin(&mut ());
-        let record = is_over.then(|| Box::new(trial.result_of(episode.clone(), None).record));
+        let record = is_over.then(|| Box::new(trial.result_of(&episode, None).record));
         let observation = episode.observe();
         let mut observer = Observer::new(&brief, arena.layout()).map_err(EnvError::Observation)?;
         observer.look(&observation);
@@ -315,7 +303,7 @@ impl Running {
     /// Puts the record away.
     fn end(&mut self, arena: &Arena, error: Option<SimError>) -> Outcome {
         let trial = arena.trial(&self.start, &self.brief);
-        let record = trial.result_of(self.episode.clone(), error.as_ref()).record;
+        let record = trial.result_of(&self.episode, error.as_ref()).record;
         self.record.insert(Box::new(record)).outcome
     }
 }

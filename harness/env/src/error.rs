@@ -1,7 +1,9 @@
 //! The reasons why an environment can't be made or go on.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use vb_catalog::CatalogError;
-use vb_runner::RunError;
+use vb_runner::{RunError, panic_text};
 use vb_score::RulesError;
 use vb_sdk::PlannerError;
 use vb_sim::SimError;
@@ -126,4 +128,24 @@ pub enum EnvError {
     /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (ask for fewer)")]
     Thread(std::io::Error),
+}
+
+/// Does some work; a panic, which is a fault of the harness, becomes an error, so that who called goes on.
+///
+/// # Errors
+/// Returns the error of the work, or [`EnvError::Panic`].
+pub fn guarded<T>(work: impl FnOnce() -> Result<T, EnvError>) -> Result<T, EnvError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(EnvError::Panic(panic_text(&*panic))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_with_its_text() {
+        let told = guarded::<()>(|| panic!("wheel {} is gone", 3)).unwrap_err().to_string();
+        assert!(told.starts_with("the harness panicked: wheel 3 is gone; please report it"), "{told}");
+        assert_eq!(guarded(|| Ok(7)).unwrap(), 7);
+    }
 }

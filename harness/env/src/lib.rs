@@ -18,7 +18,7 @@ mod vector;
 
 pub use arena::{Arena, Options};
 pub use env::{Env, Reset, Snapshot, Step};
-pub use error::EnvError;
+pub use error::{EnvError, guarded};
 pub use reward::{Reward, TERMS, Term, Terms};
 pub use vb_render::{Size, View};
 pub use vector::{Arrival, Autoreset, Output, Pointer, VectorEnv};

@@ -1,7 +1,6 @@
 //! Many environments at a time, stepped by worker threads.
 
 use std::collections::VecDeque;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -9,6 +8,7 @@ use std::time::Duration;
 use vb_score::TaskRecord;
 use vb_sdk::policy::{Dtype, Row};
 
+use crate::error::guarded;
 use crate::rows::Rows;
 use crate::{Arena, Env, EnvError, Reset, Step, TERMS};
 
@@ -452,12 +452,7 @@ impl Shared {
                 jobs = self.there_are_jobs.wait(jobs).unwrap_or_else(PoisonError::into_inner);
             };
             drop(jobs);
-            let arrival = catch_unwind(AssertUnwindSafe(|| self.job(index, &job)));
-            let arrival = arrival.unwrap_or_else(|panic| {
-                let text = panic.downcast_ref::<String>().cloned();
-                let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-                Err(EnvError::Panic(text.unwrap_or_else(|| "no message".to_owned())))
-            });
+            let arrival = guarded(|| self.job(index, &job));
             lock(&self.done).push_back((index, arrival));
             self.something_is_done.notify_one();
         }

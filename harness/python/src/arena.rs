@@ -164,27 +164,9 @@ impl Arena {
         self.inner.tasks().iter().map(ToString::to_string).collect()
     }
 
-    /// The name and the hash of the suite that the tasks are of.
-    fn suite(&self) -> (String, String) {
-        let suite = self.inner.suite();
-        (suite.meta().name.clone(), suite.hash())
-    }
-
     /// The time between two actions, s.
     #[getter]
     fn control_period(&self) -> f64 {
         self.inner.control_period()
-    }
-
-    /// The factor on every length of the worlds.
-    #[getter]
-    fn scale(&self) -> f64 {
-        self.inner.setting().scale
-    }
-
-    /// The limit of an episode's time, s.
-    #[getter]
-    fn time_limit(&self) -> f64 {
-        self.inner.setting().rules.time_limit(self.inner.setting().scale)
     }
 }

@@ -135,12 +135,6 @@ impl Env {
         Ok(Some(all))
     }
 
-    /// The way of the vehicle until now: places of its reference point, m.
-    fn way<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let env = self.lock();
-        copied(py, env.way().as_flattened(), &[env.way().len(), 3])
-    }
-
     /// A picture of the episode: height x width x 3 numbers of 8 bits.
     fn render<'py>(
         &self,

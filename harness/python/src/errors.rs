@@ -1,7 +1,5 @@
 //! Errors of Rust as exceptions of the package.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use pyo3::prelude::*;
 use vb_env::EnvError;
 
@@ -36,12 +34,5 @@ pub(crate) fn guarded<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, EnvError> + Send,
 ) -> PyResult<T> {
-    let done = py.detach(|| {
-        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-            let text = panic.downcast_ref::<String>().cloned();
-            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-            Err(EnvError::Panic(text.unwrap_or_else(|| "no message".to_owned())))
-        })
-    });
-    done.map_err(|e| exception(py, &e))
+    py.detach(|| vb_env::guarded(work)).map_err(|e| exception(py, &e))
 }

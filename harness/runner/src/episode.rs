@@ -146,6 +146,11 @@ impl Episode {
         self.ledger.scorer.verdict()
     }
 
+    /// What has been gathered until now.
+    pub(crate) fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
     /// What has been gathered.
     pub(crate) fn into_ledger(self) -> Ledger {
         self.ledger

@@ -25,4 +25,4 @@ pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, check_control_period,
 pub use setting::{Keep, Place, Setting, Wants, start};
 pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;
-pub use trial::{SAMPLE_PERIOD, Trial, TrialResult};
+pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, panic_text};

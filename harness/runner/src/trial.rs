@@ -1,5 +1,6 @@
 //! One task, from the start to its verdict.
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -51,6 +52,14 @@ pub struct TrialResult {
     pub trace: Option<Trace>,
     /// The planner's own series, if a trajectory is wanted.
     pub debug: DebugSeries,
+}
+
+/// The message of a panic that was caught.
+#[must_use]
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+    text.unwrap_or_else(|| "no message".to_owned())
 }
 
 /// Who ended a trial before a verdict, and why.
@@ -129,9 +138,7 @@ impl Trial<'_> {
             Ok(Ok(false)) => return None,
             Ok(Err(failure)) => Some(failure),
             Err(panic) => {
-                let text = panic.downcast_ref::<String>().cloned();
-                let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-                let text = text.unwrap_or_else(|| "no message".to_owned());
+                let text = panic_text(&*panic);
                 Some(Failure::new(
                     FaultCode::HostPanic,
                     format!("the harness panicked: {text}; please report it"),
@@ -154,9 +161,9 @@ impl Trial<'_> {
     /// The result of an episode of this trial that was driven from outside, without a planner: by its verdict, or by the
     /// error that ended its simulation.
     #[must_use]
-    pub fn result_of(&self, episode: Episode, error: Option<&SimError>) -> TrialResult {
+    pub fn result_of(&self, episode: &Episode, error: Option<&SimError>) -> TrialResult {
         let failure = error.map(|e| Failure::new(FaultCode::Diverged, e.to_string()));
-        self.result(episode.into_ledger(), failure, Trail::default())
+        self.result(episode.ledger().clone(), failure, Trail::default())
     }
 
     fn result(&self, ledger: Ledger, failure: Option<Failure>, trail: Trail) -> TrialResult {

@@ -14,9 +14,7 @@ use vb_catalog::CatalogError;
 use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
 use vb_suite::rules::ParamsError;
-use vb_world::{
-    Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
-};
+use vb_world::{Density, Elevation, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World};
 
 use crate::args::{
     DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, SuiteListArgs, TasksArgs, TasksCommand,
@@ -56,14 +54,7 @@ pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
 pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, CliError> {
-    let Some(text) = selector else {
-        let of = |w: &vb_world::WorldInfo| {
-            let world = w.id.clone();
-            w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
-        };
-        return Ok(suite.worlds().iter().flat_map(of).collect());
-    };
-    Selector::parse(text).and_then(|s| s.select(suite)).map_err(CliError::usage)
+    vb_catalog::select(suite, selector).map_err(CliError::usage)
 }
 
 /// An error of writing a suite: the worlds are ours, the directory is the user's.

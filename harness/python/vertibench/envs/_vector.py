@@ -57,7 +57,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         except (KeyError, ValueError):
             names = ", ".join(m.name for m in AutoresetMode)
             raise OptionError(f"autoreset_mode: {autoreset_mode!r} must be one of {names}") from None
-        num_envs, threads = _count("num_envs", num_envs), _count("threads", threads or _processors())
+        num_envs, threads = _count("num_envs", num_envs), _count("threads", threads or processors())
         batch_size = num_envs if batch_size is None else _count("batch_size", batch_size)
         if batch_size > num_envs:
             raise OptionError(f"batch_size: {batch_size} must lie in 1 to num_envs, which is {num_envs}")
@@ -260,7 +260,8 @@ def _pick(value: Any, ids: np.ndarray) -> Any:
     return value[ids]
 
 
-def _processors() -> int:
+def processors() -> int:
+    """How many processors this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

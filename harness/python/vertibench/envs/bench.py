@@ -8,7 +8,6 @@ environments over the single environment, for comparison.
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 import time
 from collections.abc import Callable
@@ -16,6 +15,8 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+
+from ._vector import processors
 
 NAME = "VertiBench/Navigation-v0"
 STATE = ("state", "path")
@@ -69,7 +70,7 @@ def main() -> None:
     parser.add_argument("--stretches", type=int, default=5, help="number of stretches (default: 5)")
     parser.add_argument("--envs", type=int, default=16, help="environments of a vector environment (default: 16)")
     chosen = parser.parse_args()
-    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    threads = processors()
 
     def show(what: str, make: Callable[[], Any]) -> None:
         env = make()
