@@ -15,8 +15,6 @@ use vb_world::{Suite, Task, TaskRef};
 use crate::cache::Cache;
 use crate::{EnvError, Reward};
 
-/// The time step of the simulation, s: that of the benchmark.
-const TIME_STEP: f64 = 0.001;
 /// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
 const SOIL_RESOLUTION: f64 = 0.1;
 /// Worlds that are kept in memory: about 1 MB each.
@@ -52,6 +50,8 @@ pub struct Options {
     pub scale: Option<f64>,
     /// Actions a second.
     pub control_hz: f64,
+    /// The time step of the simulation, s, as in `vb-harness run --time-step`. That of the benchmark is 0.001.
+    pub time_step: f64,
     /// The parts of an observation, by their names.
     pub observation: Vec<String>,
     /// What is seen of the surroundings.
@@ -81,6 +81,7 @@ impl Default for Options {
             rules: "paper".into(),
             scale: None,
             control_hz: 10.0,
+            time_step: 0.001,
             observation: Self::OBSERVATION.map(str::to_owned).to_vec(),
             sight: Sight::default(),
             action: ActionKind::default(),
@@ -134,6 +135,11 @@ impl Arena {
             let problem = "must be 100 over a whole number from 1 to 100, e.g. 10, 20 or 50";
             return Err(option("control_hz", options.control_hz.to_string(), problem));
         }
+        let step = options.time_step;
+        if !((1e-4..=5e-3).contains(&step) && ((SAMPLE_PERIOD / step).round() * step - SAMPLE_PERIOD).abs() < 1e-9) {
+            let problem = "must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001 (the benchmark's) or 0.002";
+            return Err(option("time_step", step.to_string(), problem));
+        }
         if let ActionKind::Speed { slowest, fastest } = options.action
             && !(slowest < fastest && slowest >= -10.0 && fastest <= 30.0)
         {
@@ -152,7 +158,7 @@ impl Arena {
         let soils = catalog.soils(&options.soils, SOIL_RESOLUTION)?;
         let perception = catalog.perception(&options.perception)?;
         let scale = options.scale.unwrap_or(vehicle.spec.scale);
-        let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, 0)?;
+        let setting = Setting::new(&vehicle, &soils, &rules, &perception, options.time_step, scale, 0)?;
         let suite = match &options.suite {
             Some(dir) => catalog.open_suite(Some(dir))?,
             None => Self::training(catalog, &options, making)?,

@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use vb_catalog::CatalogError;
+use vb_curriculum::CurriculumError;
 use vb_runner::{RunError, panic_text};
 use vb_score::RulesError;
 use vb_sdk::PlannerError;
@@ -49,6 +50,9 @@ pub enum EnvError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// A curriculum can't be used.
+    #[error(transparent)]
+    Curriculum(#[from] CurriculumError),
     /// A reward file can't be used.
     #[error("{file}: {problem}")]
     Reward {

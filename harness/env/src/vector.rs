@@ -5,7 +5,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use vb_score::TaskRecord;
+use vb_curriculum::{Curriculum, Ending, Spec};
+use vb_score::{Outcome, TaskRecord};
 use vb_sdk::policy::{Dtype, Row};
 
 use crate::error::guarded;
@@ -183,6 +184,8 @@ struct Place {
     env: Env,
     /// The episode has ended.
     is_over: bool,
+    /// The name of the task that the curriculum has chosen for the next episode.
+    next: Option<String>,
 }
 
 struct Shared {
@@ -214,6 +217,9 @@ pub struct VectorEnv {
     at_work: Vec<bool>,
     /// How far each is, as far as it was received.
     phases: Vec<Phase>,
+    curriculum: Option<Curriculum>,
+    /// The index of the task that each drives, as far as it was received.
+    tasks: Vec<usize>,
 }
 
 /// How far an environment is.
@@ -253,7 +259,9 @@ impl VectorEnv {
         };
         within("num_envs", count, 65_536)?;
         within("threads", threads, 1024)?;
-        let place = |k: usize| Mutex::new(Place { env: Env::new(arena.clone(), k as u64), is_over: true });
+        let place = |k: usize| {
+            Mutex::new(Place { env: Env::new(arena.clone(), k as u64), is_over: true, next: None })
+        };
         let with_finals = autoreset == Autoreset::SameStep;
         let shared = Arc::new(Shared {
             places: (0..count).map(place).collect(),
@@ -266,7 +274,8 @@ impl VectorEnv {
             something_is_done: Condvar::new(),
         });
         let phases = vec![Phase::Fresh; count];
-        let mut own = Self { arena, shared, workers: Vec::new(), at_work: vec![false; count], phases };
+        let (at_work, tasks) = (vec![false; count], vec![0; count]);
+        let mut own = Self { arena, shared, workers: Vec::new(), at_work, phases, curriculum: None, tasks };
         for _ in 0..threads.min(count) {
             let shared = Arc::clone(&own.shared);
             let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
@@ -297,6 +306,86 @@ impl VectorEnv {
     #[must_use]
     pub fn output(&self) -> &Output {
         &self.shared.output
+    }
+
+    /// Lets a curriculum choose the tasks of episodes from now on, where [`Reset`] names none. It is told how episodes end when
+    /// they are received, in the order of the environments' indices, and chooses an environment's next task when its episode has
+    /// begun: so what it chooses doesn't depend on the threads as long as all environments are received together.
+    ///
+    /// # Errors
+    /// Returns an error if the curriculum doesn't fit the tasks, and if an environment is at work.
+    pub fn follow(&mut self, spec: &Spec, seed: u64) -> Result<(), EnvError> {
+        if self.pending() > 0 {
+            return Err(EnvError::Pending(self.pending()));
+        }
+        let (suite, tasks) = (self.arena.suite(), self.arena.tasks());
+        self.curriculum = Some(Curriculum::new(spec, suite, tasks, self.count(), seed)?);
+        self.choose(true);
+        Ok(())
+    }
+
+    /// The curriculum that chooses the tasks.
+    #[must_use]
+    pub fn curriculum(&self) -> Option<&Curriculum> {
+        self.curriculum.as_ref()
+    }
+
+    /// Tells the curriculum what a learner thinks of a task ([`Curriculum::score`]).
+    ///
+    /// # Errors
+    /// Returns an error if there is no such task. Without a curriculum nothing happens.
+    pub fn score(&mut self, task: &str, score: f64) -> Result<(), EnvError> {
+        let task = self.arena.find(task)?;
+        if let Some(curriculum) = &mut self.curriculum {
+            curriculum.score(task, score);
+        }
+        Ok(())
+    }
+
+    /// Lets the curriculum go on from what another one remembered, and choose the next tasks anew. What they would have been is
+    /// forgotten, so whoever wants to go on exactly does this in the training that isn't interrupted, too.
+    ///
+    /// # Errors
+    /// Returns an error, and changes nothing, if it doesn't fit, or an environment is at work.
+    pub fn restore_curriculum(&mut self, state: &str) -> Result<(), EnvError> {
+        if self.pending() > 0 {
+            return Err(EnvError::Pending(self.pending()));
+        }
+        if let Some(curriculum) = &mut self.curriculum {
+            curriculum.restore(state)?;
+        }
+        self.choose(true);
+        Ok(())
+    }
+
+    /// Chooses the next task of environments that have none, or of all.
+    fn choose(&mut self, anew: bool) {
+        let Some(curriculum) = &mut self.curriculum else { return };
+        for (index, place) in self.shared.places.iter().enumerate().filter(|(k, _)| !self.at_work[*k]) {
+            let next = &mut lock(place).next;
+            if anew || next.is_none() {
+                *next = Some(self.arena.tasks()[curriculum.draw(index)].to_string());
+            }
+        }
+    }
+
+    /// Tells the curriculum how episodes have ended, and which have begun.
+    fn learn(&mut self, arrivals: &[Arrival]) -> Result<(), EnvError> {
+        let Some(curriculum) = &mut self.curriculum else { return Ok(()) };
+        let mut by_index: Vec<&Arrival> = arrivals.iter().collect();
+        by_index.sort_by_key(|a| a.index);
+        for Arrival { index: environment, began, ended } in by_index {
+            let task = &mut self.tasks[*environment];
+            if let Some(record) = ended {
+                let is_success = record.outcome == Outcome::Success;
+                curriculum.report(&Ending { environment: *environment, task: *task, is_success });
+            }
+            if let Some((name, _)) = began {
+                *task = self.arena.find(name)?;
+            }
+        }
+        self.choose(false);
+        Ok(())
     }
 
     /// Begins episodes in these environments.
@@ -411,7 +500,9 @@ impl VectorEnv {
                 Ok(_) | Err(_) => {}
             }
         }
-        taken.into_iter().map(|(_, arrival)| arrival).collect::<Result<Vec<_>, _>>().map(Some)
+        let arrivals = taken.into_iter().map(|(_, arrival)| arrival).collect::<Result<Vec<_>, _>>()?;
+        self.learn(&arrivals)?;
+        Ok(Some(arrivals))
     }
 
     /// Looks at an environment.
@@ -460,7 +551,7 @@ impl Shared {
 
     fn job(&self, index: usize, job: &Job) -> Result<Arrival, EnvError> {
         let mut place = lock(&self.places[index]);
-        let Place { env, is_over } = &mut *place;
+        let Place { env, is_over, next } = &mut *place;
         let mut step = Step::default();
         let mut ended = None;
         let reset = match job {
@@ -475,7 +566,10 @@ impl Shared {
             }
         };
         let mut began = None;
-        if let Some(reset) = reset {
+        if let Some(mut reset) = reset {
+            if reset.task.is_none() {
+                reset.task = next.take();
+            }
             if ended.is_some() {
                 // SAFETY: this worker has the job of this index.
                 unsafe { Output::observe(&self.output.finals, self.flat, index, env) };

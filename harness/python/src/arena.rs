@@ -30,7 +30,7 @@ enum Wanted {
 impl Arena {
     #[new]
     #[pyo3(signature = (*, tasks_dir, suite, tasks, worlds, world_seed, apart_from, vehicle, soils, perception, rules, scale,
-        control_hz, observation, sight, action, speed_range, reward))]
+        control_hz, time_step, observation, sight, action, speed_range, reward))]
     #[allow(clippy::too_many_arguments, reason = "each is an option of its own, given by its name")]
     fn new(
         py: Python<'_>,
@@ -46,6 +46,7 @@ impl Arena {
         rules: String,
         scale: Option<f64>,
         control_hz: f64,
+        time_step: f64,
         observation: Vec<String>,
         sight: BTreeMap<String, f64>,
         action: &str,
@@ -91,6 +92,7 @@ impl Arena {
             rules,
             scale,
             control_hz,
+            time_step,
             observation,
             sight: seen,
             action,
@@ -123,6 +125,7 @@ impl Arena {
             let all = PyDict::new(py);
             all.set_item("name", p.name)?;
             all.set_item("about", p.about)?;
+            all.set_item("is_crop", p.is_crop())?;
             all.set_item("dtype", if p.dtype == Dtype::F32 { "float32" } else { "uint8" })?;
             all.set_item("shape", p.shape.clone())?;
             let of = |f: fn(&vb_sdk::policy::Entry) -> f64| p.entries.iter().map(f).collect::<Vec<_>>();

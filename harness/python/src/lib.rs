@@ -4,6 +4,7 @@ mod arena;
 mod arrays;
 mod env;
 mod errors;
+mod policy;
 mod vector;
 
 use pyo3::prelude::*;
@@ -17,6 +18,8 @@ mod _native {
     use crate::arena::Arena;
     #[pymodule_export]
     use crate::env::{Env, Snapshot};
+    #[pymodule_export]
+    use crate::policy::policy_actions;
     #[pymodule_export]
     use crate::vector::VectorEnv;
 

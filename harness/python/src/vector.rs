@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError, TryLockError};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use vb_curriculum::{Curriculum, Spec};
 use vb_env::{Arrival, Autoreset, EnvError, Pointer, Reset};
 
 use crate::arena::Arena;
@@ -95,6 +96,31 @@ impl VectorEnv {
         all.set_item("terminated", array(output.terminated(), &[]))?;
         all.set_item("truncated", array(output.truncated(), &[]))?;
         Ok(all)
+    }
+
+    /// Lets a curriculum, by its name or file, choose the tasks.
+    fn follow(&self, py: Python<'_>, curriculum: &str, seed: u64) -> PyResult<()> {
+        self.with(py, |env| env.follow(&Spec::resolve(curriculum)?, seed))
+    }
+
+    /// All that the curriculum remembers, as text; None without a curriculum.
+    fn curriculum_state(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.with(py, |env| Ok(env.curriculum().map(Curriculum::state)))
+    }
+
+    /// Lets the curriculum go on from what one like it remembered.
+    fn restore_curriculum(&self, py: Python<'_>, state: &str) -> PyResult<()> {
+        self.with(py, |env| env.restore_curriculum(state))
+    }
+
+    /// The chance of each task to be drawn next, and of each environment its stage; None without a curriculum.
+    fn curriculum(&self, py: Python<'_>) -> PyResult<Option<(Vec<f64>, Vec<usize>)>> {
+        self.with(py, |env| Ok(env.curriculum().map(|c| (c.chances(), c.stages()))))
+    }
+
+    /// Tells the curriculum what the learner thinks of a task.
+    fn score(&self, py: Python<'_>, task: &str, score: f64) -> PyResult<()> {
+        self.with(py, |env| env.score(task, score))
     }
 
     /// Begins episodes: (index, seed or None, task or None, seed of the noise or None) for each.

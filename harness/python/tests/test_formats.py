@@ -6,7 +6,8 @@ import zlib
 import numpy as np
 import pytest
 
-from vertibench.datasets import _png, _yaml
+from vertibench import _yaml
+from vertibench.datasets import _png
 
 
 def test_yaml_of_all_forms_that_suites_have():

@@ -225,6 +225,15 @@ impl Part {
         self.shape.iter().product()
     }
 
+    /// Whether it is a crop of a map: a square of [`Sight::cells`] rows and columns.
+    #[must_use]
+    pub fn is_crop(&self) -> bool {
+        matches!(
+            self.fill,
+            Fill::Height | Fill::Class | Fill::Friction | Fill::LocalHeight | Fill::LocalClass
+        )
+    }
+
     /// What the number at an index may be.
     #[must_use]
     pub fn entry(&self, index: usize) -> &Entry {

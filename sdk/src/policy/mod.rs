@@ -21,16 +21,20 @@
 //! # assert!(command.throttle > 0.0);
 //! # Ok::<(), vb_sdk::PlannerError>(())
 //! ```
+//!
+//! A policy whose networks are in a file of weights ([`crate::nn`]) needs [`Trained`] alone.
 
 mod action;
 mod layout;
 mod observer;
 #[cfg(test)]
 mod tests;
+mod trained;
 
 pub use action::{ActionKind, Actuator, Dimension};
 pub use layout::{Dtype, Entry, Kind, Layout, PARTS, Part, Sight};
 pub use observer::{Observer, Row};
+pub use trained::{Numbers, PolicyNetwork, PolicySpec, Trained};
 
 /// A task on flat grass with a straight path of 20 m to the east, for examples and tests.
 #[doc(hidden)]

@@ -190,3 +190,84 @@ fn progress_along_the_path_is_what_is_left_of_it() {
     observer.look(&seen(at(5.0, 2.0, 0.0)));
     assert!((observer.remaining() - 20.0).abs() < 1e-9);
 }
+
+/// Weights of a policy that sees the goal and crops of two samples a side: one plane for height, one for obstacles, and a kernel
+/// over the whole crop with a single output.
+fn policy(notes: &[(&str, &str)]) -> crate::nn::Weights {
+    use crate::nn::{Convolution, Layer, Shape, Weights};
+    let mut all = vec![
+        ("parts", "goal height class"),
+        ("sight", "2 1 0 10 2"),
+        ("labels", "10"),
+        ("action", "speed 0 6"),
+        ("control_hz", "10"),
+    ];
+    for (key, value) in notes {
+        all.retain(|(k, _)| k != key);
+        all.extend((*value != "missing").then_some((*key, *value)));
+    }
+    let own = Convolution { planes: 2, rows: 2, cols: 2, outputs: 1, kernel: 2, stride: 1, padding: 0 };
+    let eyes = Layer {
+        name: "eyes.0".into(),
+        shape: Shape::Convolution(own),
+        weights: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -8.0],
+        bias: vec![0.25],
+    };
+    // The first output is what the eyes see; the second the goal forward.
+    let head = Layer::dense("head.0", 3, vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0], vec![0.0, 0.5]);
+    let notes = all.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    Weights { notes, layers: vec![eyes, head] }
+}
+
+#[test]
+fn a_policy_sees_planes_first_and_answers_by_its_layers() {
+    let weights = policy(&[]);
+    let spec = PolicySpec::of(&weights).unwrap();
+    let layout = Layout::new(&spec.parts, spec.sight, &example_task()).unwrap();
+    let mut network = PolicyNetwork::new(&weights, &spec, &layout).unwrap();
+    let mut act = |goal: [f32; 2], height: [f32; 4], class: [u8; 4]| {
+        network.act(&[Numbers::F32(&goal), Numbers::F32(&height), Numbers::U8(&class)])
+    };
+    // 0.25 + 3 m / 2 m; 25 m / 50 m + 0.5.
+    assert_eq!(act([25.0, 0.0], [3.0, 9.0, 9.0, 9.0], [3, 3, 10, 3]), [1.75, 1.0]);
+    // Numbers are limited to 5. An obstacle at the last sample is worth -8, and what is below 0 leaks a tenth of it.
+    let seen = act([-1000.0, 0.0], [1000.0, 0.0, 0.0, 0.0], [3, 3, 3, 10]);
+    assert!((seen[0] + 0.275).abs() < 1e-6 && (seen[1] + 4.5).abs() < 1e-6, "{seen:?}");
+}
+
+#[test]
+fn a_policy_drives_as_its_action_says_and_refuses_what_makes_no_sense() {
+    let task = example_task();
+    let mut own = Trained::new(&policy(&[]), &task).unwrap();
+    // The ground is flat, so the eyes see 0.25; the goal is 20 m ahead, which is 0.9 of the way from 0 to 6 m/s.
+    let command = own.step(&task, &seen(at(0.0, 0.0, 0.0))).unwrap();
+    assert!((command.steering - 0.25).abs() < 1e-6 && command.throttle > 0.0, "{command:?}");
+    let mut actuator = Actuator::new(ActionKind::default(), &task);
+    assert_eq!(command, actuator.command(&[0.25, f64::from(0.4_f32 + 0.5)], &seen(at(0.0, 0.0, 0.0))));
+    let error = own.step(&task, &seen(at(f64::NAN, 0.0, 0.0))).unwrap_err().to_string();
+    assert!(error.contains("not finite"), "{error}");
+}
+
+#[test]
+fn weights_that_are_no_policy_are_refused_with_the_note_that_is_wrong() {
+    let told = |notes: &[(&str, &str)]| match Trained::new(&policy(notes), &example_task()) {
+        Ok(_) => "it is taken".to_owned(),
+        Err(e) => e.to_string(),
+    };
+    for (key, value, wanted) in [
+        ("parts", "missing", "weights: parts: the note is missing"),
+        ("parts", "goal heights class", "there is no part heights"),
+        ("parts", "goal height", "eyes turns 8 inputs"),
+        ("parts", "height class", "head turns 3 inputs"),
+        ("sight", "2 1 0 10", "weights: sight: \"2 1 0 10\" is not cells, resolution"),
+        ("sight", "4 1 0 10 2", "eyes turns 8 inputs"),
+        ("labels", "10 obstacle", "weights: labels: \"10 obstacle\" is not a list of labels"),
+        ("labels", "9 10", "eyes turns 8 inputs"),
+        ("action", "speed 6 0", "weights: action: \"speed 6 0\" is not"),
+        ("action", "pedals", "head turns 3 inputs into 2 outputs, and not 3 into 4"),
+        ("control_hz", "20", "weights: control_hz: \"20\" is not 10"),
+    ] {
+        let told = told(&[(key, value)]);
+        assert!(told.contains(wanted), "{key}: {value}: {told}");
+    }
+}

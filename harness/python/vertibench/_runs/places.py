@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from .. import _yaml
 from .._errors import MissingError
 from .._program import tasks_path
-from ..datasets import _yaml
 from ..datasets._world import World, read_world
 from .errors import RunError
 from .store import Run

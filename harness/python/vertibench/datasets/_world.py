@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from . import _png, _yaml
+from .. import _yaml
+from . import _png
 from ._errors import DatasetError
 
 #: The kinds of ground, in the order of their labels.

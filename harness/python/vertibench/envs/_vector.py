@@ -29,6 +29,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
       `options={"reset_mask": mask}`.
     - `copy`: with False, observations, rewards and flags are the arrays that the threads write to, without a copy; they change
       with the next step.
+    - `curriculum`: what chooses the tasks: the name of one that comes with the package (`uniform`, `manual`, `learnability`,
+      `replay`), or a file. Without it, each environment draws by its own seed. `curriculum_seed` is the seed that it draws by, and
+      `env.curriculum` tells what it has come to. It is told how episodes end in the order of the environments, when they are
+      received: with `step` it chooses the same tasks again, with `send` and `recv` in batches it may not.
     - `batch_size`: for `send` and `recv`, as EnvPool has them: `recv` returns as soon as so many environments are done.
 
     `reset(seed=s)` gives environment k the seed s + k. `options={"task": …}` sets the task of all, or of each by a list; likewise
@@ -47,6 +51,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
         batch_size: int | None = None,
+        curriculum: str | os.PathLike[str] | None = None,
+        curriculum_seed: int = 0,
         render_mode: str | None = None,
         camera: str = "chase",
         render_size: tuple[int, int] = (640, 480),
@@ -77,6 +83,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             self._setup.arena, num_envs, threads, mode.name.lower(), self._setup.flat
         )
         self._arrays = self._env.arrays()
+        #: The curriculum that chooses the tasks; None without one.
+        self.curriculum: Curriculum | None = None
+        if curriculum is not None:
+            self._env.follow(os.fspath(curriculum), seed_of(curriculum_seed))  # type: ignore[arg-type]
+            self.curriculum = Curriculum(self)
         self._is_seeded = False
 
     # One call for all.
@@ -252,6 +263,38 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         if self._env is None:
             raise EpisodeError("the environment is closed: make a new one")
         return self._env
+
+
+class Curriculum:
+    """What chooses the tasks of a vector environment."""
+
+    def __init__(self, env: NavigationVectorEnv) -> None:
+        self._vector = env
+
+    def chances(self) -> dict[str, float]:
+        """The chance of each task to be the next, in the mean over the environments."""
+        return dict(zip(self._vector.tasks, self._told()[0]))
+
+    def stages(self) -> list[int]:
+        """Of each environment, the stage that it is at; empty where there are no stages."""
+        return self._told()[1]
+
+    def score(self, task: str, score: float) -> None:
+        """Takes in what a learner thinks of a task, by which `replay` chooses: the mean size of what returns differed by from the
+        values that it expected."""
+        self._vector._native().score(task, score)
+
+    def state(self) -> str:
+        """All that it remembers, as text."""
+        return self._vector._native().curriculum_state() or ""
+
+    def restore(self, state: str) -> None:
+        """Goes on from what one like it remembered, and chooses the next tasks anew. Training that is to be continued exactly does
+        `restore(state())` where it keeps the state."""
+        self._vector._native().restore_curriculum(state)
+
+    def _told(self) -> tuple[list[float], list[int]]:
+        return self._vector._native().curriculum() or ([], [])
 
 
 def _pick(value: Any, ids: np.ndarray) -> Any:

@@ -61,6 +61,7 @@ class Sb3VecEnv(VecEnv):
             final = {name: values[k] for name, values in told["final_info"].items() if not name.startswith("_")}
             infos[k] = {
                 **final,
+                "next_task": told["task"][k],
                 "terminal_observation": told["final_obs"][k],
                 "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
                 "episode": {"r": float(self._returns[k]), "l": int(self._lengths[k]), "t": final["record"]["time_s"]},

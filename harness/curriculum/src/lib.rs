@@ -1,0 +1,232 @@
+//! Which task a learner drives next.
+//!
+//! A [`Curriculum`] draws tasks for the environments of a learner and hears how their episodes ended. What it is, is data
+//! ([`Spec`], `tasks/curricula`): all tasks alike; stages by hand; tasks that can be learned from most; or prioritised level replay.
+//! It knows tasks by their index in the list that it was made for, and nothing of simulation or learning, so any learner can use it.
+//!
+//! Everything that is random follows from the seed, the environment and how many tasks that environment has drawn; what is drawn also
+//! depends on the outcomes that were reported before. Whoever reports them in a fixed order draws the same tasks again.
+//! [`Curriculum::state`] is all that it remembers, so that training can be continued.
+
+mod learnability;
+mod manual;
+mod replay;
+mod spec;
+
+use serde::{Deserialize, Serialize};
+use vb_math::rng::Stream;
+use vb_world::{Suite, TaskRef, WorldInfo};
+
+use learnability::Learnability;
+use manual::Manual;
+use replay::Replay;
+pub use spec::{CurriculumError, Method, Spec};
+
+/// Draws tasks for environments, and learns from how their episodes end.
+#[derive(Clone, Debug)]
+pub struct Curriculum {
+    tasks: usize,
+    seed: u64,
+    memory: Memory,
+}
+
+/// All that a curriculum remembers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Memory {
+    /// Of each environment, how many tasks it has drawn.
+    drawn: Vec<u64>,
+    method: Learned,
+}
+
+/// What the methods remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Learned {
+    Uniform,
+    Manual(Manual),
+    Learnability(Learnability),
+    Replay(Replay),
+}
+
+/// How an episode ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ending {
+    /// The environment.
+    pub environment: usize,
+    /// The index of the task.
+    pub task: usize,
+    /// Whether the vehicle came to the goal.
+    pub is_success: bool,
+}
+
+impl Curriculum {
+    /// A curriculum over tasks of a suite, for so many environments.
+    ///
+    /// # Errors
+    /// Returns an error if there is no task or environment, or a stage has none of the tasks.
+    pub fn new(
+        spec: &Spec,
+        suite: &Suite,
+        tasks: &[TaskRef],
+        environments: usize,
+        seed: u64,
+    ) -> Result<Self, CurriculumError> {
+        let flaw = |problem: String| CurriculumError { file: spec.name.clone(), problem };
+        if tasks.is_empty() || environments == 0 {
+            return Err(flaw("there must be a task and an environment at least".into()));
+        }
+        let method = match &spec.method {
+            Method::Uniform => Learned::Uniform,
+            Method::Manual(method) => {
+                let stages = method.stages.iter().enumerate().map(|(k, selector)| {
+                    let field = |e: String| flaw(format!("stages[{k}]: {e}"));
+                    let chosen = selector.select(suite).map_err(|e| field(e.to_string()))?;
+                    let own: Vec<usize> = (0..tasks.len()).filter(|t| chosen.contains(&tasks[*t])).collect();
+                    if own.is_empty() {
+                        return Err(field("none of the environment's tasks is in it".into()));
+                    }
+                    Ok(own)
+                });
+                let stages = stages.collect::<Result<Vec<_>, _>>()?;
+                Learned::Manual(Manual::new(method, stages, environments))
+            }
+            Method::Learnability(method) => {
+                let levels = levels(suite, tasks);
+                Learned::Learnability(Learnability::new(method, levels))
+            }
+            Method::Replay(method) => Learned::Replay(Replay::new(method, tasks.len())),
+        };
+        let drawn = vec![0; environments];
+        Ok(Self { tasks: tasks.len(), seed, memory: Memory { drawn, method } })
+    }
+
+    /// The number of environments.
+    #[must_use]
+    pub fn environments(&self) -> usize {
+        self.memory.drawn.len()
+    }
+
+    /// The index of the task that an environment drives next.
+    ///
+    /// # Panics
+    /// Panics if there is no such environment.
+    pub fn draw(&mut self, environment: usize) -> usize {
+        let drawn = &mut self.memory.drawn[environment];
+        let labels = ["curriculum", &environment.to_string(), &drawn.to_string()];
+        let mut stream = Stream::new(self.seed, &labels);
+        *drawn += 1;
+        match &mut self.memory.method {
+            Learned::Uniform => stream.below(self.tasks as u64) as usize,
+            Learned::Manual(method) => method.draw(environment, &mut stream),
+            Learned::Learnability(method) => method.draw(&mut stream),
+            Learned::Replay(method) => method.draw(&mut stream),
+        }
+    }
+
+    /// Takes in how an episode ended.
+    ///
+    /// # Panics
+    /// Panics if there is no such environment or task.
+    pub fn report(&mut self, ending: &Ending) {
+        assert!(ending.task < self.tasks && ending.environment < self.environments(), "no such task or environment");
+        match &mut self.memory.method {
+            Learned::Uniform => {}
+            Learned::Manual(method) => method.report(ending),
+            Learned::Learnability(method) => method.report(ending),
+            Learned::Replay(method) => method.report(ending),
+        }
+    }
+
+    /// Takes in a learner's score of a task, which replay draws by: the mean size of what returns differed by from the expected
+    /// values in an episode. Other methods pass it over, and all pass over what is not finite.
+    ///
+    /// # Panics
+    /// Panics if there is no such task.
+    pub fn score(&mut self, task: usize, score: f64) {
+        assert!(task < self.tasks, "no such task");
+        if let Learned::Replay(method) = &mut self.memory.method
+            && score.is_finite()
+        {
+            method.score(task, score);
+        }
+    }
+
+    /// The chance of each task to be drawn next, in the mean over the environments.
+    #[must_use]
+    pub fn chances(&self) -> Vec<f64> {
+        match &self.memory.method {
+            Learned::Uniform => vec![1.0 / self.tasks as f64; self.tasks],
+            Learned::Manual(method) => method.chances(self.tasks),
+            Learned::Learnability(method) => method.chances(),
+            Learned::Replay(method) => method.chances(),
+        }
+    }
+
+    /// Of each environment, the stage at which it is; none where there are no stages.
+    #[must_use]
+    pub fn stages(&self) -> Vec<usize> {
+        match &self.memory.method {
+            Learned::Manual(method) => method.at(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// All that it remembers, as text.
+    #[must_use]
+    pub fn state(&self) -> String {
+        // Numbers and lists of them can always be written.
+        serde_json::to_string(&self.memory).unwrap_or_default()
+    }
+
+    /// Goes on from what another curriculum of the same kind over the same tasks remembered.
+    ///
+    /// # Errors
+    /// Returns an error if the text isn't what such a curriculum remembers; nothing has changed then.
+    pub fn restore(&mut self, state: &str) -> Result<(), CurriculumError> {
+        let flaw = |problem: &str| CurriculumError { file: "the state of the curriculum".into(), problem: problem.into() };
+        let memory: Memory = serde_json::from_str(state).map_err(|e| flaw(&format!("it can't be read: {e}")))?;
+        let fits = match (&memory.method, &self.memory.method) {
+            (Learned::Uniform, Learned::Uniform) => true,
+            (Learned::Manual(a), Learned::Manual(b)) => a.is_like(b),
+            (Learned::Learnability(a), Learned::Learnability(b)) => a.is_like(b),
+            (Learned::Replay(a), Learned::Replay(b)) => a.is_like(b),
+            _ => false,
+        };
+        if !fits || memory.drawn.len() != self.memory.drawn.len() {
+            return Err(flaw("it is of another curriculum, or of other tasks or environments"));
+        }
+        self.memory = memory;
+        Ok(())
+    }
+}
+
+/// Of each task, the number of its level: elevation, ground and density of its world.
+fn levels(suite: &Suite, tasks: &[TaskRef]) -> Vec<usize> {
+    let mut known = Vec::new();
+    let level = |w: &WorldInfo| (w.elevation, w.terrain, w.density);
+    let of = |t: &TaskRef| suite.worlds().iter().find(|w| w.id == t.world).map(level);
+    let mut number = |t: &TaskRef| {
+        let level = of(t);
+        known.iter().position(|k| *k == level).unwrap_or_else(|| {
+            known.push(level);
+            known.len() - 1
+        })
+    };
+    tasks.iter().map(&mut number).collect()
+}
+
+/// The index at which the running sum of weights passes a share of their sum. All alike where the sum is 0.
+fn pick(weights: impl Iterator<Item = f64> + Clone, stream: &mut Stream) -> usize {
+    let (sum, count) = weights.clone().fold((0.0, 0usize), |(sum, n), w| (sum + w, n + 1));
+    if sum <= 0.0 {
+        return stream.below(count as u64) as usize;
+    }
+    let mut left = stream.unit() * sum;
+    for (k, weight) in weights.enumerate() {
+        left -= weight;
+        if left < 0.0 {
+            return k;
+        }
+    }
+    count - 1
+}

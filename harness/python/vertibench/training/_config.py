@@ -1,0 +1,168 @@
+"""What to learn, as data."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from .. import _yaml
+from .._errors import VertibenchError, one_line
+from .._program import tasks_path
+
+
+class TrainingError(VertibenchError, ValueError):
+    """A configuration, a checkpoint, weights or a planner can't be used. The message is one line: where, what, what to do."""
+
+
+#: The fields of a configuration with the least and the greatest value of their numbers; None for what isn't a number.
+_FIELDS: dict[str, tuple[float, float] | None] = {
+    "schema": (1, 1),
+    "name": None,
+    "planners": None,
+    "worlds.count": (1, 1000),
+    "worlds.seed": (7000, 7999),
+    "held_out.count": (1, 1000),
+    "held_out.seed": (7000, 7999),
+    "held_out.tasks": None,
+    "vehicle": None,
+    "reward": None,
+    "time_step": (1e-4, 5e-3),
+    "observation": None,
+    "ahead": (-50, 50),
+    "labels": None,
+    "speed_range": None,
+    "network.planes": (1, 256),
+    "network.kernel": (1, 16),
+    "network.stride": (1, 16),
+    "network.widths": None,
+    "ppo.environments": (1, 65536),
+    "ppo.steps": (1, 65536),
+    "ppo.batch": (2, 2**20),
+    "ppo.epochs": (1, 100),
+    "ppo.learning_rate": (1e-7, 1),
+    "ppo.final_rate": (0, 1),
+    "ppo.gamma": (0, 1),
+    "ppo.gae_lambda": (0, 1),
+    "ppo.clip": (1e-3, 10),
+    "ppo.entropy": (0, 10),
+    "ppo.value": (0, 100),
+    "ppo.gradient": (1e-3, 1e3),
+    "ppo.spread": (1e-3, 10),
+    "steps": (1, 10**12),
+    "checkpoint": (1, 10**12),
+}
+_LISTS = {"observation": str, "labels": int, "speed_range": float, "network.widths": int}
+
+
+@dataclass(frozen=True)
+class Config:
+    """A configuration: the values by the names of their fields, such as `ppo.batch`."""
+
+    values: dict[str, Any]
+
+    def __getitem__(self, field: str) -> Any:
+        return self.values[field]
+
+    @property
+    def iteration(self) -> int:
+        """Steps between two updates."""
+        return int(self["ppo.environments"] * self["ppo.steps"])
+
+    @property
+    def hash(self) -> str:
+        """Tells configurations apart. How long to train isn't part of it."""
+        text = json.dumps(self.values, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def environment(self, curriculum: str | None, seed: int) -> dict[str, Any]:
+        """The options of the vector environment that is learned in."""
+        return {
+            **self._sees_and_does(),
+            "worlds": self["worlds.count"],
+            "world_seed": self["worlds.seed"],
+            "time_step": self["time_step"],
+            "curriculum": curriculum,
+            "curriculum_seed": seed,
+        }
+
+    def held_out(self) -> dict[str, Any]:
+        """The options of an environment of the held-out worlds."""
+        own = {"worlds": self["held_out.count"], "world_seed": self["held_out.seed"], "tasks": self["held_out.tasks"]}
+        return {**self._sees_and_does(), **own}
+
+    def _sees_and_does(self) -> dict[str, Any]:
+        return {
+            "vehicle": self["vehicle"],
+            "reward": self["reward"],
+            "observation": self["observation"],
+            "sight": {"ahead": self["ahead"]},
+            "speed_range": tuple(self["speed_range"]),
+        }
+
+
+def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | None = None) -> Config:
+    """The configuration of this name (one of `tasks/training`) or of a file. `changes` replaces fields: `{"ppo.batch": "512"}`."""
+    path = Path(name)
+    if path.suffix == "" and path.name == str(name):
+        path = tasks_path() / "training" / f"{name}.yaml"
+    try:
+        read = _yaml.parse(path.read_text(encoding="utf-8"))
+    except OSError as e:
+        there = ", ".join(sorted(p.stem for p in (tasks_path() / "training").glob("*.yaml")))
+        raise TrainingError(path, f"it can't be read: {e.strerror or e}", f"give a YAML file, or one of {there}") from None
+    except ValueError as e:
+        raise TrainingError(path, one_line(e), "correct the file") from None
+    values = _flat(path, read)
+    for field, text in (changes or {}).items():
+        if field not in _FIELDS:
+            raise TrainingError(f"--set {field}", "there is no such field", f"there are {', '.join(_FIELDS)}")
+        try:
+            values[field] = _yaml.parse(f"value: {text}")["value"]
+        except (ValueError, TypeError):
+            raise TrainingError(f"--set {field}", f"{text!r} is no value", "give a number or a list") from None
+    for field, bounds in _FIELDS.items():
+        if field not in values:
+            raise TrainingError(path, f"{field}: the field is missing", "add it")
+        _check(path, field, values[field], bounds)
+    if values["checkpoint"] % (values["ppo.environments"] * values["ppo.steps"]):
+        one = values["ppo.environments"] * values["ppo.steps"]
+        what = f"checkpoint: {values['checkpoint']} is no multiple of ppo.environments times ppo.steps, {one}"
+        raise TrainingError(path, what, "change one of them")
+    return Config(values)
+
+
+def _flat(path: Path, read: Any) -> dict[str, Any]:
+    if not isinstance(read, dict):
+        raise TrainingError(path, "it has no fields", "see tasks/training/policy.yaml")
+    values: dict[str, Any] = {}
+    for key, value in read.items():
+        if isinstance(value, dict) and key != "planners":
+            values.update({f"{key}.{inner}": v for inner, v in value.items()})
+        else:
+            values[key] = value
+    for field in values:
+        if field not in _FIELDS:
+            raise TrainingError(path, f"{field}: there is no such field", f"there are {', '.join(_FIELDS)}")
+    return values
+
+
+def _check(path: Path, field: str, value: Any, bounds: tuple[float, float] | None) -> None:
+    if bounds is not None:
+        low, high = bounds
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+            raise TrainingError(path, f"{field}: {value!r} must lie in {low} to {high}", "correct it")
+    elif field in _LISTS:
+        kinds = (int, float) if _LISTS[field] is float else (_LISTS[field],)
+        if not isinstance(value, list) or not value or not all(isinstance(v, kinds) for v in value):
+            raise TrainingError(path, f"{field}: {value!r} must be a list of {_LISTS[field].__name__}s", "correct it")
+        if field == "speed_range" and len(value) != 2:
+            raise TrainingError(path, f"{field}: {value!r} must be two speeds", "correct it")
+    elif field == "planners":
+        if not isinstance(value, dict) or not value:
+            raise TrainingError(path, "planners: they must be names with their curricula", "see tasks/training/policy.yaml")
+    elif not isinstance(value, str) or not value:
+        raise TrainingError(path, f"{field}: {value!r} must be a text", "correct it")

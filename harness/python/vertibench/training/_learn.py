@@ -1,0 +1,252 @@
+"""Learning by proximal policy optimisation, in stretches between checkpoints.
+
+Everything that is random follows from the seed and the number of the stretch, and each stretch begins with new episodes. So training
+that was cut off goes on from its last checkpoint exactly as if it had not been.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.utils import set_random_seed
+from stable_baselines3.common.vec_env import VecNormalize
+
+from ..envs import NavigationVectorEnv
+from ..envs.sb3 import Sb3VecEnv, make_vec
+from ._config import Config, TrainingError
+from ._network import Eyes, Leaky
+
+#: What a checkpoint is made of.
+MODEL, STATE = "model.pt", "state.json"
+
+
+class Learner:
+    """A planner that learns, with its folder: `progress.jsonl`, and a checkpoint after each stretch."""
+
+    def __init__(self, folder: Path, config: Config, planner: str, seed: int, threads: int) -> None:
+        self.folder, self.config, self.planner, self.seed = folder, config, planner, seed
+        # One thread of torch: the order of its sums, and so the weights, must not depend on how many processors there are.
+        torch.set_num_threads(1)
+        torch.use_deterministic_algorithms(True)
+        curriculum = curriculum_of(config, planner)
+        count = config["ppo.environments"]
+        self.envs: Sb3VecEnv = make_vec(count, threads=threads, **config.environment(curriculum, seed))
+        self.normalised = VecNormalize(self.envs, norm_obs=False, norm_reward=True, gamma=config["ppo.gamma"])
+        self.model = make_model(config, self.normalised, self.envs.vector._setup.parts, seed)
+        self.model.lr_schedule = self._rate
+
+    @property
+    def steps(self) -> int:
+        """Actions until now."""
+        return int(self.model.num_timesteps)
+
+    def _rate(self, _: float) -> float:
+        done = min(self.steps / self.config["steps"], 1.0)
+        return float(self.config["ppo.learning_rate"] * (1.0 - done * (1.0 - self.config["ppo.final_rate"])))
+
+    def learn(self, steps: int, told: Callable[[dict[str, Any]], None]) -> None:
+        """Learns until so many actions were taken in all, with a checkpoint after each stretch. `told` hears of each update."""
+        while self.steps < steps:
+            stretch = self.steps // self.config["checkpoint"]
+            seed = int(np.random.SeedSequence([self.seed, stretch]).generate_state(1)[0])
+            set_random_seed(seed)
+            self.normalised.seed(seed)
+            self.model._last_obs = None  # New episodes.
+            progress = Progress(self.envs, told)
+            self.model.learn(self.config["checkpoint"], callback=progress, reset_num_timesteps=False)
+            self.save()
+            told({"steps": self.steps, "held_out": success(self.model, self.config.held_out(), self.envs.num_envs)})
+
+    def save(self) -> None:
+        """Writes the checkpoint of now, which is whole if it is there."""
+        state = {
+            "planner": self.planner,
+            "seed": self.seed,
+            "config": self.config.values,
+            "steps": self.steps,
+            "updates": self.model._n_updates,
+            "returns": [float(self.normalised.ret_rms.mean), float(self.normalised.ret_rms.var), self.normalised.ret_rms.count],
+            "curriculum": self._curriculum_state(),
+        }
+        whole, half = self.folder / f"checkpoint-{self.steps:012d}", self.folder / ".checkpoint"
+        shutil.rmtree(half, ignore_errors=True)
+        half.mkdir(parents=True)
+        torch.save(self.model.get_parameters(), half / MODEL)
+        (half / STATE).write_text(json.dumps(state, indent=1), encoding="utf-8")
+        shutil.rmtree(whole, ignore_errors=True)
+        os.replace(half, whole)
+
+    def _curriculum_state(self) -> str:
+        curriculum = self.envs.vector.curriculum
+        if curriculum is None:
+            return ""
+        state = curriculum.state()
+        # As whoever goes on from here does, so that both are the same.
+        curriculum.restore(state)
+        return state
+
+    def resume(self, checkpoint: Path) -> None:
+        """Goes on from a checkpoint."""
+        state = read_state(checkpoint)
+        read_parameters(self.model, checkpoint)
+        self.model.num_timesteps, self.model._n_updates = state["steps"], state["updates"]
+        rms = self.normalised.ret_rms
+        rms.mean, rms.var, rms.count = np.float64(state["returns"][0]), np.float64(state["returns"][1]), state["returns"][2]
+        if self.envs.vector.curriculum is not None:
+            self.envs.vector.curriculum.restore(state["curriculum"])
+
+    def close(self) -> None:
+        """Ends the threads."""
+        self.envs.close()
+
+
+class Progress(BaseCallback):
+    """Tells after each update how episodes have ended, and tells the curriculum how surprising they were."""
+
+    def __init__(self, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None]) -> None:
+        super().__init__()
+        self.envs, self.told = envs, told
+        self.outcomes: Counter[str] = Counter()
+        self.returns: list[float] = []
+        self.driving: list[str] = []
+        self.tasks: list[list[str]] = []
+        self.began = time.monotonic()
+
+    def _on_rollout_start(self) -> None:
+        if not self.driving:
+            self.driving = [info["task"] for info in self.envs.reset_infos]
+        self.outcomes, self.returns, self.tasks = Counter(), [], []
+
+    def _on_step(self) -> bool:
+        self.tasks.append(list(self.driving))
+        for k, info in enumerate(self.locals["infos"]):
+            if "outcome" in info:
+                self.outcomes[info["outcome"]] += 1
+                self.returns.append(info["episode"]["r"])
+                self.driving[k] = info["next_task"]
+        return True
+
+    def _on_rollout_end(self) -> None:
+        self._score()
+        curriculum = self.envs.vector.curriculum
+        stages = curriculum.stages() if curriculum else []
+        spread = self.model.policy.log_std.exp().detach().numpy()
+        self.told(
+            {
+                "steps": int(self.model.num_timesteps),
+                "seconds": round(time.monotonic() - self.began, 1),
+                "episodes": sum(self.outcomes.values()),
+                "outcomes": dict(sorted(self.outcomes.items())),
+                "return": float(np.mean(self.returns)) if self.returns else None,
+                "spread": [round(float(s), 4) for s in spread],
+                **({"stage": float(np.mean(stages))} if stages else {}),
+            }
+        )
+
+    def _score(self) -> None:
+        curriculum = self.envs.vector.curriculum
+        if curriculum is None:
+            return
+        surprise = np.abs(self.model.rollout_buffer.advantages)
+        for k in range(surprise.shape[1]):
+            begin = 0
+            for t in range(1, len(self.tasks) + 1):
+                if t == len(self.tasks) or self.tasks[t][k] != self.tasks[begin][k]:
+                    curriculum.score(self.tasks[begin][k], float(surprise[begin:t, k].mean()))
+                    begin = t
+
+
+def make_model(config: Config, envs: Any, parts: list[dict[str, Any]], seed: int) -> PPO:
+    """The policy with its optimiser, as it is before it has learned anything."""
+    widths = config["network.widths"]
+    eyes = {name: config[f"network.{name}"] for name in ("planes", "kernel", "stride")}
+    return PPO(
+        "MultiInputPolicy",
+        envs,
+        n_steps=config["ppo.steps"],
+        batch_size=config["ppo.batch"],
+        n_epochs=config["ppo.epochs"],
+        learning_rate=config["ppo.learning_rate"],
+        gamma=config["ppo.gamma"],
+        gae_lambda=config["ppo.gae_lambda"],
+        clip_range=config["ppo.clip"],
+        ent_coef=config["ppo.entropy"],
+        vf_coef=config["ppo.value"],
+        max_grad_norm=config["ppo.gradient"],
+        policy_kwargs={
+            "features_extractor_class": Eyes,
+            "features_extractor_kwargs": {"parts": parts, "labels": config["labels"], **eyes},
+            "net_arch": {"pi": widths, "vf": widths},
+            "activation_fn": Leaky,
+            "log_std_init": float(np.log(config["ppo.spread"])),
+        },
+        seed=seed,
+        device="cpu",
+        verbose=0,
+    )
+
+
+def curriculum_of(config: Config, planner: str) -> str:
+    """The curriculum by which a planner learns."""
+    known = config["planners"]
+    if planner not in known:
+        raise TrainingError(planner, "there is no such planner in the configuration", f"there are {', '.join(known)}")
+    return str(known[planner])
+
+
+def success(model: PPO, options: dict[str, Any], count: int) -> dict[str, float]:
+    """How the policy, without noise, does on each task of an environment once: the share of each outcome, in percent, and how many
+    tasks there are."""
+    counts = Counter(endings(lambda observation: model.predict(observation, deterministic=True)[0], options, count))
+    total = sum(counts.values())
+    return {"tasks": total, **{name: round(100.0 * n / total, 2) for name, n in sorted(counts.items())}}
+
+
+def endings(act: Callable[[Any], np.ndarray], options: dict[str, Any], count: int) -> list[str]:
+    """The outcomes of all tasks of an environment, in their order. An environment that has none left drives on for company."""
+    envs = NavigationVectorEnv(count, autoreset_mode="DISABLED", **options)
+    tasks = envs.tasks
+    ended: dict[str, str] = {}
+    driving = [tasks[k % len(tasks)] for k in range(count)]
+    waiting = tasks[count:][::-1]
+    observation, _ = envs.reset(seed=0, options={"task": driving, "run_seed": 0})
+    while len(ended) < len(tasks):
+        observation, _, terminated, truncated, infos = envs.step(act(observation))
+        over = terminated | truncated
+        for k in np.flatnonzero(over):
+            ended[driving[k]] = infos["outcome"][k]
+            driving[k] = waiting.pop() if waiting else driving[k]
+        if over.any():
+            observation, _ = envs.reset(options={"reset_mask": over, "task": driving, "run_seed": 0})
+    envs.close()
+    return [ended[task] for task in tasks]
+
+
+def read_state(checkpoint: Path) -> dict[str, Any]:
+    """What a checkpoint says of itself."""
+    try:
+        return json.loads((checkpoint / STATE).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        raise TrainingError(checkpoint, f"it is no checkpoint: {e}", "give a folder that `train` has written") from None
+
+
+def read_parameters(model: PPO, checkpoint: Path) -> None:
+    """Gives a model the parameters of a checkpoint, and its optimiser the state."""
+    model.set_parameters(torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True), device="cpu")
+
+
+def last_checkpoint(folder: Path) -> Path | None:
+    """The latest checkpoint in the folder of a run."""
+    there = sorted(folder.glob("checkpoint-*"))
+    return there[-1] if there else None

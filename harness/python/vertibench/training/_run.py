@@ -1,0 +1,117 @@
+"""A training run: its folder, and going on with it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, TextIO
+
+from .._errors import MissingPackageError
+from ._config import Config, TrainingError, read_config
+
+try:
+    import torch as torch
+    from stable_baselines3 import PPO as PPO
+except ImportError as e:
+    raise MissingPackageError("stable-baselines3", "vertibench.training") from e
+
+from ..envs._vector import processors
+from ._learn import MODEL, Learner, last_checkpoint, make_model, read_parameters, read_state, success
+
+#: What was told of each update and of each checkpoint, a line of JSON for each.
+PROGRESS = "progress.jsonl"
+
+
+def train(
+    planner: str,
+    folder: Path,
+    seed: int,
+    config_name: str,
+    changes: dict[str, str],
+    until: int | None,
+    threads: int | None,
+    out: TextIO,
+) -> None:
+    """Trains a planner into a folder; goes on from the last checkpoint if there is one."""
+    config = read_config(config_name, changes)
+    checkpoint = last_checkpoint(folder)
+    if checkpoint is not None:
+        _same(folder, read_state(checkpoint), planner, seed, config)
+    folder.mkdir(parents=True, exist_ok=True)
+    print(f"{planner}, seed {seed}: making worlds", file=out, flush=True)
+    learner = Learner(folder, config, planner, seed, threads or processors())
+    try:
+        if checkpoint is not None:
+            learner.resume(checkpoint)
+            print(f"going on from {checkpoint.name}", file=out, flush=True)
+        _forget(folder / PROGRESS, learner.steps)
+        with (folder / PROGRESS).open("a", encoding="utf-8") as log:
+
+            def told(line: dict[str, Any]) -> None:
+                print(json.dumps(line), file=log, flush=True)
+                print(_short(line), file=out, flush=True)
+
+            learner.learn(min(until or config["steps"], config["steps"]), told)
+    finally:
+        learner.close()
+
+
+def _same(folder: Path, state: dict[str, Any], planner: str, seed: int, config: Config) -> None:
+    own = {"planner": planner, "seed": seed, "config": config.values}
+    for key, value in own.items():
+        if state[key] != value:
+            told = "another configuration" if key == "config" else f"{key} {state[key]}"
+            raise TrainingError(folder, f"the run there is of {told}", "give another folder with --out, or what it was begun with")
+
+
+def _forget(log: Path, steps: int) -> None:
+    """Drops what was told after the checkpoint from which training goes on."""
+    if log.exists():
+        lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
+        log.write_text("".join(line for line in lines if line.endswith("\n") and json.loads(line)["steps"] <= steps), encoding="utf-8")
+
+
+def _short(line: dict[str, Any]) -> str:
+    if "held_out" in line:
+        told = ", ".join(f"{name} {value}" for name, value in line["held_out"].items())
+        return f"{line['steps']:>12,} steps: held-out worlds: {told}"
+    episodes = max(line["episodes"], 1)
+    told = ", ".join(f"{name} {100 * n / episodes:.0f} %" for name, n in line["outcomes"].items())
+    stage = f", stage {line['stage']:.2f}" if "stage" in line else ""
+    return f"{line['steps']:>12,} steps: {line['episodes']} episodes: {told}{stage}"
+
+
+def checkpoint_of(folder: Path) -> Path:
+    """The folder itself if it is a checkpoint, else the last checkpoint of the run in it."""
+    if (folder / MODEL).exists():
+        return folder
+    checkpoint = last_checkpoint(folder)
+    if checkpoint is None:
+        raise TrainingError(folder, "there is no checkpoint", "give the folder of a run that `train` has written")
+    return checkpoint
+
+
+def load(folder: Path) -> tuple[PPO, Config, dict[str, Any], Any]:
+    """The policy of a checkpoint, its configuration, what the checkpoint says of itself, and one environment that it fits."""
+    from ..envs.sb3 import make_vec
+
+    checkpoint = checkpoint_of(folder)
+    state = read_state(checkpoint)
+    config = Config(state["config"])
+    envs = make_vec(1, **config.held_out())
+    model = make_model(config, envs, envs.vector._setup.parts, 0)
+    read_parameters(model, checkpoint)
+    return model, config, state, envs
+
+
+def evaluate(folder: Path, suite: str | None, tasks: str | None) -> dict[str, float]:
+    """The shares of outcomes, in percent, of a checkpoint's policy without noise."""
+    model, config, _, envs = load(folder)
+    envs.close()
+    options = config.held_out()
+    if suite is not None:
+        options = {name: value for name, value in options.items() if name not in ("worlds", "world_seed", "tasks")}
+        options["suite"] = suite
+    if tasks is not None:
+        options["tasks"] = tasks
+    return success(model, options, config["ppo.environments"])
