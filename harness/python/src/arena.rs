@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vb_catalog::Catalog;
-use vb_env::{EnvError, Options, Reward};
+use vb_env::{Column, EnvError, Frame, Options, Reward};
 use vb_sdk::policy::{ActionKind, Dtype, Sight};
 
+use crate::arrays::copied;
 use crate::errors;
 
 /// What environments of one kind share: tasks, vehicle, observation, action, reward.
@@ -160,6 +162,37 @@ impl Arena {
     /// The weights of the reward's terms, by their names.
     fn weights(&self) -> BTreeMap<&'static str, f64> {
         vb_env::TERMS.iter().map(|t| t.name).zip(self.inner.reward().weights).collect()
+    }
+
+    /// What a policy would have seen in a drive of a task: an array for each part, with a row for each frame. `states` has the 15
+    /// entries of a dataset's `observation.state`, `commands` steering, throttle and brake that held until then.
+    fn recall<'py>(
+        &self,
+        py: Python<'py>,
+        task: &str,
+        states: PyReadonlyArray2<'_, f64>,
+        commands: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let (states, commands) = (states.as_array(), commands.as_array());
+        let count = states.nrows();
+        if states.ncols() != 15 || commands.shape() != [count, 3] {
+            let what = "a drive has 15 entries of the state and 3 of the command in each frame";
+            return Err(errors::named(py, "OptionError", what));
+        }
+        let frame = |k: usize| Frame {
+            state: std::array::from_fn(|i| states[[k, i]]),
+            command: std::array::from_fn(|i| commands[[k, i]]),
+        };
+        let frames: Vec<Frame> = (0..count).map(frame).collect();
+        let columns = errors::guarded(py, || self.inner.recall(task, &frames))?;
+        let array = |(column, part): (&Column, &vb_sdk::policy::Part)| {
+            let shape = [&[count], &part.shape[..]].concat();
+            match column {
+                Column::F32(numbers) => copied(py, numbers, &shape),
+                Column::U8(labels) => copied(py, labels, &shape),
+            }
+        };
+        columns.iter().zip(self.inner.layout().parts()).map(array).collect()
     }
 
     /// The names of the tasks.

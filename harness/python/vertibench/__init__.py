@@ -92,11 +92,11 @@ _FROM = {
 }
 _MODULES = {name: module for module, names in _FROM.items() for name in names}
 
-__all__ = ["datasets", "envs", *sorted(_MODULES)]
+__all__ = ["datasets", "envs", "training", *sorted(_MODULES)]
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("datasets", "envs"):
+    if name in ("datasets", "envs", "training"):
         return importlib.import_module(f".{name}", __name__)
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -25,6 +25,7 @@
 //! A policy whose networks are in a file of weights ([`crate::nn`]) needs [`Trained`] alone.
 
 mod action;
+mod export;
 mod layout;
 mod observer;
 #[cfg(test)]

@@ -48,6 +48,8 @@ def _parser() -> argparse.ArgumentParser:
     train.add_argument("--until", type=int, help="stop after so many steps; the configuration's where it isn't given")
     train.add_argument("--threads", type=int, help="threads that step environments; all processors where it isn't given")
 
+    train.add_argument("--clone", type=Path, metavar="DATASET", help="begin with what planners did in this dataset of demonstrations")
+
     export = command("export", _export, "Writes the weights of a checkpoint as planners read them, and checks them.")
     export.add_argument("run_folder", type=Path, metavar="RUN", help="the folder of a run, or of one of its checkpoints")
     export.add_argument("weights", type=Path, help="the file to write")
@@ -73,7 +75,7 @@ def _train(own: argparse.Namespace) -> None:
     from ._run import train
 
     changes = dict(_pair(text) for text in own.set)
-    train(own.planner, own.out, own.seed, own.config, changes, own.until, own.threads, sys.stdout)
+    train(own.planner, own.out, own.seed, own.config, changes, own.until, own.threads, own.clone, sys.stdout)
 
 
 def _export(own: argparse.Namespace) -> None:

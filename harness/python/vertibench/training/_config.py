@@ -52,6 +52,11 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "ppo.value": (0, 100),
     "ppo.gradient": (1e-3, 1e3),
     "ppo.spread": (1e-3, 10),
+    "ppo.hold": (0, 10000),
+    "clone.epochs": (1, 1000),
+    "clone.rate": (1e-7, 1),
+    "clone.spread": (1e-3, 10),
+    "clone.critic": (0, 10**12),
     "steps": (1, 10**12),
     "checkpoint": (1, 10**12),
 }
@@ -81,7 +86,7 @@ class Config:
     def environment(self, curriculum: str | None, seed: int) -> dict[str, Any]:
         """The options of the vector environment that is learned in."""
         return {
-            **self._sees_and_does(),
+            **self.sees_and_does(),
             "worlds": self["worlds.count"],
             "world_seed": self["worlds.seed"],
             "time_step": self["time_step"],
@@ -92,9 +97,10 @@ class Config:
     def held_out(self) -> dict[str, Any]:
         """The options of an environment of the held-out worlds."""
         own = {"worlds": self["held_out.count"], "world_seed": self["held_out.seed"], "tasks": self["held_out.tasks"]}
-        return {**self._sees_and_does(), **own}
+        return {**self.sees_and_does(), **own}
 
-    def _sees_and_does(self) -> dict[str, Any]:
+    def sees_and_does(self) -> dict[str, Any]:
+        """The options of environments in which policies of this configuration drive."""
         return {
             "vehicle": self["vehicle"],
             "reward": self["reward"],

@@ -24,6 +24,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from ..envs import NavigationVectorEnv
 from ..envs.sb3 import Sb3VecEnv, make_vec
+from ._clone import clone
 from ._config import Config, TrainingError
 from ._network import Eyes, Leaky
 
@@ -36,6 +37,8 @@ class Learner:
 
     def __init__(self, folder: Path, config: Config, planner: str, seed: int, threads: int) -> None:
         self.folder, self.config, self.planner, self.seed = folder, config, planner, seed
+        #: What the policy was cloned from; None without a warm start.
+        self.cloned: dict[str, Any] | None = None
         # One thread of torch: the order of its sums, and so the weights, must not depend on how many processors there are.
         torch.set_num_threads(1)
         torch.use_deterministic_algorithms(True)
@@ -63,10 +66,21 @@ class Learner:
             set_random_seed(seed)
             self.normalised.seed(seed)
             self.model._last_obs = None  # New episodes.
-            progress = Progress(self.envs, told)
+            progress = Progress(self.envs, told, self._freeze)
             self.model.learn(self.config["checkpoint"], callback=progress, reset_num_timesteps=False)
             self.save()
             told({"steps": self.steps, "held_out": success(self.model, self.config.held_out(), self.envs.num_envs)})
+
+    def clone(self, demonstrations: Path) -> dict[str, Any]:
+        """Fits the policy to demonstrations before it learns by itself."""
+        self.cloned = clone(self.model, self.config, demonstrations)
+        return self.cloned
+
+    def _freeze(self) -> None:
+        """Lets only the layers of the value learn for a while, which know nothing yet of a policy that was cloned; then all."""
+        frozen = self.cloned is not None and self.steps < self.config["clone.critic"]
+        for name, parameter in self.model.policy.named_parameters():
+            parameter.requires_grad = not frozen or name.startswith(("value_net", "mlp_extractor.value_net"))
 
     def save(self) -> None:
         """Writes the checkpoint of now, which is whole if it is there."""
@@ -74,6 +88,7 @@ class Learner:
             "planner": self.planner,
             "seed": self.seed,
             "config": self.config.values,
+            "cloned": self.cloned,
             "steps": self.steps,
             "updates": self.model._n_updates,
             "returns": [float(self.normalised.ret_rms.mean), float(self.normalised.ret_rms.var), self.normalised.ret_rms.count],
@@ -101,6 +116,7 @@ class Learner:
         state = read_state(checkpoint)
         read_parameters(self.model, checkpoint)
         self.model.num_timesteps, self.model._n_updates = state["steps"], state["updates"]
+        self.cloned = state["cloned"]
         rms = self.normalised.ret_rms
         rms.mean, rms.var, rms.count = np.float64(state["returns"][0]), np.float64(state["returns"][1]), state["returns"][2]
         if self.envs.vector.curriculum is not None:
@@ -114,9 +130,9 @@ class Learner:
 class Progress(BaseCallback):
     """Tells after each update how episodes have ended, and tells the curriculum how surprising they were."""
 
-    def __init__(self, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(self, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None], begins: Callable[[], None]) -> None:
         super().__init__()
-        self.envs, self.told = envs, told
+        self.envs, self.told, self.begins = envs, told, begins
         self.outcomes: Counter[str] = Counter()
         self.returns: list[float] = []
         self.driving: list[str] = []
@@ -124,6 +140,7 @@ class Progress(BaseCallback):
         self.began = time.monotonic()
 
     def _on_rollout_start(self) -> None:
+        self.begins()
         if not self.driving:
             self.driving = [info["task"] for info in self.envs.reset_infos]
         self.outcomes, self.returns, self.tasks = Counter(), [], []
@@ -141,7 +158,7 @@ class Progress(BaseCallback):
         self._score()
         curriculum = self.envs.vector.curriculum
         stages = curriculum.stages() if curriculum else []
-        spread = self.model.policy.log_std.exp().detach().numpy()
+        spread = np.atleast_2d(self.model.policy.log_std.exp().detach().numpy()).mean(axis=0)
         self.told(
             {
                 "steps": int(self.model.num_timesteps),
@@ -184,6 +201,8 @@ def make_model(config: Config, envs: Any, parts: list[dict[str, Any]], seed: int
         ent_coef=config["ppo.entropy"],
         vf_coef=config["ppo.value"],
         max_grad_norm=config["ppo.gradient"],
+        use_sde=config["ppo.hold"] > 0,
+        sde_sample_freq=config["ppo.hold"] or -1,
         policy_kwargs={
             "features_extractor_class": Eyes,
             "features_extractor_kwargs": {"parts": parts, "labels": config["labels"], **eyes},

@@ -30,9 +30,11 @@ def train(
     changes: dict[str, str],
     until: int | None,
     threads: int | None,
+    demonstrations: Path | None,
     out: TextIO,
 ) -> None:
-    """Trains a planner into a folder; goes on from the last checkpoint if there is one."""
+    """Trains a planner into a folder; goes on from the last checkpoint if there is one, and else begins with demonstrations if some
+    are given."""
     config = read_config(config_name, changes)
     checkpoint = last_checkpoint(folder)
     if checkpoint is not None:
@@ -44,6 +46,9 @@ def train(
         if checkpoint is not None:
             learner.resume(checkpoint)
             print(f"going on from {checkpoint.name}", file=out, flush=True)
+        elif demonstrations is not None:
+            print(f"cloned: {json.dumps(learner.clone(demonstrations))}", file=out, flush=True)
+            learner.save()
         _forget(folder / PROGRESS, learner.steps)
         with (folder / PROGRESS).open("a", encoding="utf-8") as log:
 
@@ -92,13 +97,13 @@ def checkpoint_of(folder: Path) -> Path:
 
 
 def load(folder: Path) -> tuple[PPO, Config, dict[str, Any], Any]:
-    """The policy of a checkpoint, its configuration, what the checkpoint says of itself, and one environment that it fits."""
+    """The policy of a checkpoint, its configuration, what the checkpoint says of itself, and environments that it fits."""
     from ..envs.sb3 import make_vec
 
     checkpoint = checkpoint_of(folder)
     state = read_state(checkpoint)
     config = Config(state["config"])
-    envs = make_vec(1, **config.held_out())
+    envs = make_vec(config["ppo.environments"], **config.held_out())
     model = make_model(config, envs, envs.vector._setup.parts, 0)
     read_parameters(model, checkpoint)
     return model, config, state, envs

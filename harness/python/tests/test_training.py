@@ -1,0 +1,265 @@
+"""Training: configurations, weights, planners made of them, and learning that can be cut off."""
+
+import io
+import json
+import re
+import subprocess
+
+import numpy as np
+import pytest
+
+import vertibench
+from vertibench.training import TrainingError, Weights, package, read_config, read_weights
+from vertibench.training._package import CAPACITY, METADATA, _bytes, _number, metadata, rewrite
+from vertibench.training._weights import convolution, dense
+
+PARTS = ["goal", "path", "height", "class"]
+NOTES = {
+    "parts": " ".join(PARTS),
+    "sight": "16 1 4 10 2",
+    "labels": "7 10",
+    "action": "speed 0 6",
+    "control_hz": "10",
+}
+
+
+def weights(notes=NOTES) -> Weights:
+    """A policy that steers to the third point of the path, with a little of everything else."""
+    draw = np.random.default_rng(3)
+    # Three planes of 16 x 16; a kernel of 8 at a stride of 8 leaves 2 x 2.
+    eyes = convolution("eyes.0", 16, draw.normal(0, 0.02, (2, 3, 8, 8)), draw.normal(0, 0.1, 2), 8)
+    hidden = draw.normal(0, 0.05, (6, 8 + 2 + 20))
+    hidden[0, 8 + 2 + 5] = 10.0  # Metres to the left of the third point, which are divided by 10.
+    out = np.array([[0.2, 0.01, -0.01, 0.02, 0.0, 0.01], [0.0, 0.0, 0.02, 0.0, -0.01, 0.0]])
+    return Weights(dict(notes), [eyes, dense("head.0", hidden, draw.normal(0, 0.1, 6)), dense("head.1", out, np.zeros(2))])
+
+
+def by_numpy(own: Weights, observation) -> np.ndarray:
+    """Actions by the definition of the network, in double precision."""
+
+    def leaky(v):
+        return np.where(v < 0, 0.1 * v, v)
+
+    eyes, *layers = own.layers
+    height = np.clip(observation["height"] / 2.0, -5, 5)
+    planes = np.stack([height, observation["class"] == 7, observation["class"] == 10], 1).astype(np.float64)
+    count = len(planes)
+    seen = np.zeros((count, 2, 2, 2))
+    for row in range(2):
+        for col in range(2):
+            patch = planes[:, :, 8 * row : 8 * row + 8, 8 * col : 8 * col + 8]
+            seen[:, :, row, col] = np.einsum("npij,opij->no", patch, eyes.weights) + eyes.bias
+    goal, path = observation["goal"] / 50.0, observation["path"].reshape(count, -1) / 10.0
+    values = np.concatenate([leaky(seen).reshape(count, -1), np.clip(goal, -5, 5), np.clip(path, -5, 5)], 1)
+    for k, layer in enumerate(layers):
+        values = values @ layer.weights.T + layer.bias
+        values = leaky(values) if k + 1 < len(layers) else values
+    return values
+
+
+@pytest.fixture
+def made(program, tmp_path):
+    """Makes a planner of weights."""
+
+    def make(own=None, name="mine", about="Mine"):
+        (tmp_path / "mine.vbnn").write_bytes(bytes(own or weights()))
+        package(tmp_path / "mine.vbnn", tmp_path / "mine.wasm", name, about)
+        return tmp_path / "mine.wasm"
+
+    return make
+
+
+def test_the_planners_networks_are_those_that_are_written_down(envs):
+    own = envs.NavigationVectorEnv(5, suite="smoke", tasks="w001-w005", observation=PARTS, sight={"ahead": 4.0})
+    observation, _ = own.reset(seed=1)
+    for _ in range(5):
+        parts = [observation[name] for name in PARTS]
+        actions = vertibench._native.policy_actions(own._setup.arena, bytes(weights()), parts)
+        np.testing.assert_allclose(actions, by_numpy(weights(), observation), atol=1e-5)
+        observation = own.step(np.clip(actions + 0.3, -1, 1))[0]
+
+
+@pytest.mark.parametrize("task", ["w001/t01", "w005/t02"])
+def test_a_packaged_planner_drives_as_the_policy_does_in_the_environment(envs, made, tmp_path, task):
+    own = envs.NavigationVectorEnv(1, autoreset_mode="DISABLED", suite="smoke", observation=PARTS, sight={"ahead": 4.0})
+    observation, _ = own.reset(seed=0, options={"task": task, "run_seed": 0})
+    over = False
+    while not over:
+        parts = [observation[name] for name in PARTS]
+        action = vertibench._native.policy_actions(own._setup.arena, bytes(weights()), parts)
+        observation, _, terminated, truncated, infos = own.step(action)
+        over = terminated[0] or truncated[0]
+    driven = vertibench.run(made(), suite="smoke", tasks=[task], out=tmp_path / "run", progress=False)
+    records = [json.loads(line) for line in (driven.path / "tasks.jsonl").read_text().splitlines()]
+    assert records[0]["state_hash"] == infos["record"][0]["state_hash"]
+
+
+def test_a_packaged_planner_tells_its_name_and_weights(made):
+    file = made(name="hill-fox", about="Over the hills")
+    done = subprocess.run([vertibench.harness_path(), "inspect", "--plugin", file], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"planner +hill-fox ", done.stdout) and re.search(r"about +Over the hills", done.stdout)
+    assert re.search(r"model +mine.vbnn sha256 [0-9a-f]{64}", done.stdout)
+
+
+def test_what_can_not_be_packaged_is_refused(made, tmp_path):
+    with pytest.raises(TrainingError, match="--name My Planner: a planner's name holds a-z"):
+        made(name="My Planner")
+    large = Weights(NOTES, [dense("head.0", np.zeros((600, 600)), np.zeros(600))])
+    with pytest.raises(TrainingError, match=f"bytes are more than a planner has room for, {CAPACITY}"):
+        made(large)
+    (tmp_path / "text").write_text("no weights")
+    with pytest.raises(TrainingError, match="text: these are no weights"):
+        read_weights(tmp_path / "text")
+    with pytest.raises(TrainingError, match="nowhere: it can't be read: No such file"):
+        read_weights(tmp_path / "nowhere")
+
+
+def test_a_planner_without_weights_says_where_they_come_from(program, tmp_path):
+    driven = vertibench.run("learned.wasm", suite="smoke", tasks=["w001/t00"], out=tmp_path / "run", progress=False)
+    assert "there are no weights in this planner's file" in (driven.path / "tasks.jsonl").read_text()
+
+
+def section(kind: int, body: bytes) -> bytes:
+    return bytes([kind]) + _bytes(len(body)) + body
+
+
+def test_the_metadata_is_changed_wherever_it_lies():
+    text = "abi: 0.2\nname: learned\nabout: old\n" + "help: long\n" * 20
+    module = b"\0asm\x01\0\0\0" + section(0, b"\x0a" + METADATA + text.encode()) + section(11, b"data" * 50)
+    component = b"\0asm\x0d\0\x01\0" + section(7, b"types") + section(4, b"\0asm\x0d\0\x01\0" + section(1, module)) + section(0, b"\x03xyz")
+    short = metadata(text, {"name": "mine", "about": "two\nlines \\"}, ["pose", "lidar"])
+    changed = rewrite(component, lambda _: short)
+    assert component.replace(_bytes(len(module)) + module, b"").count(b"xyz") == 1
+    assert b"name: mine\n" in changed and b"about: two\\nlines \\\\\n" in changed and b"name: learned" not in changed
+    assert changed.endswith(section(0, b"\x03xyz")) and section(11, b"data" * 50) in changed
+    assert short.endswith("need: pose\nneed: lidar\n")
+    # All sizes are right: nothing changes any more, and the old text comes back.
+    assert rewrite(changed, lambda _: text) == component
+
+
+def test_numbers_as_wasm_writes_them():
+    for value, written in ((0, "00"), (127, "7f"), (128, "8001"), (624485, "e58e26")):
+        assert _bytes(value).hex() == written and _number(bytes.fromhex(f"ff{written}"), 1) == (value, 1 + len(written) // 2)
+
+
+def test_configurations_are_read_and_changed():
+    own = read_config("policy", {"ppo.batch": "256", "speed_range": "[-1, 4.5]"})
+    assert own["ppo.batch"] == 256 and own["speed_range"] == [-1, 4.5] and own["planners"]["acl"] == "learnability"
+    assert own.hash == read_config("policy", {"ppo.batch": "256", "speed_range": "[-1, 4.5]"}).hash != read_config("policy").hash
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"ppo.batch": "1"}, "ppo.batch: 1 must lie in 2 to"),
+        ({"ppo.batch": "many"}, "ppo.batch: 'many' must lie in"),
+        ({"ppo.size": "1"}, "--set ppo.size: there is no such field"),
+        ({"worlds.seed": "2025"}, "worlds.seed: 2025 must lie in 7000 to 7999"),
+        ({"speed_range": "[1]"}, "must be two speeds"),
+        ({"network.widths": "64"}, "network.widths: 64 must be a list"),
+        ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of ppo.environments times ppo.steps, 8192"),
+    ],
+)
+def test_flaws_of_configurations_are_told(changes, told):
+    with pytest.raises(TrainingError, match=re.escape(told)):
+        read_config("policy", changes)
+
+
+def test_files_of_configurations_are_checked(tmp_path):
+    (tmp_path / "mine.yaml").write_text("schema: 1\nname: mine\nppo: {size: 3}\n")
+    with pytest.raises(TrainingError, match=r"mine.yaml: ppo.size: there is no such field"):
+        read_config(tmp_path / "mine.yaml")
+    (tmp_path / "mine.yaml").write_text("schema: 1\nname: mine\n")
+    with pytest.raises(TrainingError, match=r"mine.yaml: planners: the field is missing"):
+        read_config(tmp_path / "mine.yaml")
+    with pytest.raises(TrainingError, match=r"it can't be read: No such file or directory \(give a YAML file, or one of policy\)"):
+        read_config("polici")
+
+
+# What follows learns, and needs torch.
+
+
+@pytest.fixture(scope="module")
+def learned(tmp_path_factory):
+    """A tiny run in two stretches, one that was cut off after the first, and its configuration."""
+    pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed (it brings torch, which takes gigabytes)")
+    from vertibench.training._run import train
+
+    changes = {
+        "worlds.count": "6",
+        "held_out.count": "3",
+        "held_out.tasks": '"w001-w003/t00"',
+        "ppo.environments": "8",
+        "ppo.steps": "64",
+        "ppo.batch": "128",
+        "checkpoint": "2048",
+        "planners": "{uniform: uniform, replay: replay}",
+    }
+    folder = tmp_path_factory.mktemp("training")
+
+    def run(name, until, threads=2, planner="replay", seed=1, changes=changes, demonstrations=None):
+        out = io.StringIO()
+        train(planner, folder / name, seed, "policy", changes, until, threads, demonstrations, out)
+        return out.getvalue()
+
+    run("whole", 4096)
+    run("cut", 2048)
+    return folder, run
+
+
+def test_training_that_was_cut_off_goes_on_as_if_it_had_not_been(learned):
+    folder, run = learned
+    (folder / "cut/progress.jsonl").open("a").write('{"steps": 3000, "half a li')
+    told = run("cut", 4096, threads=1)
+    assert "going on from checkpoint-000000002048" in told
+    for file in ("model.pt", "state.json"):
+        one, other = ((folder / name / "checkpoint-000000004096" / file).read_bytes() for name in ("whole", "cut"))
+        assert one == other, file
+
+    def lines(name):
+        read = [json.loads(line) for line in (folder / name / "progress.jsonl").read_text().splitlines()]
+        return [{k: v for k, v in line.items() if k != "seconds"} for line in read]
+
+    assert lines("whole") == lines("cut") and [line["steps"] for line in lines("cut") if "held_out" in line] == [2048, 4096]
+
+
+def test_another_run_is_not_gone_on_with(learned):
+    folder, run = learned
+    with pytest.raises(TrainingError, match="the run there is of seed 1"):
+        run("whole", 8192, seed=2)
+    with pytest.raises(TrainingError, match="the run there is of planner replay"):
+        run("whole", 8192, planner="uniform")
+    with pytest.raises(TrainingError, match="rl: there is no such planner in the configuration"):
+        run("new", 8192, planner="rl")
+
+
+def test_weights_that_are_exported_drive_as_the_policy_does(learned, program, tmp_path):
+    from vertibench.training._export import export
+    from vertibench.training._run import evaluate
+
+    folder, _ = learned
+    told = export(folder / "whole", tmp_path / "own.vbnn")
+    assert float(re.search(r"by (\S+) at most", told)[1]) < 1e-5
+    notes, _ = read_weights(tmp_path / "own.vbnn")
+    assert notes["policy"] == "replay" and notes["steps"] == "4096" and notes["seed"] == "1"
+    package(tmp_path / "own.vbnn", tmp_path / "own.wasm", "own", "Own")
+    tasks = ["w001/t00", "w002/t00", "w004/t00"]
+    driven = vertibench.run(tmp_path / "own.wasm", suite="smoke", tasks=tasks, out=tmp_path / "run", progress=False)
+    outcomes = [json.loads(line)["outcome"] for line in (driven.path / "tasks.jsonl").read_text().splitlines()]
+    shares = evaluate(folder / "whole", "smoke", ",".join(tasks))
+    assert shares == {"tasks": 3, **{name: round(100 * outcomes.count(name) / 3, 2) for name in sorted(set(outcomes))}}
+
+
+def test_curves_have_a_band_over_seeds(learned, tmp_path):
+    from vertibench.training._curves import _interval, curves
+
+    folder, run = learned
+    run("other", 2048, seed=2)
+    told = curves([folder / "whole", folder / "other"], tmp_path / "curves.svg")
+    assert "2 seeds" not in told.splitlines()[0] and "1 seeds" in told.splitlines()[0]
+    table = (tmp_path / "curves.csv").read_text().splitlines()
+    assert table[0] == "planner,steps,success_percent,low,high,seeds" and [row.split(",")[-1] for row in table[1:]] == ["2", "1"]
+    assert (tmp_path / "curves.svg").read_text().count("<polygon") == 1
+    # Student's t of two degrees of freedom: 4.303 * 1 / sqrt(3).
+    assert _interval([1.0, 2.0, 3.0]) == pytest.approx((2.0, 2.0 - 2.4843, 2.0 + 2.4843), abs=1e-3)

@@ -1,0 +1,73 @@
+"""A warm start: the policy first learns to do what planners did in a dataset of demonstrations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+
+from .. import datasets
+from ..envs import NavigationVectorEnv
+from ._config import Config, TrainingError
+
+#: How long after a frame the demonstrated speed is the one to aim at, s.
+_AHEAD = 1.0
+
+
+def clone(model: PPO, config: Config, folder: Path) -> dict[str, Any]:
+    """Fits the policy's mean to the demonstrations of `vertibench dataset drive`; says what was fitted, and how well: the root of the
+    mean squared error of steering and speed, as actions."""
+    observations, actions, told = demonstrations(config, folder)
+    policy = model.policy
+    parameters = [p for name, p in policy.named_parameters() if not name.startswith(("value_net", "mlp_extractor.value_net"))]
+    optimiser = torch.optim.Adam(parameters, lr=config["clone.rate"])
+    generator = torch.Generator().manual_seed(model.seed or 0)
+    count, batch = len(actions), config["ppo.batch"]
+    tensors = {name: torch.from_numpy(values) for name, values in observations.items()}
+    wanted = torch.from_numpy(actions)
+    squares = torch.zeros(actions.shape[1])
+    for _ in range(config["clone.epochs"]):
+        squares = torch.zeros(actions.shape[1])
+        for chosen in torch.randperm(count, generator=generator).split(batch):
+            mean = policy.get_distribution({name: t[chosen] for name, t in tensors.items()}).distribution.mean
+            errors = (mean - wanted[chosen]) ** 2
+            optimiser.zero_grad()
+            errors.mean().backward()
+            optimiser.step()
+            squares += errors.detach().sum(0)
+    with torch.no_grad():
+        policy.log_std.fill_(float(np.log(config["clone.spread"])))
+    rms = [round(float(v), 4) for v in (squares / count).sqrt()]
+    return {**told, "frames": count, "error": rms}
+
+
+def demonstrations(config: Config, folder: Path) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, Any]]:
+    """Observations as the policy sees them, the actions that stand for what was done, and what they are from."""
+    data = datasets.open(folder)
+    if data.info.of_a_suite:
+        raise TrainingError(folder, "planners are judged on its worlds", "take demonstrations from training worlds")
+    if data.info.vehicle != config["vehicle"] or data.info.hz != 10:
+        what = f"it is of {data.info.vehicle} at {data.info.hz} Hz, and not of {config['vehicle']} at 10 Hz"
+        raise TrainingError(folder, what, "take another dataset")
+    slowest, fastest = config["speed_range"]
+    envs = NavigationVectorEnv(1, suite=folder / "suite", **config.sees_and_does())
+    arena, parts = envs._setup.arena, envs._setup.parts
+    columns: list[list[np.ndarray]] = [[] for _ in parts]
+    actions = []
+    for k, episode in enumerate(data.episodes):
+        if not episode.task:
+            raise TrainingError(folder, f"episode {episode.index} has no task", "take a dataset of `vertibench dataset drive`")
+        frames = data.frames(k, ["observation.state", "action"])
+        state, command = frames["observation.state"].astype(np.float64), frames["action"].astype(np.float64)
+        held = np.vstack([np.zeros((1, 3)), command[:-1, :3]])
+        for column, values in zip(columns, arena.recall(episode.task, state, np.clip(held, [-1, 0, 0], 1))):
+            column.append(values)
+        later = np.minimum(np.arange(len(state)) + round(_AHEAD * data.info.hz), len(state) - 1)
+        speed = 2.0 * (state[later, 6] - slowest) / (fastest - slowest) - 1.0
+        actions.append(np.clip(np.stack([command[:, 0], speed], 1), -1, 1).astype(np.float32))
+    envs.close()
+    observations = {part["name"]: np.concatenate(column) for part, column in zip(parts, columns)}
+    return observations, np.concatenate(actions), {"dataset": data.info.hash, "episodes": len(data.episodes)}

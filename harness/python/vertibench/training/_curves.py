@@ -1,0 +1,114 @@
+"""What several runs have come to: success on held-out worlds against steps."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import statistics
+from collections import defaultdict
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+from ._config import TrainingError
+
+#: Two-sided 95 % quantiles of Student's t by degrees of freedom, from 1.
+_T = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)
+#: Okabe and Ito's colours, which people of any colour vision tell apart.
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 720, 400, 56, 120, 16, 48
+
+#: Of each planner, by steps: the success of each seed, percent.
+Points = dict[str, dict[int, list[float]]]
+
+
+def curves(runs: list[Path], out: Path) -> str:
+    """Draws the curves of runs as an SVG with a table beside it, and gives a line for each planner's last point."""
+    points = _read(runs)
+    rows = [(name, steps, *_interval(values), len(values)) for name, at in sorted(points.items()) for steps, values in sorted(at.items())]
+    with out.with_suffix(".csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("planner", "steps", "success_percent", "low", "high", "seeds"))
+        writer.writerows((name, steps, *(f"{v:.2f}" for v in numbers), seeds) for name, steps, *numbers, seeds in rows)
+    out.write_text(_picture(points), encoding="utf-8")
+    last = {name: (steps, mean, low, high, seeds) for name, steps, mean, low, high, seeds in rows}
+    told = [f"{n}: {m:.1f} % [{a:.1f}, {b:.1f}] at {s:,} steps, {k} seeds" for n, (s, m, a, b, k) in last.items()]
+    return "\n".join([*told, f"{out} and {out.with_suffix('.csv')}"])
+
+
+def _read(runs: list[Path]) -> Points:
+    points: Points = defaultdict(lambda: defaultdict(list))
+    for run in runs:
+        try:
+            lines = [json.loads(line) for line in (run / "progress.jsonl").read_text(encoding="utf-8").splitlines()]
+            first = min(run.glob("checkpoint-*/state.json"))
+            name = json.loads(first.read_text(encoding="utf-8"))["planner"]
+        except (OSError, ValueError) as e:
+            raise TrainingError(run, f"it is no run with a checkpoint: {e}", "give folders that `train` has written") from None
+        for line in lines:
+            if "held_out" in line:
+                points[name][line["steps"]].append(line["held_out"].get("success", 0.0))
+    if not points:
+        raise TrainingError(runs[0], "no success was measured yet", "train until the first checkpoint")
+    return points
+
+
+def _interval(values: list[float]) -> tuple[float, float, float]:
+    """Mean, and the 95 % interval of the mean over seeds; the mean alone for a single seed."""
+    mean = statistics.fmean(values)
+    if len(values) < 2:
+        return mean, mean, mean
+    t = _T[min(len(values) - 2, len(_T) - 1)]
+    half = t * statistics.stdev(values) / math.sqrt(len(values))
+    return mean, mean - half, mean + half
+
+
+def _picture(points: Points) -> str:
+    most = max(steps for at in points.values() for steps in at)
+    wide, high = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
+
+    def x(steps: float) -> float:
+        return round(_LEFT + wide * steps / most, 1)
+
+    def y(percent: float) -> float:
+        return round(_TOP + high * (1.0 - min(max(percent, 0.0), 100.0) / 100.0), 1)
+
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="sans-serif" font-size="13">',
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>',
+        "<title>Success on held-out worlds against steps of training</title>",
+    ]
+    for percent in range(0, 101, 20):
+        parts.append(f'<path d="M{_LEFT} {y(percent)}H{_WIDTH - _RIGHT}" stroke="#dddddd"/>')
+        parts.append(f'<text x="{_LEFT - 8}" y="{y(percent) + 4}" text-anchor="end" fill="#333333">{percent}</text>')
+    for steps in _ticks(most):
+        parts.append(f'<path d="M{x(steps)} {_HEIGHT - _BOTTOM}v5" stroke="#333333"/>')
+        label = f"{steps / 1e6:g} M" if most >= 1e6 else f"{steps / 1e3:g} k"
+        parts.append(f'<text x="{x(steps)}" y="{_HEIGHT - _BOTTOM + 20}" text-anchor="middle" fill="#333333">{label}</text>')
+    parts.append(f'<text x="{_LEFT + wide / 2}" y="{_HEIGHT - 8}" text-anchor="middle" fill="#333333">steps of training</text>')
+    middle = _TOP + high / 2
+    parts.append(
+        f'<text x="14" y="{middle}" text-anchor="middle" fill="#333333" transform="rotate(-90 14 {middle})">'
+        "success on held-out worlds, %</text>"
+    )
+    labels: list[tuple[float, str, str]] = []
+    for (name, at), colour in zip(sorted(points.items()), _COLOURS * 9):
+        band = [(steps, *_interval(values)) for steps, values in sorted(at.items())]
+        if any(len(values) > 1 for values in at.values()):
+            edge = [f"{x(s)},{y(hi)}" for s, _, _, hi in band] + [f"{x(s)},{y(lo)}" for s, _, lo, _ in reversed(band)]
+            parts.append(f'<polygon points="{" ".join(edge)}" fill="{colour}" fill-opacity="0.18"/>')
+        line = " ".join(f"{x(s)},{y(m)}" for s, m, _, _ in band)
+        parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        labels.append((y(band[-1][1]), f"{name} {band[-1][1]:.0f} %", colour))
+    below = 0.0
+    for at_y, text, colour in sorted(labels):
+        below = max(at_y + 4, below + 16)
+        parts.append(f'<text x="{_WIDTH - _RIGHT + 8}" y="{below}" fill="{colour}">{escape(text)}</text>')
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _ticks(most: float) -> list[float]:
+    """Round numbers from 0 up to the greatest, five to ten of them."""
+    size = 10.0 ** math.floor(math.log10(most))
+    step = next(size * f for f in (0.1, 0.2, 0.5, 1.0) if most / (size * f) <= 10)
+    return [k * step for k in range(int(most / step) + 1)]
