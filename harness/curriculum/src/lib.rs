@@ -128,7 +128,10 @@ impl Curriculum {
     /// # Panics
     /// Panics if there is no such environment or task.
     pub fn report(&mut self, ending: &Ending) {
-        assert!(ending.task < self.tasks && ending.environment < self.environments(), "no such task or environment");
+        assert!(
+            ending.task < self.tasks && ending.environment < self.environments(),
+            "no such task or environment"
+        );
         match &mut self.memory.method {
             Learned::Uniform => {}
             Learned::Manual(method) => method.report(ending),
@@ -183,8 +186,12 @@ impl Curriculum {
     /// # Errors
     /// Returns an error if the text isn't what such a curriculum remembers; nothing has changed then.
     pub fn restore(&mut self, state: &str) -> Result<(), CurriculumError> {
-        let flaw = |problem: &str| CurriculumError { file: "the state of the curriculum".into(), problem: problem.into() };
-        let memory: Memory = serde_json::from_str(state).map_err(|e| flaw(&format!("it can't be read: {e}")))?;
+        let flaw = |problem: &str| CurriculumError {
+            file: "the state of the curriculum".into(),
+            problem: problem.into(),
+        };
+        let memory: Memory =
+            serde_json::from_str(state).map_err(|e| flaw(&format!("it can't be read: {e}")))?;
         let fits = match (&memory.method, &self.memory.method) {
             (Learned::Uniform, Learned::Uniform) => true,
             (Learned::Manual(a), Learned::Manual(b)) => a.is_like(b),

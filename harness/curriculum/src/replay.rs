@@ -90,7 +90,8 @@ impl Replay {
             (true, false) => 1.0,
             (false, _) => return fresh.iter().map(|f| f / new).collect(),
         };
-        let mix = |(again_chance, fresh): (f64, f64)| again * again_chance + (1.0 - again) * fresh / new.max(1.0);
+        let mix =
+            |(again_chance, fresh): (f64, f64)| again * again_chance + (1.0 - again) * fresh / new.max(1.0);
         self.priorities().into_iter().zip(fresh).map(mix).collect()
     }
 

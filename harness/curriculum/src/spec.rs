@@ -180,7 +180,8 @@ impl File {
                 if texts.is_empty() {
                     return Err("stages: there must be one at least".into());
                 }
-                let parse = |(k, t): (usize, &String)| Selector::parse(t).map_err(|e| format!("stages[{k}]: {e}"));
+                let parse =
+                    |(k, t): (usize, &String)| Selector::parse(t).map_err(|e| format!("stages[{k}]: {e}"));
                 let window = self.window.take().ok_or("window: it is missing")?;
                 if !(1..=1000).contains(&window) {
                     return Err(format!("window: {window} must lie in 1 to 1000"));

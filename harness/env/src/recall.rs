@@ -35,7 +35,6 @@ impl Frame {
             yaw,
             linear_velocity: Vec3 { x: vx, y: vy, z: vz },
             angular_velocity: Vec3 { x: wx, y: wy, z: wz },
-            ..Pose::default()
         };
         let gear = match gear {
             g if g < -0.5 => Gear::Reverse,
@@ -43,7 +42,16 @@ impl Frame {
             _ => Gear::Neutral,
         };
         let pose = Some(pose);
-        Observation { pose, steering, engine_speed, gear, last_steering, last_throttle, last_brake, ..Observation::default() }
+        Observation {
+            pose,
+            steering,
+            engine_speed,
+            gear,
+            last_steering,
+            last_throttle,
+            last_brake,
+            ..Observation::default()
+        }
     }
 }
 

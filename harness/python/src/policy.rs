@@ -52,7 +52,11 @@ pub(crate) fn policy_actions<'py>(
     let mut network = PolicyNetwork::new(&weights, &spec, layout).map_err(wrong)?;
     let rows = parts.first().map_or(0, Part::rows);
     if parts.len() != layout.parts().len() || parts.iter().any(|p| p.rows() != rows) {
-        return Err(named(py, "OptionError", "there must be an array for each part, with a row for each observation"));
+        return Err(named(
+            py,
+            "OptionError",
+            "there must be an array for each part, with a row for each observation",
+        ));
     }
     let mut actions = Vec::with_capacity(rows);
     for k in 0..rows {

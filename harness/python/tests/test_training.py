@@ -263,3 +263,52 @@ def test_curves_have_a_band_over_seeds(learned, tmp_path):
     assert (tmp_path / "curves.svg").read_text().count("<polygon") == 1
     # Student's t of two degrees of freedom: 4.303 * 1 / sqrt(3).
     assert _interval([1.0, 2.0, 3.0]) == pytest.approx((2.0, 2.0 - 2.4843, 2.0 + 2.4843), abs=1e-3)
+
+
+@pytest.fixture(scope="module")
+def demonstrations(harness, program):
+    """Two drives of PID in a training world, with crops as the policy sees them."""
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    plugin = str(vertibench.plugin_path("pid.wasm"))
+    tasks = ["--worlds", "1", "--world-seed", "7000", "--tasks", "w001/t00-t01", "--keep", "all", "--crops", "16"]
+    return harness("dataset", "drive", "--plugin", plugin, *tasks, "--out", "demonstrations") / "demonstrations"
+
+
+def test_what_a_policy_would_have_seen_is_what_datasets_have(envs, demonstrations):
+    data = vertibench.datasets.open(demonstrations)
+    own = envs.NavigationVectorEnv(1, suite=demonstrations / "suite", observation=["state", "goal", "command", "height", "class"])
+    for k, episode in enumerate(data.episodes):
+        frames = data.frames(k)
+        state = frames["observation.state"].astype(np.float64)
+        held = np.vstack([np.zeros((1, 3)), frames["action"][:-1, :3]]).astype(np.float64)
+        seen = dict(zip([p["name"] for p in own._setup.parts], own._setup.arena.recall(episode.task, state, held)))
+        np.testing.assert_allclose(seen["state"][:, :2], state[:, 3:5], atol=1e-6)
+        np.testing.assert_allclose(seen["state"][:, 2:], state[:, 6:], atol=1e-6)
+        np.testing.assert_allclose(seen["goal"], frames["observation.goal"], atol=1e-4)
+        np.testing.assert_allclose(seen["command"], held, atol=1e-6)
+        # A dataset's places are those of a pose in double precision.
+        np.testing.assert_allclose(seen["height"], frames["observation.height_crop"], atol=1e-4)
+        # Planners know obstacles from a map of squares, which are larger than the obstacles that datasets have.
+        free = seen["class"] != 10
+        assert (seen["class"] == frames["observation.class_crop"])[free].all() and free.mean() > 0.9
+    with pytest.raises(vertibench.UnknownError, match="there is no task w009/t00"):
+        own._setup.arena.recall("w009/t00", state, held)
+    with pytest.raises(vertibench.OptionError, match="15 entries of the state and 3 of the command"):
+        own._setup.arena.recall(data.episodes[0].task, state[:, :14], held)
+
+
+def test_a_policy_can_begin_with_demonstrations(learned, demonstrations):
+    folder, run = learned
+    told = run("cloned", 2048, demonstrations=demonstrations)
+    cloned = json.loads(re.search(r"cloned: (.*)", told)[1])
+    data = vertibench.datasets.open(demonstrations)
+    assert cloned["episodes"] == 2 and cloned["frames"] == sum(e.length for e in data.episodes)
+    # Steering is never guessed as badly as by its mean.
+    assert cloned["error"][0] < np.std(np.concatenate([data.frames(k)["action"][:, 0] for k in range(2)]))
+    assert json.loads((folder / "cloned/checkpoint-000000002048/state.json").read_text())["cloned"] == cloned
+    # Only the value has learned until now, so the policy is the one that was cloned.
+    import torch
+
+    first, later = (torch.load(folder / f"cloned/checkpoint-{n:012d}/model.pt", weights_only=True)["policy"] for n in (0, 2048))
+    assert all(torch.equal(first[name], later[name]) for name in first if name.startswith(("action_net", "mlp_extractor.policy_net")))
+    assert not torch.equal(first["value_net.weight"], later["value_net.weight"])

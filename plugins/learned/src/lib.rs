@@ -1,7 +1,7 @@
 //! A planner that drives by a policy's weights, which are put into its file after it was built: so whoever trains a policy in Python
 //! needs no Rust to hand it in.
 //!
-//! [`SLOT`] is room for them. `python -m vertibench.training package` finds it by its first bytes, writes the length and the weights
+//! The static `SLOT` is room for them. `python -m vertibench.training package` finds it by its first bytes, writes the length and the weights
 //! behind these, and puts name and weights into the planner's metadata (`harness/python/vertibench/training/_package.py`).
 
 use vb_sdk::nn::Weights;

@@ -37,7 +37,9 @@ impl PolicySpec {
     /// Returns an error that names the note that is missing or wrong.
     pub fn of(weights: &Weights) -> Result<Self, PlannerError> {
         let note = |key: &str| {
-            weights.note(key).ok_or_else(|| PlannerError::from(format!("weights: {key}: the note is missing")))
+            weights
+                .note(key)
+                .ok_or_else(|| PlannerError::from(format!("weights: {key}: the note is missing")))
         };
         let wrong = |key: &str, value: &str, want: &str| {
             PlannerError::from(format!("weights: {key}: \"{value}\" is not {want}"))
@@ -56,7 +58,9 @@ impl PolicySpec {
         let kind = match action.split(' ').collect::<Vec<_>>()[..] {
             ["pedals"] => Some(ActionKind::Pedals),
             ["speed", slowest, fastest] => match (slowest.parse(), fastest.parse()) {
-                (Ok(slowest), Ok(fastest)) if slowest < fastest => Some(ActionKind::Speed { slowest, fastest }),
+                (Ok(slowest), Ok(fastest)) if slowest < fastest => {
+                    Some(ActionKind::Speed { slowest, fastest })
+                }
                 _ => None,
             },
             _ => None,
@@ -119,12 +123,15 @@ impl PolicyNetwork {
         let planes: usize = parts.iter().filter(|p| p.is_crop()).map(planes_of).sum();
         let others: usize = parts.iter().filter(|p| !p.is_crop()).map(Part::width).sum();
         if let Some(part) = parts.iter().find(|p| p.dtype == Dtype::U8 && !p.is_crop()) {
-            return Err(format!("weights: parts: {}: labels that are no crop can't be seen", part.name).into());
+            return Err(
+                format!("weights: parts: {}: labels that are no crop can't be seen", part.name).into()
+            );
         }
         let eyes = match planes {
             0 => None,
             _ => {
-                let outputs = weights.layers.iter().find(|l| l.name == "eyes.0").map_or(0, |l| l.shape.outputs());
+                let outputs =
+                    weights.layers.iter().find(|l| l.name == "eyes.0").map_or(0, |l| l.shape.outputs());
                 Some(weights.network("eyes", planes * cells, outputs)?)
             }
         };

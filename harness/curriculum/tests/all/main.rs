@@ -6,7 +6,8 @@ use vb_curriculum::{Curriculum, Ending, Spec};
 use vb_world::{Selector, Suite, TaskRef};
 
 fn smoke() -> (Suite, Vec<TaskRef>) {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/smoke")).expect("the suite");
+    let suite =
+        Suite::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/smoke")).expect("the suite");
     let tasks = Selector::default().select(&suite).expect("tasks");
     (suite, tasks)
 }
@@ -36,7 +37,8 @@ fn close(given: &[f64], wanted: &[f64]) {
 const LEARNABILITY: &str = "kind: learnability\nexplore: 0.2\nkeep: 1\nkeep_level: 1\nprior: 0.001\n";
 const REPLAY: &str = "kind: replay\nreplay: 0.5\nseen: 0.5\nkeep: 0\ntemperature: 1\nstaleness: 0\n";
 /// Smoke's first three worlds are low, medium and high.
-const MANUAL: &str = "kind: manual\nstages: [w001, w002, w003]\nwindow: 4\npromote: 0.75\ndemote: 0.25\nreview: 0.25\n";
+const MANUAL: &str =
+    "kind: manual\nstages: [w001, w002, w003]\nwindow: 4\npromote: 0.75\ndemote: 0.25\nreview: 0.25\n";
 
 #[test]
 fn those_that_come_with_the_harness_can_be_used_with_training_worlds_of_all_kinds() {
@@ -72,8 +74,10 @@ fn seed_and_environment_decide_what_is_drawn() {
 
 #[test]
 fn tasks_are_drawn_as_often_as_their_chances_say() {
-    for text in [LEARNABILITY, REPLAY, MANUAL, "kind: uniform\n"] {
-        let mut own = over(30, text, 1);
+    // Replay with tasks that are new, and with none.
+    let cases = [(LEARNABILITY, 30), (REPLAY, 30), (REPLAY, 20), (MANUAL, 30), ("kind: uniform\n", 30)];
+    for (text, tasks) in cases {
+        let mut own = over(tasks, text, 1);
         for k in 0..20 {
             end(&mut own, 0, k, k % 3 == 0);
             end(&mut own, 0, k, k % 2 == 0);
@@ -106,6 +110,21 @@ fn learnability_is_p_times_one_minus_p() {
     for (given, wanted) in chances.iter().zip(wanted) {
         assert!((given - wanted).abs() < 1e-3, "{chances:?}");
     }
+}
+
+#[test]
+fn an_outcome_counts_less_with_each_later_one() {
+    let mut own = over(2, "kind: learnability\nexplore: 0\nkeep: 0.5\nkeep_level: 1\nprior: 0.001\n", 1);
+    // Done, then not: 0.5 of 1.5, so that p(1 - p) is 2/9.
+    end(&mut own, 0, 0, true);
+    end(&mut own, 0, 0, false);
+    end(&mut own, 0, 1, false);
+    end(&mut own, 0, 1, true);
+    end(&mut own, 0, 1, false);
+    // Not done, done, not done: 0.5 of 1.75.
+    let chances = own.chances();
+    let wanted = (2.0 / 9.0) / (2.0 / 9.0 + (2.0 / 7.0) * (5.0 / 7.0));
+    assert!((chances[0] - wanted).abs() < 1e-3, "{chances:?} instead of {wanted}");
 }
 
 #[test]
@@ -196,7 +215,7 @@ fn it_goes_on_from_what_it_remembered() {
             (0..episodes)
                 .map(|k| {
                     let task = own.draw(k % 3);
-                    end(own, k % 3, task, (task + k) % 3 > 0);
+                    end(own, k % 3, task, !(task + k).is_multiple_of(3));
                     own.score(task, 1.0 / (task + 3) as f64);
                     task
                 })
@@ -219,6 +238,7 @@ fn the_state_of_another_curriculum_is_refused() {
         assert!(own.restore(&other).unwrap_err().to_string().starts_with("the state of the curriculum: it "));
         assert_eq!(own.state(), before);
     }
+    assert!(over(30, "kind: uniform\n", 3).restore(&over(30, "kind: uniform\n", 2).state()).is_err());
     let more = over(29, LEARNABILITY, 3).state();
     assert!(over(30, LEARNABILITY, 3).restore(&more).is_err());
 }
@@ -233,12 +253,21 @@ fn flaws_are_told_with_file_field_and_value() {
     let cases = [
         (changed(LEARNABILITY, "explore: 0.2", "explore: 2"), "mine.yaml: explore: 2 must lie in 0 to 1"),
         (changed(LEARNABILITY, "prior: 0.001", ""), "mine.yaml: prior: it is missing"),
-        (changed(REPLAY, "temperature: 1", "temperature: 0"), "mine.yaml: temperature: 0 must lie in 0.01 to 100"),
+        (
+            changed(REPLAY, "temperature: 1", "temperature: 0"),
+            "mine.yaml: temperature: 0 must lie in 0.01 to 100",
+        ),
         (changed(MANUAL, "window: 4", "window: 0"), "mine.yaml: window: 0 must lie in 1 to 1000"),
-        (changed(MANUAL, "demote: 0.25", "demote: 0.8"), "mine.yaml: demote: 0.8 must be less than promote, 0.75"),
+        (
+            changed(MANUAL, "demote: 0.25", "demote: 0.8"),
+            "mine.yaml: demote: 0.8 must be less than promote, 0.75",
+        ),
         (changed(MANUAL, "w002", "elevation=steep"), "mine.yaml: stages[1]: task selector"),
         (changed(MANUAL, "[w001, w002, w003]", "[]"), "mine.yaml: stages: there must be one at least"),
-        (told("kind: uniform\nwindow: 3\n"), "mine.yaml: window: a curriculum of kind uniform has no such field"),
+        (
+            told("kind: uniform\nwindow: 3\n"),
+            "mine.yaml: window: a curriculum of kind uniform has no such field",
+        ),
         (told("kind: uniform\nlength: 3\n"), "mine.yaml: "),
         (told("kind: hard\n"), "mine.yaml: kind: \"hard\""),
     ];
@@ -249,5 +278,7 @@ fn flaws_are_told_with_file_field_and_value() {
     let none = Curriculum::new(&of(MANUAL), &suite, &tasks[..10], 1, 0).unwrap_err().to_string();
     assert_eq!(none, "mine: stages[1]: none of the environment's tasks is in it");
     let missing = Spec::resolve("nowhere.yaml").unwrap_err().to_string();
-    assert!(missing.starts_with("nowhere.yaml: cannot read the curriculum") && missing.contains("learnability"));
+    assert!(
+        missing.starts_with("nowhere.yaml: cannot read the curriculum") && missing.contains("learnability")
+    );
 }

@@ -26,7 +26,8 @@ fn path(env: &VectorEnv, index: usize) -> Vec<f32> {
 fn following(threads: usize, autoreset: Autoreset) -> VectorEnv {
     let mut env = VectorEnv::new(arena(options()), COUNT, threads, autoreset, false).expect("environments");
     env.follow(&spec(), 3).expect("a curriculum");
-    env.reset((0..COUNT).map(|k| (k, Reset { seed: Some(k as u64), ..Reset::default() })).collect()).expect("episodes");
+    env.reset((0..COUNT).map(|k| (k, Reset { seed: Some(k as u64), ..Reset::default() })).collect())
+        .expect("episodes");
     env
 }
 
@@ -44,7 +45,11 @@ fn listen(env: &mut VectorEnv, told: &mut Vec<(usize, String)>) {
     let mut arrivals = env.receive(COUNT, &mut || true).expect("arrivals").expect("all of them");
     arrivals.sort_by_key(|a| a.index);
     for arrival in arrivals {
-        told.extend(arrival.ended.map(|record| (arrival.index, format!("{}: {}", record.task, record.outcome.name()))));
+        told.extend(
+            arrival
+                .ended
+                .map(|record| (arrival.index, format!("{}: {}", record.task, record.outcome.name()))),
+        );
         told.extend(arrival.began.map(|(task, _)| (arrival.index, task)));
     }
 }
@@ -65,7 +70,8 @@ fn what_is_driven_next_depends_on_how_episodes_ended_and_not_on_threads() {
         // All begin in the first world; whoever came to its goal moves on with the episode after the next, which was chosen before.
         assert!(one[..COUNT].iter().all(|(_, task)| task.starts_with("w001/")), "{one:?}");
         let tasks = |k: usize| one.iter().filter(move |(index, told)| *index == k && !told.contains(':'));
-        let ends = |k: usize| one.iter().filter(move |(index, told)| *index == k && told.contains(": success"));
+        let ends =
+            |k: usize| one.iter().filter(move |(index, told)| *index == k && told.contains(": success"));
         let moved = (0..COUNT).filter(|k| tasks(*k).any(|(_, task)| !task.starts_with("w001/")));
         assert!(moved.clone().count() > 0, "{one:?}");
         assert!(moved.clone().all(|k| ends(k).count() > 0), "{one:?}");
@@ -85,7 +91,8 @@ fn it_goes_on_from_what_the_curriculum_remembered() {
             listen(&mut env, &mut Vec::new());
         }
         env.restore_curriculum(&state).expect("its own state");
-        env.reset((0..COUNT).map(|k| (k, Reset { seed: Some(k as u64), ..Reset::default() })).collect()).expect("episodes");
+        env.reset((0..COUNT).map(|k| (k, Reset { seed: Some(k as u64), ..Reset::default() })).collect())
+            .expect("episodes");
         told.clear();
         listen(&mut env, &mut told);
         drive(&mut env, 300, &mut told);
@@ -117,7 +124,9 @@ fn what_is_wrong_is_told() {
     assert!(matches!(env.restore_curriculum("{}"), Err(EnvError::Pending(COUNT))));
     listen(&mut env, &mut Vec::new());
     let state = env.curriculum().expect("one").state();
-    assert!(env.restore_curriculum("{}").unwrap_err().to_string().starts_with("the state of the curriculum: "));
+    assert!(
+        env.restore_curriculum("{}").unwrap_err().to_string().starts_with("the state of the curriculum: ")
+    );
     assert_eq!(env.curriculum().expect("one").state(), state);
     assert!(matches!(env.score("w099/t00", 1.0), Err(EnvError::NoTask { .. })));
 }
