@@ -53,6 +53,7 @@ Tasks:
 Environment:
   VB_WASM_FALLBACK=1    Build WASM by Debian's compiler packages, not by the installed Rust
   VB_WASM_HOME=DIR      Where those are unpacked [default: ~/.local/share/vb-wasm]
+  VB_TORCH=1            Let `wheel --check` install what policies are trained with (6 GB), and train a tiny one
   VB_LANGUAGES=1        Let `test` install those compilers too, and fail where one is missing
   VB_PYTHON=PROGRAM     Python for the tests of planners in Python [default: python3]
   VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas, pyarrow and minari, if they aren't installed

@@ -11,6 +11,9 @@ use crate::examples::{Compiler, python};
 use crate::plugins;
 use crate::run::{Failure, cargo_program, run, step};
 
+/// The environment variable that lets the check install what policies are trained with.
+const TORCH_VAR: &str = "VB_TORCH";
+
 /// What makes wheels.
 const MATURIN: &str = "maturin==1.16.0";
 /// What links for other systems than this one: a C compiler with every version of glibc, and what makes cargo call it.
@@ -152,8 +155,11 @@ fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
     step("trying the Python package in a fresh environment");
     let script = crate::root().join("tests/wheel/smoke.py");
     let mut command = Command::new(python());
-    // With what the tests need, so that none of the environments' is skipped but those of large libraries.
-    command.arg("-B").arg(script).arg(wheel).arg("--sdist").arg(sdist).args(["--extras", "[test]"]);
+    // With what the tests need, so that none of the environments' is skipped but those of large libraries: torch alone is several
+    // gigabytes.
+    let with_torch = std::env::var_os(TORCH_VAR).is_some_and(|v| v == "1");
+    let extras = if with_torch { "[test,train]" } else { "[test]" };
+    command.arg("-B").arg(script).arg(wheel).arg("--sdist").arg(sdist).args(["--extras", extras]);
     run(&mut command)
 }
 
