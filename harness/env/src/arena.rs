@@ -143,7 +143,7 @@ impl Arena {
                 "must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001 (the benchmark's) or 0.002";
             return Err(option("time_step", step.to_string(), problem));
         }
-        if let ActionKind::Speed { slowest, fastest } = options.action
+        if let ActionKind::Speed { slowest, fastest } | ActionKind::Rate { slowest, fastest } = options.action
             && !(slowest < fastest && slowest >= -10.0 && fastest <= 30.0)
         {
             let problem = "must be two speeds, the lower first, from -10 to 30 m/s";

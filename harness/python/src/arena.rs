@@ -60,8 +60,9 @@ impl Arena {
             |option, value: String, problem: String| raise(EnvError::Option { option, value, problem });
         let action = match action {
             "speed" => ActionKind::Speed { slowest: speed_range.0, fastest: speed_range.1 },
+            "rate" => ActionKind::Rate { slowest: speed_range.0, fastest: speed_range.1 },
             "pedals" => ActionKind::Pedals,
-            other => return Err(wrong("action", other.to_owned(), "must be speed or pedals".into())),
+            other => return Err(wrong("action", other.to_owned(), "must be speed, rate or pedals".into())),
         };
         let mut seen = Sight::default();
         for (name, value) in sight {

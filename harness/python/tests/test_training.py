@@ -157,6 +157,7 @@ def test_configurations_are_read_and_changed():
         ({"ppo.size": "1"}, "--set ppo.size: there is no such field"),
         ({"worlds.seed": "2025"}, "worlds.seed: 2025 must lie in 7000 to 7999"),
         ({"speed_range": "[1]"}, "must be two speeds"),
+        ({"action": "pedals"}, "action: 'pedals' must be speed or rate"),
         ({"network.widths": "64"}, "network.widths: 64 must be a list"),
         ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of ppo.environments times ppo.steps, 8192"),
     ],

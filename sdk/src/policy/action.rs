@@ -16,12 +16,24 @@ pub struct Dimension {
     pub about: &'static str,
 }
 
+/// The greatest change of the steering by one action of [`ActionKind::Rate`]: from lock to lock in ten actions.
+pub const STEERING_STEP: f64 = 0.2;
+
 /// What the numbers of an action are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ActionKind {
     /// Steering and speed, both in [-1, 1]. Speed −1 stands for `slowest` and 1 for `fastest`, with all between in
     /// proportion; a controller keeps it by throttle and brake ([`SpeedKeeper`]), in the reverse gear if it is negative.
     Speed {
+        /// The speed at −1, m/s of a full-size vehicle; negative in reverse. It is multiplied by the root of the scale.
+        slowest: f64,
+        /// The speed at 1, m/s of a full-size vehicle.
+        fastest: f64,
+    },
+    /// As [`Self::Speed`], but the first number, in [-1, 1], is by how much the steering changes, as a part of [`STEERING_STEP`].
+    /// Noise on it makes the vehicle wander, where noise on the steering itself cancels out within a second: a learner that explores
+    /// by noise comes to other lines through rough ground.
+    Rate {
         /// The speed at −1, m/s of a full-size vehicle; negative in reverse. It is multiplied by the root of the scale.
         slowest: f64,
         /// The speed at 1, m/s of a full-size vehicle.
@@ -40,21 +52,26 @@ impl Default for ActionKind {
 
 const STEERING: Dimension =
     Dimension { name: "steering", low: -1.0, high: 1.0, about: "the steering, positive to the left" };
+const CHANGE: Dimension = Dimension {
+    name: "change",
+    low: -1.0,
+    high: 1.0,
+    about: "by how much the steering changes, as a part of 0.2, positive to the left",
+};
+const SPEED: Dimension = Dimension {
+    name: "speed",
+    low: -1.0,
+    high: 1.0,
+    about: "the speed to keep, from the slowest at -1 to the fastest at 1",
+};
 
 impl ActionKind {
     /// The numbers of an action, in order.
     #[must_use]
     pub fn dimensions(self) -> &'static [Dimension] {
         match self {
-            Self::Speed { .. } => &[
-                STEERING,
-                Dimension {
-                    name: "speed",
-                    low: -1.0,
-                    high: 1.0,
-                    about: "the speed to keep, from the slowest at -1 to the fastest at 1",
-                },
-            ],
+            Self::Speed { .. } => &[STEERING, SPEED],
+            Self::Rate { .. } => &[CHANGE, SPEED],
             Self::Pedals => &[
                 STEERING,
                 Dimension { name: "throttle", low: 0.0, high: 1.0, about: "the throttle" },
@@ -107,11 +124,17 @@ impl Actuator {
             action.get(k).copied().unwrap_or(0.0).clamp(low, high)
         };
         match self.kind {
-            ActionKind::Speed { slowest, fastest } => {
+            ActionKind::Speed { slowest, fastest } | ActionKind::Rate { slowest, fastest } => {
+                let steering = match self.kind {
+                    ActionKind::Rate { .. } => {
+                        (observation.last_steering + STEERING_STEP * number(0)).clamp(-1.0, 1.0)
+                    }
+                    _ => number(0),
+                };
                 let share = 0.5 * (number(1) + 1.0);
                 self.keeper.aim((slowest + share * (fastest - slowest)) * self.pace);
                 let (throttle, brake, gear) = self.keeper.update(self.speed, self.period);
-                Command { steering: number(0), throttle, brake, gear, debug: Vec::new() }
+                Command { steering, throttle, brake, gear, debug: Vec::new() }
             }
             ActionKind::Pedals => {
                 let gear = match number(3) {

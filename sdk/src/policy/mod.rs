@@ -32,7 +32,7 @@ mod observer;
 mod tests;
 mod trained;
 
-pub use action::{ActionKind, Actuator, Dimension};
+pub use action::{ActionKind, Actuator, Dimension, STEERING_STEP};
 pub use layout::{Dtype, Entry, Kind, Layout, PARTS, Part, Sight};
 pub use observer::{Observer, Row};
 pub use trained::{Numbers, PolicyNetwork, PolicySpec, Trained};

@@ -172,6 +172,16 @@ fn actions_stand_for_speeds_or_pedals() {
         "{command:?}"
     );
     assert_eq!(actuator.command(&[0.0, -1.0], &moving(0.0)).gear, crate::Gear::Reverse);
+    // The change of the steering is a fifth of the number, from what holds, and stays within the locks.
+    let mut rate = Actuator::new(ActionKind::Rate { slowest: -2.0, fastest: 6.0 }, &task);
+    for (last, number, wanted) in [(0.0, 1.0, 0.2), (0.5, -0.5, 0.4), (0.9, 1.0, 1.0), (-1.0, 7.0, -0.8)] {
+        let o = Observation { last_steering: last, ..seen(at(0.0, 0.0, 0.0)) };
+        let command = rate.command(&[number, 1.0], &o);
+        assert!(
+            (command.steering - wanted).abs() < 1e-12 && command.throttle > 0.0,
+            "{last}, {number}: {command:?}"
+        );
+    }
     let mut pedals = Actuator::new(ActionKind::Pedals, &task);
     let command = pedals.command(&[2.0, 0.7, 0.1, 0.0], &moving(0.0));
     assert_eq!((command.steering, command.throttle, command.brake), (1.0, 0.7, 0.1));
@@ -264,6 +274,7 @@ fn weights_that_are_no_policy_are_refused_with_the_note_that_is_wrong() {
         ("labels", "10 obstacle", "weights: labels: \"10 obstacle\" is not a list of labels"),
         ("labels", "9 10", "eyes turns 8 inputs"),
         ("action", "speed 6 0", "weights: action: \"speed 6 0\" is not"),
+        ("action", "turn 0 6", "weights: action: \"turn 0 6\" is not"),
         ("action", "pedals", "head turns 3 inputs into 2 outputs, and not 3 into 4"),
         ("control_hz", "20", "weights: control_hz: \"20\" is not 10"),
     ] {

@@ -14,7 +14,7 @@ const LEAK: f32 = crate::nn::LEAK;
 /// - `parts`: the names of the parts of an observation, with blanks between them;
 /// - `sight`: cells, resolution, ahead, points and spacing of [`Sight`];
 /// - `labels`: the labels of which planes are made, one for each label and each part of labels: 1 where the label is, else 0;
-/// - `action`: `speed SLOWEST FASTEST` or `pedals`;
+/// - `action`: `speed SLOWEST FASTEST`, `rate SLOWEST FASTEST` or `pedals` ([`ActionKind`]);
 /// - `control_hz`: 10.
 ///
 /// `python -m vertibench.training export` writes such files.
@@ -57,15 +57,18 @@ impl PolicySpec {
         let action = note("action")?;
         let kind = match action.split(' ').collect::<Vec<_>>()[..] {
             ["pedals"] => Some(ActionKind::Pedals),
-            ["speed", slowest, fastest] => match (slowest.parse(), fastest.parse()) {
-                (Ok(slowest), Ok(fastest)) if slowest < fastest => {
-                    Some(ActionKind::Speed { slowest, fastest })
-                }
+            [name @ ("speed" | "rate"), slowest, fastest] => match (slowest.parse(), fastest.parse()) {
+                (Ok(slowest), Ok(fastest)) if slowest < fastest => Some(match name {
+                    "rate" => ActionKind::Rate { slowest, fastest },
+                    _ => ActionKind::Speed { slowest, fastest },
+                }),
                 _ => None,
             },
             _ => None,
         };
-        let kind = kind.ok_or_else(|| wrong("action", action, "\"speed SLOWEST FASTEST\" or \"pedals\""))?;
+        let kind = kind.ok_or_else(|| {
+            wrong("action", action, "\"speed SLOWEST FASTEST\", \"rate SLOWEST FASTEST\" or \"pedals\"")
+        })?;
         let rate = note("control_hz")?;
         if rate != CONTROL_HZ {
             return Err(wrong("control_hz", rate, "10, at which planners of policies are asked"));

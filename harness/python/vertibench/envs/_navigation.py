@@ -39,7 +39,8 @@ class NavigationEnv(gymnasium.Env[Any, np.ndarray]):
     `cells`, `resolution` (m), `ahead` (m) of crops, `points` and `spacing` (m) of the path.
 
     Actions: `action="speed"` is steering and speed in [-1, 1], where the speed stands for `speed_range` in m/s, negative in
-    reverse; `action="pedals"` is steering in [-1, 1], throttle and brake in [0, 1], and the gear in [-1, 1] (below -1/3
+    reverse; `action="rate"` is the same with the change of the steering, as a part of 0.2, in the place of the steering;
+    `action="pedals"` is steering in [-1, 1], throttle and brake in [0, 1], and the gear in [-1, 1] (below -1/3
     reverse, above 1/3 forward, else neutral). An action holds for 1/`control_hz` seconds.
 
     Rewards: `reward` names one that comes with the package (`"default"`, `"sparse"`), a file, or gives weights by the terms

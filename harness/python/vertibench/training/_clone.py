@@ -15,6 +15,8 @@ from ._config import Config, TrainingError
 
 #: How long after a frame the demonstrated speed is the one to aim at, s.
 _AHEAD = 1.0
+#: The greatest change of the steering by one action (`vb_sdk::policy::STEERING_STEP`).
+_STEERING_STEP = 0.2
 
 
 def clone(model: PPO, config: Config, folder: Path) -> dict[str, Any]:
@@ -67,7 +69,8 @@ def demonstrations(config: Config, folder: Path) -> tuple[dict[str, np.ndarray],
             column.append(values)
         later = np.minimum(np.arange(len(state)) + round(_AHEAD * data.info.hz), len(state) - 1)
         speed = 2.0 * (state[later, 6] - slowest) / (fastest - slowest) - 1.0
-        actions.append(np.clip(np.stack([command[:, 0], speed], 1), -1, 1).astype(np.float32))
+        turn = (command[:, 0] - held[:, 0]) / _STEERING_STEP if config["action"] == "rate" else command[:, 0]
+        actions.append(np.clip(np.stack([turn, speed], 1), -1, 1).astype(np.float32))
     envs.close()
     observations = {part["name"]: np.concatenate(column) for part, column in zip(parts, columns)}
     return observations, np.concatenate(actions), {"dataset": data.info.hash, "episodes": len(data.episodes)}

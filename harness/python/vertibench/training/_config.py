@@ -34,6 +34,7 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "observation": None,
     "ahead": (-50, 50),
     "labels": None,
+    "action": None,
     "speed_range": None,
     "network.planes": (1, 256),
     "network.kernel": (1, 16),
@@ -106,6 +107,7 @@ class Config:
             "reward": self["reward"],
             "observation": self["observation"],
             "sight": {"ahead": self["ahead"]},
+            "action": self["action"],
             "speed_range": tuple(self["speed_range"]),
         }
 
@@ -170,5 +172,7 @@ def _check(path: Path, field: str, value: Any, bounds: tuple[float, float] | Non
     elif field == "planners":
         if not isinstance(value, dict) or not value:
             raise TrainingError(path, "planners: they must be names with their curricula", "see tasks/training/policy.yaml")
+    elif field == "action" and value not in ("speed", "rate"):
+        raise TrainingError(path, f"action: {value!r} must be speed or rate", "correct it")
     elif not isinstance(value, str) or not value:
         raise TrainingError(path, f"{field}: {value!r} must be a text", "correct it")

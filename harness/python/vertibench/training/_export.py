@@ -42,7 +42,7 @@ def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
         "parts": " ".join(config["observation"]),
         "sight": f"16 1 {config['ahead']:g} 10 2",
         "labels": " ".join(map(str, config["labels"])),
-        "action": f"speed {slowest:g} {fastest:g}",
+        "action": f"{config['action']} {slowest:g} {fastest:g}",
         "control_hz": "10",
         "vehicle": config["vehicle"],
         "curriculum": config["planners"][state["planner"]],
