@@ -217,7 +217,7 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"observation": ["class"], "flat": True}, "a flat one takes one part of numbers"),
     ({"control_hz": 30}, "control_hz: 30: must be 100 over a whole number"),
     ({"control_hz": "fast"}, "control_hz: 'fast' is no number"),
-    ({"action": "fly"}, "action: fly: must be speed or pedals"),
+    ({"action": "fly"}, "action: fly: must be speed, rate or pedals"),
     ({"speed_range": (4, 2)}, "speed_range"),
     ({"sight": {"cells": 1}}, "sight: cells: 1 must lie in 2 to 256"),
     ({"sight": {"depth": 1}}, "sight: depth: there are cells"),
