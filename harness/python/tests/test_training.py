@@ -58,7 +58,7 @@ def by_numpy(own: Weights, observation) -> np.ndarray:
 
 
 @pytest.fixture
-def made(program, tmp_path):
+def made(envs, program, tmp_path):
     """Makes a planner of weights."""
 
     def make(own=None, name="mine", about="Mine"):

@@ -39,6 +39,7 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "network.planes": (1, 256),
     "network.kernel": (1, 16),
     "network.stride": (1, 16),
+    "network.relief": (0.01, 1000),
     "network.widths": None,
     "ppo.environments": (1, 65536),
     "ppo.steps": (1, 65536),

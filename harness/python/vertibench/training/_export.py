@@ -54,7 +54,11 @@ def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
     eyes, layers = model.policy.pi_features_extractor, []
     if eyes.convolution is not None:
         own = eyes.convolution
-        layers.append(convolution("eyes.0", 16, *_numbers(own), own.stride[0]))
+        weights, bias = _numbers(own)
+        # Planners multiply by nothing: the weights do.
+        gains = np.ones(weights.shape[1], dtype=np.float32)
+        gains[: len(eyes.crops)] = eyes.gains.numpy().ravel()
+        layers.append(convolution("eyes.0", 16, weights * gains[None, :, None, None], bias, own.stride[0]))
     linear = [layer for layer in model.policy.mlp_extractor.policy_net if isinstance(layer, torch.nn.Linear)]
     for k, layer in enumerate([*linear, model.policy.action_net]):
         layers.append(_dense(f"head.{k}", layer))

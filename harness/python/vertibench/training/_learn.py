@@ -187,7 +187,7 @@ class Progress(BaseCallback):
 def make_model(config: Config, envs: Any, parts: list[dict[str, Any]], seed: int) -> PPO:
     """The policy with its optimiser, as it is before it has learned anything."""
     widths = config["network.widths"]
-    eyes = {name: config[f"network.{name}"] for name in ("planes", "kernel", "stride")}
+    eyes = {name: config[f"network.{name}"] for name in ("planes", "kernel", "stride", "relief")}
     return PPO(
         "MultiInputPolicy",
         envs,

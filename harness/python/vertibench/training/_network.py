@@ -30,7 +30,16 @@ class Eyes(BaseFeaturesExtractor):
     of labels one plane for each label, which is 1 where the label is.
     """
 
-    def __init__(self, space: spaces.Dict, parts: list[dict[str, Any]], labels: list[int], planes: int, kernel: int, stride: int):
+    def __init__(
+        self,
+        space: spaces.Dict,
+        parts: list[dict[str, Any]],
+        labels: list[int],
+        planes: int,
+        kernel: int,
+        stride: int,
+        relief: float,
+    ) -> None:
         self.crops = [p["name"] for p in parts if p["is_crop"] and p["dtype"] == "float32"]
         self.labelled = [p["name"] for p in parts if p["is_crop"] and p["dtype"] == "uint8"]
         others = [p for p in parts if not p["is_crop"]]
@@ -43,6 +52,9 @@ class Eyes(BaseFeaturesExtractor):
         usual = {p["name"]: np.resize(p["usual"], int(np.prod(p["shape"]))).astype(np.float32) for p in parts}
         self.register_buffer("usual", torch.from_numpy(np.concatenate([usual[n] for n in self.others] or [np.zeros(0)])))
         self.register_buffer("usual_of_crops", torch.tensor([float(usual[n][0]) for n in self.crops]).view(1, -1, 1, 1))
+        # Steps of a few decimetres are what a wheel meets; beside hills of metres a network would be slow to see them.
+        gains = [relief if "height" in name else 1.0 for name in self.crops]
+        self.register_buffer("gains", torch.tensor(gains).view(1, -1, 1, 1))
         self.register_buffer("labels", torch.tensor(labels, dtype=torch.float32).view(1, -1, 1, 1))
         self.convolution = nn.Conv2d(inputs, planes, kernel, stride) if inputs else None
         self.leak = Leaky()
@@ -53,7 +65,7 @@ class Eyes(BaseFeaturesExtractor):
             planes = []
             if self.crops:
                 numbers = torch.stack([observation[name] for name in self.crops], 1)
-                planes.append((numbers / self.usual_of_crops).clamp(-BOUND, BOUND))
+                planes.append(self.gains * (numbers / self.usual_of_crops).clamp(-BOUND, BOUND))
             planes += [(observation[name].unsqueeze(1) == self.labels).float() for name in self.labelled]
             seen.append(self.leak(self.convolution(torch.cat(planes, 1))).flatten(1))
         if self.others:
