@@ -20,7 +20,7 @@ use vb_world::{Suite, TaskRef, WorldInfo};
 use learnability::Learnability;
 use manual::Manual;
 use replay::Replay;
-pub use spec::{CurriculumError, Method, Spec};
+pub use spec::{CurriculumError, LearnabilitySpec, ManualSpec, Method, ReplaySpec, Spec, StageRule};
 
 /// Draws tasks for environments, and learns from how their episodes end.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl Curriculum {
                     Ok(own)
                 });
                 let stages = stages.collect::<Result<Vec<_>, _>>()?;
-                Learned::Manual(Manual::new(method, stages, environments))
+                Learned::Manual(Manual::new(method.rule, stages, environments))
             }
             Method::Learnability(method) => {
                 let levels = levels(suite, tasks);

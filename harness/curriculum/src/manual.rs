@@ -4,24 +4,15 @@ use serde::{Deserialize, Serialize};
 use vb_math::rng::Stream;
 
 use crate::Ending;
-use crate::spec::ManualSpec;
+use crate::spec::StageRule;
 
 /// Stages, and the environments on them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Manual {
-    rule: Rule,
+    rule: StageRule,
     /// The tasks of each stage.
     stages: Vec<Vec<usize>>,
     places: Vec<Place>,
-}
-
-/// When an environment leaves its stage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Rule {
-    window: u32,
-    promote: f64,
-    demote: f64,
-    review: f64,
 }
 
 /// An environment.
@@ -34,10 +25,8 @@ struct Place {
 }
 
 impl Manual {
-    pub(crate) fn new(spec: &ManualSpec, stages: Vec<Vec<usize>>, environments: usize) -> Self {
-        let ManualSpec { window, promote, demote, review, .. } = *spec;
-        let places = vec![Place::default(); environments];
-        Self { rule: Rule { window, promote, demote, review }, stages, places }
+    pub(crate) fn new(rule: StageRule, stages: Vec<Vec<usize>>, environments: usize) -> Self {
+        Self { rule, stages, places: vec![Place::default(); environments] }
     }
 
     pub(crate) fn draw(&self, environment: usize, stream: &mut Stream) -> usize {

@@ -45,6 +45,13 @@ pub enum Method {
 pub struct ManualSpec {
     /// The tasks of each stage.
     pub stages: Vec<Selector>,
+    /// When an environment leaves its stage.
+    pub rule: StageRule,
+}
+
+/// When an environment leaves its stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageRule {
     /// Episodes of an environment at its stage after which it is decided whether it stays.
     pub window: u32,
     /// The share of successes from which it goes up.
@@ -191,12 +198,10 @@ impl File {
                 if demote >= promote {
                     return Err(format!("demote: {demote} must be less than promote, {promote}"));
                 }
+                let review = within(&mut self.review, "review", 0.0, 1.0)?;
                 Method::Manual(ManualSpec {
                     stages: texts.iter().enumerate().map(parse).collect::<Result<_, _>>()?,
-                    window,
-                    promote,
-                    demote,
-                    review: within(&mut self.review, "review", 0.0, 1.0)?,
+                    rule: StageRule { window, promote, demote, review },
                 })
             }
             Kind::Learnability => Method::Learnability(LearnabilitySpec {

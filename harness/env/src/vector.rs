@@ -218,8 +218,6 @@ pub struct VectorEnv {
     /// How far each is, as far as it was received.
     phases: Vec<Phase>,
     curriculum: Option<Curriculum>,
-    /// The index of the task that each drives, as far as it was received.
-    tasks: Vec<usize>,
 }
 
 /// How far an environment is.
@@ -274,8 +272,8 @@ impl VectorEnv {
             something_is_done: Condvar::new(),
         });
         let phases = vec![Phase::Fresh; count];
-        let (at_work, tasks) = (vec![false; count], vec![0; count]);
-        let mut own = Self { arena, shared, workers: Vec::new(), at_work, phases, curriculum: None, tasks };
+        let at_work = vec![false; count];
+        let mut own = Self { arena, shared, workers: Vec::new(), at_work, phases, curriculum: None };
         for _ in 0..threads.min(count) {
             let shared = Arc::clone(&own.shared);
             let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
@@ -369,20 +367,14 @@ impl VectorEnv {
         }
     }
 
-    /// Tells the curriculum how episodes have ended, and which have begun.
+    /// Tells the curriculum how episodes have ended, and lets it choose the next tasks.
     fn learn(&mut self, arrivals: &[Arrival]) -> Result<(), EnvError> {
         let Some(curriculum) = &mut self.curriculum else { return Ok(()) };
         let mut by_index: Vec<&Arrival> = arrivals.iter().collect();
         by_index.sort_by_key(|a| a.index);
-        for Arrival { index: environment, began, ended } in by_index {
-            let task = &mut self.tasks[*environment];
-            if let Some(record) = ended {
-                let is_success = record.outcome == Outcome::Success;
-                curriculum.report(&Ending { environment: *environment, task: *task, is_success });
-            }
-            if let Some((name, _)) = began {
-                *task = self.arena.find(name)?;
-            }
+        for (environment, record) in by_index.iter().filter_map(|a| Some((a.index, a.ended.as_ref()?))) {
+            let task = self.arena.find(&record.task)?;
+            curriculum.report(&Ending { environment, task, is_success: record.outcome == Outcome::Success });
         }
         self.choose(false);
         Ok(())

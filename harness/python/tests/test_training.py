@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import shutil
 import subprocess
 
 import numpy as np
@@ -156,6 +157,7 @@ def test_configurations_are_read_and_changed():
         ({"ppo.batch": "many"}, "ppo.batch: 'many' must lie in"),
         ({"ppo.size": "1"}, "--set ppo.size: there is no such field"),
         ({"worlds.seed": "2025"}, "worlds.seed: 2025 must lie in 7000 to 7999"),
+        ({"held_out.seed": "7500"}, "held_out.seed: it is that of the worlds that are learned in"),
         ({"speed_range": "[1]"}, "must be two speeds"),
         ({"action": "pedals"}, "action: 'pedals' must be speed or rate"),
         ({"network.widths": "64"}, "network.widths: 64 must be a list"),
@@ -313,3 +315,27 @@ def test_a_policy_can_begin_with_demonstrations(learned, demonstrations):
     first, later = (torch.load(folder / f"cloned/checkpoint-{n:012d}/model.pt", weights_only=True)["policy"] for n in (0, 2048))
     assert all(torch.equal(first[name], later[name]) for name in first if name.startswith(("action_net", "mlp_extractor.policy_net")))
     assert not torch.equal(first["value_net.weight"], later["value_net.weight"])
+
+
+def test_demonstrations_from_held_out_worlds_are_refused(learned, demonstrations):
+    _, run = learned
+    config = {**run.__defaults__[3], "held_out.seed": "7000", "held_out.count": "1", "held_out.tasks": '"w001/t00"'}
+    with pytest.raises(vertibench.OptionError, match="w001 of the training worlds is world w001 of the suite"):
+        run("held-out", 2048, changes=config, demonstrations=demonstrations)
+
+
+def test_a_checkpoint_that_is_damaged_is_told(learned, tmp_path, capsys):
+    from vertibench.training.__main__ import main
+
+    folder, _ = learned
+    shutil.copytree(folder / "whole/checkpoint-000000004096", tmp_path / "damaged")
+    (tmp_path / "damaged/model.pt").write_bytes(b"PK no zip")
+    assert main(["export", str(tmp_path / "damaged"), str(tmp_path / "own.vbnn")]) == 2
+    assert main(["export", str(folder / "whole"), str(tmp_path / "nowhere/own.vbnn")]) == 3
+    state = json.loads((tmp_path / "damaged/state.json").read_text())
+    del state["config"]["ppo.batch"]
+    (tmp_path / "damaged/state.json").write_text(json.dumps(state))
+    assert main(["evaluate", str(tmp_path / "damaged")]) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3 and "model.pt: it can't be read: " in told[0] and "own.vbnn: No such file" in told[1]
+    assert told[2].endswith("damaged: ppo.batch: the field is missing (add it)")

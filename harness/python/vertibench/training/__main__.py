@@ -25,6 +25,9 @@ def main(arguments: list[str] | None = None) -> int:
     except VertibenchError as e:
         print(f"error: {e}", file=sys.stderr)
         return 2
+    except OSError as e:
+        print(f"error: {e.filename or 'the system'}: {e.strerror or e} (see that it can be written there)", file=sys.stderr)
+        return 3
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 130

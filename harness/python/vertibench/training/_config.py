@@ -75,13 +75,8 @@ class Config:
         return self.values[field]
 
     @property
-    def iteration(self) -> int:
-        """Steps between two updates."""
-        return int(self["ppo.environments"] * self["ppo.steps"])
-
-    @property
     def hash(self) -> str:
-        """Tells configurations apart. How long to train isn't part of it."""
+        """Tells configurations apart."""
         text = json.dumps(self.values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -96,6 +91,10 @@ class Config:
             "curriculum_seed": seed,
         }
 
+    def sight(self) -> dict[str, float]:
+        """What is seen of the surroundings, in the order in which weights note it."""
+        return {"cells": 16, "resolution": 1.0, "ahead": self["ahead"], "points": 10, "spacing": 2.0}
+
     def held_out(self) -> dict[str, Any]:
         """The options of an environment of the held-out worlds."""
         own = {"worlds": self["held_out.count"], "world_seed": self["held_out.seed"], "tasks": self["held_out.tasks"]}
@@ -107,7 +106,7 @@ class Config:
             "vehicle": self["vehicle"],
             "reward": self["reward"],
             "observation": self["observation"],
-            "sight": {"ahead": self["ahead"]},
+            "sight": self.sight(),
             "action": self["action"],
             "speed_range": tuple(self["speed_range"]),
         }
@@ -133,14 +132,21 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
             values[field] = _yaml.parse(f"value: {text}")["value"]
         except (ValueError, TypeError):
             raise TrainingError(f"--set {field}", f"{text!r} is no value", "give a number or a list") from None
+    return checked(path, values)
+
+
+def checked(path: Path, values: dict[str, Any]) -> Config:
+    """A configuration of these values, which are all there and make sense; `path` is where they are from."""
     for field, bounds in _FIELDS.items():
         if field not in values:
             raise TrainingError(path, f"{field}: the field is missing", "add it")
         _check(path, field, values[field], bounds)
-    if values["checkpoint"] % (values["ppo.environments"] * values["ppo.steps"]):
-        one = values["ppo.environments"] * values["ppo.steps"]
+    one = values["ppo.environments"] * values["ppo.steps"]
+    if values["checkpoint"] % one:
         what = f"checkpoint: {values['checkpoint']} is no multiple of ppo.environments times ppo.steps, {one}"
         raise TrainingError(path, what, "change one of them")
+    if values["held_out.seed"] == values["worlds.seed"]:
+        raise TrainingError(path, "held_out.seed: it is that of the worlds that are learned in", "take another")
     return Config(values)
 
 

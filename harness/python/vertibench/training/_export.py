@@ -23,8 +23,7 @@ STEPS, ENVIRONMENTS = 60, 16
 
 def export(run: Path, weights: Path) -> str:
     """Writes the weights of a checkpoint; says how far actions by them are from those of the policy, over recorded observations."""
-    model, config, state, envs = load(run)
-    envs.close()
+    model, config, state = load(run)
     content = bytes(weights_of(model, config, state))
     greatest, count = compare(model, config, content)
     if greatest > TOLERANCE:
@@ -40,7 +39,7 @@ def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
     notes = {
         "policy": state["planner"],
         "parts": " ".join(config["observation"]),
-        "sight": f"16 1 {config['ahead']:g} 10 2",
+        "sight": " ".join(f"{size:g}" for size in config.sight().values()),
         "labels": " ".join(map(str, config["labels"])),
         "action": f"{config['action']} {slowest:g} {fastest:g}",
         "control_hz": "10",
@@ -58,7 +57,7 @@ def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
         # Planners multiply by nothing: the weights do.
         gains = np.ones(weights.shape[1], dtype=np.float32)
         gains[: len(eyes.crops)] = eyes.gains.numpy().ravel()
-        layers.append(convolution("eyes.0", 16, weights * gains[None, :, None, None], bias, own.stride[0]))
+        layers.append(convolution("eyes.0", config.sight()["cells"], weights * gains[None, :, None, None], bias, own.stride[0]))
     linear = [layer for layer in model.policy.mlp_extractor.policy_net if isinstance(layer, torch.nn.Linear)]
     for k, layer in enumerate([*linear, model.policy.action_net]):
         layers.append(_dense(f"head.{k}", layer))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import shutil
 import time
 from collections import Counter
@@ -72,7 +73,8 @@ class Learner:
             told({"steps": self.steps, "held_out": success(self.model, self.config.held_out(), self.envs.num_envs)})
 
     def clone(self, demonstrations: Path) -> dict[str, Any]:
-        """Fits the policy to demonstrations before it learns by itself."""
+        """Fits the policy to demonstrations before it learns by itself. None may be from a held-out world."""
+        NavigationVectorEnv(1, apart_from=[demonstrations / "suite"], **self.config.held_out()).close()
         self.cloned = clone(self.model, self.config, demonstrations)
         return self.cloned
 
@@ -262,7 +264,11 @@ def read_state(checkpoint: Path) -> dict[str, Any]:
 
 def read_parameters(model: PPO, checkpoint: Path) -> None:
     """Gives a model the parameters of a checkpoint, and its optimiser the state."""
-    model.set_parameters(torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True), device="cpu")
+    try:
+        parameters = torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True)
+    except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as e:
+        raise TrainingError(checkpoint / MODEL, f"it can't be read: {e}", "go on from an earlier checkpoint") from None
+    model.set_parameters(parameters, device="cpu")
 
 
 def last_checkpoint(folder: Path) -> Path | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from .._errors import MissingPackageError
-from ._config import Config, TrainingError, read_config
+from ._config import Config, TrainingError, checked, read_config
 
 try:
     import torch as torch
@@ -96,23 +96,23 @@ def checkpoint_of(folder: Path) -> Path:
     return checkpoint
 
 
-def load(folder: Path) -> tuple[PPO, Config, dict[str, Any], Any]:
-    """The policy of a checkpoint, its configuration, what the checkpoint says of itself, and environments that it fits."""
+def load(folder: Path) -> tuple[PPO, Config, dict[str, Any]]:
+    """The policy of a checkpoint, its configuration, and what the checkpoint says of itself."""
     from ..envs.sb3 import make_vec
 
     checkpoint = checkpoint_of(folder)
     state = read_state(checkpoint)
-    config = Config(state["config"])
+    config = checked(checkpoint, state["config"])
     envs = make_vec(config["ppo.environments"], **config.held_out())
     model = make_model(config, envs, envs.vector._setup.parts, 0)
+    envs.close()
     read_parameters(model, checkpoint)
-    return model, config, state, envs
+    return model, config, state
 
 
 def evaluate(folder: Path, suite: str | None, tasks: str | None) -> dict[str, float]:
     """The shares of outcomes, in percent, of a checkpoint's policy without noise."""
-    model, config, _, envs = load(folder)
-    envs.close()
+    model, config, _ = load(folder)
     options = config.held_out()
     if suite is not None:
         options = {name: value for name, value in options.items() if name not in ("worlds", "world_seed", "tasks")}
