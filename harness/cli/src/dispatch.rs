@@ -22,6 +22,7 @@ impl Command {
     fn run(&self) -> Result<(), CliError> {
         match self {
             Self::Run(args) => crate::run::run(args),
+            Self::Merge(args) => crate::merge::merge(args),
             Self::Score(args) => crate::score::score(args),
             Self::Report(args) => crate::report::report(args),
             Self::Replay(args) => crate::replay::replay(args),

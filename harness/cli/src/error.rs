@@ -28,11 +28,13 @@ pub(crate) const NOT_CONFORMING: u8 = 8;
 pub(crate) const NOT_VERIFIED: u8 = 9;
 /// The run was ended early: the planner failed alike in all of the first tasks, before its first command.
 pub(crate) const FAILED_START: u8 = 10;
+/// Some tasks were not done by anybody.
+pub(crate) const INCOMPLETE: u8 = 11;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Every code and what it means, for the help.
-pub(crate) const MEANINGS: [(u8, &str); 12] = [
+pub(crate) const MEANINGS: [(u8, &str); 13] = [
     (DONE, "done"),
     (INTERNAL, "a fault of the harness"),
     (USAGE, "the command line makes no sense, or names an unknown task, world or parameter"),
@@ -47,6 +49,7 @@ pub(crate) const MEANINGS: [(u8, &str); 12] = [
         FAILED_START,
         "ended early: the planner failed alike in all of the first tasks, before its first command",
     ),
+    (INCOMPLETE, "completed, but some tasks are missing; --resume runs them"),
     (INTERRUPTED, "stopped by Ctrl-C; go on with --resume"),
 ];
 
@@ -102,6 +105,10 @@ impl CliError {
 
     pub(crate) fn failed_start(message: impl fmt::Display) -> Self {
         Self::new(FAILED_START, message)
+    }
+
+    pub(crate) fn incomplete(message: impl fmt::Display) -> Self {
+        Self::new(INCOMPLETE, message)
     }
 
     pub(crate) fn interrupted(message: impl fmt::Display) -> Self {

@@ -7,6 +7,7 @@ mod dispatch;
 mod error;
 mod inspect;
 mod leaderboard;
+mod merge;
 mod output;
 mod places;
 mod planner;

@@ -7,6 +7,7 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 use vb_host::Limits;
+use vb_record::ShardHeader;
 use vb_runner::{Event, FailedStart, RunConfig, RunError};
 use vb_score::{Rules, Summary};
 
@@ -53,33 +54,33 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
             output::note(&format!("results: {}", config.out.display()));
         }
     }
+    // A shard goes on by itself.
+    let again = match config.shard {
+        Some(_) => "the same command".to_owned(),
+        None => format!("the same command and --out {} --resume", config.out.display()),
+    };
     if let Some(start) = &report.failed_start {
         return Err(CliError::failed_start(format!(
             "the planner failed alike in all of the first {} tasks before its first command ({}), in the first so: {} ({} tasks left; \
-             mend the cause and start anew, or go on with the same command and --out {} --resume; --keep-going drives all tasks \
-             whatever happens)",
+             mend the cause and start anew, or go on with {again}; --keep-going drives all tasks whatever happens)",
             start.tasks,
             start.fault,
             start.reason,
             report.summary.missing(),
-            config.out.display()
         )));
     }
     if report.interrupted {
         return Err(CliError::interrupted(format!(
-            "stopped, {} tasks left (go on with the same command and --out {} --resume)",
+            "stopped, {} tasks left (go on with {again})",
             report.summary.missing(),
-            config.out.display()
         )));
     }
     match report.summary.host_errors.len() {
         0 => {}
         n => {
             return Err(CliError::host_errors(format!(
-                "the harness or the machine failed {n} tasks (see outcome host_error in {}; the same command with --out {} \
-                 --resume runs them again)",
+                "the harness or the machine failed {n} tasks (see outcome host_error in {}; {again} runs them again)",
                 config.out.join("tasks.jsonl").display(),
-                config.out.display()
             )));
         }
     }
@@ -115,11 +116,20 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
     let plugin = planner::load(&args.plugin, &limits, args.planner.require_sandbox)
         .map_err(|e| planner::unusable(&e))?;
-    let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
+    let mut out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
+    let (mut tasks, mut resume, mut shard) = (tasks, args.resume, None);
+    if let Some(part) = args.shard {
+        shard = Some(ShardHeader { index: part.index(), of: part.of(), tasks: tasks.len() as u64 });
+        tasks = part.tasks(&tasks);
+        out.push(part.folder());
+        // A scheduler that begins a job again gives the same command.
+        resume |= out.join("run.json").exists();
+    }
     Ok(RunConfig {
         suite,
         tasks,
         selector: args.tasks.clone(),
+        shard,
         plugin,
         plugin_path: args.plugin.clone(),
         params: args.planner.params.clone(),
@@ -134,7 +144,7 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         trace: args.trace,
         logs: args.logs,
         out,
-        resume: args.resume,
+        resume,
         keep_going: args.keep_going,
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),

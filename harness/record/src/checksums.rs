@@ -55,6 +55,32 @@ impl Checksums {
         Ok(Some(Self { sums }))
     }
 
+    /// Adds the checksum of `bytes`.
+    pub(crate) fn add(&mut self, name: &str, bytes: &[u8]) {
+        self.sums.insert(name.into(), sha256(bytes).into());
+    }
+
+    /// The file, with those of these names first, in their order.
+    pub(crate) fn text<'a>(&self, first: impl IntoIterator<Item = &'a str>) -> String {
+        let mut rest = self.sums.clone();
+        let mut text = String::new();
+        let mut write = |name: &str, sum: &str| {
+            text.push_str(sum);
+            text.push_str("  ");
+            text.push_str(name);
+            text.push('\n');
+        };
+        for name in first {
+            if let Some(sum) = rest.remove(name) {
+                write(name, &sum);
+            }
+        }
+        for (name, sum) in &rest {
+            write(name, sum);
+        }
+        text
+    }
+
     /// Whether there is one of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.sums.contains_key(name)

@@ -90,6 +90,17 @@ pub struct DataHeader {
     pub hash: String,
 }
 
+/// The part of the chosen tasks that one of several machines drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShardHeader {
+    /// The number of the part, from 1.
+    pub index: u32,
+    /// The number of parts.
+    pub of: u32,
+    /// The number of tasks of all parts.
+    pub tasks: u64,
+}
+
 /// The rules of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RulesHeader {
@@ -119,8 +130,11 @@ pub struct RunHeader {
     pub suite: SuiteHeader,
     /// The selector that chose the tasks; `None` if all were chosen.
     pub selector: Option<String>,
-    /// The number of tasks chosen.
+    /// The number of tasks chosen, in this shard.
     pub tasks: u64,
+    /// Which shard of a larger run this is; `None` for a whole one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<ShardHeader>,
     /// The planner.
     pub plugin: PluginHeader,
     /// The planner's parameters as the user gave them.
@@ -177,7 +191,19 @@ impl RunHeader {
     /// The suite, with what was chosen of it where that is not all, as in [`suite_with_selection`].
     #[must_use]
     pub fn scope(&self) -> String {
-        suite_with_selection(&self.suite.name, self.tasks, self.suite.tasks, self.selector.as_deref())
+        let chosen =
+            suite_with_selection(&self.suite.name, self.tasks, self.suite.tasks, self.selector.as_deref());
+        match self.shard {
+            Some(shard) => format!("{chosen}, shard {}/{}", shard.index, shard.of),
+            None => chosen,
+        }
+    }
+
+    /// The same run with all of its shards.
+    #[must_use]
+    pub fn whole(&self) -> Self {
+        let tasks = self.shard.map_or(self.tasks, |shard| shard.tasks);
+        Self { tasks, shard: None, ..self.clone() }
     }
 
     /// The first field (dotted path) in which `other` would lead to other results, with both values as text; `None` if

@@ -11,6 +11,7 @@ mod debug;
 mod error;
 mod files;
 mod header;
+mod join;
 mod log_mode;
 mod parquet_io;
 mod sample;
@@ -20,7 +21,8 @@ mod trace;
 
 pub use debug::{DebugEntry, DebugSeries};
 pub use error::StoreError;
-pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, SuiteHeader};
+pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, ShardHeader, SuiteHeader};
+pub use join::RunJoiner;
 pub use log_mode::LogMode;
 pub use sample::{Sample, WheelSample};
 pub use scope::{planner_with_params, suite_with_selection};

@@ -1,6 +1,6 @@
 //! The run directory.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -14,10 +14,10 @@ use crate::files::{is_temporary, sync_dir, write_atomic};
 use crate::header::OLDEST_SCHEMA;
 use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
 
-const HEADER: &str = "run.json";
-const TASKS: &str = "tasks.jsonl";
-const SUMMARY: &str = "summary.json";
-const LOCK: &str = "run.lock";
+pub(crate) const HEADER: &str = "run.json";
+pub(crate) const TASKS: &str = "tasks.jsonl";
+pub(crate) const SUMMARY: &str = "summary.json";
+pub(crate) const LOCK: &str = "run.lock";
 /// Longest record that is read, bytes; logs in it are bounded far below.
 const LINE: u64 = 64 << 20;
 
@@ -204,12 +204,31 @@ impl RunStore {
         Ok(())
     }
 
-    /// Writes `summary.json`, replacing an earlier one.
+    /// Writes `summary.json`, replacing an earlier one, and ends the run for now.
     ///
     /// # Errors
     /// Returns an error of the file system.
-    pub fn write_summary<T: Serialize>(&self, summary: &T) -> Result<(), StoreError> {
+    pub fn finish<T: Serialize>(self, summary: &T) -> Result<(), StoreError> {
         write_atomic(&self.dir.join(SUMMARY), &pretty("summary.json", summary)?)
+    }
+
+    /// The same for a run whose tasks are all done: its records are put into the order of `tasks`, so that the files of a run are
+    /// the same bytes whichever task ended first.
+    ///
+    /// # Errors
+    /// Returns an error of the file system.
+    pub fn finish_whole<T: Serialize>(self, tasks: &[String], summary: &T) -> Result<(), StoreError> {
+        let mut lines = BTreeMap::new();
+        each_task(&self.dir, |key: Key, line| {
+            lines.insert(key.task, line.to_vec());
+        })?;
+        let text: Vec<u8> = tasks.iter().filter_map(|task| lines.remove(task)).flatten().collect();
+        // Both have what they had before, so that it doesn't matter if the process is killed between them.
+        if let Some(sums) = Checksums::read(&self.dir)? {
+            write_atomic(&self.dir.join(CHECKSUMS), sums.text(names(tasks)?.iter().map(String::as_str)).as_bytes())?;
+        }
+        write_atomic(&self.dir.join(TASKS), &text)?;
+        self.finish(summary)
     }
 }
 
@@ -253,8 +272,16 @@ impl RunReader {
     ///
     /// # Errors
     /// Returns [`StoreError::Damaged`] or an error of the file system.
-    pub fn each_record<T: DeserializeOwned>(&self, take: impl FnMut(T)) -> Result<(), StoreError> {
-        each_task(&self.dir, take).map(drop)
+    pub fn each_record<T: DeserializeOwned>(&self, mut take: impl FnMut(T)) -> Result<(), StoreError> {
+        each_task(&self.dir, |record, _| take(record)).map(drop)
+    }
+
+    /// Hands the same records to `take` with their lines as they are in the file, without the end of the line.
+    ///
+    /// # Errors
+    /// Returns [`StoreError::Damaged`] or an error of the file system.
+    pub fn each_line<T: DeserializeOwned>(&self, mut take: impl FnMut(T, &[u8])) -> Result<(), StoreError> {
+        each_task(&self.dir, |record, line| take(record, line.strip_suffix(b"\n").unwrap_or(line))).map(drop)
     }
 
     /// Tells whether the run has a trace of this task.
@@ -281,7 +308,7 @@ impl RunReader {
     }
 
     /// The path of a file of the run, which is as it was written.
-    fn checked(&self, name: &str) -> Result<PathBuf, StoreError> {
+    pub(crate) fn checked(&self, name: &str) -> Result<PathBuf, StoreError> {
         let path = self.dir.join(name);
         if let Some(sums) = Checksums::read(&self.dir)? {
             let bytes = vb_files::read(&path, vb_files::DATA).map_err(StoreError::io("read", &path))?;
@@ -291,14 +318,24 @@ impl RunReader {
     }
 }
 
+/// The names by which the files and records of a run have their checksums, in the order in which they are written if the tasks
+/// are driven one after the other.
+pub(crate) fn names(tasks: &[String]) -> Result<Vec<String>, StoreError> {
+    let mut names = vec![HEADER.to_owned()];
+    for task in tasks {
+        names.extend([trace_name(task)?, debug_name(task)?, record_name(task)]);
+    }
+    Ok(names)
+}
+
 /// Where a task's trace lies in a run.
-fn trace_name(task: &str) -> Result<String, StoreError> {
+pub(crate) fn trace_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
     Ok(format!("traces/{world}/{name}.parquet"))
 }
 
 /// Where a task's debug series lie in a run.
-fn debug_name(task: &str) -> Result<String, StoreError> {
+pub(crate) fn debug_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
     Ok(format!("traces/{world}/{name}.debug.parquet"))
 }
@@ -333,7 +370,7 @@ fn lock(dir: &Path) -> Result<File, StoreError> {
 }
 
 /// What a process killed before it wrote run.json left behind does not count.
-fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
+pub(crate) fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
     for entry in fs::read_dir(dir).map_err(StoreError::io("read directory", dir))? {
         let name = entry.map_err(StoreError::io("read directory", dir))?.file_name();
         let name = name.to_string_lossy();
@@ -345,7 +382,7 @@ fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
 }
 
 /// A document as it is written.
-fn pretty<T: Serialize>(what: &'static str, value: &T) -> Result<Vec<u8>, StoreError> {
+pub(crate) fn pretty<T: Serialize>(what: &'static str, value: &T) -> Result<Vec<u8>, StoreError> {
     let mut text =
         serde_json::to_vec_pretty(value).map_err(|e| StoreError::Encode { what, detail: e.to_string() })?;
     text.push(b'\n');
@@ -388,13 +425,13 @@ struct Key {
 /// The records in tasks.jsonl and the length of their lines.
 fn read_tasks<T: DeserializeOwned>(dir: &Path) -> Result<(Vec<T>, u64), StoreError> {
     let mut records = Vec::new();
-    let len = each_task(dir, |record| records.push(record))?;
+    let len = each_task(dir, |record, _| records.push(record))?;
     Ok((records, len))
 }
 
-/// Hands over each record in tasks.jsonl and returns the length of their lines. A last line that is not whole was torn
+/// Hands over each record in tasks.jsonl with its line and returns the length of their lines. A last line that is not whole was torn
 /// when its process was killed; any other bad line is damage that nobody should overlook.
-fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T)) -> Result<u64, StoreError> {
+fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T, &[u8])) -> Result<u64, StoreError> {
     let path = &dir.join(TASKS);
     let mut sums = Checksums::read(dir)?;
     let mut file = match vb_files::open(path) {
@@ -446,7 +483,7 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T)) -> Result
             return Err(damaged(format!("task {} is there twice", key.task)));
         }
         seen.insert(key.task.into_boxed_str());
-        take(record);
+        take(record, &line);
         len += line.len() as u64;
     }
 }

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunReader, RunStore,
-    Sample, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
+    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunJoiner, RunReader, RunStore,
+    Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
 };
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,7 @@ fn header() -> RunHeader {
         started_at: "2026-01-01T00:00:00Z".into(),
         suite: SuiteHeader { name: "s".into(), hash: "aa".into(), path: "tasks/s".into(), tasks: None },
         selector: None,
+        shard: None,
         tasks: 3,
         plugin: PluginHeader {
             name: "pid".into(),
@@ -101,7 +102,7 @@ fn what_is_written_reads_back() {
     for r in &records {
         store.append(r).unwrap();
     }
-    store.write_summary(&records[0]).unwrap();
+    store.finish(&records[0]).unwrap();
 
     // Reading doesn't need the lock.
     let reader = RunReader::open(&dir).unwrap();
@@ -110,6 +111,89 @@ fn what_is_written_reads_back() {
     assert!(reader.has_trace("w001/t00") && !reader.has_trace("w001/t01"));
     assert_eq!(reader.trace("w001/t00").unwrap(), trace);
     assert!(dir.join("traces/w001/t00.debug.parquet").exists() && dir.join("summary.json").exists());
+}
+
+/// All files of a folder by their names.
+fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    fn add(dir: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
+        for entry in fs::read_dir(dir).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                add(&path, root, found);
+            } else {
+                let name = path.strip_prefix(root).unwrap().to_string_lossy().into_owned();
+                found.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    add(dir, dir, &mut found);
+    found
+}
+
+/// A run of these tasks, driven in this order.
+fn driven(dir: &Path, tasks: &[&str]) -> RunStore {
+    let store = RunStore::create(dir, &header()).unwrap();
+    for task in tasks {
+        store.write_trace(&trace(task)).unwrap();
+        let mut debug = DebugSeries::default();
+        debug.push(0.0, "cost", &[1.0]);
+        store.write_debug(task, &debug).unwrap();
+        store.append(&record(task, 1.0)).unwrap();
+    }
+    store
+}
+
+#[test]
+fn a_whole_run_has_the_same_bytes_in_whichever_order_its_tasks_ended() {
+    let tmp = tempfile::tempdir().unwrap();
+    let tasks = ["w1/a", "w1/b", "w2/a"];
+    let order = tasks.map(str::to_owned);
+    let found = [[0, 1, 2], [2, 0, 1], [1, 2, 0]].map(|places| {
+        let dir = tmp.path().join(format!("{places:?}"));
+        driven(&dir, &places.map(|k| tasks[k])).finish_whole(&order, &"summary").unwrap();
+        let done = RunReader::open(&dir).unwrap().records::<Record>().unwrap();
+        assert_eq!(done.iter().map(|r| r.task.as_str()).collect::<Vec<_>>(), tasks);
+        files(&dir)
+    });
+    assert_eq!(found[0].len(), 5 + 6);
+    assert!(found.iter().all(|f| *f == found[0]));
+    // It can still be gone on with, and be ended again.
+    let dir = tmp.path().join("[0, 1, 2]");
+    resume(&dir).unwrap().0.finish_whole(&order, &"summary").unwrap();
+    assert_eq!(files(&dir), found[0]);
+}
+
+#[test]
+fn a_run_that_is_joined_of_others_has_the_bytes_of_one_that_was_driven() {
+    let tmp = tempfile::tempdir().unwrap();
+    let [first, second, one, joined] = ["first", "second", "one", "joined"].map(|name| tmp.path().join(name));
+    let order = ["w1/a", "w1/b", "w2/a"].map(str::to_owned);
+    driven(&one, &["w1/a", "w1/b", "w2/a"]).finish_whole(&order, &"summary").unwrap();
+    drop((driven(&first, &["w2/a", "w1/a"]), driven(&second, &["w1/b"])));
+    let parts = [&first, &second].map(|dir| RunReader::open(dir).unwrap());
+    let join = || {
+        let mut joiner = RunJoiner::new(&joined, &header())?;
+        for task in &order {
+            let mut lines = BTreeMap::new();
+            for (k, part) in parts.iter().enumerate() {
+                part.each_line(|r: Record, line| drop(lines.insert(r.task, (line.to_vec(), k)))).unwrap();
+            }
+            let (line, k) = &lines[task];
+            joiner.add(task, line, &parts[*k])?;
+        }
+        joiner.finish(&"summary")
+    };
+    join().unwrap();
+    assert_eq!(files(&joined), files(&one));
+    assert!(matches!(join().unwrap_err(), StoreError::NotEmpty(_)));
+
+    // A damaged trace isn't handed on, and nothing is left behind.
+    fs::remove_dir_all(&joined).unwrap();
+    fs::write(second.join("traces/w1/b.parquet"), "?").unwrap();
+    assert!(join().unwrap_err().to_string().contains("its checksum is another"));
+    let left: Vec<_> = fs::read_dir(tmp.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 3, "{left:?}");
 }
 
 #[test]
@@ -190,7 +274,7 @@ fn a_run_is_resumed_only_with_its_own_settings_and_the_difference_is_named() {
     RunStore::resume::<Record>(tmp.path(), &same, |_| true).unwrap();
 
     type Change = fn(&mut RunHeader);
-    let changes: [(&str, Change); 10] = [
+    let changes: [(&str, Change); 11] = [
         ("suite.hash", |h| h.suite.hash = "x".into()),
         ("plugin.sha256", |h| h.plugin.sha256 = "x".into()),
         ("params.speed", |h| h.params = BTreeMap::from([("speed".into(), "5".into())])),
@@ -204,6 +288,7 @@ fn a_run_is_resumed_only_with_its_own_settings_and_the_difference_is_named() {
         ("vehicle.hash", |h| h.vehicle.hash = "x".into()),
         ("selector", |h| h.selector = Some("w001".into())),
         ("trace", |h| h.trace = TraceMode::None),
+        ("shard.index", |h| h.shard = Some(ShardHeader { index: 1, of: 2, tasks: 9 })),
     ];
     for (want, change) in changes {
         let mut other = header();

@@ -28,6 +28,7 @@ fn header(name: &str, tasks: u64) -> RunHeader {
         started_at: "2026-01-01T00:00:00Z".into(),
         suite: SuiteHeader { name: "s".into(), hash: "aa".repeat(32), path: "tasks/s".into(), tasks: None },
         selector: None,
+        shard: None,
         tasks,
         plugin: PluginHeader {
             name: name.into(),

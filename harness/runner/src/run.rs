@@ -9,7 +9,7 @@ use std::time::Duration;
 use vb_host::{AbiVersion, Limits, Metadata, Plugin};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
-    SuiteHeader, TraceMode,
+    ShardHeader, SuiteHeader, TraceMode,
 };
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sense::Profile;
@@ -49,6 +49,8 @@ pub struct RunConfig {
     pub tasks: Vec<TaskRef>,
     /// The selector that chose the tasks, for the record.
     pub selector: Option<String>,
+    /// Which shard of a larger run the tasks are, if they are one.
+    pub shard: Option<ShardHeader>,
     /// The planner.
     pub plugin: Plugin,
     /// The path of the planner's file, for the record.
@@ -217,7 +219,12 @@ pub fn run(
         return Err(error);
     }
     let summary = Summary::new(&header, &config.rules, &records, Vec::new());
-    store.write_summary(&summary)?;
+    if records.len() == config.tasks.len() {
+        let tasks: Vec<String> = config.tasks.iter().map(ToString::to_string).collect();
+        store.finish_whole(&tasks, &summary)?;
+    } else {
+        store.finish(&summary)?;
+    }
     let mut fail_fast = work.fail_fast.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let failed_start = std::mem::take(&mut *fail_fast).found();
     let interrupted = failed_start.is_none() && records.len() < config.tasks.len();
@@ -240,7 +247,8 @@ struct Prepared {
 }
 
 fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
-    if config.tasks.is_empty() {
+    // A shard may be empty: there may be more of them than worlds.
+    if config.tasks.is_empty() && config.shard.is_none() {
         return Err(RunError::NoTasks);
     }
     let RunConfig { vehicle, soils, rules, perception, .. } = config;
@@ -301,6 +309,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         },
         selector: config.selector.clone(),
         tasks: config.tasks.len() as u64,
+        shard: config.shard,
         plugin: PluginHeader {
             name: metadata.name.clone(),
             version: metadata.version.clone(),

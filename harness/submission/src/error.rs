@@ -29,6 +29,16 @@ pub enum SubmissionError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// The run is a part of a larger one.
+    #[error("{} is shard {index} of {of} of a run (join the shards with merge first)", .path.display())]
+    Shard {
+        /// The run directory.
+        path: PathBuf,
+        /// The number of the shard.
+        index: u32,
+        /// The number of shards.
+        of: u32,
+    },
     /// The directory to be written holds something else.
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     NotEmpty(PathBuf),

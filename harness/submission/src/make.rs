@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 use vb_host::{Plugin, PluginKind};
-use vb_record::{RUN_SCHEMA, RunHeader, RunReader, TraceMode};
+use vb_record::{RUN_SCHEMA, RunHeader, RunReader, ShardHeader, TraceMode};
 use vb_report::{Report, Runs};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_world::Suite;
@@ -103,6 +103,9 @@ fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), Sub
             made: header.harness_version.clone(),
             this: request.harness_version.to_owned(),
         });
+    }
+    if let Some(ShardHeader { index, of, .. }) = header.shard {
+        return Err(SubmissionError::Shard { path: run.to_owned(), index, of });
     }
     let pairs = [
         ("plugin", &header.plugin.sha256, request.plugin.sha256().to_owned()),

@@ -163,6 +163,7 @@ impl Again<'_> {
             suite: e.suite.clone(),
             tasks: tasks.iter().filter_map(named).collect(),
             selector: m.run.selector.clone(),
+            shard: None,
             plugin: self.plugin.clone(),
             plugin_path: Default::default(),
             params: m.run.params.iter().map(|(k, v)| (k.clone(), v.clone())).collect(),

@@ -20,6 +20,7 @@ mod planners;
 mod processes;
 mod proof;
 mod scoring;
+mod shards;
 mod sites;
 mod streams;
 mod submission;

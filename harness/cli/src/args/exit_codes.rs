@@ -3,7 +3,7 @@
 use clap::Command;
 
 use crate::error::{
-    BAD_INPUT, CHECKS_FAILED, DONE, FAILED_START, HOST_ERRORS, INTERNAL, INTERRUPTED, MEANINGS,
+    BAD_INPUT, CHECKS_FAILED, DONE, FAILED_START, HOST_ERRORS, INCOMPLETE, INTERNAL, INTERRUPTED, MEANINGS,
     NOT_CONFORMING, NOT_VERIFIED, OUTPUT, SIM_ERRORS, USAGE,
 };
 
@@ -11,8 +11,9 @@ use crate::error::{
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
 
 /// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 13] = [
+const OF: [(&str, &[u8]); 14] = [
     ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
+    ("merge", &[SIM_ERRORS, INCOMPLETE]),
     ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
     ("evaluate", &[SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),
@@ -25,7 +26,7 @@ const OF: [(&str, &[u8]); 13] = [
     ("vehicle test", &[CHECKS_FAILED]),
     ("terrain train", &[INTERRUPTED]),
     // The program without a command is `run`, but its help is that of all commands.
-    ("", &[SIM_ERRORS, CHECKS_FAILED, HOST_ERRORS, NOT_CONFORMING, NOT_VERIFIED, FAILED_START, INTERRUPTED]),
+    ("", &[SIM_ERRORS, CHECKS_FAILED, HOST_ERRORS, NOT_CONFORMING, NOT_VERIFIED, FAILED_START, INCOMPLETE, INTERRUPTED]),
 ];
 
 /// The program's commands with their exit codes at the end of their help.

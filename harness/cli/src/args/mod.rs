@@ -21,7 +21,7 @@ pub(crate) use dataset::{
 };
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
-pub(crate) use run::{CheckArgs, RunArgs, ScoreArgs};
+pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
     DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, SuiteListArgs,
@@ -63,6 +63,8 @@ impl Cli {
 pub(crate) enum Command {
     /// Run a planner over a suite; the default command
     Run(RunArgs),
+    /// Join the shards of a run that several machines have driven
+    Merge(MergeRunArgs),
     /// Score a finished run again from its traces, without simulating
     Score(ScoreArgs),
     /// Make a page, and tables, of one or more runs

@@ -1,11 +1,13 @@
-//! `vb-harness run`, `score` and `check`.
+//! `vb-harness run`, `merge`, `score` and `check`.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use vb_record::{LogMode, TraceMode};
 
-use super::values::{bytes, log_mode, planner, scale, soil_resolution, time_step, trace_mode};
+use vb_world::Shard;
+
+use super::values::{bytes, log_mode, planner, scale, shard, soil_resolution, time_step, trace_mode};
 use super::{FormatArgs, JobsArgs, PlannerArgs};
 
 #[derive(Debug, Args)]
@@ -30,6 +32,10 @@ pub(crate) struct RunArgs {
     /// Go on with the run in --out
     #[arg(long, requires = "out")]
     pub(crate) resume: bool,
+    /// Drive one of several parts of the tasks, e.g. 3/8 for the third of eight, into a folder of its own in --out; auto takes the
+    /// numbers from Slurm's, Kubernetes' or AWS Batch's array. The same command goes on where it was stopped; merge joins all parts
+    #[arg(long, value_name = "I/N|auto", requires = "out", value_parser = shard)]
+    pub(crate) shard: Option<Shard>,
     /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
     #[arg(long)]
     pub(crate) keep_going: bool,
@@ -87,6 +93,7 @@ impl RunArgs {
             jobs: JobsArgs::default(),
             out: None,
             resume: false,
+            shard: None,
             keep_going: false,
             seed: 0,
             trace: TraceMode::default(),
@@ -104,6 +111,21 @@ impl RunArgs {
             format: FormatArgs::default(),
         }
     }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeRunArgs {
+    /// Directories of shards, or a directory with shards in it, as run --shard makes them
+    #[arg(value_name = "DIR", required = true)]
+    pub(crate) shards: Vec<PathBuf>,
+    /// Directory for the whole run
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// The suite of the shards; default: where it was, or the one of its name that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]

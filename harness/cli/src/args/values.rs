@@ -3,6 +3,7 @@
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use vb_record::{LogMode, TraceMode};
 use vb_runner::SAMPLE_PERIOD;
+use vb_world::{Shard, ShardError};
 
 /// A planner: a file, which may lie in the directory that `VB_PLUGINS` names, or a command.
 pub(super) fn planner() -> impl TypedValueParser {
@@ -20,6 +21,14 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
         _ => Err("want KEY=VALUE, e.g. speed=5".into()),
     }
+}
+
+/// A shard by its number, or the one that a scheduler's environment says.
+pub(super) fn shard(text: &str) -> Result<Shard, ShardError> {
+    if text == "auto" {
+        return Shard::from_environment(|name| std::env::var(name).ok());
+    }
+    Shard::parse(text)
 }
 
 pub(super) fn trace_mode(text: &str) -> Result<TraceMode, String> {

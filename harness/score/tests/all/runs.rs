@@ -26,6 +26,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
         started_at: "2026-01-01T00:00:00Z".into(),
         suite: SuiteHeader { name: "suite".into(), hash: "aa".into(), path: ".".into(), tasks: None },
         selector: None,
+        shard: None,
         tasks,
         plugin: PluginHeader {
             name: "pid".into(),

@@ -112,6 +112,7 @@ impl Bench {
             suite: self.suite.clone(),
             tasks: tasks.collect(),
             selector: None,
+            shard: None,
             plugin: self.plugin.clone(),
             plugin_path: "/home/somebody/pursuit.wasm".into(),
             params: Vec::new(),

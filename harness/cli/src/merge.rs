@@ -1,0 +1,87 @@
+//! `vb-harness merge`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vb_record::{RunReader, StoreError};
+use vb_runner::{MergeError, shards_in};
+use vb_score::Summary;
+
+use crate::args::{MergeRunArgs, MessageFormat};
+use crate::error::CliError;
+use crate::{output, replay};
+
+/// So many tasks are named in a message.
+const NAMED: usize = 10;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    Merged { out: &'a Path, shards: usize, missing: &'a [String], twice: &'a [String], summary: &'a Summary },
+}
+
+pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
+    let mut shards: Vec<PathBuf> = Vec::new();
+    for dir in &args.shards {
+        shards.extend(shards_in(dir).map_err(merge_error)?);
+    }
+    shards.sort();
+    shards.dedup();
+    let first = RunReader::open(&shards[0]).map_err(CliError::input)?;
+    let suite = replay::suite_of(first.header(), args.suite.as_deref())?;
+    let merged = vb_runner::merge(&shards, &suite, &args.out).map_err(merge_error)?;
+    let summary = &merged.summary;
+    match args.format.get() {
+        MessageFormat::Json => output::json(&Message::Merged {
+            out: &args.out,
+            shards: shards.len(),
+            missing: &merged.missing,
+            twice: &merged.twice,
+            summary,
+        }),
+        MessageFormat::Human => {
+            output::text(&vb_host::printable(&summary.table()));
+            if !merged.twice.is_empty() {
+                let (n, which) = (merged.twice.len(), some(&merged.twice));
+                output::note(&format!("{n} tasks were driven twice, with the same results: {which}"));
+            }
+            output::note(&format!("results: {}", args.out.display()));
+        }
+    }
+    if !merged.missing.is_empty() {
+        return Err(CliError::incomplete(format!(
+            "{} of {} tasks are missing: {} (the command of the shards without --shard, but with --out {} --resume, drives them)",
+            merged.missing.len(),
+            summary.planned,
+            some(&merged.missing),
+            args.out.display()
+        )));
+    }
+    match summary.sim_errors() {
+        0 => Ok(()),
+        n => Err(CliError::sim_errors(format!(
+            "the simulation of {n} tasks failed (see outcome sim_error in {})",
+            args.out.join("tasks.jsonl").display()
+        ))),
+    }
+}
+
+/// The names of some tasks.
+fn some(tasks: &[String]) -> String {
+    let named = tasks.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match tasks.len().saturating_sub(NAMED) {
+        0 => named,
+        more => format!("{named} and {more} more"),
+    }
+}
+
+fn merge_error(e: MergeError) -> CliError {
+    match e {
+        MergeError::Store(StoreError::NotEmpty(dir)) => CliError::output(format!(
+            "output directory {} is not empty (choose another with --out)",
+            dir.display()
+        )),
+        MergeError::Store(StoreError::Io { action, .. }) if !action.starts_with("read") => CliError::output(e),
+        _ => CliError::input(e),
+    }
+}
