@@ -23,6 +23,7 @@ impl Command {
         match self {
             Self::Run(args) => crate::run::run(args),
             Self::Merge(args) => crate::merge::merge(args),
+            Self::Sweep(command) => command.run(),
             Self::Score(args) => crate::score::score(args),
             Self::Report(args) => crate::report::report(args),
             Self::Replay(args) => crate::replay::replay(args),

@@ -115,6 +115,11 @@ impl CliError {
         Self::new(INTERRUPTED, message)
     }
 
+    /// The same error, with where it is in front.
+    pub(crate) fn within(self, place: &str) -> Self {
+        Self { message: format!("{place}: {}", self.message), ..self }
+    }
+
     /// Another program failed with this code and said why.
     pub(crate) fn told(code: u8) -> Self {
         Self::new(code, "")

@@ -19,6 +19,7 @@ mod run;
 mod score;
 mod submission;
 mod suite;
+mod sweep;
 mod terrain;
 mod vehicle;
 

@@ -75,7 +75,7 @@ fn some(tasks: &[String]) -> String {
     }
 }
 
-fn merge_error(e: MergeError) -> CliError {
+pub(crate) fn merge_error(e: MergeError) -> CliError {
     match e {
         MergeError::Store(StoreError::NotEmpty(dir)) => CliError::output(format!(
             "output directory {} is not empty (choose another with --out)",

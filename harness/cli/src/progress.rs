@@ -14,8 +14,19 @@ use crate::output;
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Started { total: u64, resumed: u64 },
-    Task { done: u64, total: u64, record: &'a TaskRecord },
+    Started {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        run: Option<&'a str>,
+        total: u64,
+        resumed: u64,
+    },
+    Task {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        run: Option<&'a str>,
+        done: u64,
+        total: u64,
+        record: &'a TaskRecord,
+    },
 }
 
 enum Kind {
@@ -29,6 +40,8 @@ pub(crate) struct Progress {
     kind: Kind,
     /// Whether backtraces are shown, and logs of tasks that no error ended.
     debug: bool,
+    /// Of many runs the one that goes on, and whether there are many.
+    run: Option<String>,
     total: u64,
     done: u64,
     outcomes: BTreeMap<Outcome, u64>,
@@ -50,6 +63,7 @@ impl Progress {
         Self {
             kind,
             debug,
+            run: None,
             total: 0,
             done: 0,
             outcomes: BTreeMap::new(),
@@ -60,30 +74,65 @@ impl Progress {
         }
     }
 
+    /// The course of many runs that have so many tasks in all.
+    pub(crate) fn of_many(format: MessageFormat, total: u64) -> Self {
+        let progress = Self { run: Some(String::new()), total, ..Self::new(format, false) };
+        progress.show_bar();
+        progress
+    }
+
+    /// Of many runs, the next one begins.
+    pub(crate) fn enter(&mut self, run: &str) {
+        self.run = Some(run.to_owned());
+    }
+
+    /// Of many runs, some tasks are done already.
+    pub(crate) fn done_before(&mut self, tasks: u64) {
+        self.done += tasks;
+        self.show_bar();
+    }
+
+    /// Something to be said in between.
+    pub(crate) fn note(&self, text: &str) {
+        match &self.kind {
+            Kind::Json => {}
+            Kind::Lines => output::note(text),
+            Kind::Bar(bar) => bar.suspend(|| output::note(text)),
+        }
+    }
+
     /// The run begins: `total` tasks, of which those of `resumed` are done already.
     pub(crate) fn started(&mut self, total: u64, resumed: &[TaskRecord]) {
         for record in resumed {
             self.count(record);
         }
         let resumed = resumed.len() as u64;
-        (self.total, self.done, self.since) = (total, resumed, now());
+        if self.run.is_some() {
+            self.done += resumed;
+        } else {
+            (self.total, self.done, self.since) = (total, resumed, now());
+        }
+        let run = self.run.as_deref();
         match &self.kind {
-            Kind::Json => output::json(&Message::Started { total, resumed }),
+            Kind::Json => output::json(&Message::Started { run, total, resumed }),
             Kind::Lines if resumed > 0 => {
                 output::note(&format!("{resumed} of {total} tasks are done already"))
             }
             Kind::Lines => {}
-            Kind::Bar(bar) => {
-                bar.set_length(total);
-                bar.set_position(resumed);
-                bar.reset_eta();
-                // A wrong template would only cost the style.
-                if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}  ETA {eta}") {
-                    bar.set_style(style.progress_chars("=> "));
-                }
-                bar.enable_steady_tick(std::time::Duration::from_millis(200));
-            }
+            Kind::Bar(_) => self.show_bar(),
         }
+    }
+
+    fn show_bar(&self) {
+        let Kind::Bar(bar) = &self.kind else { return };
+        bar.set_length(self.total);
+        bar.set_position(self.done);
+        bar.reset_eta();
+        // A wrong template would only cost the style.
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}  ETA {eta}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(std::time::Duration::from_millis(200));
     }
 
     /// A task has ended.
@@ -91,11 +140,13 @@ impl Progress {
         self.done += 1;
         self.simulated += record.time_s;
         self.count(record);
+        let run = self.run.as_deref();
         match &self.kind {
-            Kind::Json => output::json(&Message::Task { done: self.done, total: self.total, record }),
+            Kind::Json => output::json(&Message::Task { run, done: self.done, total: self.total, record }),
             Kind::Lines => {
+                let run = run.map_or_else(String::new, |run| format!("{run} "));
                 output::note(&format!(
-                    "[{:>width$}/{}] {} {} {:.2} s: {}",
+                    "[{:>width$}/{}] {run}{} {} {:.2} s: {}",
                     self.done,
                     self.total,
                     record.task,
@@ -108,7 +159,8 @@ impl Progress {
             }
             Kind::Bar(bar) => {
                 let counts: Vec<String> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
-                bar.set_message(format!("{}  {}", counts.join(", "), self.speed()));
+                let run = run.map_or_else(String::new, |run| format!("{run}  "));
+                bar.set_message(format!("{run}{}  {}", counts.join(", "), self.speed()));
                 bar.set_position(self.done);
                 let logged = self.debug && !record.log.is_empty();
                 if record.fault.is_some() || logged {

@@ -25,6 +25,24 @@ enum Message<'a> {
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
+    let (report, files) = make(args)?;
+    if args.format.get() == MessageFormat::Json {
+        let labels = report.runs().runs.iter().map(|r| r.label.as_str()).collect();
+        output::json(&Message::Statistics { statistics: report.statistics() });
+        output::json(&Message::Report { runs: labels, files: &files });
+        return Ok(());
+    }
+    if args.markdown.as_deref() == Some(Path::new("-")) {
+        output::text(&report.markdown());
+    }
+    for file in files {
+        output::note(&format!("wrote {}", file.display()));
+    }
+    Ok(())
+}
+
+/// Writes what is asked for, and returns it with the names of the files.
+pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError> {
     if let Some(out) = &args.out {
         // What can't be written is said before all runs are read, not after.
         std::fs::create_dir_all(out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
@@ -40,10 +58,8 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
         write_parquet(report.runs(), path).map_err(failed)?;
         files.push(path.clone());
     }
-    let markdown = report.markdown();
-    let to_stdout = args.markdown.as_deref() == Some(Path::new("-"));
-    if let Some(path) = args.markdown.as_ref().filter(|_| !to_stdout) {
-        write(path, &markdown)?;
+    if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {
+        write(path, &report.markdown())?;
         files.push(path.clone());
     }
     if let Some(out) = &args.out {
@@ -58,19 +74,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
         write(&path, &page)?;
         files.push(path);
     }
-    if args.format.get() == MessageFormat::Json {
-        let labels = report.runs().runs.iter().map(|r| r.label.as_str()).collect();
-        output::json(&Message::Statistics { statistics: report.statistics() });
-        output::json(&Message::Report { runs: labels, files: &files });
-        return Ok(());
-    }
-    if to_stdout {
-        output::text(&markdown);
-    }
-    for file in files {
-        output::note(&format!("wrote {}", file.display()));
-    }
-    Ok(())
+    Ok((report, files))
 }
 
 /// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html`, and returns their names.

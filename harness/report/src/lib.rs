@@ -14,6 +14,7 @@ mod report;
 mod robustness;
 mod runs;
 pub mod statistics;
+mod sweep;
 mod table;
 
 pub use compare::{Comparison, Difference, Pair};
@@ -22,4 +23,5 @@ pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
 pub use report::Report;
 pub use robustness::{Line, Point, Robustness};
 pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
+pub use sweep::{SweepRow, sweep_csv, sweep_markdown, sweep_page};
 pub use table::{write_csv, write_parquet};

@@ -9,7 +9,7 @@ use crate::figures::{Estimate, Measure};
 use vb_page::{number, p_value};
 
 /// Text in a cell: nothing of it is markup.
-fn text(t: &str) -> String {
+pub(crate) fn text(t: &str) -> String {
     let mut out = String::with_capacity(t.len());
     for c in t.chars() {
         match c {

@@ -95,7 +95,7 @@ fn each(runs: &Runs, mut take: impl FnMut(Row<'_>) -> Result<(), ReportError>) -
 }
 
 /// Text that a spreadsheet would take for a formula, marked as text.
-fn no_formula(text: &str) -> Cow<'_, str> {
+pub(crate) fn no_formula(text: &str) -> Cow<'_, str> {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         Cow::Owned(format!("'{text}"))
     } else {

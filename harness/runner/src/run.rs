@@ -246,7 +246,25 @@ struct Prepared {
     wants: Wants,
 }
 
+/// Checks what would keep a run from being begun, but for the worlds and the run directory: task, planner, parameters, vehicle.
+///
+/// # Errors
+/// Returns what is wrong.
+pub fn check(config: &RunConfig) -> Result<(), RunError> {
+    setting(config).map(drop)
+}
+
 fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
+    let prepared = setting(config)?;
+    // A damaged world must not be found after hours.
+    let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
+    for world in worlds {
+        config.suite.verify_world(world)?;
+    }
+    Ok(prepared)
+}
+
+fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
     // A shard may be empty: there may be more of them than worlds.
     if config.tasks.is_empty() && config.shard.is_none() {
         return Err(RunError::NoTasks);
@@ -255,11 +273,6 @@ fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
     check_control_period(config.plugin.metadata(), config.time_step)?;
     check_perception(&config.plugin, perception)?;
     let params = config.plugin.params(&config.params)?;
-    // A damaged world must not be found after hours.
-    let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
-    for world in worlds {
-        config.suite.verify_world(world)?;
-    }
     let (step, scale, seed) = (config.time_step, config.scale, config.seed);
     let setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
     Ok(Prepared { setting, wants: Wants::of(&config.plugin, perception, params) })

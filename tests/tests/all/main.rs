@@ -25,6 +25,7 @@ mod sites;
 mod streams;
 mod submission;
 mod submission_ci;
+mod sweeps;
 mod teleop;
 mod vehicle;
 mod vehicles;

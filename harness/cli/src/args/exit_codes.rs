@@ -11,9 +11,11 @@ use crate::error::{
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
 
 /// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 14] = [
+const OF: [(&str, &[u8]); 16] = [
     ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("merge", &[SIM_ERRORS, INCOMPLETE]),
+    ("sweep run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
+    ("sweep report", &[INCOMPLETE]),
     ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
     ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
     ("evaluate", &[SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),

@@ -8,6 +8,7 @@ mod results;
 mod run;
 mod submission;
 mod suite;
+mod sweep;
 mod terrain;
 mod values;
 mod vehicle;
@@ -27,6 +28,7 @@ pub(crate) use suite::{
     DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, SuiteListArgs,
     TasksArgs, TasksCommand, TestbedArgs, ValidateArgs,
 };
+pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
 pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
 
@@ -65,6 +67,9 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Join the shards of a run that several machines have driven
     Merge(MergeRunArgs),
+    /// Drive many runs as one plan: planners, parameters, vehicles, perception profiles, seeds
+    #[command(subcommand)]
+    Sweep(SweepCommand),
     /// Score a finished run again from its traces, without simulating
     Score(ScoreArgs),
     /// Make a page, and tables, of one or more runs

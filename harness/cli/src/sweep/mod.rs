@@ -1,0 +1,62 @@
+//! `vb-harness sweep`.
+
+mod report;
+mod run;
+mod status;
+
+use vb_sweep::{Layout, PlannedRun, Spec};
+use vb_world::{Suite, TaskRef};
+
+use crate::args::{RunArgs, SweepArgs, SweepCommand};
+use crate::error::CliError;
+use crate::{places, suite};
+
+impl SweepCommand {
+    /// Does what it says.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Run(args) => run::run(args),
+            Self::Status(args) => status::status(args),
+            Self::Report(args) => report::report(args),
+        }
+    }
+}
+
+/// A sweep with the tasks that each of its runs has.
+struct Sweep {
+    spec: Spec,
+    layout: Layout,
+    suite: Suite,
+    tasks: Vec<TaskRef>,
+}
+
+impl Sweep {
+    fn open(args: &SweepArgs) -> Result<Self, CliError> {
+        let spec = Spec::read(&args.file).map_err(CliError::input)?;
+        let suite = suite::open(spec.suite.as_deref().map(std::path::Path::new))?;
+        let tasks = vb_catalog::select(&suite, spec.tasks.as_deref())
+            .map_err(|e| CliError::input(format!("{}: tasks: {e}", args.file.display())))?;
+        Ok(Self { spec, layout: Layout::new(&args.out), suite, tasks })
+    }
+
+    /// The command line of one of the runs.
+    fn args(&self, planned: &PlannedRun) -> RunArgs {
+        let mut args = RunArgs::new(&places::plugin(planned.plugin.clone().into()));
+        args.planner.params = planned.params.clone().into_iter().collect();
+        args.suite = self.spec.suite.clone().map(Into::into);
+        args.tasks.clone_from(&self.spec.tasks);
+        args.rules.clone_from(&self.spec.rules);
+        args.trace = self.spec.trace;
+        args.vehicle.clone_from(&planned.vehicle);
+        args.perception.clone_from(&planned.perception);
+        args.seed = planned.seed;
+        args
+    }
+
+    /// The number of worlds of each run.
+    fn worlds(&self) -> u64 {
+        let mut worlds: Vec<&str> = self.tasks.iter().map(|t| t.world.as_str()).collect();
+        worlds.dedup();
+        worlds.len() as u64
+    }
+}

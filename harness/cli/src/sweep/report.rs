@@ -1,0 +1,122 @@
+//! `vb-harness sweep report`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vb_record::RunReader;
+use vb_report::{SweepRow, sweep_csv, sweep_markdown, sweep_page};
+use vb_runner::shards_in;
+use vb_score::{Rules, Summary, TaskRecord};
+use vb_sweep::PlannedRun;
+
+use super::Sweep;
+use crate::args::{FormatArgs, ReplayData, ReportArgs, SweepArgs};
+use crate::error::CliError;
+use crate::{merge, output, report as pages};
+
+/// The most runs that are compared in a page of their own: more can't be told apart in its figures.
+const COMPARED: usize = 12;
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    SweepReport { runs: usize, missing: &'a [&'a str], files: &'a [PathBuf] },
+}
+
+pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
+    let sweep = Sweep::open(args)?;
+    let (mut rows, mut missing) = (Vec::new(), Vec::new());
+    let mut groups: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+    for planned in sweep.spec.runs() {
+        let Some(dir) = whole(&sweep, planned)? else {
+            missing.push(planned.name.as_str());
+            continue;
+        };
+        let row = row(planned, &dir)?;
+        groups.entry(row.setting()).or_default().push(dir);
+        rows.push(row);
+    }
+    let out = sweep.layout.root().join("report");
+    std::fs::create_dir_all(&out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
+    let mut files = Vec::new();
+    let mut compared = Vec::new();
+    for (setting, runs) in groups.iter().filter(|(_, runs)| (2..=COMPARED).contains(&runs.len())) {
+        pages::make(&page_of(runs, &out.join(setting)))?;
+        files.push(out.join(setting).join("index.html"));
+        compared.push(setting.as_str());
+    }
+    let name = &sweep.spec.name;
+    let texts = [
+        ("runs.csv", sweep_csv(&rows).map_err(CliError::internal)?),
+        ("sweep.md", sweep_markdown(name, &rows)),
+        ("index.html", sweep_page(name, &rows, &compared)),
+    ];
+    for (file, text) in texts {
+        let path = out.join(file);
+        vb_files::write(&path, text.as_bytes())
+            .map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))?;
+        files.push(path);
+    }
+    if args.format.is_json() {
+        output::json(&Message::SweepReport { runs: rows.len(), missing: &missing, files: &files });
+    } else {
+        output::text(&sweep_markdown(name, &rows));
+        files.iter().for_each(|file| output::note(&format!("wrote {}", file.display())));
+    }
+    match missing.first() {
+        None => Ok(()),
+        Some(first) => Err(CliError::incomplete(format!(
+            "{} of {} runs are not done and in no table: {first}{} (see sweep status; sweep run goes on)",
+            missing.len(),
+            sweep.spec.runs().len(),
+            if missing.len() > 1 { " and others" } else { "" }
+        ))),
+    }
+}
+
+/// The folder of a run that is done, after its shards were joined if need be.
+fn whole(sweep: &Sweep, planned: &PlannedRun) -> Result<Option<PathBuf>, CliError> {
+    let state = sweep.layout.state(&planned.name).map_err(CliError::input)?;
+    if state.tasks() < sweep.tasks.len() as u64 {
+        return Ok(None);
+    }
+    let dir = sweep.layout.run(&planned.name);
+    if !state.is_whole {
+        let shards = shards_in(&sweep.layout.shards(&planned.name)).map_err(merge::merge_error)?;
+        let merged = vb_runner::merge(&shards, &sweep.suite, &dir).map_err(merge::merge_error)?;
+        if !merged.missing.is_empty() {
+            // The same tasks more than once, and others not at all.
+            return Ok(None);
+        }
+    }
+    Ok(Some(dir))
+}
+
+fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
+    let run = RunReader::open(dir).map_err(CliError::input)?;
+    let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
+    let rules: Rules = serde_json::from_value(run.header().rules.profile.clone())
+        .map_err(|e| CliError::input(format!("{}: rules.profile: {e}", dir.join("run.json").display())))?;
+    Ok(SweepRow {
+        run: planned.name.clone(),
+        planner: planned.planner.clone(),
+        vehicle: run.header().vehicle.name.clone(),
+        perception: run.header().perception.name.clone(),
+        seed: planned.seed,
+        summary: Summary::new(run.header(), &rules, &records, Vec::new()),
+    })
+}
+
+fn page_of(runs: &[PathBuf], out: &Path) -> ReportArgs {
+    ReportArgs {
+        runs: runs.to_vec(),
+        out: Some(out.to_owned()),
+        markdown: None,
+        csv: None,
+        parquet: None,
+        replays: None,
+        data: ReplayData::default(),
+        format: FormatArgs::default(),
+    }
+}

@@ -1,0 +1,181 @@
+//! `vb-harness sweep run`.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::Serialize;
+use vb_runner::{Event, RunConfig};
+use vb_sweep::PlannedRun;
+use vb_world::Shard;
+
+use super::Sweep;
+use crate::args::{MessageFormat, RunArgs, SweepRunArgs};
+use crate::error::CliError;
+use crate::progress::Progress;
+use crate::run::{config, run_error, stop_on_ctrl_c};
+use crate::{error, output};
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Message<'a> {
+    RunFinished { run: &'a str, flaw: Option<&'a str> },
+}
+
+/// A run of the sweep that is to be driven by this process.
+struct Part<'a> {
+    planned: &'a PlannedRun,
+    args: RunArgs,
+    /// Where its results lie.
+    dir: PathBuf,
+    tasks: u64,
+}
+
+pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
+    let sweep = Sweep::open(&args.sweep)?;
+    let mut parts = parts(&sweep, args);
+    check(&parts)?;
+    keep_plan(&sweep, args)?;
+    let cancel = stop_on_ctrl_c()?;
+    let total = parts.iter().map(|p| p.tasks).sum();
+    let format = args.sweep.format.get();
+    let mut progress = Progress::of_many(format, total);
+    // What is done takes no time.
+    let mut left = Vec::new();
+    for part in parts.drain(..) {
+        let state = sweep.layout.state_of(&part.dir).map_err(CliError::input)?;
+        if state.failed == 0 && state.tasks() == part.tasks {
+            progress.done_before(part.tasks);
+        } else {
+            left.push(part);
+        }
+    }
+    let mut flaws: Vec<(String, CliError)> = Vec::new();
+    for part in left {
+        progress.enter(&part.planned.name);
+        let flaw = drive(&config(&part.args)?, &mut progress, &cancel)?;
+        if format == MessageFormat::Json {
+            let told = flaw.as_ref().map(ToString::to_string);
+            output::json(&Message::RunFinished { run: &part.planned.name, flaw: told.as_deref() });
+        }
+        if let Some(flaw) = flaw {
+            if flaw.code() == error::INTERRUPTED {
+                progress.finish();
+                return Err(flaw);
+            }
+            progress.note(&format!("{}: {flaw}", part.planned.name));
+            flaws.push((part.planned.name.clone(), flaw));
+        }
+    }
+    progress.finish();
+    if format == MessageFormat::Human {
+        output::note(&format!("results: {}", sweep.layout.root().display()));
+    }
+    summed_up(flaws, sweep.spec.runs().len())
+}
+
+/// What this process is to drive.
+fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
+    let worlds = sweep.worlds();
+    let mut parts = Vec::new();
+    for (planned, k) in sweep.spec.runs().iter().zip(0u64..) {
+        let mut run = sweep.args(planned);
+        run.jobs = args.jobs;
+        run.keep_going = args.keep_going;
+        let (dir, tasks) = match args.shard {
+            None => {
+                let dir = sweep.layout.run(&planned.name);
+                run.out = Some(dir.clone());
+                (dir, sweep.tasks.len())
+            }
+            Some(shard) => {
+                // Dealt on where the run before ended, so that shards of many small runs are of one size.
+                let shard: Shard = shard.after(k * worlds);
+                let tasks = shard.tasks(&sweep.tasks).len();
+                if tasks == 0 {
+                    continue;
+                }
+                run.shard = Some(shard);
+                run.out = Some(sweep.layout.shards(&planned.name));
+                (sweep.layout.shards(&planned.name).join(shard.folder()), tasks)
+            }
+        };
+        run.resume = dir.join("run.json").exists();
+        parts.push(Part { planned, args: run, dir, tasks: tasks as u64 });
+    }
+    parts
+}
+
+/// Checks what would make whole runs fail, before the first one begins: each planner with its parameters under each profile, and
+/// each vehicle.
+fn check(parts: &[Part<'_>]) -> Result<(), CliError> {
+    let mut seen = BTreeSet::new();
+    for part in parts {
+        let p = part.planned;
+        let planner = seen.insert(format!("{}\n{}", p.planner, p.perception));
+        let vehicle = seen.insert(format!("{}\n", p.vehicle));
+        if planner || vehicle {
+            let config = config(&part.args).map_err(|e| e.within(&p.name))?;
+            vb_runner::check(&config).map_err(|e| run_error(e).within(&p.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Puts the plan beside its runs. Shards of two plans in one folder would not make whole runs.
+fn keep_plan(sweep: &Sweep, args: &SweepRunArgs) -> Result<(), CliError> {
+    let plan = sweep.layout.plan();
+    let read = |path| vb_files::read(path, vb_files::DOCUMENT);
+    let own = read(&args.sweep.file).map_err(|e| CliError::input(format!("{}: {e}", args.sweep.file.display())))?;
+    let kept = read(&plan).ok();
+    if kept.as_ref() == Some(&own) {
+        return Ok(());
+    }
+    if kept.is_some() && (args.shard.is_some() || sweep.layout.is_sharded()) {
+        return Err(CliError::output(format!(
+            "{} was begun with another plan, and its shards don't fit this one (give another --out, or the plan in {})",
+            sweep.layout.root().display(),
+            plan.display()
+        )));
+    }
+    std::fs::create_dir_all(sweep.layout.root())
+        .and_then(|()| vb_files::write(&plan, &own))
+        .map_err(|e| CliError::output(format!("cannot write {}: {e}", plan.display())))
+}
+
+/// Drives a run. What ends the sweep is an error; what is wrong with this run alone is returned.
+fn drive(config: &RunConfig, progress: &mut Progress, cancel: &AtomicBool) -> Result<Option<CliError>, CliError> {
+    let mut tell = |event: Event| match event {
+        Event::Started { total, resumed } => progress.started(total as u64, &resumed),
+        Event::TaskEnded(record) => progress.ended(&record),
+        Event::TaskStarted { .. } => {}
+    };
+    let report = vb_runner::run(config, &mut tell, cancel).map_err(run_error)?;
+    if let Some(start) = &report.failed_start {
+        return Ok(Some(CliError::failed_start(format!(
+            "the planner failed alike in all of the first {} tasks before its first command ({}), in the first so: {}",
+            start.tasks, start.fault, start.reason
+        ))));
+    }
+    if report.interrupted || cancel.load(Ordering::Relaxed) {
+        return Ok(Some(CliError::interrupted("stopped (go on with the same command)")));
+    }
+    let (host, sim) = (report.summary.host_errors.len(), report.summary.sim_errors());
+    Ok(match (host, sim) {
+        (0, 0) => None,
+        (0, n) => Some(CliError::sim_errors(format!("the simulation of {n} tasks failed"))),
+        (n, _) => Some(CliError::host_errors(format!("the harness or the machine failed {n} tasks"))),
+    })
+}
+
+/// One error of many: the one that the same command mends comes first, then the one that somebody has to mend.
+fn summed_up(flaws: Vec<(String, CliError)>, runs: usize) -> Result<(), CliError> {
+    let rank = |e: &CliError| {
+        [error::HOST_ERRORS, error::FAILED_START].iter().position(|code| *code == e.code()).unwrap_or(usize::MAX)
+    };
+    let n = flaws.len();
+    match flaws.into_iter().min_by_key(|(_, flaw)| rank(flaw)) {
+        None => Ok(()),
+        Some((name, flaw)) => Err(flaw.within(&format!("{n} of {runs} runs have failures; {name}"))),
+    }
+}
