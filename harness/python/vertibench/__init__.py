@@ -8,7 +8,7 @@
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
 `vertibench.envs` has environments for reinforcement learning, `vertibench.training` trains policies in them, and
-`vertibench.datasets` reads datasets to learn from. Errors are `VertibenchError`s: one line that says where, what, and what to do. Nothing is imported before it is used; results as pandas or polars need these packages.
+`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines. Errors are `VertibenchError`s: one line that says where, what, and what to do. Nothing is imported before it is used; results as pandas or polars need these packages.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ __version__ = "0.2.0"
 if TYPE_CHECKING:
     from . import datasets as datasets
     from . import envs as envs
+    from . import scale as scale
     from . import training as training
     from ._errors import ActionError as ActionError
     from ._errors import EnvError as EnvError

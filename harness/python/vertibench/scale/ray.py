@@ -1,0 +1,93 @@
+"""`vertibench-ray`: the shards of a run or a sweep as tasks of Ray."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from .._errors import MissingPackageError
+from . import _shard
+from ._command import ended, parser, work_of
+from ._shard import ShardEnd, failed, run_shard
+from ._work import ScaleError, Work
+
+#: How often it is told how far all is, s.
+_TELL = 10.0
+
+
+class _Again(Exception):
+    """A shard has ended in a way that is worth another try."""
+
+
+def _drive(work: dict[str, object], index: int, jobs: int, scratch: Path | None) -> ShardEnd:
+    end = run_shard(Work.from_json(work), index, jobs, scratch)
+    if end.is_worth_another_try:
+        raise _Again(f"shard {index} ended with code {end.code}: {end.said}")
+    return end
+
+
+def run(work: Work, cpus: int = 1, retries: int = 3, address: str | None = None, scratch: Path | None = None) -> int:
+    """Drives all shards on a cluster (`address`; where it isn't given, the one of RAY_ADDRESS, or this machine), and joins them; gives
+    the exit code of the last step.
+
+    Each shard is tried again up to `retries` times if its worker is lost or its machine fails. One that fails otherwise ends all: what
+    is wrong with it is wrong with all. `scratch`: see `run_shard`.
+
+    Raises `ScaleError` if a shard has failed for good.
+    """
+    try:
+        import ray
+    except ImportError:
+        raise MissingPackageError("ray", "vertibench-ray") from None
+    own = not ray.is_initialized()
+    if own:
+        ray.init(address=address, log_to_driver=False)
+    try:
+        task = ray.remote(num_cpus=cpus, max_retries=retries, retry_exceptions=[_Again])(_drive)
+        # What goes over the network of a shard: a command line there, an exit code back.
+        waiting: dict[Any, int] = {
+            task.remote(work.to_json(), k, cpus, scratch): k for k in range(1, work.shards + 1)
+        }
+        while waiting:
+            done, _ = ray.wait(list(waiting), num_returns=1, timeout=_TELL)
+            for ref in done:
+                index = waiting.pop(ref)
+                end = _end_of(ray, ref, index)
+                if not end.is_done:
+                    for other in waiting:
+                        ray.cancel(other, force=True)
+                    raise failed(end)
+            tasks, successes = _shard.succeeded(work.out)
+            left = len(waiting)
+            print(f"{work.shards - left} of {work.shards} shards, {tasks} tasks, {successes} successes", file=sys.stderr)
+    finally:
+        if own:
+            ray.shutdown()
+    return _shard.join(work)
+
+
+def _end_of(ray: Any, ref: Any, index: int) -> ShardEnd:
+    try:
+        end: ShardEnd = ray.get(ref)
+        return end
+    except ray.exceptions.RayTaskError as e:
+        if isinstance(e.cause, _Again):
+            raise ScaleError(f"shard {index}", f"it was tried again in vain: {e.cause}", "the same command goes on") from None
+        raise
+    except ray.exceptions.RayError as e:
+        what = f"its worker was lost again and again: {str(e).splitlines()[0]}"
+        raise ScaleError(f"shard {index}", what, "see the logs of Ray; the same command goes on") from None
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Does what the command line says; gives the exit code."""
+    options = parser("vertibench-ray", "Drives the shards of a run or a sweep on a Ray cluster, and joins them.")
+    options.add_argument("--address", help="the cluster; default: RAY_ADDRESS, or this machine alone")
+    options.add_argument("--retries", type=int, default=3, help="how often a shard is tried again (default: 3)")
+    own = options.parse_args(arguments)
+    return ended(lambda: run(work_of(own), own.cpus, own.retries, own.address, own.scratch))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

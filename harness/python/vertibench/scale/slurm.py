@@ -1,0 +1,148 @@
+"""`vertibench-slurm`: the shards of a run or a sweep as a job array of Slurm, by submitit."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from .._errors import MissingPackageError, VertibenchError
+from . import _shard
+from ._command import ended, parser, work_of
+from ._shard import ShardEnd, failed, run_shard
+from ._work import ScaleError, Work
+
+#: What was submitted, in the folder of the results.
+SUBMITTED = "slurm.json"
+#: How often jobs are looked at, s.
+_LOOK = 5.0
+
+
+class Shard:
+    """A shard as a job: what submitit pickles and calls on the machine that drives it."""
+
+    def __init__(self, work: Work, index: int, cpus: int, scratch: Path | None) -> None:
+        self.work, self.index, self.cpus, self.scratch = work, index, cpus, scratch
+
+    def __call__(self) -> ShardEnd:
+        """Drives it. A job that fails in a way that is worth another try is tried twice more, on its machine."""
+        end = run_shard(self.work, self.index, self.cpus, self.scratch)
+        for _ in range(2):
+            if not end.is_worth_another_try:
+                break
+            end = run_shard(self.work, self.index, self.cpus, self.scratch)
+        return end
+
+    def checkpoint(self) -> Any:
+        """What is submitted when the job's time is over or it must make room: the same, which goes on where it was stopped."""
+        return _submitit().helpers.DelayedSubmission(self)
+
+
+def submit(
+    work: Work, cpus: int, minutes: int, parameters: dict[str, str], at_a_time: int, scratch: Path | None = None
+) -> list[str]:
+    """Submits the array; gives the names of its jobs. `parameters` are further ones of sbatch, such as `partition`; `scratch`: see
+    `run_shard`."""
+    submitit = _submitit()
+    if (work.out / SUBMITTED).exists():
+        raise ScaleError(work.out, "an array was submitted for it already", "collect it, or give another --out")
+    folder = work.out / "slurm"
+    folder.mkdir(parents=True, exist_ok=True)
+    executor = submitit.AutoExecutor(folder=folder, cluster="slurm")
+    executor.update_parameters(name="vertibench", cpus_per_task=cpus, timeout_min=minutes)
+    executor.update_parameters(slurm_array_parallelism=at_a_time, **{f"slurm_{k}": v for k, v in parameters.items()})
+    shards = [Shard(work, k, cpus, scratch) for k in range(1, work.shards + 1)]
+    jobs = executor.submit_array(shards)
+    names = [job.job_id for job in jobs]
+    (work.out / SUBMITTED).write_text(json.dumps({"work": work.to_json(), "jobs": names}, indent=1) + "\n", encoding="utf-8")
+    return names
+
+
+def collect(out: Path) -> int:
+    """Waits for the jobs of an array, and joins their results; gives the exit code of the last step.
+
+    Raises `ScaleError` if a shard has failed for good.
+    """
+    submitit = _submitit()
+    try:
+        submitted = json.loads((out / SUBMITTED).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ScaleError(out, "no array was submitted for it", "give the folder that submit was given") from None
+    work = Work.from_json(submitted["work"])
+    jobs = {k: submitit.SlurmJob(folder=out.absolute() / "slurm", job_id=name) for k, name in enumerate(submitted["jobs"], 1)}
+    waiting = dict(jobs)
+    while waiting:
+        for index, job in list(waiting.items()):
+            if job.done():
+                del waiting[index]
+                _checked(index, job)
+        tasks, successes = _shard.succeeded(out)
+        print(f"{work.shards - len(waiting)} of {work.shards} shards, {tasks} tasks, {successes} successes", file=sys.stderr)
+        if waiting:
+            time.sleep(_LOOK)
+    return _shard.join(work)
+
+
+def _checked(index: int, job: Any) -> None:
+    try:
+        end: ShardEnd = job.result()
+    except VertibenchError:
+        raise
+    except Exception as e:  # Whatever submitit, or the job, has to say.
+        said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
+        what = f"job {job.job_id} ended as {job.state}: {said[-1]}"
+        to_do = f"see {job.paths.stderr}; remove {SUBMITTED} and submit again, which goes on where it was stopped"
+        raise ScaleError(f"shard {index}", what, to_do) from None
+    if not end.is_done:
+        raise failed(end)
+
+
+def _submitit() -> Any:
+    try:
+        import submitit
+    except ImportError:
+        raise MissingPackageError("submitit", "vertibench-slurm") from None
+    return submitit
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Does what the command line says; gives the exit code."""
+    program = "vertibench-slurm"
+    options = argparse.ArgumentParser(prog=program, description="Drives the shards of a run or a sweep as a job array of Slurm.")
+    commands = options.add_subparsers(required=True, metavar="COMMAND")
+    about = "Submits the array."
+    begin = commands.add_parser("submit", help=about, description=about, parents=[parser(program, about)], add_help=False)
+    begin.add_argument("--minutes", type=int, default=60, help="the time of each job; one that needs more goes on in another")
+    begin.add_argument("--at-a-time", type=int, default=256, metavar="N", help="how many jobs run at a time (default: 256)")
+    begin.add_argument("--sbatch", action="append", default=[], metavar="NAME=VALUE", help="an option of sbatch, e.g. partition=cpu")
+    begin.add_argument("--wait", action="store_true", help="wait for the jobs, and join their results")
+    begin.set_defaults(run=_submit)
+    about = "Waits for the jobs of an array, and joins their results."
+    end = commands.add_parser("collect", help=about, description=about)
+    end.add_argument("out", type=Path, metavar="DIR", help="the folder that submit was given")
+    end.set_defaults(run=lambda own: collect(own.out))
+    own = options.parse_args(arguments)
+    return ended(lambda: int(own.run(own)))
+
+
+def _submit(own: argparse.Namespace) -> int:
+    parameters = {}
+    for pair in own.sbatch:
+        name, equals, value = pair.partition("=")
+        if not name or not equals:
+            raise ScaleError("--sbatch", f"{pair!r} is no option", "give NAME=VALUE, e.g. partition=cpu")
+        parameters[name.replace("-", "_")] = value
+    work = work_of(own)
+    names = submit(work, own.cpus, own.minutes, parameters, own.at_a_time, own.scratch)
+    print(f"submitted {names[0]} to {names[-1]}")
+    if own.wait:
+        return collect(work.out)
+    print(f"when they are done: vertibench-slurm collect {work.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
