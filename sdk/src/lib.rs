@@ -17,7 +17,6 @@ mod bytes;
 pub mod c;
 pub mod crop;
 mod export;
-pub mod ground;
 pub mod log;
 pub mod map;
 pub mod math;

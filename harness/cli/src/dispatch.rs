@@ -39,6 +39,11 @@ impl Command {
             Self::Tasks(command) => command.run(),
             Self::Vehicle(command) => command.run(),
             Self::Terrain(command) => command.run(),
+            Self::Completions(args) => {
+                crate::shell::completions(args);
+                Ok(())
+            }
+            Self::Man(args) => crate::shell::man(args),
         }
     }
 }

@@ -17,6 +17,7 @@ mod replay;
 mod report;
 mod run;
 mod score;
+mod shell;
 mod submission;
 mod suite;
 mod sweep;

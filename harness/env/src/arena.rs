@@ -8,7 +8,6 @@ use vb_record::{LogMode, TraceMode};
 use vb_render::Painter;
 use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
 use vb_score::Rules;
-use vb_sdk::ground::{CostToGo, Ground};
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::Simulation;
 use vb_world::{Suite, Task, TaskRef};
@@ -20,8 +19,6 @@ use crate::{EnvError, Reward};
 const SOIL_RESOLUTION: f64 = 0.1;
 /// Worlds that are kept in memory: about 1 MB each.
 const WORLDS: usize = 256;
-/// How much tilt counts beside length in the costs of ways; as usual.
-const CAUTION: f64 = 1.0;
 /// Tasks whose vehicle is kept as it stands at the start: 20 to 200 kB each.
 const STARTS: usize = 2048;
 
@@ -101,8 +98,6 @@ pub(crate) struct Start {
     pub(crate) simulation: Simulation,
     /// What is told about the task, in a run with the setting's own seed.
     pub(crate) brief: Arc<vb_sdk::Task>,
-    /// What the ways to the goal cost, if the reward needs it.
-    pub(crate) to_go: Option<CostToGo>,
 }
 
 /// What environments of one kind share: tasks, vehicle, observation, action, reward, and what was made of them before.
@@ -116,7 +111,6 @@ pub struct Arena {
     tasks: Vec<TaskRef>,
     places: Cache<Place>,
     starts: Cache<Arc<Start>>,
-    grounds: Cache<Arc<Ground>>,
     painters: Cache<Arc<Painter>>,
 }
 
@@ -202,7 +196,6 @@ impl Arena {
             tasks,
             places,
             starts: Cache::new(STARTS),
-            grounds: Cache::new(WORLDS),
             painters: Cache::new(PAINTERS),
         })
     }
@@ -288,19 +281,8 @@ impl Arena {
             let trial = self.setting.trial(&place, &task, &brief, KEEP);
             let simulation =
                 trial.simulation().map_err(|source| EnvError::Start { task: name.clone(), source })?;
-            let to_go = self.to_go(&brief, &wanted.world)?;
-            let (name, brief) = (name.clone(), Arc::new(brief));
-            Ok(Arc::new(Start { name, place, task, simulation, brief, to_go }))
+            Ok(Arc::new(Start { name: name.clone(), place, task, simulation, brief: Arc::new(brief) }))
         })
-    }
-
-    /// What the ways to the goal cost, if the reward needs it.
-    fn to_go(&self, brief: &vb_sdk::Task, world: &str) -> Result<Option<CostToGo>, EnvError> {
-        if !self.reward.needs_route() {
-            return Ok(None);
-        }
-        let make = || Ground::new(brief, CAUTION).map(Arc::new).map_err(EnvError::Route);
-        Ok(Some(CostToGo::new(&*self.grounds.get(world, make)?, brief.goal)))
     }
 
     /// What is told about a task in a run with this seed.

@@ -70,8 +70,6 @@ struct Running {
     /// Where the vehicle is in truth, for the reward.
     follower: Follower,
     goal_distance: f64,
-    /// What the best way to the goal cost at the start, and what it costs now, where a way is known.
-    way_left: Option<(f64, f64)>,
     steering: f64,
     time: f64,
     /// The way until now, m: the place at the start and after each step.
@@ -237,7 +235,6 @@ impl Running {
         follower.update(at.x, at.y);
         Ok(Self {
             goal_distance: distance(brief.goal, at.x, at.y),
-            way_left: start.to_go.as_ref().and_then(|to_go| to_go.at(at.x, at.y)).map(|cost| (cost, cost)),
             actuator: Actuator::new(arena.action(), &brief),
             way: vec![[at.x as f32, at.y as f32, at.z as f32]],
             turned: Vec::new(),
@@ -275,7 +272,6 @@ impl Running {
         let (roll, pitch, _) = state.roll_pitch_yaw();
         let measured = Measured {
             progress: progress / scale,
-            route: self.gained(at.x, at.y) / scale,
             approach: (self.goal_distance - goal_distance) / scale,
             time: (state.time - self.time) / scale.sqrt(),
             roll,
@@ -302,18 +298,6 @@ impl Running {
             terminated: outcome.is_some_and(|o| !is_truncated(o)),
             truncated: outcome.is_some_and(is_truncated),
         }
-    }
-
-    /// By how much the best way to the goal is cheaper than it was, as a length of the global path, m.
-    fn gained(&mut self, x: f64, y: f64) -> f64 {
-        // Where no way is known, as on an obstacle, the last one counts on.
-        let Some(now) = self.start.to_go.as_ref().and_then(|to_go| to_go.at(x, y)) else { return 0.0 };
-        let Some((first, last)) = self.way_left else {
-            self.way_left = Some((now, now));
-            return 0.0;
-        };
-        self.way_left = Some((first, now));
-        self.follower.path().length() * (last - now) / first.max(1.0)
     }
 
     /// Puts the record away.

@@ -73,9 +73,6 @@ pub enum EnvError {
         /// The world of the suite.
         of: String,
     },
-    /// The costs of ways can't be computed.
-    #[error("the reward's term route: {0}")]
-    Route(vb_sdk::PlannerError),
     /// There is no such task among those of the environment.
     #[error("there is no task {task} among the {count} tasks of this environment (the first are {first})")]
     NoTask {

@@ -29,7 +29,6 @@ pub struct Term {
 enum Kind {
     Progress,
     Approach,
-    Route,
     Time,
     Roll,
     Pitch,
@@ -42,7 +41,7 @@ const fn term(name: &'static str, unit: &'static str, kind: Kind, about: &'stati
 }
 
 /// All terms. Lengths are those of the full-size world, times those of a full-size vehicle (Froude's rule).
-pub const TERMS: [Term; 13] = [
+pub const TERMS: [Term; 12] = [
     term(
         "progress",
         "m",
@@ -54,13 +53,6 @@ pub const TERMS: [Term; 13] = [
         "m",
         Kind::Approach,
         "by how much the goal is nearer in the plane; negative where it is farther",
-    ),
-    term(
-        "route",
-        "m",
-        Kind::Route,
-        "by how much less the best way over the ground to the goal costs, as a share of what it costs at the start times the length of \
-         the global path; negative where it costs more",
     ),
     term("time", "s", Kind::Time, "the time that the step took"),
     term("roll", "rad s", Kind::Roll, "the size of the roll after the step, times its time"),
@@ -84,8 +76,6 @@ pub(crate) struct Measured {
     pub(crate) progress: f64,
     /// m, of the full-size world.
     pub(crate) approach: f64,
-    /// m, of the full-size world.
-    pub(crate) route: f64,
     /// s, of a full-size vehicle.
     pub(crate) time: f64,
     /// rad, with its sign.
@@ -184,11 +174,6 @@ impl Reward {
         Ok(own)
     }
 
-    /// Whether the costs of the ways over the ground are needed.
-    pub(crate) fn needs_route(&self) -> bool {
-        TERMS.iter().zip(self.weights).any(|(term, weight)| term.kind == Kind::Route && weight != 0.0)
-    }
-
     /// What each term is worth; the reward is their sum, in this order.
     pub(crate) fn terms(&self, m: &Measured) -> Terms {
         let mut worth = self.weights;
@@ -196,7 +181,6 @@ impl Reward {
             let measured = match term.kind {
                 Kind::Progress => m.progress,
                 Kind::Approach => m.approach,
-                Kind::Route => m.route,
                 Kind::Time => m.time,
                 Kind::Roll => m.roll.abs() * m.time,
                 Kind::Pitch => m.pitch.abs() * m.time,
@@ -230,7 +214,6 @@ mod tests {
         let m = Measured {
             progress: 0.5,
             approach: -0.25,
-            route: 1.5,
             time: 0.1,
             roll: -0.3,
             pitch: 0.2,
@@ -240,7 +223,6 @@ mod tests {
         let expected = [
             ("progress", 1.0),
             ("approach", -0.5),
-            ("route", 3.0),
             ("time", 0.2),
             ("roll", 0.06),
             ("pitch", 0.04),

@@ -4,9 +4,10 @@
 //! It is no system of the paper. It shows which tasks can be done (`vb-harness suite prove`): run with several
 //! variants and speeds, each of which makes other choices.
 
+mod ground;
 mod route;
 
-use vb_sdk::ground::Ground;
+use ground::Ground;
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::recovery::{Recovery, Settings};
 use vb_sdk::rng::Rng;
@@ -53,7 +54,7 @@ impl Planner for Expert {
         let variant: u64 = task.param_as("variant")?;
         let mut ground = Ground::new(task, caution)?;
         if variant > 0 {
-            perturb(&mut ground, &mut Rng::new(task.seed ^ variant));
+            ground.perturb(&mut Rng::new(task.seed ^ variant), SPREAD);
         }
         // Without a way of its own it has the global path.
         let way = route::route(task, &ground).unwrap_or_else(|| task.path.clone());
@@ -94,15 +95,5 @@ impl Planner for Expert {
             self.boost = (self.boost + BOOST).min(BOOST_MOST);
         }
         Ok(command)
-    }
-}
-
-/// Makes every place dearer by a random factor, the same for all headings.
-fn perturb(ground: &mut Ground, rng: &mut Rng) {
-    for costs in ground.places_mut() {
-        let factor = math::exp(SPREAD * rng.normal()) as f32;
-        for cost in costs {
-            *cost = 1.0 + (*cost - 1.0 + 0.2) * factor;
-        }
     }
 }

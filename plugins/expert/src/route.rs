@@ -1,8 +1,9 @@
 //! The way of least cost over places and headings.
 
-use vb_sdk::ground::{Ground, HEADINGS};
 use vb_sdk::search::Search;
 use vb_sdk::{Point2, Task, math};
+
+use crate::ground::{Ground, HEADINGS};
 
 /// Cost of a turn by one heading, in metres.
 const TURN: f32 = 0.5;
@@ -10,7 +11,7 @@ const TURN: f32 = 0.5;
 /// Points from start to goal, if there is a way. A* over (row, column, heading): straight on by one move, or on by one
 /// and by another in the next heading, which is an arc that a car can drive.
 pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
-    let frame = ground.frame();
+    let frame = ground.frame;
     let n = HEADINGS.len();
     let place = |row: i32, col: i32, heading: usize| {
         (row as usize * frame.cols as usize + col as usize) * n + heading
@@ -56,13 +57,11 @@ pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
         }
         for turn in [0, 1, n - 1] {
             let next = (heading + turn) % n;
-            let (mut at, mut step) = ([row, col], 0.0);
+            let (mut r, mut c, mut step) = (row, col, 0.0);
             if turn != 0 {
-                let (to, cost) = ground.leg(at, heading);
-                (at, step) = (to, cost + TURN);
+                step += leg(ground, &mut r, &mut c, heading) + TURN;
             }
-            let ([r, c], cost) = ground.leg(at, next);
-            step += cost;
+            step += leg(ground, &mut r, &mut c, next);
             if !step.is_finite() {
                 continue;
             }
@@ -70,4 +69,20 @@ pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
         }
     }
     None
+}
+
+/// Goes on by one move; its cost.
+fn leg(ground: &Ground, row: &mut i32, col: &mut i32, heading: usize) -> f32 {
+    let (dx, dy) = HEADINGS[heading];
+    let length = ((dx * dx + dy * dy) as f32).sqrt();
+    // Of a knight's move the places beside its middle.
+    let middle = if dx.abs() + dy.abs() == 3 {
+        let (hx, hy) = (dx / 2, dy / 2);
+        0.5 * (ground.cost(*row + hy, *col + hx, heading)
+            + ground.cost(*row + dy - hy, *col + dx - hx, heading))
+    } else {
+        ground.cost(*row, *col, heading)
+    };
+    (*row, *col) = (*row + dy, *col + dx);
+    length * 0.5 * (middle + ground.cost(*row, *col, heading))
 }

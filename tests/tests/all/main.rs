@@ -21,6 +21,7 @@ mod processes;
 mod proof;
 mod scoring;
 mod shards;
+mod shell;
 mod sites;
 mod streams;
 mod submission;

@@ -6,6 +6,7 @@ mod exit_codes;
 mod plugin;
 mod results;
 mod run;
+mod shell;
 mod submission;
 mod suite;
 mod sweep;
@@ -23,6 +24,7 @@ pub(crate) use dataset::{
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
+pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
     DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, SuiteListArgs,
@@ -56,7 +58,7 @@ impl Cli {
     }
 
     /// The commands, with their exit codes in their help.
-    fn documented() -> clap::Command {
+    pub(crate) fn documented() -> clap::Command {
         exit_codes::document(Self::command())
     }
 }
@@ -107,6 +109,10 @@ pub(crate) enum Command {
     /// Train terrain models on elevation data, draw surfaces from them, measure elevation
     #[command(subcommand)]
     Terrain(TerrainCommand),
+    /// Write a script by which a shell completes commands and options, to stdout
+    Completions(CompletionsArgs),
+    /// Write manual pages
+    Man(ManArgs),
 }
 
 #[cfg(test)]

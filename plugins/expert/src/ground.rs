@@ -1,19 +1,11 @@
-//! What the ground costs a vehicle, by rules of thumb: at each place with each heading ([`Ground`]), and from each place on the
-//! way to a goal ([`CostToGo`]).
-//!
-//! A place costs more where the vehicle would roll, climb, twist or touch the ground with its belly, on ground that yields, and near
-//! obstacles. The weights were set by hand on training worlds; a planner that searches the map by them does 72 % of the tasks of
-//! `vb-100` (`plugins/expert`). They are no physics: see `plugins/ibex` for that.
+//! What it costs a vehicle to stand at a place with a heading.
 
-mod cost_to_go;
-
-pub use cost_to_go::CostToGo;
-
-use crate::{GridFrame, LabelMap, PlannerError, Task, math};
+use vb_sdk::rng::Rng;
+use vb_sdk::{GridFrame, LabelMap, PlannerError, Task, math};
 
 /// Directions that a way is made of: the neighbours on the grid and the knight's moves between them, counter-clockwise
 /// from east, (columns, rows).
-pub const HEADINGS: [(i32, i32); 16] = [
+pub(crate) const HEADINGS: [(i32, i32); 16] = [
     (1, 0),
     (2, 1),
     (1, 1),
@@ -38,22 +30,15 @@ const CLIMB: [f64; 10] = [0.5, 0.7, 0.5, 0.28, 0.45, 0.55, 0.36, 0.25, 0.25, 0.2
 /// Extra cost of a metre of each class: what sinks takes time and may end the trip.
 const SOFT: [f64; 10] = [0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.5, 0.4, 0.6];
 
-/// Costs of all places and headings, at the nodes of the elevation map; infinite where the vehicle can't be. A metre on level, firm
-/// and open ground costs 1.
-#[derive(Clone, Debug)]
-pub struct Ground {
-    frame: GridFrame,
+/// Costs of all places and headings; infinite where the vehicle can't be.
+pub(crate) struct Ground {
+    pub(crate) frame: GridFrame,
     /// By row, column, heading.
     cost: Vec<f32>,
 }
 
 impl Ground {
-    /// The costs for the vehicle of a task. `caution` weighs tilt, climbs, twist and the belly's clearance against the length of the
-    /// way; 1 is usual.
-    ///
-    /// # Errors
-    /// Returns an error if the task doesn't come with the maps of elevation, semantics and obstacles.
-    pub fn new(task: &Task, caution: f64) -> Result<Self, PlannerError> {
+    pub(crate) fn new(task: &Task, caution: f64) -> Result<Self, PlannerError> {
         let (elevation, semantics) = (task.elevation()?, task.semantics()?);
         let frame = elevation.frame;
         let clearance = clearance(task, frame, task.occupancy()?);
@@ -102,15 +87,8 @@ impl Ground {
         Ok(Self { frame, cost })
     }
 
-    /// The grid of the places.
-    #[must_use]
-    pub fn frame(&self) -> GridFrame {
-        self.frame
-    }
-
-    /// The cost of a metre there, with one of [`HEADINGS`]; infinite outside of the grid.
-    #[must_use]
-    pub fn cost(&self, row: i32, col: i32, heading: usize) -> f32 {
+    /// Cost of a metre there.
+    pub(crate) fn cost(&self, row: i32, col: i32, heading: usize) -> f32 {
         let (rows, cols) = (self.frame.rows as i32, self.frame.cols as i32);
         if row < 0 || col < 0 || row >= rows || col >= cols {
             return f32::INFINITY;
@@ -118,26 +96,14 @@ impl Ground {
         self.cost[(row * cols + col) as usize * HEADINGS.len() + heading]
     }
 
-    /// The costs of each place, row after row, to be changed; each has one for each of [`HEADINGS`].
-    pub fn places_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
-        self.cost.chunks_exact_mut(HEADINGS.len())
-    }
-
-    /// Goes on from a place by one move in a direction: the place that is come to, and the cost of the move, of which a node on level,
-    /// firm ground costs 1 for each distance between neighbours. Of a knight's move the
-    /// places beside its middle count, too.
-    #[must_use]
-    pub fn leg(&self, [row, col]: [i32; 2], heading: usize) -> ([i32; 2], f32) {
-        let (dx, dy) = HEADINGS[heading];
-        let length = ((dx * dx + dy * dy) as f32).sqrt();
-        let middle = if dx.abs() + dy.abs() == 3 {
-            let (hx, hy) = (dx / 2, dy / 2);
-            0.5 * (self.cost(row + hy, col + hx, heading) + self.cost(row + dy - hy, col + dx - hx, heading))
-        } else {
-            self.cost(row, col, heading)
-        };
-        let to = [row + dy, col + dx];
-        (to, length * 0.5 * (middle + self.cost(to[0], to[1], heading)))
+    /// Makes every place dearer by a random factor, the same for all headings.
+    pub(crate) fn perturb(&mut self, rng: &mut Rng, spread: f64) {
+        for costs in self.cost.chunks_exact_mut(HEADINGS.len()) {
+            let factor = math::exp(spread * rng.normal()) as f32;
+            for cost in costs {
+                *cost = 1.0 + (*cost - 1.0 + 0.2) * factor;
+            }
+        }
     }
 }
 

@@ -1,0 +1,25 @@
+//! `vb-harness completions` and `vb-harness man`: what shells and `man` know of the command line.
+
+use std::io::Write as _;
+
+use crate::args::{Cli, CompletionsArgs, ManArgs};
+use crate::error::CliError;
+use crate::output;
+
+/// Writes the script to stdout.
+pub(crate) fn completions(args: &CompletionsArgs) {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::documented(), "vb-harness", &mut script);
+    let mut out = std::io::stdout().lock();
+    output::check(out.write_all(&script).and_then(|()| out.flush()));
+}
+
+/// Writes a page for the program and for each command.
+pub(crate) fn man(args: &ManArgs) -> Result<(), CliError> {
+    let dir = &args.out;
+    std::fs::create_dir_all(dir)
+        .and_then(|()| clap_mangen::generate_to(Cli::documented(), dir))
+        .map_err(|e| CliError::output(format!("cannot write man pages to {}: {e}", dir.display())))?;
+    output::note(&format!("wrote the pages to {} (man -l {})", dir.display(), dir.join("vb-harness.1").display()));
+    Ok(())
+}
