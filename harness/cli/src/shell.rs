@@ -10,8 +10,11 @@ use crate::output;
 pub(crate) fn completions(args: &CompletionsArgs) {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::documented(), "vb-harness", &mut script);
+    // The generator for bash (clap_complete 4.6) takes the hyphen in the program's name for the beginning of a subcommand in one of
+    // two places, and completes no subcommand then.
+    let script = String::from_utf8_lossy(&script).replace("vb__subcmd__harness", "vb__harness");
     let mut out = std::io::stdout().lock();
-    output::check(out.write_all(&script).and_then(|()| out.flush()));
+    output::check(out.write_all(script.as_bytes()).and_then(|()| out.flush()));
 }
 
 /// Writes a page for the program and for each command.

@@ -10,8 +10,10 @@ fn bash_completes_commands_and_options() {
     let bench = Bench::new();
     bench.write("completions.bash", bench.ok(&["completions", "bash"]));
     let complete = |words: &str, at: usize| {
+        // The function is the one that the script has told bash of.
+        let find = r"f=$(complete -p vb-harness | sed 's/.*-F \([^ ]*\).*/\1/')";
         let script = format!(
-            "source completions.bash; COMP_WORDS=({words}); COMP_CWORD={at}; _vb-harness vb-harness \"${{COMP_WORDS[{at}]}}\" \"\"; \
+            "source completions.bash; {find}; COMP_WORDS=({words}); COMP_CWORD={at}; $f vb-harness \"${{COMP_WORDS[{at}]}}\" \"\"; \
              printf '%s\\n' \"${{COMPREPLY[@]}}\""
         );
         let done = Command::new("bash").args(["--norc", "-c", &script]).current_dir(bench.path(".")).output().unwrap();
