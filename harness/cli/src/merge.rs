@@ -81,7 +81,9 @@ pub(crate) fn merge_error(e: MergeError) -> CliError {
             "output directory {} is not empty (choose another with --out)",
             dir.display()
         )),
-        MergeError::Store(StoreError::Io { action, .. }) if !action.starts_with("read") => CliError::output(e),
+        MergeError::Store(StoreError::Io { action, .. }) if !action.starts_with("read") => {
+            CliError::output(e)
+        }
         _ => CliError::input(e),
     }
 }

@@ -8,7 +8,9 @@ use serde::Serialize;
 
 use crate::checksums::{CHECKSUMS, Checksums, record_name};
 use crate::files::{sync_dir, write_atomic};
-use crate::store::{HEADER, LOCK, SUMMARY, TASKS, debug_name, names, pretty, refuse_unless_empty, trace_name};
+use crate::store::{
+    HEADER, LOCK, SUMMARY, TASKS, debug_name, names, pretty, refuse_unless_empty, trace_name,
+};
 use crate::{RunHeader, RunReader, StoreError};
 
 /// A run directory that is made of records which are there already. It gets its name only when it is whole.
@@ -89,7 +91,10 @@ impl RunJoiner {
     pub fn finish<T: Serialize>(self, summary: &T) -> Result<(), StoreError> {
         let order = names(&self.names)?;
         write_atomic(&self.dir.join(LOCK), b"")?;
-        write_atomic(&self.dir.join(CHECKSUMS), self.checksums.text(order.iter().map(String::as_str)).as_bytes())?;
+        write_atomic(
+            &self.dir.join(CHECKSUMS),
+            self.checksums.text(order.iter().map(String::as_str)).as_bytes(),
+        )?;
         write_atomic(&self.dir.join(TASKS), &self.records)?;
         write_atomic(&self.dir.join(SUMMARY), &pretty("summary.json", summary)?)?;
         if self.out.exists() {

@@ -21,7 +21,9 @@ mod trace;
 
 pub use debug::{DebugEntry, DebugSeries};
 pub use error::StoreError;
-pub use header::{DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, ShardHeader, SuiteHeader};
+pub use header::{
+    DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, ShardHeader, SuiteHeader,
+};
 pub use join::RunJoiner;
 pub use log_mode::LogMode;
 pub use sample::{Sample, WheelSample};

@@ -225,7 +225,10 @@ impl RunStore {
         let text: Vec<u8> = tasks.iter().filter_map(|task| lines.remove(task)).flatten().collect();
         // Both have what they had before, so that it doesn't matter if the process is killed between them.
         if let Some(sums) = Checksums::read(&self.dir)? {
-            write_atomic(&self.dir.join(CHECKSUMS), sums.text(names(tasks)?.iter().map(String::as_str)).as_bytes())?;
+            write_atomic(
+                &self.dir.join(CHECKSUMS),
+                sums.text(names(tasks)?.iter().map(String::as_str)).as_bytes(),
+            )?;
         }
         write_atomic(&self.dir.join(TASKS), &text)?;
         self.finish(summary)

@@ -9,8 +9,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunJoiner, RunReader, RunStore,
-    Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder,
+    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunJoiner, RunReader,
+    RunStore, Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode,
+    TraceRecorder,
 };
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -51,7 +51,8 @@ struct Cell {
 impl Cell {
     fn of(values: &[f64]) -> Option<Self> {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let (least, greatest) = (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
+        let (least, greatest) =
+            (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
         Some(Self { mean, least, greatest, seeds: values.len() })
     }
 
@@ -177,9 +178,14 @@ pub fn sweep_csv(rows: &[SweepRow]) -> Result<String, csv::Error> {
 #[must_use]
 pub fn sweep_page(name: &str, rows: &[SweepRow], compared: &[&str]) -> String {
     let pivot = Pivot::new(rows);
-    let mut body = format!("<main><h1>{}</h1><p>{}</p><div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>planner", escape(name), escape(&pivot.about()));
+    let mut body = format!(
+        "<main><h1>{}</h1><p>{}</p><div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>planner",
+        escape(name),
+        escape(&pivot.about())
+    );
     for (vehicle, perception) in &pivot.settings {
-        let (setting, label) = (format!("{vehicle}--{perception}"), escape(&format!("{vehicle}, {perception}")));
+        let (setting, label) =
+            (format!("{vehicle}--{perception}"), escape(&format!("{vehicle}, {perception}")));
         let _ = match compared.contains(&setting.as_str()) {
             true => write!(body, "<th class=\"n\"><a href=\"{}/index.html\">{label}</a>", escape(&setting)),
             false => write!(body, "<th class=\"n\">{label}"),
@@ -229,13 +235,20 @@ mod tests {
     }
 
     fn rows() -> Vec<SweepRow> {
-        vec![row("pid,speed=3", "hmmwv", 0, 4), row("pid,speed=3", "hmmwv", 1, 5), row("=<b>", "gator", 0, 10)]
+        vec![
+            row("pid,speed=3", "hmmwv", 0, 4),
+            row("pid,speed=3", "hmmwv", 1, 5),
+            row("=<b>", "gator", 0, 10),
+        ]
     }
 
     #[test]
     fn a_cell_has_the_mean_and_the_range_over_seeds_and_what_was_not_driven_is_a_dash() {
         let markdown = sweep_markdown("mine", &rows());
-        assert!(markdown.starts_with("| mine | hmmwv, oracle | gator, oracle |\n|:--|--:|--:|\n"), "{markdown}");
+        assert!(
+            markdown.starts_with("| mine | hmmwv, oracle | gator, oracle |\n|:--|--:|--:|\n"),
+            "{markdown}"
+        );
         assert!(markdown.contains("| pid,speed=3 | 45.0 [40.0, 50.0] | – |"), "{markdown}");
         assert!(markdown.contains("| =&lt;b&gt; | – | 100.0 |"), "{markdown}");
         assert!(markdown.contains("mean [least, greatest] over 2 seeds"));
@@ -244,8 +257,15 @@ mod tests {
     #[test]
     fn a_page_sorts_and_links_and_its_texts_are_no_markup() {
         let page = sweep_page("mine", &rows(), &["hmmwv--oracle"]);
-        assert!(page.contains("<a href=\"hmmwv--oracle/index.html\">hmmwv, oracle</a>") && !page.contains("gator--oracle/"));
-        assert!(page.contains("data-v=\"45\">45.0 [40.0, 50.0]") && page.contains("&lt;b&gt;") && !page.contains("<b>"));
+        assert!(
+            page.contains("<a href=\"hmmwv--oracle/index.html\">hmmwv, oracle</a>")
+                && !page.contains("gator--oracle/")
+        );
+        assert!(
+            page.contains("data-v=\"45\">45.0 [40.0, 50.0]")
+                && page.contains("&lt;b&gt;")
+                && !page.contains("<b>")
+        );
     }
 
     #[test]
@@ -253,9 +273,17 @@ mod tests {
         let csv = sweep_csv(&rows()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert!(lines[0].starts_with("run,planner,vehicle,perception,seed,tasks,success_rate,"), "{csv}");
-        assert!(lines[1].starts_with("pid,speed=3--hmmwv") || lines[1].starts_with("\"pid,speed=3--hmmwv--oracle--0\",\"pid,speed=3\",hmmwv,oracle,0,10,0.4,"), "{csv}");
+        assert!(
+            lines[1].starts_with("pid,speed=3--hmmwv")
+                || lines[1]
+                    .starts_with("\"pid,speed=3--hmmwv--oracle--0\",\"pid,speed=3\",hmmwv,oracle,0,10,0.4,"),
+            "{csv}"
+        );
         assert_eq!(lines.len(), 4);
         assert!(lines[3].starts_with("'=<b>--gator--oracle--0,'=<b>,gator,oracle,0,10,1,"), "{csv}");
-        assert!(lines[0].contains(",success,rollover,stuck,timeout,") && !lines[0].contains("host_error"), "{csv}");
+        assert!(
+            lines[0].contains(",success,rollover,stuck,timeout,") && !lines[0].contains("host_error"),
+            "{csv}"
+        );
     }
 }

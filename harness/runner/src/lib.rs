@@ -23,7 +23,9 @@ pub use episode::{Episode, commanded_gear, sample};
 pub use error::RunError;
 pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use merge::{MergeError, Merged, merge, shards_in};
-pub use run::{Event, RunConfig, RunReport, Soils, Vehicle, check, check_control_period, check_perception, run};
+pub use run::{
+    Event, RunConfig, RunReport, Soils, Vehicle, check, check_control_period, check_perception, run,
+};
 pub use setting::{Keep, Place, Setting, Wants, start};
 pub use shape::{StaticShape, static_shape};
 pub use state_hash::StateHash;

@@ -10,7 +10,11 @@ const LONGEST: usize = 150;
 pub(crate) fn safe(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '+' | '=' | ',');
     let name: String = text.chars().map(|c| if plain(c) { c } else { '_' }).take(LONGEST).collect();
-    if name == text && !name.starts_with('.') { name } else { format!("_{name}-{}", &sha256(text.as_bytes())[..8]) }
+    if name == text && !name.starts_with('.') {
+        name
+    } else {
+        format!("_{name}-{}", &sha256(text.as_bytes())[..8])
+    }
 }
 
 #[cfg(test)]

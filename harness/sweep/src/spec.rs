@@ -142,8 +142,10 @@ impl Spec {
     /// Returns an error if the file can't be read, or makes no sense.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|e| SweepError { file: file.clone(), problem: format!("cannot read the sweep: {e} (give a YAML file)") })?;
+        let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| SweepError {
+            file: file.clone(),
+            problem: format!("cannot read the sweep: {e} (give a YAML file)"),
+        })?;
         Self::from_yaml(&file, &text, path.parent().unwrap_or(Path::new("")))
     }
 
@@ -180,17 +182,29 @@ impl Spec {
         for variant in &variants {
             for vehicle in &read.vehicles {
                 for perception in &read.perceptions {
-                    runs.extend(read.seeds.iter().map(|seed| variant.run(vehicle, perception, *seed, folder)));
+                    runs.extend(
+                        read.seeds.iter().map(|seed| variant.run(vehicle, perception, *seed, folder)),
+                    );
                 }
             }
         }
         let mut names = BTreeSet::new();
         if let Some(twice) = runs.iter().find(|r| !names.insert(r.name.as_str())) {
-            let problem = format!("planners: two runs are called {} (give one of the planners another name)", twice.name);
+            let problem = format!(
+                "planners: two runs are called {} (give one of the planners another name)",
+                twice.name
+            );
             return Err(flaw(problem));
         }
         let suite = read.suite.map(|s| beside(folder, &s));
-        Ok(Self { name: read.name, suite, tasks: read.tasks, rules: beside(folder, &read.rules), trace: read.trace, runs })
+        Ok(Self {
+            name: read.name,
+            suite,
+            tasks: read.tasks,
+            rules: beside(folder, &read.rules),
+            trace: read.trace,
+            runs,
+        })
     }
 
     /// The runs, those of a planner one after the other.
@@ -225,7 +239,9 @@ impl Planner {
                 return Err(format!("params.{key}: the list is empty (name a value)"));
             }
             if values.len().saturating_mul(combinations.len()) > MOST {
-                return Err(format!("params.{key}: the sweep has more than {MOST} runs (make several of it)"));
+                return Err(format!(
+                    "params.{key}: the sweep has more than {MOST} runs (make several of it)"
+                ));
             }
             let with = |known: &BTreeMap<String, String>| {
                 let mut all = Vec::new();
@@ -295,17 +311,26 @@ mod tests {
         let first = &spec.runs()[0];
         assert_eq!(first.name, "pid,kp=1,speed=3--hmmwv--oracle--0");
         assert_eq!((first.planner.as_str(), first.plugin.as_str()), ("pid,kp=1,speed=3", "pid.wasm"));
-        let params = BTreeMap::from([("kp".to_owned(), "1".to_owned()), ("speed".to_owned(), "5.5".to_owned())]);
+        let params =
+            BTreeMap::from([("kp".to_owned(), "1".to_owned()), ("speed".to_owned(), "5.5".to_owned())]);
         assert_eq!(spec.runs()[8].params, params);
         let last = &spec.runs()[23];
-        assert_eq!((last.name.as_str(), last.plugin.as_str()), ("mine--gator--onboard--7", "python3 mine.py"));
-        assert_eq!((spec.tasks.as_deref(), spec.rules.as_str(), spec.trace), (Some("w001"), "paper", TraceMode::TenHz));
+        assert_eq!(
+            (last.name.as_str(), last.plugin.as_str()),
+            ("mine--gator--onboard--7", "python3 mine.py")
+        );
+        assert_eq!(
+            (spec.tasks.as_deref(), spec.rules.as_str(), spec.trace),
+            (Some("w001"), "paper", TraceMode::TenHz)
+        );
     }
 
     #[test]
     fn names_stay_when_values_are_added() {
         let few = names("planners: [{plugin: pid.wasm, params: {speed: 3}}]\n");
-        let many = names("planners: [{plugin: a.wasm}, {plugin: pid.wasm, params: {speed: [1, 3]}}]\nseeds: [5, 0]\n");
+        let many = names(
+            "planners: [{plugin: a.wasm}, {plugin: pid.wasm, params: {speed: [1, 3]}}]\nseeds: [5, 0]\n",
+        );
         assert!(few.iter().all(|name| many.contains(name)), "{few:?} {many:?}");
     }
 
@@ -317,13 +342,23 @@ mod tests {
         let pid = "planners: [{plugin: pid.wasm}]\n";
         assert!(told(&format!("{pid}seeds: []\n")).contains("seeds: the list is empty"));
         assert!(told(&format!("{pid}vehicle: [hmmwv]\n")).contains("vehicle"));
-        assert!(told("planners: [{plugin: pid.wasm, params: {speed: []}}]\n").contains("planners[0].params.speed: the list is empty"));
+        assert!(
+            told("planners: [{plugin: pid.wasm, params: {speed: []}}]\n")
+                .contains("planners[0].params.speed: the list is empty")
+        );
         let twice = told("planners: [{plugin: a/pid.wasm}, {plugin: b/pid.wasm}]\n");
         assert!(twice.contains("two runs are called pid--hmmwv--oracle--0"), "{twice}");
-        let many = format!("{pid}seeds: [{}]\n", (0..1001).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
-        let vehicles = format!("vehicles: [{}]\n", (0..101).map(|n| format!("v{n}")).collect::<Vec<_>>().join(", "));
+        let many =
+            format!("{pid}seeds: [{}]\n", (0..1001).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
+        let vehicles =
+            format!("vehicles: [{}]\n", (0..101).map(|n| format!("v{n}")).collect::<Vec<_>>().join(", "));
         assert!(told(&format!("{many}{vehicles}")).contains("more than 100000 runs"));
-        assert!(Spec::read(Path::new("nowhere.yaml")).unwrap_err().to_string().contains("nowhere.yaml: cannot read the sweep"));
+        assert!(
+            Spec::read(Path::new("nowhere.yaml"))
+                .unwrap_err()
+                .to_string()
+                .contains("nowhere.yaml: cannot read the sweep")
+        );
     }
 
     #[test]

@@ -47,7 +47,9 @@ pub enum ShardError {
     )]
     NoArray,
     /// A variable of the scheduler is missing, or is no number.
-    #[error("auto: {variable} is {value} beside {beside}: it must be a number (write 3/8 for the third of eight)")]
+    #[error(
+        "auto: {variable} is {value} beside {beside}: it must be a number (write 3/8 for the third of eight)"
+    )]
     Variable {
         /// The name of the variable.
         variable: &'static str,
@@ -123,7 +125,8 @@ impl Shard {
         if set(SLURM) {
             let index = read(SLURM, SLURM)?;
             let [first, last, count] =
-                ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT"].map(|v| read(v, SLURM));
+                ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT"]
+                    .map(|v| read(v, SLURM));
             let (first, last, count) = (first?, last?, count?);
             if first > 1 || last.checked_sub(first).is_none_or(|jobs| jobs + 1 != count) || index < first {
                 return Err(ShardError::Gaps { first, last, count });
@@ -226,9 +229,8 @@ mod tests {
     fn runs_that_are_dealt_one_after_the_other_fill_the_shards_evenly() {
         // Three runs of five worlds over seven shards: 15 worlds, so two or three each.
         let all = tasks(5);
-        let sizes: Vec<usize> = shards(7)
-            .map(|s| (0..3).map(|run| s.after(run * 5).tasks(&all).len() / 3).sum())
-            .collect();
+        let sizes: Vec<usize> =
+            shards(7).map(|s| (0..3).map(|run| s.after(run * 5).tasks(&all).len() / 3).sum()).collect();
         assert_eq!(sizes, [3, 2, 2, 2, 2, 2, 2]);
     }
 
@@ -270,8 +272,13 @@ mod tests {
         assert!(slurm("3", "3", "3", "1").contains("the array 3-3 has 1 jobs"));
         assert!(slurm("x", "1", "8", "8").contains("SLURM_ARRAY_TASK_ID is \"x\""));
         assert_eq!(auto(&[("JOB_COMPLETION_INDEX", "7"), ("VB_SHARDS", "8")]), "8/8");
-        assert!(auto(&[("JOB_COMPLETION_INDEX", "7")]).contains("VB_SHARDS is not set beside JOB_COMPLETION_INDEX"));
-        assert!(auto(&[("JOB_COMPLETION_INDEX", "8"), ("VB_SHARDS", "8")]).contains("there is no shard 9 of 8"));
+        assert!(
+            auto(&[("JOB_COMPLETION_INDEX", "7")])
+                .contains("VB_SHARDS is not set beside JOB_COMPLETION_INDEX")
+        );
+        assert!(
+            auto(&[("JOB_COMPLETION_INDEX", "8"), ("VB_SHARDS", "8")]).contains("there is no shard 9 of 8")
+        );
         assert_eq!(auto(&[("AWS_BATCH_JOB_ARRAY_INDEX", "0"), ("AWS_BATCH_JOB_ARRAY_SIZE", "8")]), "1/8");
         assert!(auto(&[("VB_SHARDS", "8")]).contains("no job of an array"));
     }

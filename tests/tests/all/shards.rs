@@ -12,7 +12,8 @@ const TASKS: &str = "w001-w009/t00-t01";
 
 /// The command line of a run of these tasks.
 fn args(out: &str, more: &[&str]) -> Vec<String> {
-    let args = ["--plugin", pid().to_str().unwrap(), "--param", "speed=6", "--tasks", TASKS, "--out", out].map(str::to_owned);
+    let args = ["--plugin", pid().to_str().unwrap(), "--param", "speed=6", "--tasks", TASKS, "--out", out]
+        .map(str::to_owned);
     args.into_iter().chain(more.iter().map(|a| (*a).to_owned())).collect()
 }
 
@@ -74,7 +75,10 @@ fn what_is_missing_is_named_and_driven_by_resume_and_what_was_driven_twice_is_to
 
     let merge = ["merge", "parts", "--out", "merged"];
     let told = bench.run(&merge).error(11);
-    assert!(told.contains("11 of 18 tasks are missing: ") && told.contains("--out merged --resume"), "{told}");
+    assert!(
+        told.contains("11 of 18 tasks are missing: ") && told.contains("--out merged --resume"),
+        "{told}"
+    );
     bench.ok(&args("merged", &["--resume"]));
     assert_eq!(files(&bench, "merged"), files(&bench, "one"));
 

@@ -16,7 +16,11 @@ fn bash_completes_commands_and_options() {
             "source completions.bash; {find}; COMP_WORDS=({words}); COMP_CWORD={at}; $f vb-harness \"${{COMP_WORDS[{at}]}}\" \"\"; \
              printf '%s\\n' \"${{COMPREPLY[@]}}\""
         );
-        let done = Command::new("bash").args(["--norc", "-c", &script]).current_dir(bench.path(".")).output().unwrap();
+        let done = Command::new("bash")
+            .args(["--norc", "-c", &script])
+            .current_dir(bench.path("."))
+            .output()
+            .unwrap();
         assert!(done.status.success(), "{done:?}");
         String::from_utf8(done.stdout).unwrap().lines().map(str::to_owned).collect::<Vec<_>>()
     };

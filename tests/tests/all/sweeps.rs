@@ -51,7 +51,20 @@ fn a_sweep_is_driven_told_of_and_compared() {
     let pid = pid();
     let plugin = pid.to_str().unwrap();
     let tasks = "w001/t00-t01,w005/t02-t03";
-    let own = ["--plugin", plugin, "--param", "speed=6", "--perception", "onboard", "--seed", "1", "--tasks", tasks, "--out", "own"];
+    let own = [
+        "--plugin",
+        plugin,
+        "--param",
+        "speed=6",
+        "--perception",
+        "onboard",
+        "--seed",
+        "1",
+        "--tasks",
+        tasks,
+        "--out",
+        "own",
+    ];
     bench.ok(&own);
     assert_eq!(files(&bench, &format!("one/runs/{name}")), files(&bench, "own"));
 
@@ -87,7 +100,10 @@ fn shards_of_a_sweep_are_even_and_make_the_runs_of_one_machine() {
         assert_eq!(told.iter().filter(|e| e["event"] == "task").count(), 16);
     }
     let told = bench.run(&sweep("report", &["--out", "many"])).error(11);
-    assert!(told.contains("runs are not done and in no table: ") && told.contains("sweep run goes on"), "{told}");
+    assert!(
+        told.contains("runs are not done and in no table: ") && told.contains("sweep run goes on"),
+        "{told}"
+    );
 
     // A machine is killed in the midst of it; the same command goes on.
     let args = sweep("run", &["--out", "many", "--shard", "3/3", "--jobs", "1"]);
@@ -152,6 +168,11 @@ fn a_planner_that_can_not_begin_is_told_of_and_the_others_are_driven() {
         ),
     );
     let told = bench.run(&sweep("run", &["--out", "out"])).error(10);
-    assert!(told.contains("1 of 2 runs have failures; faulty,fault=init-error--hmmwv--oracle--0: the planner failed alike"), "{told}");
+    assert!(
+        told.contains(
+            "1 of 2 runs have failures; faulty,fault=init-error--hmmwv--oracle--0: the planner failed alike"
+        ),
+        "{told}"
+    );
     assert_eq!(bench.records("out/runs/pid--hmmwv--oracle--0").len(), 30);
 }

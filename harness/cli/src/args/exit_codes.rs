@@ -28,7 +28,19 @@ const OF: [(&str, &[u8]); 16] = [
     ("vehicle test", &[CHECKS_FAILED]),
     ("terrain train", &[INTERRUPTED]),
     // The program without a command is `run`, but its help is that of all commands.
-    ("", &[SIM_ERRORS, CHECKS_FAILED, HOST_ERRORS, NOT_CONFORMING, NOT_VERIFIED, FAILED_START, INCOMPLETE, INTERRUPTED]),
+    (
+        "",
+        &[
+            SIM_ERRORS,
+            CHECKS_FAILED,
+            HOST_ERRORS,
+            NOT_CONFORMING,
+            NOT_VERIFIED,
+            FAILED_START,
+            INCOMPLETE,
+            INTERRUPTED,
+        ],
+    ),
 ];
 
 /// The program's commands with their exit codes at the end of their help.

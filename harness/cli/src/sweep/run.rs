@@ -126,7 +126,8 @@ fn check(parts: &[Part<'_>]) -> Result<(), CliError> {
 fn keep_plan(sweep: &Sweep, args: &SweepRunArgs) -> Result<(), CliError> {
     let plan = sweep.layout.plan();
     let read = |path| vb_files::read(path, vb_files::DOCUMENT);
-    let own = read(&args.sweep.file).map_err(|e| CliError::input(format!("{}: {e}", args.sweep.file.display())))?;
+    let own =
+        read(&args.sweep.file).map_err(|e| CliError::input(format!("{}: {e}", args.sweep.file.display())))?;
     let kept = read(&plan).ok();
     if kept.as_ref() == Some(&own) {
         return Ok(());
@@ -144,7 +145,11 @@ fn keep_plan(sweep: &Sweep, args: &SweepRunArgs) -> Result<(), CliError> {
 }
 
 /// Drives a run. What ends the sweep is an error; what is wrong with this run alone is returned.
-fn drive(config: &RunConfig, progress: &mut Progress, cancel: &AtomicBool) -> Result<Option<CliError>, CliError> {
+fn drive(
+    config: &RunConfig,
+    progress: &mut Progress,
+    cancel: &AtomicBool,
+) -> Result<Option<CliError>, CliError> {
     let mut tell = |event: Event| match event {
         Event::Started { total, resumed } => progress.started(total as u64, &resumed),
         Event::TaskEnded(record) => progress.ended(&record),
@@ -171,7 +176,10 @@ fn drive(config: &RunConfig, progress: &mut Progress, cancel: &AtomicBool) -> Re
 /// One error of many: the one that the same command mends comes first, then the one that somebody has to mend.
 fn summed_up(flaws: Vec<(String, CliError)>, runs: usize) -> Result<(), CliError> {
     let rank = |e: &CliError| {
-        [error::HOST_ERRORS, error::FAILED_START].iter().position(|code| *code == e.code()).unwrap_or(usize::MAX)
+        [error::HOST_ERRORS, error::FAILED_START]
+            .iter()
+            .position(|code| *code == e.code())
+            .unwrap_or(usize::MAX)
     };
     let n = flaws.len();
     match flaws.into_iter().min_by_key(|(_, flaw)| rank(flaw)) {

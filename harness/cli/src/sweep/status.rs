@@ -41,7 +41,8 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
             output::json(&Message::Run { run: &planned.name, tasks, state: &state });
         }
         let success = state.done.get(&Outcome::Success).copied().unwrap_or(0);
-        let share = if done > 0 { format!("{:.1} %", 100.0 * success as f64 / done as f64) } else { String::new() };
+        let share =
+            if done > 0 { format!("{:.1} %", 100.0 * success as f64 / done as f64) } else { String::new() };
         let note = match (state.failed, state.is_whole, done) {
             (n, ..) if n > 0 => format!("the machine failed {n} tasks"),
             (_, false, n) if n > 0 => "in shards".to_owned(),
@@ -55,6 +56,9 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
         return Ok(());
     }
     output::text(&output::columns(&rows));
-    output::text(&format!("{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are done\n", sweep.spec.name));
+    output::text(&format!(
+        "{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are done\n",
+        sweep.spec.name
+    ));
     Ok(())
 }
