@@ -185,6 +185,8 @@ mod tests {
             "terrain train",
             "terrain generate",
             "terrain measure",
+            "completions",
+            "man",
         ];
         assert_eq!(bare, makers);
     }
