@@ -115,11 +115,11 @@ def datasets(package: Installed) -> None:
 
 def environments(package: Installed) -> None:
     """The environments pass their tests, as far as what is installed goes, and the tutorial runs: among them that a policy has the
-    same record in an environment and as a planner."""
+    same record in an environment and as a planner, and that a cluster makes the run of one machine."""
     if not package.has("pytest"):
         return print("environments: not tested, since pytest is not installed (--extras [test])", flush=True)
     tests = Path(__file__).parents[2] / "harness/python/tests"
-    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "policy", "training", "notebook")]
+    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "policy", "training", "notebook", "scale")]
     told = package.run("python", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(tests), *files)
     print("environments:", told.splitlines()[-1], flush=True)
     skipped = [line for line in told.splitlines() if line.startswith("SKIPPED")]

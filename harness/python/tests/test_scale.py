@@ -119,7 +119,7 @@ def test_a_cost_is_that_of_the_slowest_step() -> None:
 @pytest.fixture(scope="module")
 def ray_cluster() -> Iterator[str]:
     """A cluster of two nodes, each with processes of its own."""
-    pytest.importorskip("ray")
+    pytest.importorskip("ray", reason="ray is not installed")
     from ray.cluster_utils import Cluster
 
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
@@ -175,9 +175,9 @@ def test_a_shard_that_fails_for_good_ends_all_on_ray(ray_cluster: str, tmp_path:
 @pytest.fixture(scope="module")
 def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Slurm on this machine: munged, slurmctld, slurmd."""
-    pytest.importorskip("submitit")
+    pytest.importorskip("submitit", reason="submitit is not installed")
     if any(shutil.which(p) is None for p in ("munged", "slurmctld", "slurmd", "sbatch")) or os.geteuid() != 0:
-        pytest.skip("no Slurm on this machine (Debian: slurmctld, slurmd, slurm-client, munge), or no right to start it")
+        pytest.skip("Slurm is not installed (Debian: slurmctld, slurmd, slurm-client, munge), or only root may start it")
     # Sockets have short names.
     root = Path("/tmp") / f"vb-slurm-{os.getpid()}"
     for folder in ("munge", "state", "spool"):
@@ -234,7 +234,7 @@ PartitionName=debug Nodes=ALL Default=YES MaxTime=INFINITE State=UP
                 break
             time.sleep(0.5)
         else:
-            pytest.skip(f"Slurm doesn't come up here: see {root}")
+            pytest.fail(f"Slurm doesn't come up: see {root}/*.log")
         yield root
     finally:
         del os.environ["SLURM_CONF"]
@@ -284,7 +284,7 @@ def test_the_jobs_for_kubernetes_are_valid_and_map_exit_codes(tmp_path: Path, ca
     assert joined["spec"]["template"]["spec"]["containers"][0]["command"][:2] == ["vertibench", "merge"]
     assert on_kubernetes.main([*options[:3], str(tmp_path), *options[4:], "--", *RUN]) == 2
     assert "isn't on the volume" in capsys.readouterr().err
-    validate = pytest.importorskip("kubernetes_validate").validate
+    validate = pytest.importorskip("kubernetes_validate", reason="kubernetes-validate is not installed").validate
     for job in jobs:
         for version in ("1.31", "1.33"):
             validate(job, version, strict=True)
