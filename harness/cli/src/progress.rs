@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use vb_runner::Event;
 use vb_score::{Outcome, TaskRecord};
 
 use crate::args::MessageFormat;
@@ -101,8 +102,17 @@ impl Progress {
         }
     }
 
+    /// Something has happened in the run.
+    pub(crate) fn hear(&mut self, event: Event) {
+        match event {
+            Event::Started { total, resumed } => self.started(total as u64, &resumed),
+            Event::TaskEnded(record) => self.ended(&record),
+            Event::TaskStarted { .. } => {}
+        }
+    }
+
     /// The run begins: `total` tasks, of which those of `resumed` are done already.
-    pub(crate) fn started(&mut self, total: u64, resumed: &[TaskRecord]) {
+    fn started(&mut self, total: u64, resumed: &[TaskRecord]) {
         for record in resumed {
             self.count(record);
         }
@@ -136,7 +146,7 @@ impl Progress {
     }
 
     /// A task has ended.
-    pub(crate) fn ended(&mut self, record: &TaskRecord) {
+    fn ended(&mut self, record: &TaskRecord) {
         self.done += 1;
         self.simulated += record.time_s;
         self.count(record);

@@ -321,7 +321,7 @@ fn part(
         .map_err(CliError::input)?;
     Ok(Part {
         soils: soils.filter(|s| same_vehicle && s.hash == header.soils.hash),
-        rules: serde_json::from_value(header.rules.profile.clone()).ok(),
+        rules: Rules::recorded(&header).ok(),
         label: r.label.clone(),
         senses: senses.of(&header)?,
         header,

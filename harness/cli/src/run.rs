@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 use vb_host::Limits;
 use vb_record::ShardHeader;
-use vb_runner::{Event, FailedStart, RunConfig, RunError};
+use vb_runner::{FailedStart, RunConfig, RunError};
 use vb_score::{Rules, Summary};
 
 use crate::args::{MessageFormat, RunArgs};
@@ -31,12 +31,7 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
     let mut progress = Progress::new(args.format.get(), args.debug);
-    let mut tell = |event: Event| match event {
-        Event::Started { total, resumed } => progress.started(total as u64, &resumed),
-        Event::TaskEnded(record) => progress.ended(&record),
-        Event::TaskStarted { .. } => {}
-    };
-    let result = vb_runner::run(&config, &mut tell, &cancel);
+    let result = vb_runner::run(&config, &mut |event| progress.hear(event), &cancel);
     progress.finish();
     let report = result.map_err(run_error)?;
     match args.format.get() {
@@ -61,11 +56,8 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
     };
     if let Some(start) = &report.failed_start {
         return Err(CliError::failed_start(format!(
-            "the planner failed alike in all of the first {} tasks before its first command ({}), in the first so: {} ({} tasks left; \
-             mend the cause and start anew, or go on with {again}; --keep-going drives all tasks whatever happens)",
-            start.tasks,
-            start.fault,
-            start.reason,
+            "{start} ({} tasks left; mend the cause and start anew, or go on with {again}; --keep-going drives all tasks \
+             whatever happens)",
             report.summary.missing(),
         )));
     }

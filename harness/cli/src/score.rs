@@ -45,7 +45,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
 /// The rules as recorded in run.json.
 fn own_rules(args: &ScoreArgs) -> Result<Rules, CliError> {
     let run = RunReader::open(&args.run).map_err(CliError::input)?;
-    serde_json::from_value(run.header().rules.profile.clone()).map_err(|e| {
+    Rules::recorded(run.header()).map_err(|e| {
         let file = args.run.join("run.json");
         CliError::input(format!("{}: rules.profile: {e} (name rules with --rules)", file.display()))
     })

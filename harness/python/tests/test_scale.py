@@ -106,13 +106,17 @@ def test_a_shard_that_works_on_a_disk_of_its_own_goes_on_and_brings_its_results(
 
 
 def test_a_cost_is_that_of_the_slowest_step() -> None:
-    # 1000 tasks of 100 worlds, 0.5 s each: 10 shards of 100 tasks, 0.3 s to start one.
-    few = cost.cost(1000, 0.5, 10, 10, 100, True, 5000, False)
-    assert (few.core_seconds, few.driving, few.limit) == (503.0, 50.3, "the cores")
-    # 200 shards: 100 of one world, on 10 cores in 20 rounds.
-    assert cost.cost(1000, 0.5, 10, 200, 100, True, 5000, False).driving == pytest.approx(20 * (0.3 + 5))
-    many = cost.cost(2.7e6, 0.15, 10_000, 10_000, 270_000, True, 5000, False)
-    assert (many.limit, many.writing) == ("the file system", pytest.approx(2.7e6 * 14 / 5000))
+    # A run of 1000 tasks in 100 worlds, 0.5 s each: 10 shards of 10 worlds, each with 0.2 s to begin.
+    few = cost.cost(1, 1000, 100, 0.5, 10, 10)
+    assert (few.core_seconds, few.driving, few.limit) == (502.0, pytest.approx(50.2), "the cores")
+    # 200 shards: 100 of one world and others empty, on 10 cores in 20 rounds.
+    assert cost.cost(1, 1000, 100, 0.5, 10, 200).driving == pytest.approx(20 * (0.2 + 5))
+    # 27 worlds a shard, each of another run.
+    many = cost.cost(2700, 1000, 100, 0.15, 10_000, 10_000)
+    assert many.driving == pytest.approx(27 * (0.2 + 10 * 0.15))
+    assert (many.limit, many.writing) == ("the file system", pytest.approx((270_000 * 50 + 2.7e6 * 14) / 5000))
+    copied = cost.cost(2700, 1000, 100, 0.15, 10_000, 10_000, traces=False, scratch=True)
+    assert copied.writing == pytest.approx(270_000 * 30 / 5000)
     assert cost.main(["--runs", "0", "--seconds", "1", "--cores", "1"]) == 2
 
 

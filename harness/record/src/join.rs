@@ -1,5 +1,7 @@
 //! One run made of several, each of which has some of its tasks.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -20,6 +22,8 @@ pub struct RunJoiner {
     /// Where it is made.
     dir: PathBuf,
     checksums: Checksums,
+    /// The checksums of each run that was taken from; `None` where it has none.
+    sources: BTreeMap<PathBuf, Option<Checksums>>,
     names: Vec<String>,
     records: Vec<u8>,
 }
@@ -52,7 +56,8 @@ impl RunJoiner {
         let header = pretty("run.json", header)?;
         checksums.add(HEADER, &header);
         write_atomic(&dir.join(HEADER), &header)?;
-        Ok(Self { out: out.to_owned(), dir, checksums, names: Vec::new(), records: Vec::new() })
+        let out = out.to_owned();
+        Ok(Self { out, dir, checksums, sources: BTreeMap::new(), names: Vec::new(), records: Vec::new() })
     }
 
     /// Adds a task: the line of its record, and its trace and debug series in the run that drove it. Tasks are added in the order
@@ -74,8 +79,15 @@ impl RunJoiner {
     }
 
     fn copy(&mut self, name: &str, from: &RunReader) -> Result<(), StoreError> {
-        let source = from.checked(name)?;
+        let source = from.dir().join(name);
         let bytes = vb_files::read(&source, vb_files::DATA).map_err(StoreError::io("read", &source))?;
+        let sums = match self.sources.entry(from.dir().to_owned()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(Checksums::read(from.dir())?),
+        };
+        if let Some(sums) = sums {
+            sums.check(&source, name, &bytes)?;
+        }
         let path = self.dir.join(name);
         let parent = path.parent().unwrap_or(&path);
         fs::create_dir_all(parent).map_err(StoreError::io("make directory", parent))?;

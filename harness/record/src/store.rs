@@ -311,7 +311,7 @@ impl RunReader {
     }
 
     /// The path of a file of the run, which is as it was written.
-    pub(crate) fn checked(&self, name: &str) -> Result<PathBuf, StoreError> {
+    fn checked(&self, name: &str) -> Result<PathBuf, StoreError> {
         let path = self.dir.join(name);
         if let Some(sums) = Checksums::read(&self.dir)? {
             let bytes = vb_files::read(&path, vb_files::DATA).map_err(StoreError::io("read", &path))?;

@@ -1,5 +1,7 @@
 //! Ending a run early whose planner can't even begin.
 
+use std::fmt;
+
 use serde::Serialize;
 use vb_host::FaultCode;
 use vb_score::{Outcome, TaskRecord};
@@ -22,6 +24,16 @@ pub struct FailedStart {
     pub fault: String,
     /// The reason in the record of the first of them, with the planner's own words.
     pub reason: String,
+}
+
+impl fmt::Display for FailedStart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tasks, fault, reason } = self;
+        write!(
+            f,
+            "the planner failed alike in all of the first {tasks} tasks before its first command ({fault}), in the first so: {reason}"
+        )
+    }
 }
 
 /// Watches the first tasks of a run.

@@ -130,7 +130,7 @@ pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, Me
     }
     let selector = header.selector.as_deref().map_or_else(|| Ok(Selector::default()), Selector::parse)?;
     let tasks: Vec<String> = selector.select(suite)?.iter().map(ToString::to_string).collect();
-    let rules: Rules = serde_json::from_value(header.rules.profile.clone())
+    let rules = Rules::recorded(&header)
         .map_err(|e| MergeError::Rules { path: runs[0].dir().to_owned(), problem: e.to_string() })?;
 
     let mut done: BTreeMap<String, Done> = tasks.iter().map(|t| (t.clone(), Done::default())).collect();

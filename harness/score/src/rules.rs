@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use vb_record::RunHeader;
 
 /// Version of the layout of a rule file.
 const SCHEMA: u32 = 1;
@@ -191,6 +192,14 @@ pub enum RulesError {
 }
 
 impl Rules {
+    /// The rules that a run was driven by, as its header has them.
+    ///
+    /// # Errors
+    /// Returns an error if they are none of this version.
+    pub fn recorded(header: &RunHeader) -> Result<Self, serde_json::Error> {
+        serde_json::from_value(header.rules.profile.clone())
+    }
+
     /// The profiles that come with the harness, as names and the text of their files.
     pub const BUILTIN: [(&str, &str); 4] = [
         ("paper", include_str!("../../../tasks/rules/paper.yaml")),

@@ -58,7 +58,7 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
     let path = own.join("run.json");
     files::write(&path, &files::pretty(&path, &header)?)?;
     let records = copy_records(&reader, &own)?;
-    let rules: Rules = serde_json::from_value(header.rules.profile.clone())
+    let rules = Rules::recorded(&header)
         .map_err(|e| SubmissionError::damaged(&run.join("run.json"), format!("rules.profile: {e}")))?;
     let summary = Summary::new(&header, &rules, &records, Vec::new());
     let path = own.join("summary.json");

@@ -171,13 +171,15 @@ impl Shard {
     /// Those of the tasks that are in this shard, in the same order.
     #[must_use]
     pub fn tasks(&self, tasks: &[TaskRef]) -> Vec<TaskRef> {
+        let names: BTreeSet<&str> = tasks.iter().map(|t| t.world.as_str()).collect();
         // In the order of the hashes; the name tells apart what no hash does.
         let worlds: BTreeSet<(String, &str)> =
-            tasks.iter().map(|t| (sha256(t.world.as_bytes()), t.world.as_str())).collect();
+            names.into_iter().map(|world| (sha256(world.as_bytes()), world)).collect();
         let (of, own) = (u64::from(self.of), u64::from(self.index - 1));
         let dealt = worlds.into_iter().zip(self.dealt..);
-        let mine: Vec<&str> = dealt.filter(|(_, k)| k % of == own).map(|((_, world), _)| world).collect();
-        tasks.iter().filter(|t| mine.contains(&t.world.as_str())).cloned().collect()
+        let mine: BTreeSet<&str> =
+            dealt.filter(|(_, k)| k % of == own).map(|((_, world), _)| world).collect();
+        tasks.iter().filter(|t| mine.contains(t.world.as_str())).cloned().collect()
     }
 }
 

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use vb_record::{LogMode, TraceMode};
-
 use vb_world::Shard;
 
 use super::values::{bytes, log_mode, planner, scale, shard, soil_resolution, time_step, trace_mode};

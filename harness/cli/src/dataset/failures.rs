@@ -145,8 +145,8 @@ fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError>
             "the {what} {name} at hand is not that of the run (name the run's file with --vehicle or --soils, or drive the run again)"
         )));
     }
-    let rules: Rules = serde_json::from_value(header.rules.profile.clone())
-        .map_err(|e| CliError::input(format!("{}: rules: {e}", args.of.display())))?;
+    let rules =
+        Rules::recorded(header).map_err(|e| CliError::input(format!("{}: rules: {e}", args.of.display())))?;
     Setting::new(&vehicle, &soils, &rules, &perception, header.time_step, header.scale, header.seed)
         .map_err(run::run_error)
 }

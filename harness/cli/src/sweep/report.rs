@@ -96,7 +96,7 @@ fn whole(sweep: &Sweep, planned: &PlannedRun) -> Result<Option<PathBuf>, CliErro
 fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
     let run = RunReader::open(dir).map_err(CliError::input)?;
     let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
-    let rules: Rules = serde_json::from_value(run.header().rules.profile.clone())
+    let rules = Rules::recorded(run.header())
         .map_err(|e| CliError::input(format!("{}: rules.profile: {e}", dir.join("run.json").display())))?;
     Ok(SweepRow {
         run: planned.name.clone(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
-use vb_runner::{Event, RunConfig};
+use vb_runner::RunConfig;
 use vb_sweep::PlannedRun;
 use vb_world::Shard;
 
@@ -33,7 +33,7 @@ struct Part<'a> {
 
 pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
     let sweep = Sweep::open(&args.sweep)?;
-    let mut parts = parts(&sweep, args);
+    let parts = parts(&sweep, args);
     check(&parts)?;
     keep_plan(&sweep, args)?;
     let cancel = stop_on_ctrl_c()?;
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
     let mut progress = Progress::of_many(format, total);
     // What is done takes no time.
     let mut left = Vec::new();
-    for part in parts.drain(..) {
+    for part in parts {
         let state = sweep.layout.state_of(&part.dir).map_err(CliError::input)?;
         if state.failed == 0 && state.tasks() == part.tasks {
             progress.done_before(part.tasks);
@@ -86,6 +86,7 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
             None => {
                 let dir = sweep.layout.run(&planned.name);
                 run.out = Some(dir.clone());
+                run.resume = dir.join("run.json").exists();
                 (dir, sweep.tasks.len())
             }
             Some(shard) => {
@@ -100,7 +101,6 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
                 (sweep.layout.shards(&planned.name).join(shard.folder()), tasks)
             }
         };
-        run.resume = dir.join("run.json").exists();
         parts.push(Part { planned, args: run, dir, tasks: tasks as u64 });
     }
     parts
@@ -150,17 +150,9 @@ fn drive(
     progress: &mut Progress,
     cancel: &AtomicBool,
 ) -> Result<Option<CliError>, CliError> {
-    let mut tell = |event: Event| match event {
-        Event::Started { total, resumed } => progress.started(total as u64, &resumed),
-        Event::TaskEnded(record) => progress.ended(&record),
-        Event::TaskStarted { .. } => {}
-    };
-    let report = vb_runner::run(config, &mut tell, cancel).map_err(run_error)?;
+    let report = vb_runner::run(config, &mut |event| progress.hear(event), cancel).map_err(run_error)?;
     if let Some(start) = &report.failed_start {
-        return Ok(Some(CliError::failed_start(format!(
-            "the planner failed alike in all of the first {} tasks before its first command ({}), in the first so: {}",
-            start.tasks, start.fault, start.reason
-        ))));
+        return Ok(Some(CliError::failed_start(start)));
     }
     if report.interrupted || cancel.load(Ordering::Relaxed) {
         return Ok(Some(CliError::interrupted("stopped (go on with the same command)")));

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from .._errors import VertibenchError
+from .. import _command
 from ._work import Work
 
 
@@ -29,14 +28,4 @@ def work_of(own: argparse.Namespace) -> Work:
 
 def ended(do: Callable[[], int]) -> int:
     """Does something; its errors become a line and an exit code."""
-    try:
-        return do()
-    except VertibenchError as e:
-        print(f"error: {e}", file=sys.stderr)
-        return 2
-    except OSError as e:
-        print(f"error: {e.filename or 'the system'}: {e.strerror or e} (see that it can be written there)", file=sys.stderr)
-        return 3
-    except KeyboardInterrupt:
-        print("stopped; the same command goes on", file=sys.stderr)
-        return 130
+    return _command.ended(do, "stopped; the same command goes on")

@@ -32,6 +32,9 @@ class ShardEnd:
     code: int
     #: What it said last.
     said: str
+    #: The tasks that it has done until now, and the successes among them.
+    tasks: int = 0
+    successes: int = 0
 
     @property
     def is_done(self) -> bool:
@@ -60,11 +63,17 @@ def run_shard(work: Work, index: int, jobs: int | None = None, scratch: Path | N
     return end
 
 
+def progress(ended: list[ShardEnd], shards: int) -> str:
+    """How far all is, for those who watch."""
+    return f"{len(ended)} of {shards} shards, {sum(e.tasks for e in ended)} tasks, {sum(e.successes for e in ended)} successes"
+
+
 def _put(folder: Path, where: Path) -> None:
     """Copies a folder so that it is there as a whole or not at all; one that is there goes first."""
     half = where.with_name(f".{where.name}.half")
     shutil.rmtree(half, ignore_errors=True)
-    shutil.copytree(folder, half)
+    # Times and rights of files are of no use there.
+    shutil.copytree(folder, half, copy_function=shutil.copyfile)
     if where.exists():
         shutil.rmtree(where)
     half.rename(where)
@@ -83,7 +92,8 @@ def _drive(work: Work, index: int, jobs: int | None) -> ShardEnd:
         preexec_fn=_end_with_parent if sys.platform == "linux" else None,
         check=False,
     )
-    return ShardEnd(index, done.returncode, " | ".join(done.stderr.splitlines()[-_LAST:]))
+    said = " | ".join(done.stderr.splitlines()[-_LAST:])
+    return ShardEnd(index, done.returncode, said, *_counted(work.folders(index)))
 
 
 def join(work: Work) -> int:
@@ -99,17 +109,10 @@ def failed(end: ShardEnd) -> ScaleError:
     return ScaleError(f"shard {end.index}", f"it ended with code {end.code}: {end.said}", to_do)
 
 
-def succeeded(folder: Path) -> tuple[int, int]:
-    """The numbers of tasks and of successes in the shards below a folder, for those who watch."""
-    tasks = successes = 0
-    for file in folder.glob("**/tasks.jsonl"):
-        try:
-            lines = file.read_text(encoding="utf-8").splitlines()
-        except OSError:
-            continue
-        tasks += len(lines)
-        successes += sum('"outcome":"success"' in line for line in lines)
-    return tasks, successes
+def _counted(folders: list[Path]) -> tuple[int, int]:
+    files = [folder / "tasks.jsonl" for folder in folders]
+    lines = [line for file in files if file.is_file() for line in file.read_text(encoding="utf-8").splitlines()]
+    return len(lines), sum('"outcome":"success"' in line for line in lines)
 
 
 def _end_with_parent() -> None:

@@ -6,14 +6,20 @@ import argparse
 import sys
 from dataclasses import dataclass
 
-#: Starting a shard: loading the planner's compiled code, checking the worlds by their hash; s.
-START = 0.3
-#: What a file system of a cluster has to do for a task, with and without a trace: opening, creating, renaming, syncing; operations.
-OPERATIONS = {True: 14.0, False: 8.0}
+# What docs/scale.md has measured.
+
+#: Beginning a run, or a shard's part of one: loading the planner's compiled code, checking the worlds by their hash; s.
+START = 0.2
+#: What a file system has to do for it: files opened, renamed, synced; operations.
+BEGUN = 50.0
+#: What it has to do for each task, with and without a trace.
+OPERATIONS = {True: 14.0, False: 7.0}
+#: The same where results are copied when they are whole (`--scratch`): for each folder, and for each task.
+BEGUN_COPIED, COPIED = 30.0, {True: 3.0, False: 0.0}
 #: Bytes of a task's results, with and without a trace of 10 samples a second.
-BYTES = {True: 57_500.0, False: 1_300.0}
+BYTES = {True: 57_600.0, False: 1_300.0}
 #: Tasks that one process joins in a second.
-JOINED = {True: 2_500.0, False: 13_000.0}
+JOINED = {True: 1_800.0, False: 15_000.0}
 
 
 @dataclass(frozen=True)
@@ -43,24 +49,35 @@ class Cost:
         return max(times, key=lambda name: times[name])
 
 
-def cost(tasks: float, seconds: float, cores: int, shards: int, worlds: float, traces: bool, operations: float, scratch: bool) -> Cost:
-    """The cost of so many tasks, each of which takes so many seconds of a core.
+def cost(
+    runs: float,
+    tasks: float,
+    worlds: float,
+    seconds: float,
+    cores: int,
+    shards: int,
+    traces: bool = True,
+    operations: float = 5000.0,
+    scratch: bool = False,
+) -> Cost:
+    """The cost of so many runs of so many tasks in so many worlds, where a task takes so many seconds of a core.
 
-    Shards get whole worlds (`worlds` of all runs together), and the largest decides when all are done. `operations` are those that the
-    file system does in a second; with `scratch`, it sees a task's files once, not the writing of them.
+    Shards get whole worlds, dealt out over all runs one after the other, and the largest shard decides when all are done. A shard has a
+    folder for each run that it has a part of. `operations` are those that the file system does in a second; with `scratch`, it sees
+    results once, when they are whole.
     """
-    if not (tasks > 0 and seconds > 0 and cores > 0 and shards > 0 and worlds > 0 and operations > 0):
+    if not (min(runs, tasks, worlds, seconds, cores, shards, operations) > 0):
         raise ValueError("all numbers must be above 0")
-    largest = -(-worlds // shards) / worlds * tasks
-    rounds = -(-shards // cores)
-    driving = rounds * (START + largest * seconds)
-    each = (2.0 if traces else 0.1) if scratch else OPERATIONS[traces]
+    folders = min(runs * worlds, runs * shards)
+    largest = -(-runs * worlds // shards)
+    driving = -(-shards // cores) * (min(largest, runs) * START + largest * tasks / worlds * seconds)
+    begun, each = (BEGUN_COPIED, COPIED[traces]) if scratch else (BEGUN, OPERATIONS[traces])
     return Cost(
-        core_seconds=tasks * seconds + shards * START,
+        core_seconds=runs * tasks * seconds + folders * START,
         driving=driving,
-        writing=tasks * each / operations,
-        joining=tasks / JOINED[traces],
-        size=tasks * BYTES[traces],
+        writing=(folders * begun + runs * tasks * each) / operations,
+        joining=runs * tasks / JOINED[traces],
+        size=runs * tasks * BYTES[traces],
     )
 
 
@@ -77,14 +94,14 @@ def main(arguments: list[str] | None = None) -> int:
     options.add_argument("--scratch", action="store_true", help="shards write to a disk of their machine first")
     options.add_argument("--operations", type=float, default=5000, help="operations a second of the file system (default: 5000)")
     own = options.parse_args(arguments)
-    tasks, worlds, shards = own.runs * own.tasks, own.runs * own.worlds, own.shards or own.cores
+    shards, traces = own.shards or own.cores, not own.no_traces
     try:
-        found = cost(tasks, own.seconds, own.cores, shards, worlds, not own.no_traces, own.operations, own.scratch)
+        found = cost(own.runs, own.tasks, own.worlds, own.seconds, own.cores, shards, traces, own.operations, own.scratch)
     except ValueError as e:
         print(f"error: the options: {e} (give others)", file=sys.stderr)
         return 2
     rows = [
-        ("tasks", f"{tasks:,.0f}"),
+        ("tasks", f"{own.runs * own.tasks:,.0f}"),
         ("hours of cores", f"{found.core_seconds / 3600:,.1f}"),
         ("driving", _time(found.driving)),
         ("writing", _time(found.writing)),

@@ -9,11 +9,8 @@ from typing import Any
 from .._errors import MissingPackageError
 from . import _shard
 from ._command import ended, parser, work_of
-from ._shard import ShardEnd, failed, run_shard
+from ._shard import ShardEnd, failed, progress, run_shard
 from ._work import ScaleError, Work
-
-#: How often it is told how far all is, s.
-_TELL = 10.0
 
 
 class _Again(Exception):
@@ -49,18 +46,16 @@ def run(work: Work, cpus: int = 1, retries: int = 3, address: str | None = None,
         waiting: dict[Any, int] = {
             task.remote(work.to_json(), k, cpus, scratch): k for k in range(1, work.shards + 1)
         }
+        ends: list[ShardEnd] = []
         while waiting:
-            done, _ = ray.wait(list(waiting), num_returns=1, timeout=_TELL)
-            for ref in done:
-                index = waiting.pop(ref)
-                end = _end_of(ray, ref, index)
-                if not end.is_done:
-                    for other in waiting:
-                        ray.cancel(other, force=True)
-                    raise failed(end)
-            tasks, successes = _shard.succeeded(work.out)
-            left = len(waiting)
-            print(f"{work.shards - left} of {work.shards} shards, {tasks} tasks, {successes} successes", file=sys.stderr)
+            [ref], _ = ray.wait(list(waiting), num_returns=1)
+            end = _end_of(ray, ref, waiting.pop(ref))
+            if not end.is_done:
+                for other in waiting:
+                    ray.cancel(other, force=True)
+                raise failed(end)
+            ends.append(end)
+            print(progress(ends, work.shards), file=sys.stderr)
     finally:
         if own:
             ray.shutdown()

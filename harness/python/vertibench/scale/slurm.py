@@ -12,7 +12,7 @@ from typing import Any
 from .._errors import MissingPackageError, VertibenchError
 from . import _shard
 from ._command import ended, parser, work_of
-from ._shard import ShardEnd, failed, run_shard
+from ._shard import ShardEnd, failed, progress, run_shard
 from ._work import ScaleError, Work
 
 #: What was submitted, in the folder of the results.
@@ -72,21 +72,20 @@ def collect(out: Path) -> int:
     except FileNotFoundError:
         raise ScaleError(out, "no array was submitted for it", "give the folder that submit was given") from None
     work = Work.from_json(submitted["work"])
-    jobs = {k: submitit.SlurmJob(folder=out.absolute() / "slurm", job_id=name) for k, name in enumerate(submitted["jobs"], 1)}
-    waiting = dict(jobs)
+    waiting = {k: submitit.SlurmJob(folder=out.absolute() / "slurm", job_id=name) for k, name in enumerate(submitted["jobs"], 1)}
+    ends: list[ShardEnd] = []
     while waiting:
         for index, job in list(waiting.items()):
             if job.done():
                 del waiting[index]
-                _checked(index, job)
-        tasks, successes = _shard.succeeded(out)
-        print(f"{work.shards - len(waiting)} of {work.shards} shards, {tasks} tasks, {successes} successes", file=sys.stderr)
+                ends.append(_end_of(index, job))
+                print(progress(ends, work.shards), file=sys.stderr)
         if waiting:
             time.sleep(_LOOK)
     return _shard.join(work)
 
 
-def _checked(index: int, job: Any) -> None:
+def _end_of(index: int, job: Any) -> ShardEnd:
     try:
         end: ShardEnd = job.result()
     except VertibenchError:
@@ -98,6 +97,7 @@ def _checked(index: int, job: Any) -> None:
         raise ScaleError(f"shard {index}", what, to_do) from None
     if not end.is_done:
         raise failed(end)
+    return end
 
 
 def _submitit() -> Any:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .._errors import VertibenchError
+from .._command import ended
 
 # The same instructions on every x86 processor that has them, and the same kernels: weights mustn't depend on the machine. This must be
 # set before torch is loaded.
@@ -20,17 +20,7 @@ for _variable, _value in (("ATEN_CPU_CAPABILITY", "avx2"), ("ONEDNN_MAX_CPU_ISA"
 def main(arguments: list[str] | None = None) -> int:
     """Does what the command line says; gives the exit code."""
     own = _parser().parse_args(arguments)
-    try:
-        return int(own.run(own) or 0)
-    except VertibenchError as e:
-        print(f"error: {e}", file=sys.stderr)
-        return 2
-    except OSError as e:
-        print(f"error: {e.filename or 'the system'}: {e.strerror or e} (see that it can be written there)", file=sys.stderr)
-        return 3
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
+    return ended(lambda: own.run(own))
 
 
 def _parser() -> argparse.ArgumentParser:
