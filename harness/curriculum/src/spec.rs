@@ -1,6 +1,5 @@
 //! Curricula as data.
 
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_world::Selector;
@@ -138,10 +137,7 @@ impl Spec {
     /// # Errors
     /// Returns an error that names the file, the field and the value.
     pub fn resolve(name_or_path: &str) -> Result<Self, CurriculumError> {
-        if let Some((name, text)) = Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
-            return Self::from_yaml(name, text);
-        }
-        let text = vb_files::read_text(Path::new(name_or_path), vb_files::DOCUMENT).map_err(|e| {
+        let text = vb_files::named_text(name_or_path, &Self::BUILTIN).map_err(|e| {
             let names = Self::BUILTIN.map(|(name, _)| name).join(", ");
             let problem = format!("cannot read the curriculum: {e} (give a YAML file, or one of {names})");
             CurriculumError { file: name_or_path.to_owned(), problem }

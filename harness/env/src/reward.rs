@@ -1,7 +1,6 @@
 //! What a step is worth, as data: `tasks/rewards/*.yaml`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::Deserialize;
 use vb_score::Outcome;
@@ -126,10 +125,7 @@ impl Reward {
     /// # Errors
     /// Returns [`EnvError::Reward`], which says what is wrong.
     pub fn resolve(name_or_path: &str) -> Result<Self, EnvError> {
-        if let Some((name, text)) = Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
-            return Self::from_yaml(name, text);
-        }
-        let text = vb_files::read_text(Path::new(name_or_path), vb_files::DOCUMENT).map_err(|e| {
+        let text = vb_files::named_text(name_or_path, &Self::BUILTIN).map_err(|e| {
             let names = Self::BUILTIN.map(|(name, _)| name).join(", ");
             let problem = format!("cannot read the reward: {e} (give a YAML file, or one of {names})");
             EnvError::Reward { file: name_or_path.to_owned(), problem }

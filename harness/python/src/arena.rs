@@ -196,6 +196,12 @@ impl Arena {
         columns.iter().zip(self.inner.layout().parts()).map(array).collect()
     }
 
+    /// The folder of the suite that the tasks are of.
+    #[getter]
+    fn suite(&self) -> PathBuf {
+        self.inner.suite().dir().to_owned()
+    }
+
     /// The names of the tasks.
     fn tasks(&self) -> Vec<String> {
         self.inner.tasks().iter().map(ToString::to_string).collect()

@@ -23,6 +23,14 @@ mod _native {
     #[pymodule_export]
     use crate::vector::VectorEnv;
 
+    /// What policies have in common with planners that drive by their weights: see the constants of the same names.
+    #[pymodule_export]
+    const FLAT_BOUND: f32 = vb_sdk::policy::Layout::FLAT_BOUND;
+    #[pymodule_export]
+    const LEAK: f32 = vb_sdk::nn::LEAK;
+    #[pymodule_export]
+    const STEERING_STEP: f64 = vb_sdk::policy::STEERING_STEP;
+
     /// The version of the package, which is that of the workspace.
     #[pyfunction]
     fn version() -> &'static str {

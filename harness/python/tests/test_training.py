@@ -1,5 +1,6 @@
 """Training: configurations, weights, planners made of them, and learning that can be cut off."""
 
+import hashlib
 import io
 import json
 import re
@@ -156,12 +157,15 @@ def test_configurations_are_read_and_changed():
         ({"ppo.batch": "1"}, "ppo.batch: 1 must lie in 2 to"),
         ({"ppo.batch": "many"}, "ppo.batch: 'many' must lie in"),
         ({"ppo.size": "1"}, "--set ppo.size: there is no such field"),
+        ({"algorithm": "dqn"}, "algorithm: 'dqn' must be sac or ppo"),
+        ({"sac.mirror": "1"}, "sac.mirror: 1 must be true or false"),
         ({"worlds.seed": "2025"}, "worlds.seed: 2025 must lie in 7000 to 7999"),
         ({"held_out.seed": "7500"}, "held_out.seed: it is that of the worlds that are learned in"),
         ({"speed_range": "[1]"}, "must be two speeds"),
         ({"action": "pedals"}, "action: 'pedals' must be speed or rate"),
         ({"network.widths": "64"}, "network.widths: 64 must be a list"),
-        ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of ppo.environments times ppo.steps, 8192"),
+        ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of environments, 64"),
+        ({"checkpoint": "64000", "algorithm": "ppo"}, "checkpoint: 64000 is no multiple of environments times ppo.steps, 8192"),
     ],
 )
 def test_flaws_of_configurations_are_told(changes, told):
@@ -183,25 +187,34 @@ def test_files_of_configurations_are_checked(tmp_path):
 # What follows learns, and needs torch.
 
 
-@pytest.fixture(scope="module")
-def learned(tmp_path_factory):
-    """A tiny run in two stretches, one that was cut off after the first, and its configuration."""
+SMALL = {
+    "worlds.count": "6",
+    "held_out.count": "3",
+    "held_out.tasks": '"w001-w003/t00"',
+    "environments": "8",
+    "checkpoint": "2048",
+    "ppo.steps": "64",
+    "ppo.batch": "128",
+    # The first steps are forgotten in the second stretch.
+    "sac.buffer": "3000",
+    "sac.begin": "512",
+    "sac.batch": "64",
+    "clone.batch": "64",
+}
+PLANNERS = {"ppo": "replay", "sac": "learnability"}
+
+
+@pytest.fixture(scope="module", params=sorted(PLANNERS))
+def learned(request, tmp_path_factory):
+    """A tiny run in two stretches, one that was cut off after the first, and what makes others like it."""
     pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed (it brings torch, which takes gigabytes)")
     from vertibench.training._run import train
 
-    changes = {
-        "worlds.count": "6",
-        "held_out.count": "3",
-        "held_out.tasks": '"w001-w003/t00"',
-        "ppo.environments": "8",
-        "ppo.steps": "64",
-        "ppo.batch": "128",
-        "checkpoint": "2048",
-        "planners": "{uniform: uniform, replay: replay}",
-    }
+    algorithm = request.param
+    whole = {**SMALL, "algorithm": algorithm, "planners": "{uniform: uniform, replay: replay, learnability: learnability}"}
     folder = tmp_path_factory.mktemp("training")
 
-    def run(name, until, threads=2, planner="replay", seed=1, changes=changes, demonstrations=None):
+    def run(name, until, threads=2, planner=PLANNERS[algorithm], seed=1, changes=whole, demonstrations=None):
         out = io.StringIO()
         train(planner, folder / name, seed, "policy", changes, until, threads, demonstrations, out)
         return out.getvalue()
@@ -209,6 +222,10 @@ def learned(tmp_path_factory):
     run("whole", 4096)
     run("cut", 2048)
     return folder, run
+
+
+def algorithm_of(run):
+    return run.__defaults__[3]["algorithm"]
 
 
 def test_training_that_was_cut_off_goes_on_as_if_it_had_not_been(learned):
@@ -231,7 +248,7 @@ def test_another_run_is_not_gone_on_with(learned):
     folder, run = learned
     with pytest.raises(TrainingError, match="the run there is of seed 1"):
         run("whole", 8192, seed=2)
-    with pytest.raises(TrainingError, match="the run there is of planner replay"):
+    with pytest.raises(TrainingError, match=f"the run there is of planner {PLANNERS[algorithm_of(run)]}"):
         run("whole", 8192, planner="uniform")
     with pytest.raises(TrainingError, match="rl: there is no such planner in the configuration"):
         run("new", 8192, planner="rl")
@@ -241,17 +258,79 @@ def test_weights_that_are_exported_drive_as_the_policy_does(learned, program, tm
     from vertibench.training._export import export
     from vertibench.training._run import evaluate
 
-    folder, _ = learned
+    folder, run = learned
     told = export(folder / "whole", tmp_path / "own.vbnn")
     assert float(re.search(r"by (\S+) at most", told)[1]) < 1e-5
     notes, _ = read_weights(tmp_path / "own.vbnn")
-    assert notes["policy"] == "replay" and notes["steps"] == "4096" and notes["seed"] == "1"
+    assert notes["policy"] == PLANNERS[algorithm_of(run)] and notes["steps"] == "4096" and notes["seed"] == "1"
+    assert notes["relief"] == "8" and notes.get("squash") == {"ppo": None, "sac": "tanh"}[algorithm_of(run)]
     package(tmp_path / "own.vbnn", tmp_path / "own.wasm", "own", "Own")
     tasks = ["w001/t00", "w002/t00", "w004/t00"]
     driven = vertibench.run(tmp_path / "own.wasm", suite="smoke", tasks=tasks, out=tmp_path / "run", progress=False)
     outcomes = [json.loads(line)["outcome"] for line in (driven.path / "tasks.jsonl").read_text().splitlines()]
     shares = evaluate(folder / "whole", "smoke", ",".join(tasks))
     assert shares == {"tasks": 3, **{name: round(100 * outcomes.count(name) / 3, 2) for name in sorted(set(outcomes))}}
+
+
+def test_only_the_last_checkpoint_keeps_what_was_driven(learned):
+    folder, run = learned
+    kept = {path.parent.name: [file.name for file in path.iterdir()] for path in sorted((folder / "whole").glob("*/memory"))}
+    assert kept == {"checkpoint-000000004096": {"ppo": [], "sac": ["buffer.npz"]}[algorithm_of(run)]}
+
+
+def test_an_algorithm_that_knows_no_surprise_follows_no_replay(learned):
+    _, run = learned
+    if algorithm_of(run) == "sac":
+        with pytest.raises(TrainingError, match="replay: the curriculum replay goes by how surprising episodes were, which sac"):
+            run("other", 2048, planner="replay")
+
+
+def test_returns_do_not_reach_over_a_cut_and_steps_are_seen_in_a_mirror():
+    pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed (it brings torch, which takes gigabytes)")
+    from gymnasium import spaces
+
+    from vertibench.training._sac import Memory
+
+    box = spaces.Box(-9, 9, (2,), np.float32)
+    mirrored = (np.array([1, 0]), np.float32([1, -1]))
+    memory = Memory(8, box, box, "cpu", n_steps=3, gamma=0.5, mirrored=mirrored)
+    for k in range(4):
+        # Steps 0 and 1 before the cut, 2 and 3 after it.
+        place = np.float32([[k, 10 + k]])
+        memory.add(place, place + 1, np.float32([[0.5, 0.25]]), np.float32([k + 1]), np.array([False]), [{}])
+        if k == 1:
+            memory.cut()
+    drawn = memory._get_samples(np.array([0, 0]))
+    # 1 + 2/2; what is left counts by 1/4, after the second step, at which nothing has ended.
+    assert drawn.rewards.tolist() == [[2.0], [2.0]] and drawn.discounts.tolist() == [[0.25], [0.25]]
+    assert drawn.dones.tolist() == [[0.0], [0.0]]
+    assert drawn.observations.tolist() == [[10.0, 0.0], [0.0, 10.0]] and drawn.next_observations.tolist() == [[12.0, -2.0], [2.0, 12.0]]
+    assert drawn.actions.tolist() == [[-0.5, 0.25], [0.5, 0.25]]
+
+
+def test_left_and_right_change_places_in_a_mirror(envs):
+    pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed (it brings torch, which takes gigabytes)")
+    from vertibench.training._network import mirror, rows
+
+    parts = ["state", "goal", "path", "command", "height", "class"]
+    own = envs.NavigationVectorEnv(2, suite="smoke", observation=parts)
+    observation, _ = own.reset(seed=3)
+    for _ in range(5):
+        observation = own.step(np.array([[0.8, 0.5], [-0.4, 1.0]]))[0]
+    seen = rows(own._setup.parts, observation)
+    indices, signs = mirror(own._setup.parts)
+    turned = seen[:, indices] * signs
+    assert (turned[:, indices] * signs == seen).all()
+    roll, pitch, vx, vy, vz, wx, wy, wz, steering, engine, gear = observation["state"].T
+    assert (turned[:, :11].T == [-roll, pitch, vx, -vy, vz, -wx, wy, -wz, -steering, engine, gear]).all()
+    assert (turned[:, 11:13] == observation["goal"] * [1, -1]).all()
+    assert (turned[:, 13:33].reshape(2, 10, 2) == observation["path"] * [1, -1]).all()
+    assert (turned[:, 33:36] == observation["command"] * [-1, 1, 1]).all()
+    # Column 0 is the rightmost.
+    assert (turned[:, 36:292].reshape(2, 16, 16) == observation["height"][:, :, ::-1]).all()
+    assert (turned[:, 292:].reshape(2, 16, 16) == observation["class"][:, :, ::-1]).all()
+    with pytest.raises(TrainingError, match="wheels has no mirror image"):
+        mirror(envs.NavigationVectorEnv(1, suite="smoke", observation=["wheels"])._setup.parts)
 
 
 def test_curves_have_a_band_over_seeds(learned, tmp_path):
@@ -262,10 +341,40 @@ def test_curves_have_a_band_over_seeds(learned, tmp_path):
     told = curves([folder / "whole", folder / "other"], tmp_path / "curves.svg")
     assert "2 seeds" not in told.splitlines()[0] and "1 seeds" in told.splitlines()[0]
     table = (tmp_path / "curves.csv").read_text().splitlines()
-    assert table[0] == "planner,steps,success_percent,low,high,seeds" and [row.split(",")[-1] for row in table[1:]] == ["2", "1"]
+    assert table[0] == "planner,seed,steps,success_percent"
+    assert [row.split(",")[1:3] for row in table[1:]] == [["1", "2048"], ["1", "4096"], ["2", "2048"]]
     assert (tmp_path / "curves.svg").read_text().count("<polygon") == 1
+    # What was written goes on with other runs, and says the same again.
+    assert curves([tmp_path / "curves.csv", folder / "other"], tmp_path / "again.svg").splitlines()[0] == told.splitlines()[0]
+    for name in ("svg", "csv"):
+        assert (tmp_path / f"again.{name}").read_text() == (tmp_path / f"curves.{name}").read_text()
+    (tmp_path / "other.csv").write_text("planner,steps\nrl,1\n")
+    with pytest.raises(TrainingError, match="other.csv: it is no table of curves: KeyError: 'seed'"):
+        curves([tmp_path / "other.csv"], tmp_path / "again.svg")
     # Student's t of two degrees of freedom: 4.303 * 1 / sqrt(3).
     assert _interval([1.0, 2.0, 3.0]) == pytest.approx((2.0, 2.0 - 2.4843, 2.0 + 2.4843), abs=1e-3)
+
+
+def test_a_card_has_what_a_policy_does_beside_what_it_must_beat(learned, program, tmp_path):
+    from vertibench.training._card import card
+    from vertibench.training._export import export
+
+    folder, run = learned
+    run("other", 2048, seed=2)
+    told = card(folder / "whole", tmp_path / "card.json", [folder / "other"])
+    own = json.loads((tmp_path / "card.json").read_text())
+    assert own["planner"] == PLANNERS[algorithm_of(run)] and own["seed"] == 1 and own["steps"] == 4096 and own["seconds"] > 0
+    export(folder / "whole", tmp_path / "own.vbnn")
+    assert own["weights_sha256"] == hashlib.sha256((tmp_path / "own.vbnn").read_bytes()).hexdigest()
+    assert sorted(own["held_out"]) == ["other", "pid", "policy"] and f"pid: {own['held_out']['pid']['all']['success']} %" in told
+    for driven in own["held_out"].values():
+        assert driven["all"]["tasks"] == 3 == sum(level["tasks"] for level in driven["elevation"].values())
+    less = own["success_less_that_of"]
+    for name in ("other", "pid"):
+        wanted = own["held_out"]["policy"]["all"]["success"] - own["held_out"][name]["all"]["success"]
+        assert less[name]["points"] == pytest.approx(wanted, abs=0.11)
+    with pytest.raises(TrainingError, match="there is another other in the card"):
+        card(folder / "whole", tmp_path / "card.json", [folder / "other", folder / "other"])
 
 
 @pytest.fixture(scope="module")
@@ -313,8 +422,13 @@ def test_a_policy_can_begin_with_demonstrations(learned, demonstrations):
     import torch
 
     first, later = (torch.load(folder / f"cloned/checkpoint-{n:012d}/model.pt", weights_only=True)["policy"] for n in (0, 2048))
-    assert all(torch.equal(first[name], later[name]) for name in first if name.startswith(("action_net", "mlp_extractor.policy_net")))
-    assert not torch.equal(first["value_net.weight"], later["value_net.weight"])
+    own, value = {
+        "ppo": (("action_net", "mlp_extractor.policy_net", "features_extractor"), "value_net.weight"),
+        "sac": (("actor",), "critic.qf0.0.weight"),
+    }[algorithm_of(run)]
+    kept = [name for name in first if name.startswith(own)]
+    assert len(kept) > 5 and all(torch.equal(first[name], later[name]) for name in kept)
+    assert not torch.equal(first[value], later[value])
 
 
 def test_demonstrations_from_held_out_worlds_are_refused(learned, demonstrations):

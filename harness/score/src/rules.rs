@@ -1,6 +1,6 @@
 //! Rule profiles: what counts as success, stuck, rolled over. They are data: `tasks/rules/*.yaml`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use vb_record::RunHeader;
@@ -201,11 +201,12 @@ impl Rules {
     }
 
     /// The profiles that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 4] = [
+    pub const BUILTIN: [(&str, &str); 5] = [
         ("paper", include_str!("../../../tasks/rules/paper.yaml")),
         ("release", include_str!("../../../tasks/rules/release.yaml")),
         ("dev", include_str!("../../../tasks/rules/dev.yaml")),
         ("exploration", include_str!("../../../tasks/rules/exploration.yaml")),
+        ("training", include_str!("../../../tasks/rules/training.yaml")),
     ];
 
     /// The paper's rules, the default.
@@ -223,20 +224,9 @@ impl Rules {
     /// # Errors
     /// Returns [`RulesError`], which says what is wrong.
     pub fn resolve(name_or_path: &str) -> Result<Self, RulesError> {
-        match Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
-            Some((name, text)) => Self::from_yaml(name, text),
-            None => Self::load(Path::new(name_or_path)),
-        }
-    }
-
-    /// Reads a rule file.
-    ///
-    /// # Errors
-    /// Returns [`RulesError`], which says what is wrong.
-    pub fn load(path: &Path) -> Result<Self, RulesError> {
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|source| RulesError::Read { path: path.to_owned(), source })?;
-        Self::from_yaml(&path.display().to_string(), &text)
+        let text = vb_files::named_text(name_or_path, &Self::BUILTIN)
+            .map_err(|source| RulesError::Read { path: name_or_path.into(), source })?;
+        Self::from_yaml(name_or_path, &text)
     }
 
     /// Reads rules from YAML; `file` is what errors call it.

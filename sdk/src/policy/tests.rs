@@ -1,5 +1,5 @@
 use super::*;
-use crate::{GnssFix, ImuSample, Observation, Point2, Pose, Task, Vec3, Wheel};
+use crate::{GnssFix, ImuSample, Observation, Point2, Pose, Task, Vec3, Wheel, math};
 use std::f64::consts::FRAC_PI_2;
 
 fn seen(pose: Pose) -> Observation {
@@ -246,6 +246,30 @@ fn a_policy_sees_planes_first_and_answers_by_its_layers() {
 }
 
 #[test]
+fn the_relief_of_heights_is_a_plane_behind_them_and_actions_may_be_squashed() {
+    use crate::nn::{Convolution, Shape};
+    let mut weights = policy(&[("relief", "8"), ("squash", "tanh")]);
+    let own = Convolution { planes: 3, rows: 2, cols: 2, outputs: 1, kernel: 2, stride: 1, padding: 0 };
+    weights.layers[0].shape = Shape::Convolution(own);
+    // Of height, relief and obstacles, the relief of the first sample alone is looked at.
+    weights.layers[0].weights = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [0.0; 4]].concat();
+    let spec = PolicySpec::of(&weights).unwrap();
+    assert_eq!((spec.relief, spec.is_squashed), (Some(8.0), true));
+    let layout = Layout::new(&spec.parts, spec.sight, &example_task()).unwrap();
+    let mut network = PolicyNetwork::new(&weights, &spec, &layout).unwrap();
+    let mut act = |height: [f32; 4]| {
+        network.act(&[Numbers::F32(&[0.0, 0.0]), Numbers::F32(&height), Numbers::U8(&[3; 4])])[0]
+    };
+    // Of the 25 places around the first sample 9 are itself, 6 and 6 its neighbours and 4 the last one.
+    for (height, rise) in [([0.1, 0.0, 0.0, 0.0], 0.064), ([0.0, 0.1, 0.0, 0.0], -0.024), ([7.0; 4], 0.0)] {
+        let wanted = math::tanh(0.25 + 8.0 * rise / 2.0);
+        assert!((act(height) - wanted).abs() < 1e-6, "{height:?}: {} {wanted}", act(height));
+    }
+    // It is limited as all numbers are.
+    assert!((act([9.0, 0.0, 0.0, 0.0]) - math::tanh(5.25)).abs() < 1e-6);
+}
+
+#[test]
 fn a_policy_drives_as_its_action_says_and_refuses_what_makes_no_sense() {
     let task = example_task();
     let mut own = Trained::new(&policy(&[]), &task).unwrap();
@@ -276,6 +300,8 @@ fn weights_that_are_no_policy_are_refused_with_the_note_that_is_wrong() {
         ("action", "speed 6 0", "weights: action: \"speed 6 0\" is not"),
         ("action", "turn 0 6", "weights: action: \"turn 0 6\" is not"),
         ("action", "pedals", "head turns 3 inputs into 2 outputs, and not 3 into 4"),
+        ("relief", "much", "weights: relief: \"much\" is not a number"),
+        ("squash", "sigmoid", "weights: squash: \"sigmoid\" is not tanh"),
         ("control_hz", "20", "weights: control_hz: \"20\" is not 10"),
     ] {
         let told = told(&[(key, value)]);

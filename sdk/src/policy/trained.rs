@@ -2,7 +2,7 @@
 
 use super::{ActionKind, Actuator, Dtype, Layout, Observer, Part, Row, Sight};
 use crate::nn::{LANES, Lanes, Network, Scratch, Weights};
-use crate::{Command, Observation, PlannerError, Task};
+use crate::{Command, Observation, PlannerError, Task, math};
 
 /// The control rate for which policies are trained, Hz.
 const CONTROL_HZ: &str = "10";
@@ -15,7 +15,11 @@ const LEAK: f32 = crate::nn::LEAK;
 /// - `sight`: cells, resolution, ahead, points and spacing of [`Sight`];
 /// - `labels`: the labels of which planes are made, one for each label and each part of labels: 1 where the label is, else 0;
 /// - `action`: `speed SLOWEST FASTEST`, `rate SLOWEST FASTEST` or `pedals` ([`ActionKind`]);
-/// - `control_hz`: 10.
+/// - `control_hz`: 10;
+/// - `relief`, where there is one: by what the relief of each crop of heights is multiplied, which then is a plane of its own behind
+///   it. The relief is what a height is above the mean of the 5 × 5 heights around it, where the outermost ones go on beyond the
+///   edge: a ledge that stops a wheel stands out of it, which is little beside a hill;
+/// - `squash`, where there is one: `tanh`, by which what the networks give becomes an action.
 ///
 /// `python -m vertibench.training export` writes such files.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +32,10 @@ pub struct PolicySpec {
     pub labels: Vec<u8>,
     /// What an action means.
     pub action: ActionKind,
+    /// By what the relief of heights is multiplied; `None` if it is no plane.
+    pub relief: Option<f32>,
+    /// Whether the networks' outputs become actions by the hyperbolic tangent.
+    pub is_squashed: bool,
 }
 
 impl PolicySpec {
@@ -73,7 +81,19 @@ impl PolicySpec {
         if rate != CONTROL_HZ {
             return Err(wrong("control_hz", rate, "10, at which planners of policies are asked"));
         }
+        let gain = |text: &str| text.parse().ok().filter(|g: &f32| g.is_finite());
+        let relief = match weights.note("relief") {
+            None => None,
+            Some(text) => Some(gain(text).ok_or_else(|| wrong("relief", text, "a number"))?),
+        };
+        let is_squashed = match weights.note("squash") {
+            None => false,
+            Some("tanh") => true,
+            Some(other) => return Err(wrong("squash", other, "tanh")),
+        };
         Ok(Self {
+            relief,
+            is_squashed,
             parts: note("parts")?.split_whitespace().map(str::to_owned).collect(),
             sight: Sight {
                 cells: *cells as usize,
@@ -92,11 +112,16 @@ impl PolicySpec {
 ///
 /// Crops are planes for a convolution, the network `eyes` of one layer; all other numbers go beside what it gives into the network
 /// `head`. Numbers are divided by their usual sizes and limited, as in a flat observation. A part of labels makes a plane for each
-/// label of [`PolicySpec::labels`]. Planes of numbers come first, in the order of the parts, then those of labels.
+/// label of [`PolicySpec::labels`]. Planes of numbers come first, in the order of the parts,
+/// each of heights with that of its relief behind it, then those of labels.
 #[derive(Clone, Debug)]
 pub struct PolicyNetwork {
     parts: Vec<Part>,
     labels: Vec<u8>,
+    relief: Option<f32>,
+    is_squashed: bool,
+    /// Rows and columns of a crop.
+    cells: usize,
     eyes: Option<Network>,
     head: Network,
     planes: Vec<Lanes>,
@@ -122,7 +147,10 @@ impl PolicyNetwork {
     pub fn new(weights: &Weights, spec: &PolicySpec, layout: &Layout) -> Result<Self, PlannerError> {
         let parts = layout.parts().to_vec();
         let cells = layout.sight().cells.pow(2);
-        let planes_of = |p: &Part| if p.dtype == Dtype::F32 { 1 } else { spec.labels.len() };
+        let planes_of = |p: &Part| match p.dtype {
+            Dtype::F32 => 1 + usize::from(spec.relief.is_some() && has_relief(p)),
+            Dtype::U8 => spec.labels.len(),
+        };
         let planes: usize = parts.iter().filter(|p| p.is_crop()).map(planes_of).sum();
         let others: usize = parts.iter().filter(|p| !p.is_crop()).map(Part::width).sum();
         if let Some(part) = parts.iter().find(|p| p.dtype == Dtype::U8 && !p.is_crop()) {
@@ -142,6 +170,9 @@ impl PolicyNetwork {
         let head = weights.network("head", seen + others, spec.action.dimensions().len())?;
         Ok(Self {
             labels: spec.labels.clone(),
+            relief: spec.relief,
+            is_squashed: spec.is_squashed,
+            cells: layout.sight().cells,
             planes: vec![[0.0; LANES]; planes * cells],
             inputs: vec![[0.0; LANES]; seen + others],
             outputs: vec![[0.0; LANES]; head.outputs()],
@@ -159,11 +190,17 @@ impl PolicyNetwork {
         let mut inputs = self.inputs[seen..].iter_mut();
         for (part, numbers) in self.parts.iter().zip(parts) {
             let Numbers::F32(numbers) = numbers else { continue };
+            let usual = |k: usize| part.entry(k).usual as f32;
             for (k, value) in numbers.iter().take(part.width()).enumerate() {
-                let scaled = value / part.entry(k).usual as f32;
                 let to = if part.is_crop() { planes.next() } else { inputs.next() };
                 if let Some(to) = to {
-                    to[0] = scaled.clamp(-Layout::FLAT_BOUND, Layout::FLAT_BOUND);
+                    to[0] = limited(value / usual(k));
+                }
+            }
+            if let Some(gain) = self.relief.filter(|_| has_relief(part) && numbers.len() == self.cells.pow(2))
+            {
+                for ((k, rise), to) in relief(numbers, self.cells).enumerate().zip(&mut planes) {
+                    to[0] = limited(gain * (rise / usual(k)));
                 }
             }
         }
@@ -183,8 +220,34 @@ impl PolicyNetwork {
             }
         }
         self.head.run(&self.inputs, &mut self.outputs, &mut self.scratch);
-        self.outputs.iter().map(|o| f64::from(o[0])).collect()
+        let squash = |value: f64| if self.is_squashed { math::tanh(value) } else { value };
+        self.outputs.iter().map(|o| squash(f64::from(o[0]))).collect()
     }
+}
+
+/// A number as a network sees it.
+fn limited(value: f32) -> f32 {
+    value.clamp(-Layout::FLAT_BOUND, Layout::FLAT_BOUND)
+}
+
+/// Whether a part has a relief.
+fn has_relief(part: &Part) -> bool {
+    part.is_crop() && part.name.contains("height")
+}
+
+/// What each of the heights on a square is above the mean of those around it, up to two rows and columns away.
+fn relief(heights: &[f32], cells: usize) -> impl Iterator<Item = f32> {
+    const AROUND: [usize; 5] = [0, 1, 2, 3, 4];
+    // The outermost ones go on beyond the edge.
+    let at = move |row: usize, col: usize| {
+        let inside = |i: usize| i.saturating_sub(2).min(cells - 1);
+        heights[inside(row) * cells + inside(col)]
+    };
+    (0..cells * cells).map(move |k| {
+        let (row, col) = (k / cells, k % cells);
+        let sum: f32 = AROUND.iter().flat_map(|r| AROUND.map(|c| at(row + r, col + c))).sum();
+        heights[k] - sum / 25.0
+    })
 }
 
 /// A policy that was trained, as it drives: what it sees, its networks, and what it does.

@@ -1,6 +1,6 @@
 //! How a vehicle explores, as data: `tasks/exploration/*.yaml`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
@@ -124,12 +124,8 @@ impl Exploration {
     /// # Errors
     /// Returns [`ExplorationError`], which says what is wrong.
     pub fn resolve(name_or_path: &str) -> Result<Self, ExplorationError> {
-        if let Some((name, text)) = Self::BUILTIN.iter().find(|(name, _)| *name == name_or_path) {
-            return Self::from_yaml(name, text);
-        }
-        let path = Path::new(name_or_path);
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|source| ExplorationError::Read { path: path.to_owned(), source })?;
+        let text = vb_files::named_text(name_or_path, &Self::BUILTIN)
+            .map_err(|source| ExplorationError::Read { path: name_or_path.into(), source })?;
         Self::from_yaml(name_or_path, &text)
     }
 

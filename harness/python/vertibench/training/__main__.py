@@ -1,4 +1,4 @@
-"""`python -m vertibench.training`: train, export, package, evaluate, curves."""
+"""`python -m vertibench.training`: train, export, package, evaluate, card, curves."""
 
 from __future__ import annotations
 
@@ -58,8 +58,13 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--suite", help="a suite; the held-out worlds where it isn't given")
     evaluate.add_argument("--tasks", help="a selector of its tasks")
 
+    card = command("card", _card, "Drives held-out tasks with a policy and what it must beat, and writes its card.")
+    card.add_argument("run_folder", type=Path, metavar="RUN", help="the folder of a run, or of one of its checkpoints")
+    card.add_argument("card", type=Path, help="the file to write, JSON")
+    card.add_argument("--beside", type=Path, nargs="*", default=[], metavar="RUN", help="other runs, e.g. of an ablation")
+
     curves = command("curves", _curves, "Draws success on held-out worlds against steps, with intervals over seeds.")
-    curves.add_argument("runs", type=Path, nargs="+", help="folders of runs")
+    curves.add_argument("runs", type=Path, nargs="+", help="folders of runs, or tables that this command has written before")
     curves.add_argument("--out", type=Path, required=True, help="the picture to write, an SVG; a table comes beside it as CSV")
     return parser
 
@@ -88,6 +93,12 @@ def _evaluate(own: argparse.Namespace) -> None:
     from ._run import evaluate
 
     print(json.dumps(evaluate(own.run_folder, own.suite, own.tasks)))
+
+
+def _card(own: argparse.Namespace) -> None:
+    from ._card import card
+
+    print(card(own.run_folder, own.card, own.beside))
 
 
 def _curves(own: argparse.Namespace) -> None:

@@ -7,47 +7,42 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 
 from .. import datasets
+from .._native import STEERING_STEP
 from ..envs import NavigationVectorEnv
 from ._config import Config, TrainingError
+from ._method import Method
+from ._network import rows
 
 #: How long after a frame the demonstrated speed is the one to aim at, s.
 _AHEAD = 1.0
-#: The greatest change of the steering by one action (`vb_sdk::policy::STEERING_STEP`).
-_STEERING_STEP = 0.2
 
 
-def clone(model: PPO, config: Config, folder: Path) -> dict[str, Any]:
-    """Fits the policy's mean to the demonstrations of `vertibench dataset drive`; says what was fitted, and how well: the root of the
+def clone(method: Method, config: Config, folder: Path, seed: int) -> dict[str, Any]:
+    """Fits the policy's actions to the demonstrations of `vertibench dataset drive`; says what was fitted, and how well: the root of the
     mean squared error of steering and speed, as actions."""
     observations, actions, told = demonstrations(config, folder)
-    policy = model.policy
-    parameters = [p for name, p in policy.named_parameters() if not name.startswith(("value_net", "mlp_extractor.value_net"))]
-    optimiser = torch.optim.Adam(parameters, lr=config["clone.rate"])
-    generator = torch.Generator().manual_seed(model.seed or 0)
-    count, batch = len(actions), config["ppo.batch"]
-    tensors = {name: torch.from_numpy(values) for name, values in observations.items()}
-    wanted = torch.from_numpy(actions)
+    optimiser = torch.optim.Adam([p for _, p in method.action_parameters()], lr=config["clone.rate"])
+    generator = torch.Generator().manual_seed(seed)
+    count, batch = len(actions), config["clone.batch"]
+    seen, wanted = torch.from_numpy(observations), torch.from_numpy(actions)
     squares = torch.zeros(actions.shape[1])
     for _ in range(config["clone.epochs"]):
         squares = torch.zeros(actions.shape[1])
         for chosen in torch.randperm(count, generator=generator).split(batch):
-            mean = policy.get_distribution({name: t[chosen] for name, t in tensors.items()}).distribution.mean
-            errors = (mean - wanted[chosen]) ** 2
+            errors = (method.actions(seen[chosen]) - wanted[chosen]) ** 2
             optimiser.zero_grad()
             errors.mean().backward()
             optimiser.step()
             squares += errors.detach().sum(0)
-    with torch.no_grad():
-        policy.log_std.fill_(float(np.log(config["clone.spread"])))
+    method.set_spread(config["clone.spread"])
     rms = [round(float(v), 4) for v in (squares / count).sqrt()]
     return {**told, "frames": count, "error": rms}
 
 
-def demonstrations(config: Config, folder: Path) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, Any]]:
-    """Observations as the policy sees them, the actions that stand for what was done, and what they are from."""
+def demonstrations(config: Config, folder: Path) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
+    """Observations as the policy sees them, in rows, the actions that stand for what was done, and what they are from."""
     data = datasets.open(folder)
     if data.info.of_a_suite:
         raise TrainingError(folder, "planners are judged on its worlds", "take demonstrations from training worlds")
@@ -69,8 +64,8 @@ def demonstrations(config: Config, folder: Path) -> tuple[dict[str, np.ndarray],
             column.append(values)
         later = np.minimum(np.arange(len(state)) + round(_AHEAD * data.info.hz), len(state) - 1)
         speed = 2.0 * (state[later, 6] - slowest) / (fastest - slowest) - 1.0
-        turn = (command[:, 0] - held[:, 0]) / _STEERING_STEP if config["action"] == "rate" else command[:, 0]
+        turn = (command[:, 0] - held[:, 0]) / STEERING_STEP if config["action"] == "rate" else command[:, 0]
         actions.append(np.clip(np.stack([turn, speed], 1), -1, 1).astype(np.float32))
     envs.close()
     observations = {part["name"]: np.concatenate(column) for part, column in zip(parts, columns)}
-    return observations, np.concatenate(actions), {"dataset": data.info.hash, "episodes": len(data.episodes)}
+    return rows(parts, observations), np.concatenate(actions), {"dataset": data.info.hash, "episodes": len(data.episodes)}

@@ -30,23 +30,36 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "held_out.tasks": None,
     "vehicle": None,
     "reward": None,
+    "rules": None,
     "time_step": (1e-4, 5e-3),
     "observation": None,
     "ahead": (-50, 50),
     "labels": None,
     "action": None,
     "speed_range": None,
+    "environments": (1, 65536),
     "network.planes": (1, 256),
     "network.kernel": (1, 16),
     "network.stride": (1, 16),
-    "network.relief": (0.01, 1000),
+    "network.relief": (0, 1000),
     "network.widths": None,
-    "ppo.environments": (1, 65536),
+    "algorithm": None,
+    "final_rate": (0, 1),
+    "sac.learning_rate": (1e-7, 1),
+    "sac.buffer": (1, 10**9),
+    "sac.begin": (0, 10**9),
+    "sac.batch": (2, 2**20),
+    "sac.updates": (1, 10000),
+    "sac.returns": (1, 1000),
+    "sac.gamma": (0, 1),
+    "sac.tau": (1e-6, 1),
+    "sac.temperature": (1e-6, 100),
+    "sac.entropy": (-100, 100),
+    "sac.mirror": None,
     "ppo.steps": (1, 65536),
     "ppo.batch": (2, 2**20),
     "ppo.epochs": (1, 100),
     "ppo.learning_rate": (1e-7, 1),
-    "ppo.final_rate": (0, 1),
     "ppo.gamma": (0, 1),
     "ppo.gae_lambda": (0, 1),
     "ppo.clip": (1e-3, 10),
@@ -56,6 +69,7 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "ppo.spread": (1e-3, 10),
     "ppo.hold": (0, 10000),
     "clone.epochs": (1, 1000),
+    "clone.batch": (1, 2**20),
     "clone.rate": (1e-7, 1),
     "clone.spread": (1e-3, 10),
     "clone.critic": (0, 10**12),
@@ -63,6 +77,8 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "checkpoint": (1, 10**12),
 }
 _LISTS = {"observation": str, "labels": int, "speed_range": float, "network.widths": int}
+#: The values of fields that have a few only.
+_CHOICES: dict[str, tuple[Any, ...]] = {"algorithm": ("sac", "ppo"), "action": ("speed", "rate"), "sac.mirror": (True, False)}
 
 
 @dataclass(frozen=True)
@@ -73,6 +89,10 @@ class Config:
 
     def __getitem__(self, field: str) -> Any:
         return self.values[field]
+
+    def own(self, field: str) -> Any:
+        """A field of the algorithm that is chosen."""
+        return self.values[f"{self['algorithm']}.{field}"]
 
     @property
     def hash(self) -> str:
@@ -87,6 +107,7 @@ class Config:
             "worlds": self["worlds.count"],
             "world_seed": self["worlds.seed"],
             "time_step": self["time_step"],
+            "rules": self["rules"],
             "curriculum": curriculum,
             "curriculum_seed": seed,
         }
@@ -141,9 +162,10 @@ def checked(path: Path, values: dict[str, Any]) -> Config:
         if field not in values:
             raise TrainingError(path, f"{field}: the field is missing", "add it")
         _check(path, field, values[field], bounds)
-    one = values["ppo.environments"] * values["ppo.steps"]
+    ppo = values["algorithm"] == "ppo"
+    one = values["environments"] * (values["ppo.steps"] if ppo else 1)
     if values["checkpoint"] % one:
-        what = f"checkpoint: {values['checkpoint']} is no multiple of ppo.environments times ppo.steps, {one}"
+        what = f"checkpoint: {values['checkpoint']} is no multiple of environments{' times ppo.steps' if ppo else ''}, {one}"
         raise TrainingError(path, what, "change one of them")
     if values["held_out.seed"] == values["worlds.seed"]:
         raise TrainingError(path, "held_out.seed: it is that of the worlds that are learned in", "take another")
@@ -179,7 +201,9 @@ def _check(path: Path, field: str, value: Any, bounds: tuple[float, float] | Non
     elif field == "planners":
         if not isinstance(value, dict) or not value:
             raise TrainingError(path, "planners: they must be names with their curricula", "see tasks/training/policy.yaml")
-    elif field == "action" and value not in ("speed", "rate"):
-        raise TrainingError(path, f"action: {value!r} must be speed or rate", "correct it")
+    elif field in _CHOICES:
+        if not any(value is choice or (isinstance(value, str) and value == choice) for choice in _CHOICES[field]):
+            told = " or ".join(str(choice).lower() for choice in _CHOICES[field])
+            raise TrainingError(path, f"{field}: {value!r} must be {told}", "correct it")
     elif not isinstance(value, str) or not value:
         raise TrainingError(path, f"{field}: {value!r} must be a text", "correct it")

@@ -18,39 +18,56 @@ _T = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 720, 400, 56, 120, 16, 48
 
+#: The columns of a table of curves.
+_COLUMNS = ("planner", "seed", "steps", "success_percent")
+
 #: Of each planner, by steps: the success of each seed, percent.
-Points = dict[str, dict[int, list[float]]]
+Points = dict[str, dict[int, dict[int, float]]]
 
 
-def curves(runs: list[Path], out: Path) -> str:
-    """Draws the curves of runs as an SVG with a table beside it, and gives a line for each planner's last point."""
-    points = _read(runs)
-    rows = [(name, steps, *_interval(values), len(values)) for name, at in sorted(points.items()) for steps, values in sorted(at.items())]
+def curves(sources: list[Path], out: Path) -> str:
+    """Draws the curves of runs, and of tables that were written before, as an SVG with a table beside it; gives a line for each
+    planner's last point."""
+    points: Points = defaultdict(lambda: defaultdict(dict))
+    for source in sources:
+        for name, seed, steps, success in _table(source) if source.is_file() else _run(source):
+            points[name][steps][seed] = success
+    if not points:
+        raise TrainingError(sources[0], "no success was measured yet", "train until the first checkpoint")
     with out.with_suffix(".csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(("planner", "steps", "success_percent", "low", "high", "seeds"))
-        writer.writerows((name, steps, *(f"{v:.2f}" for v in numbers), seeds) for name, steps, *numbers, seeds in rows)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(_COLUMNS)
+        for name, at in sorted(points.items()):
+            seeds = sorted({seed for values in at.values() for seed in values})
+            writer.writerows((name, k, steps, f"{at[steps][k]:.2f}") for k in seeds for steps in sorted(at) if k in at[steps])
     out.write_text(_picture(points), encoding="utf-8")
-    last = {name: (steps, mean, low, high, seeds) for name, steps, mean, low, high, seeds in rows}
-    told = [f"{n}: {m:.1f} % [{a:.1f}, {b:.1f}] at {s:,} steps, {k} seeds" for n, (s, m, a, b, k) in last.items()]
+    told = []
+    for name, at in sorted(points.items()):
+        steps = max(at)
+        mean, low, high = _interval(list(at[steps].values()))
+        told.append(f"{name}: {mean:.1f} % [{low:.1f}, {high:.1f}] at {steps:,} steps, {len(at[steps])} seeds")
     return "\n".join([*told, f"{out} and {out.with_suffix('.csv')}"])
 
 
-def _read(runs: list[Path]) -> Points:
-    points: Points = defaultdict(lambda: defaultdict(list))
-    for run in runs:
-        try:
-            lines = [json.loads(line) for line in (run / "progress.jsonl").read_text(encoding="utf-8").splitlines()]
-            first = min(run.glob("checkpoint-*/state.json"))
-            name = json.loads(first.read_text(encoding="utf-8"))["planner"]
-        except (OSError, ValueError) as e:
-            raise TrainingError(run, f"it is no run with a checkpoint: {e}", "give folders that `train` has written") from None
-        for line in lines:
-            if "held_out" in line:
-                points[name][line["steps"]].append(line["held_out"].get("success", 0.0))
-    if not points:
-        raise TrainingError(runs[0], "no success was measured yet", "train until the first checkpoint")
-    return points
+def _run(run: Path) -> list[tuple[str, int, int, float]]:
+    try:
+        lines = [json.loads(line) for line in (run / "progress.jsonl").read_text(encoding="utf-8").splitlines()]
+        state = json.loads(min(run.glob("checkpoint-*/state.json")).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        what = f"it is no run with a checkpoint: {e}"
+        raise TrainingError(run, what, "give folders that `train` has written, or tables of `curves`") from None
+    measured = [line for line in lines if "held_out" in line]
+    return [(state["planner"], state["seed"], line["steps"], line["held_out"].get("success", 0.0)) for line in measured]
+
+
+def _table(file: Path) -> list[tuple[str, int, int, float]]:
+    try:
+        with file.open(encoding="utf-8", newline="") as read:
+            rows = list(csv.DictReader(read))
+        return [(row["planner"], int(row["seed"]), int(row["steps"]), float(row["success_percent"])) for row in rows]
+    except (OSError, ValueError, KeyError, TypeError) as e:
+        what = f"it is no table of curves: {type(e).__name__}: {e}"
+        raise TrainingError(file, what, "give a CSV that `curves` has written, or folders of runs") from None
 
 
 def _interval(values: list[float]) -> tuple[float, float, float]:
@@ -93,7 +110,7 @@ def _picture(points: Points) -> str:
     )
     labels: list[tuple[float, str, str]] = []
     for (name, at), colour in zip(sorted(points.items()), _COLOURS * 9):
-        band = [(steps, *_interval(values)) for steps, values in sorted(at.items())]
+        band = [(steps, *_interval(list(values.values()))) for steps, values in sorted(at.items())]
         if any(len(values) > 1 for values in at.values()):
             edge = [f"{x(s)},{y(hi)}" for s, _, _, hi in band] + [f"{x(s)},{y(lo)}" for s, _, lo, _ in reversed(band)]
             parts.append(f'<polygon points="{" ".join(edge)}" fill="{colour}" fill-opacity="0.18"/>')

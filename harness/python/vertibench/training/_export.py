@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 
 from .. import _native
 from ..envs import NavigationVectorEnv
 from ._config import Config, TrainingError
+from ._method import Method
+from ._network import rows
 from ._run import load
-from ._weights import Layer, Weights, convolution, dense
+from ._weights import Weights, convolution, dense
 
 #: The most by which an action of the planner's networks may differ from the trained policy's.
 TOLERANCE = 1e-5
@@ -23,9 +24,9 @@ STEPS, ENVIRONMENTS = 60, 16
 
 def export(run: Path, weights: Path) -> str:
     """Writes the weights of a checkpoint; says how far actions by them are from those of the policy, over recorded observations."""
-    model, config, state = load(run)
-    content = bytes(weights_of(model, config, state))
-    greatest, count = compare(model, config, content)
+    method, config, state = load(run)
+    content = bytes(weights_of(method, config, state))
+    greatest, count = compare(method, config, content)
     if greatest > TOLERANCE:
         what = f"actions by these weights differ from the policy's by {greatest:.2e} on {count} observations"
         raise TrainingError(weights, what, f"{TOLERANCE:g} is allowed: please report it")
@@ -33,7 +34,7 @@ def export(run: Path, weights: Path) -> str:
     return f"{weights}: {len(content)} bytes; actions differ from the policy's by {greatest:.1e} at most, on {count} observations"
 
 
-def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
+def weights_of(method: Method, config: Config, state: dict[str, Any]) -> Weights:
     """The networks of the action, with what planners and readers must know of them."""
     slowest, fastest = config["speed_range"]
     notes = {
@@ -50,40 +51,35 @@ def weights_of(model: PPO, config: Config, state: dict[str, Any]) -> Weights:
         "seed": str(state["seed"]),
         "config": config.hash,
     }
-    eyes, layers = model.policy.pi_features_extractor, []
+    if config["network.relief"] > 0.0:
+        notes["relief"] = f"{config['network.relief']:g}"
+    if method.squash is not None:
+        notes["squash"] = method.squash
+    eyes, linear = method.layers()
+    layers = []
     if eyes.convolution is not None:
         own = eyes.convolution
-        weights, bias = _numbers(own)
-        # Planners multiply by nothing: the weights do.
-        gains = np.ones(weights.shape[1], dtype=np.float32)
-        gains[: len(eyes.crops)] = eyes.gains.numpy().ravel()
-        layers.append(convolution("eyes.0", config.sight()["cells"], weights * gains[None, :, None, None], bias, own.stride[0]))
-    linear = [layer for layer in model.policy.mlp_extractor.policy_net if isinstance(layer, torch.nn.Linear)]
-    for k, layer in enumerate([*linear, model.policy.action_net]):
-        layers.append(_dense(f"head.{k}", layer))
+        layers.append(convolution("eyes.0", config.sight()["cells"], *_numbers(own), int(own.stride[0])))
+    layers += [dense(f"head.{k}", *_numbers(layer)) for k, layer in enumerate(linear)]
     return Weights(notes, layers)
-
-
-def _dense(name: str, layer: torch.nn.Linear) -> Layer:
-    return dense(name, *_numbers(layer))
 
 
 def _numbers(layer: Any) -> tuple[np.ndarray, np.ndarray]:
     return layer.weight.detach().numpy(), layer.bias.detach().numpy()
 
 
-def compare(model: PPO, config: Config, content: bytes) -> tuple[float, int]:
+def compare(method: Method, config: Config, content: bytes) -> tuple[float, int]:
     """The greatest difference between actions by the weights and by the policy, on observations of drives in held-out worlds, and
     the number of observations."""
     envs = NavigationVectorEnv(ENVIRONMENTS, **config.held_out())
+    parts = envs._setup.parts
     observation, _ = envs.reset(seed=0)
     greatest, noise = 0.0, np.random.default_rng(0)
     for _ in range(STEPS):
         with torch.no_grad():
-            tensors, _ = model.policy.obs_to_tensor(observation)
-            wanted = model.policy.get_distribution(tensors).distribution.mean.numpy()
-        parts = [np.ascontiguousarray(observation[part["name"]]) for part in envs._setup.parts]
-        given = _native.policy_actions(envs._setup.arena, content, parts)
+            wanted = method.actions(torch.from_numpy(rows(parts, observation))).numpy()
+        seen = [np.ascontiguousarray(observation[part["name"]]) for part in parts]
+        given = _native.policy_actions(envs._setup.arena, content, seen)
         greatest = max(greatest, float(np.abs(given - wanted).max()))
         # With noise, so that not all observations are of the middle of the path.
         actions = np.clip(wanted + noise.normal(0.0, 0.3, wanted.shape), -1.0, 1.0)

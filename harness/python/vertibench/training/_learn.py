@@ -1,4 +1,4 @@
-"""Learning by proximal policy optimisation, in stretches between checkpoints.
+"""Learning in stretches between checkpoints.
 
 Everything that is random follows from the seed and the number of the stretch, and each stretch begins with new episodes. So training
 that was cut off goes on from its last checkpoint exactly as if it had not been.
@@ -18,19 +18,23 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecNormalize
 
 from ..envs import NavigationVectorEnv
 from ..envs.sb3 import Sb3VecEnv, make_vec
 from ._clone import clone
 from ._config import Config, TrainingError
-from ._network import Eyes, Leaky
+from ._method import Method, make_method
+from ._network import Rows, rows
 
 #: What a checkpoint is made of.
 MODEL, STATE = "model.pt", "state.json"
+#: What only the last checkpoint of a run has.
+MEMORY = "memory"
+#: At least so many steps lie between two lines of progress.
+TOLD = 8192
 
 
 class Learner:
@@ -44,11 +48,17 @@ class Learner:
         torch.set_num_threads(1)
         torch.use_deterministic_algorithms(True)
         curriculum = curriculum_of(config, planner)
-        count = config["ppo.environments"]
-        self.envs: Sb3VecEnv = make_vec(count, threads=threads, **config.environment(curriculum, seed))
-        self.normalised = VecNormalize(self.envs, norm_obs=False, norm_reward=True, gamma=config["ppo.gamma"])
-        self.model = make_model(config, self.normalised, self.envs.vector._setup.parts, seed)
+        self.envs: Sb3VecEnv = make_vec(config["environments"], threads=threads, **config.environment(curriculum, seed))
+        self.method: Method = make_method(config, Rows(self.envs), self.envs.vector._setup.parts, seed)
         self.model.lr_schedule = self._rate
+        if self.method.surprise() is None and '"replay"' in self._curriculum_state():
+            what = f"the curriculum {curriculum} goes by how surprising episodes were, which {config['algorithm']} doesn't tell"
+            raise TrainingError(planner, what, "set algorithm to ppo, or take another curriculum")
+
+    @property
+    def model(self) -> BaseAlgorithm:
+        """The policy, with values and optimisers."""
+        return self.method.model
 
     @property
     def steps(self) -> int:
@@ -57,7 +67,7 @@ class Learner:
 
     def _rate(self, _: float) -> float:
         done = min(self.steps / self.config["steps"], 1.0)
-        return float(self.config["ppo.learning_rate"] * (1.0 - done * (1.0 - self.config["ppo.final_rate"])))
+        return float(self.config.own("learning_rate") * (1.0 - done * (1.0 - self.config["final_rate"])))
 
     def learn(self, steps: int, told: Callable[[dict[str, Any]], None]) -> None:
         """Learns until so many actions were taken in all, with a checkpoint after each stretch. `told` hears of each update."""
@@ -65,9 +75,8 @@ class Learner:
             stretch = self.steps // self.config["checkpoint"]
             seed = int(np.random.SeedSequence([self.seed, stretch]).generate_state(1)[0])
             set_random_seed(seed)
-            self.normalised.seed(seed)
-            self.model._last_obs = None  # New episodes.
-            progress = Progress(self.envs, told, self._freeze)
+            self.method.begin(seed)
+            progress = Progress(self.method, self.envs, told, self._freeze)
             self.model.learn(self.config["checkpoint"], callback=progress, reset_num_timesteps=False)
             self.save()
             told({"steps": self.steps, "held_out": success(self.model, self.config.held_out(), self.envs.num_envs)})
@@ -75,14 +84,12 @@ class Learner:
     def clone(self, demonstrations: Path) -> dict[str, Any]:
         """Fits the policy to demonstrations before it learns by itself. None may be from a held-out world."""
         NavigationVectorEnv(1, apart_from=[demonstrations / "suite"], **self.config.held_out()).close()
-        self.cloned = clone(self.model, self.config, demonstrations)
+        self.cloned = clone(self.method, self.config, demonstrations, self.seed)
         return self.cloned
 
     def _freeze(self) -> None:
         """Lets only the layers of the value learn for a while, which know nothing yet of a policy that was cloned; then all."""
-        frozen = self.cloned is not None and self.steps < self.config["clone.critic"]
-        for name, parameter in self.model.policy.named_parameters():
-            parameter.requires_grad = not frozen or name.startswith(("value_net", "mlp_extractor.value_net"))
+        self.method.freeze(self.cloned is not None and self.steps < self.config["clone.critic"])
 
     def save(self) -> None:
         """Writes the checkpoint of now, which is whole if it is there."""
@@ -92,17 +99,21 @@ class Learner:
             "config": self.config.values,
             "cloned": self.cloned,
             "steps": self.steps,
-            "updates": self.model._n_updates,
-            "returns": [float(self.normalised.ret_rms.mean), float(self.normalised.ret_rms.var), self.normalised.ret_rms.count],
+            "updates": self.model._n_updates,  # type: ignore[attr-defined]
+            "method": self.method.state(),
             "curriculum": self._curriculum_state(),
         }
         whole, half = self.folder / f"checkpoint-{self.steps:012d}", self.folder / ".checkpoint"
         shutil.rmtree(half, ignore_errors=True)
-        half.mkdir(parents=True)
+        (half / MEMORY).mkdir(parents=True)
         torch.save(self.model.get_parameters(), half / MODEL)
         (half / STATE).write_text(json.dumps(state, indent=1), encoding="utf-8")
+        self.method.keep(half / MEMORY)
         shutil.rmtree(whole, ignore_errors=True)
         os.replace(half, whole)
+        for earlier in self.folder.glob(f"checkpoint-*/{MEMORY}"):
+            if earlier.parent != whole:
+                shutil.rmtree(earlier)
 
     def _curriculum_state(self) -> str:
         curriculum = self.envs.vector.curriculum
@@ -117,10 +128,10 @@ class Learner:
         """Goes on from a checkpoint."""
         state = read_state(checkpoint)
         read_parameters(self.model, checkpoint)
-        self.model.num_timesteps, self.model._n_updates = state["steps"], state["updates"]
+        self.model.num_timesteps, self.model._n_updates = state["steps"], state["updates"]  # type: ignore[attr-defined]
         self.cloned = state["cloned"]
-        rms = self.normalised.ret_rms
-        rms.mean, rms.var, rms.count = np.float64(state["returns"][0]), np.float64(state["returns"][1]), state["returns"][2]
+        self.method.restore(state["method"])
+        self.method.fetch(checkpoint / MEMORY)
         if self.envs.vector.curriculum is not None:
             self.envs.vector.curriculum.restore(state["curriculum"])
 
@@ -130,22 +141,25 @@ class Learner:
 
 
 class Progress(BaseCallback):
-    """Tells after each update how episodes have ended, and tells the curriculum how surprising they were."""
+    """Tells how episodes have ended, after updates, and tells the curriculum how surprising they were."""
 
-    def __init__(self, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None], begins: Callable[[], None]) -> None:
+    def __init__(self, method: Method, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None], begins: Callable[[], None]) -> None:
         super().__init__()
-        self.envs, self.told, self.begins = envs, told, begins
+        self.method, self.envs, self.told, self.begins = method, envs, told, begins
         self.outcomes: Counter[str] = Counter()
         self.returns: list[float] = []
         self.driving: list[str] = []
         self.tasks: list[list[str]] = []
+        self.told_at = 0
         self.began = time.monotonic()
+
+    def _on_training_start(self) -> None:
+        self.driving = [info["task"] for info in self.envs.reset_infos]
+        self.told_at = int(self.model.num_timesteps)
 
     def _on_rollout_start(self) -> None:
         self.begins()
-        if not self.driving:
-            self.driving = [info["task"] for info in self.envs.reset_infos]
-        self.outcomes, self.returns, self.tasks = Counter(), [], []
+        self.tasks = []
 
     def _on_step(self) -> bool:
         self.tasks.append(list(self.driving))
@@ -158,64 +172,40 @@ class Progress(BaseCallback):
 
     def _on_rollout_end(self) -> None:
         self._score()
+        if int(self.model.num_timesteps) - self.told_at >= TOLD:
+            self._tell()
+
+    def _on_training_end(self) -> None:
+        if self.told_at != int(self.model.num_timesteps):
+            self._tell()
+
+    def _tell(self) -> None:
+        steps = int(self.model.num_timesteps)
         curriculum = self.envs.vector.curriculum
         stages = curriculum.stages() if curriculum else []
-        spread = np.atleast_2d(self.model.policy.log_std.exp().detach().numpy()).mean(axis=0)
         self.told(
             {
-                "steps": int(self.model.num_timesteps),
+                "steps": steps,
                 "seconds": round(time.monotonic() - self.began, 1),
                 "episodes": sum(self.outcomes.values()),
                 "outcomes": dict(sorted(self.outcomes.items())),
                 "return": float(np.mean(self.returns)) if self.returns else None,
-                "spread": [round(float(s), 4) for s in spread],
+                **self.method.told(),
                 **({"stage": float(np.mean(stages))} if stages else {}),
             }
         )
+        self.told_at, self.outcomes, self.returns = steps, Counter(), []
 
     def _score(self) -> None:
-        curriculum = self.envs.vector.curriculum
-        if curriculum is None:
+        curriculum, surprise = self.envs.vector.curriculum, self.method.surprise()
+        if curriculum is None or surprise is None:
             return
-        surprise = np.abs(self.model.rollout_buffer.advantages)
         for k in range(surprise.shape[1]):
             begin = 0
             for t in range(1, len(self.tasks) + 1):
                 if t == len(self.tasks) or self.tasks[t][k] != self.tasks[begin][k]:
                     curriculum.score(self.tasks[begin][k], float(surprise[begin:t, k].mean()))
                     begin = t
-
-
-def make_model(config: Config, envs: Any, parts: list[dict[str, Any]], seed: int) -> PPO:
-    """The policy with its optimiser, as it is before it has learned anything."""
-    widths = config["network.widths"]
-    eyes = {name: config[f"network.{name}"] for name in ("planes", "kernel", "stride", "relief")}
-    return PPO(
-        "MultiInputPolicy",
-        envs,
-        n_steps=config["ppo.steps"],
-        batch_size=config["ppo.batch"],
-        n_epochs=config["ppo.epochs"],
-        learning_rate=config["ppo.learning_rate"],
-        gamma=config["ppo.gamma"],
-        gae_lambda=config["ppo.gae_lambda"],
-        clip_range=config["ppo.clip"],
-        ent_coef=config["ppo.entropy"],
-        vf_coef=config["ppo.value"],
-        max_grad_norm=config["ppo.gradient"],
-        use_sde=config["ppo.hold"] > 0,
-        sde_sample_freq=config["ppo.hold"] or -1,
-        policy_kwargs={
-            "features_extractor_class": Eyes,
-            "features_extractor_kwargs": {"parts": parts, "labels": config["labels"], **eyes},
-            "net_arch": {"pi": widths, "vf": widths},
-            "activation_fn": Leaky,
-            "log_std_init": float(np.log(config["ppo.spread"])),
-        },
-        seed=seed,
-        device="cpu",
-        verbose=0,
-    )
 
 
 def curriculum_of(config: Config, planner: str) -> str:
@@ -226,24 +216,25 @@ def curriculum_of(config: Config, planner: str) -> str:
     return str(known[planner])
 
 
-def success(model: PPO, options: dict[str, Any], count: int) -> dict[str, float]:
+def success(model: BaseAlgorithm, options: dict[str, Any], count: int) -> dict[str, float]:
     """How the policy, without noise, does on each task of an environment once: the share of each outcome, in percent, and how many
     tasks there are."""
-    counts = Counter(endings(lambda observation: model.predict(observation, deterministic=True)[0], options, count))
+    counts = Counter(endings(lambda seen: model.predict(seen, deterministic=True)[0], options, count))
     total = sum(counts.values())
     return {"tasks": total, **{name: round(100.0 * n / total, 2) for name, n in sorted(counts.items())}}
 
 
 def endings(act: Callable[[Any], np.ndarray], options: dict[str, Any], count: int) -> list[str]:
-    """The outcomes of all tasks of an environment, in their order. An environment that has none left drives on for company."""
+    """The outcomes of all tasks of an environment, in their order, for what acts on rows. An environment that has none left drives on
+    for company."""
     envs = NavigationVectorEnv(count, autoreset_mode="DISABLED", **options)
-    tasks = envs.tasks
+    tasks, parts = envs.tasks, envs._setup.parts
     ended: dict[str, str] = {}
     driving = [tasks[k % len(tasks)] for k in range(count)]
     waiting = tasks[count:][::-1]
     observation, _ = envs.reset(seed=0, options={"task": driving, "run_seed": 0})
     while len(ended) < len(tasks):
-        observation, _, terminated, truncated, infos = envs.step(act(observation))
+        observation, _, terminated, truncated, infos = envs.step(act(rows(parts, observation)))
         over = terminated | truncated
         for k in np.flatnonzero(over):
             ended[driving[k]] = infos["outcome"][k]
@@ -262,7 +253,7 @@ def read_state(checkpoint: Path) -> dict[str, Any]:
         raise TrainingError(checkpoint, f"it is no checkpoint: {e}", "give a folder that `train` has written") from None
 
 
-def read_parameters(model: PPO, checkpoint: Path) -> None:
+def read_parameters(model: BaseAlgorithm, checkpoint: Path) -> None:
     """Gives a model the parameters of a checkpoint, and its optimiser the state."""
     try:
         parameters = torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True)

@@ -11,12 +11,14 @@ from ._config import Config, TrainingError, checked, read_config
 
 try:
     import torch as torch
-    from stable_baselines3 import PPO as PPO
+    import stable_baselines3 as stable_baselines3
 except ImportError as e:
     raise MissingPackageError("stable-baselines3", "vertibench.training") from e
 
 from ..envs._vector import processors
-from ._learn import MODEL, Learner, last_checkpoint, make_model, read_parameters, read_state, success
+from ._learn import MODEL, Learner, last_checkpoint, read_parameters, read_state, success
+from ._method import Method, make_method
+from ._network import Rows
 
 #: What was told of each update and of each checkpoint, a line of JSON for each.
 PROGRESS = "progress.jsonl"
@@ -96,27 +98,27 @@ def checkpoint_of(folder: Path) -> Path:
     return checkpoint
 
 
-def load(folder: Path) -> tuple[PPO, Config, dict[str, Any]]:
+def load(folder: Path) -> tuple[Method, Config, dict[str, Any]]:
     """The policy of a checkpoint, its configuration, and what the checkpoint says of itself."""
     from ..envs.sb3 import make_vec
 
     checkpoint = checkpoint_of(folder)
     state = read_state(checkpoint)
     config = checked(checkpoint, state["config"])
-    envs = make_vec(config["ppo.environments"], **config.held_out())
-    model = make_model(config, envs, envs.vector._setup.parts, 0)
+    envs = make_vec(config["environments"], **config.held_out())
+    method = make_method(config, Rows(envs), envs.vector._setup.parts, 0)
     envs.close()
-    read_parameters(model, checkpoint)
-    return model, config, state
+    read_parameters(method.model, checkpoint)
+    return method, config, state
 
 
 def evaluate(folder: Path, suite: str | None, tasks: str | None) -> dict[str, float]:
     """The shares of outcomes, in percent, of a checkpoint's policy without noise."""
-    model, config, _ = load(folder)
+    method, config, _ = load(folder)
     options = config.held_out()
     if suite is not None:
         options = {name: value for name, value in options.items() if name not in ("worlds", "world_seed", "tasks")}
         options["suite"] = suite
     if tasks is not None:
         options["tasks"] = tasks
-    return success(model, options, config["ppo.environments"])
+    return success(method.model, options, config["environments"])
