@@ -1,6 +1,5 @@
 //! Curricula as data.
 
-
 use serde::{Deserialize, Serialize};
 use vb_world::Selector;
 

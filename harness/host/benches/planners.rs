@@ -18,7 +18,7 @@ use vb_sdk::{GridFrame, Map, Observation, Point2, Pose, Task, Vec3, Vehicle};
 const STEPS: u32 = 200;
 
 /// Planners and the parameters that are set.
-const PLANNERS: [(&str, &[(&str, &str)]); 10] = [
+const PLANNERS: [(&str, &[(&str, &str)]); 11] = [
     ("pid", &[]),
     ("eh", &[]),
     ("mppi", &[]),
@@ -27,6 +27,7 @@ const PLANNERS: [(&str, &[(&str, &str)]); 10] = [
     ("tal", &[]),
     ("tnt", &[]),
     ("ibex", &[]),
+    ("rl", &[]),
     ("rollouts", &[("arithmetic", "float")]),
     ("rollouts", &[("arithmetic", "fixed")]),
 ];

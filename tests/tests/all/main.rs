@@ -17,6 +17,7 @@ mod languages;
 mod pages;
 mod perception;
 mod planners;
+mod policies;
 mod processes;
 mod proof;
 mod scoring;

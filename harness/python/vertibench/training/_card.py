@@ -38,7 +38,9 @@ def card(policy: Path, out: Path, others: list[Path]) -> str:
             # Of this policy less the other one.
             d = pair.success_rate
             name = names[[r.label for r in told.runs].index(pair.second)]
-            differences[name] = None if d is None else {"points": _p(-d.mean), "low": _p(-d.high), "high": _p(-d.low), "p": d.p}
+            # Without an interval where there are too few worlds.
+            interval = {} if d is None or d.low is None else {"low": _p(-d.high), "high": _p(-d.low)}
+            differences[name] = None if d is None else {"points": _p(-d.mean), **interval, "p": d.p}
     text = json.dumps({**made, "held_out": held_out, "success_less_that_of": differences}, indent=1)
     out.write_text(text + "\n", encoding="utf-8")
     out.with_suffix(".txt").write_text(_model(out.stem, made, config), encoding="utf-8")
@@ -106,7 +108,7 @@ def _figures(run: RunFigures) -> dict[str, Any]:
 def _shares(figures: Figures) -> dict[str, Any]:
     shares = {name: _p(n / figures.tasks) for name, n in sorted(figures.outcomes.items()) if n and name != "success"}
     own = figures.success_rate
-    interval = {} if own is None else {"success_low": _p(own.low), "success_high": _p(own.high)}
+    interval = {} if own is None or own.low is None else {"success_low": _p(own.low), "success_high": _p(own.high)}
     return {"tasks": figures.tasks, "success": _p(figures.outcomes.get("success", 0) / figures.tasks), **interval, **shares}
 
 
