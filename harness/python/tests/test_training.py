@@ -339,7 +339,8 @@ def test_curves_have_a_band_over_seeds(learned, tmp_path):
     folder, run = learned
     run("other", 2048, seed=2)
     told = curves([folder / "whole", folder / "other"], tmp_path / "curves.svg")
-    assert "2 seeds" not in told.splitlines()[0] and "1 seeds" in told.splitlines()[0]
+    # The first run went on alone.
+    assert told.splitlines()[0].endswith("% with one seed at 4,096 steps")
     table = (tmp_path / "curves.csv").read_text().splitlines()
     assert table[0] == "planner,seed,steps,success_percent"
     assert [row.split(",")[1:3] for row in table[1:]] == [["1", "2048"], ["1", "4096"], ["2", "2048"]]

@@ -45,7 +45,8 @@ def curves(sources: list[Path], out: Path) -> str:
     for name, at in sorted(points.items()):
         steps = max(at)
         mean, low, high = _interval(list(at[steps].values()))
-        told.append(f"{name}: {mean:.1f} % [{low:.1f}, {high:.1f}] at {steps:,} steps, {len(at[steps])} seeds")
+        seeds = f"[{low:.1f}, {high:.1f}] over {len(at[steps])} seeds" if len(at[steps]) > 1 else "with one seed"
+        told.append(f"{name}: {mean:.1f} % {seeds} at {steps:,} steps")
     return "\n".join([*told, f"{out} and {out.with_suffix('.csv')}"])
 
 
