@@ -337,7 +337,7 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
     let note = match &r.fault {
         _ if !with_note || r.outcome == Outcome::Success => String::new(),
         Some(code) => one_line(&format!("{code}: {}", r.reason), NOTE_LENGTH),
-        None => one_line(&r.reason, NOTE_LENGTH),
+        None => one_line(&r.explanation(), NOTE_LENGTH),
     };
     Row {
         task: r.task.clone().into_boxed_str(),

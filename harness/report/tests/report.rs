@@ -70,6 +70,8 @@ fn record(w: usize, t: usize, success: bool) -> TaskRecord {
         outcome,
         three_way: outcome.three_way(false),
         reason: "because".into(),
+        cause: None,
+        evidence: String::new(),
         fault: None,
         time_s: 20.0 + x,
         state_hash: "0123456789abcdef".into(),
