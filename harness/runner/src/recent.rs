@@ -102,8 +102,6 @@ fn moment(state: &VehicleState, sample: &Sample) -> Moment {
         yaw_rate: sample.wz,
         throttle: sample.throttle,
         reverse: sample.gear == Sample::REVERSE,
-        wheels: wheels
-            .map(|w| WheelMoment { spin: w.speed, load: w.load, sinkage: w.sinkage })
-            .collect(),
+        wheels: wheels.map(|w| WheelMoment { spin: w.speed, load: w.load, sinkage: w.sinkage }).collect(),
     }
 }

@@ -177,8 +177,7 @@ impl Trial<'_> {
                 None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
             },
         };
-        let diagnosis =
-            ledger.recent.diagnose(&score, &body(self.vehicle, self.world.scale), self.world);
+        let diagnosis = ledger.recent.diagnose(&score, &body(self.vehicle, self.world.scale), self.world);
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
         let fuel = trail.metered.map(|m| {

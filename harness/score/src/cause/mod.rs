@@ -77,10 +77,12 @@ causes! {
     AgainstWall = "against_wall", "against a wall";
     /// The wheels spin on soil, or are sunk in it.
     SpinningOnSoil = "spinning_on_soil", "spinning on soil";
-    /// It slips down the slope on which it drives.
-    Sliding = "sliding", "sliding";
     /// The ground ahead is so steep that the wheels slip or the engine doesn't suffice.
     TooSteep = "too_steep", "too steep";
+    /// It slips down the slope on which it drives.
+    Sliding = "sliding", "sliding";
+    /// Wheels spin on firm ground, and the others don't move the vehicle.
+    SpinningOnFirm = "spinning_on_firm", "spinning on firm ground";
     /// None of these.
     Other = "other", "other";
 }
@@ -146,11 +148,7 @@ fn meet(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
 /// The cause of a failure, by the moments of its last seconds in the order of time. `rolled_over` says which failure it is.
 #[must_use]
 pub fn diagnose(moments: &[Moment], body: &Body, site: Site<'_>, rolled_over: bool) -> Diagnosis {
-    if rolled_over {
-        rollover::diagnose(moments, body, site)
-    } else {
-        stuck::diagnose(moments, body, site)
-    }
+    if rolled_over { rollover::diagnose(moments, body, site) } else { stuck::diagnose(moments, body, site) }
 }
 
 #[cfg(test)]

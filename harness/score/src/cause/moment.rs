@@ -94,7 +94,8 @@ mod tests {
     #[test]
     fn points_are_placed_by_heading_then_pitch_then_roll() {
         let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
-        let at = |roll, pitch, yaw| Moment { position: [1.0, 2.0, 3.0], roll, pitch, yaw, ..Moment::default() };
+        let at =
+            |roll, pitch, yaw| Moment { position: [1.0, 2.0, 3.0], roll, pitch, yaw, ..Moment::default() };
         // The nose points north; then it points down; then the right side is down.
         assert!(near(at(0.0, 0.0, FRAC_PI_2).place([1.0, 0.0, 0.0]), [1.0, 3.0, 3.0]));
         assert!(near(at(0.0, FRAC_PI_2, 0.0).place([1.0, 0.0, 0.0]), [1.0, 2.0, 2.0]));

@@ -30,7 +30,10 @@ pub(super) fn diagnose(moments: &[Moment], body: &Body, site: Site<'_>) -> Diagn
     };
     let when = tipping.time;
     if before.clone().any(touches) {
-        return Diagnosis::new(Cause::RolloverAtObstacle, format!("an obstacle was at its side at {when:.1} s"));
+        return Diagnosis::new(
+            Cause::RolloverAtObstacle,
+            format!("an obstacle was at its side at {when:.1} s"),
+        );
     }
     let lean = Lean::of(tipping);
     let drop = before.clone().map(|m| lean.drop(m, body, site)).fold(0.0, f64::max);
@@ -78,7 +81,8 @@ impl Lean {
         let level = Moment { roll: 0.0, pitch: 0.0, ..m.clone() };
         let height = |p: [f64; 3], out: f64| {
             let out = self.sign * out;
-            let [x, y, _] = level.place(if self.along { [p[0] + out, p[1], 0.0] } else { [p[0], p[1] + out, 0.0] });
+            let [x, y, _] =
+                level.place(if self.along { [p[0] + out, p[1], 0.0] } else { [p[0], p[1] + out, 0.0] });
             site.ground.height(x, y)
         };
         let on_lower_side = |p: &&[f64; 3]| across(p) > lowest - body.wheel_radius;
@@ -157,8 +161,14 @@ mod tests {
         let edge = across(|y| if y < -1.2 { -2.0 } else { 0.0 });
         assert_eq!(on(&edge, &right, &[]), Cause::RolloverOverEdge);
         // Of the same edge on the other side, or two metres farther off, nothing comes.
-        assert_eq!(on(&across(|y| if y > 1.2 { -2.0 } else { 0.0 }), &right, &[]), Cause::RolloverOnSideSlope);
-        assert_eq!(on(&across(|y| if y < -3.2 { -2.0 } else { 0.0 }), &right, &[]), Cause::RolloverOnSideSlope);
+        assert_eq!(
+            on(&across(|y| if y > 1.2 { -2.0 } else { 0.0 }), &right, &[]),
+            Cause::RolloverOnSideSlope
+        );
+        assert_eq!(
+            on(&across(|y| if y < -3.2 { -2.0 } else { 0.0 }), &right, &[]),
+            Cause::RolloverOnSideSlope
+        );
         // An even slope of 45° falls by a metre in a metre, here as there.
         assert_eq!(on(&across(|y| y), &right, &[]), Cause::RolloverOnSideSlope);
         // Over its front, ahead of wheels at 1.4 m.

@@ -8,17 +8,22 @@ const IDLE: f64 = 0.05;
 const CARRIED: f64 = 0.25;
 /// The part of its share of the weight below which a wheel hangs.
 const HANGING: f64 = 0.1;
+/// The part of the weight below which the two wheels of a diagonal are unloaded: a quarter of their share.
+const UNLOADED: f64 = 0.125;
 /// The sinkage over the radius from which a wheel is sunk.
 const SUNK: f64 = 0.15;
 /// The slip from which a wheel spins.
 const SPINNING: f64 = 0.5;
-/// The rise of the ground over the radius of a leading wheel, within a radius ahead of where it stands, that is a wall to it. A
-/// rigid wheel that is not driven needs a push of tan(arccos(1 − 0.7)) = 3.2 times its load there.
+/// The rise of the ground above the plane on which the vehicle stands, over the radius of a leading wheel, that is a wall to it.
+/// A rigid wheel that is not driven needs a push of tan(arccos(1 − 0.7)) = 3.2 times its load there.
 const WALL: f64 = 0.7;
+/// The distance ahead of the centre of a leading wheel within which that counts, over its radius. Where the hull reaches farther it
+/// counts if it is as steep.
+const AHEAD: f64 = 1.2;
 /// The tilt from which a vehicle may slide, rad (10°).
 const SLOPE: f64 = 0.17;
 /// The way downhill by which it slides, m at scale 1.
-const SLID: f64 = 0.25;
+const SLID: f64 = 0.15;
 /// The slope ahead from which it is steep, rad (15°).
 const STEEP: f64 = 0.26;
 
@@ -37,15 +42,12 @@ pub(super) fn diagnose(moments: &[Moment], body: &Body, site: Site<'_>) -> Diagn
         .or_else(|| stand.wheels_off_ground())
         .or_else(|| stand.against_wall())
         .or_else(|| stand.spinning_on_soil())
+        .or_else(|| stand.too_steep())
         .or_else(|| stand.sliding())
-        .or_else(|| stand.too_steep());
+        .or_else(|| stand.spinning_on_firm());
     known.unwrap_or_else(|| {
-        let spun = (0..stand.wheels()).filter(|w| stand.spins(*w)).count();
         let tilt = stand.mean(Moment::tilt).to_degrees();
-        Diagnosis::new(
-            Cause::Other,
-            format!("{spun} of {} wheels spin, the vehicle is tilted by {tilt:.0}°", stand.wheels()),
-        )
+        Diagnosis::new(Cause::Other, format!("no wheel spins, the vehicle is tilted by {tilt:.0}°"))
     })
 }
 
@@ -89,7 +91,10 @@ impl Stand<'_> {
     fn high_centred(&self) -> Option<Diagnosis> {
         let carried = self.mean(|m| m.on_hull(self.body));
         (carried > CARRIED).then(|| {
-            Diagnosis::new(Cause::HighCentred, format!("the hull bears {:.0} % of the weight", 100.0 * carried))
+            Diagnosis::new(
+                Cause::HighCentred,
+                format!("the hull bears {:.0} % of the weight", 100.0 * carried),
+            )
         })
     }
 
@@ -111,16 +116,18 @@ impl Stand<'_> {
         self.mean(Moment::direction) < 0.0
     }
 
-    /// Two wheels of different axles and sides that hang, of which one spins, while the others bear.
+    /// The two wheels of a diagonal that bear next to nothing together, of which one spins, while the others bear.
     fn cross_axled(&self) -> Option<Diagnosis> {
-        let (hanging, wheels) = (self.hanging(), self.wheels());
-        let is_diagonal = |a: usize, b: usize| a / 2 != b / 2 && a % 2 != b % 2;
-        let mut pairs = hanging.iter().flat_map(|a| hanging.iter().map(move |b| (*a, *b)));
-        let pair = pairs.find(|(a, b)| a < b && is_diagonal(*a, *b))?;
-        (wheels == 4 && hanging.len() == 2 && (self.spins(pair.0) || self.spins(pair.1))).then(|| {
-            let [a, b] = [pair.0, pair.1].map(|w| name(w, wheels));
-            Diagnosis::new(Cause::CrossAxled, format!("the {a} and the {b} wheel hang and spin"))
-        })
+        let wheels = self.wheels();
+        let load = |w: usize| self.mean(|m| m.wheels[w].load) / (self.body.mass * GRAVITY);
+        let hangs = |pair: &[usize; 2]| {
+            pair.iter().map(|w| load(*w)).sum::<f64>() < UNLOADED && pair.iter().any(|w| self.spins(*w))
+        };
+        let pair = [[0, 3], [1, 2]].into_iter().find(|pair| wheels == 4 && hangs(pair))?;
+        let [a, b] = pair.map(|w| name(w, wheels));
+        let borne = 100.0 * (load(pair[0]) + load(pair[1]));
+        let evidence = format!("the {a} and the {b} wheel bear {borne:.0} % of the weight, and spin");
+        Some(Diagnosis::new(Cause::CrossAxled, evidence))
     }
 
     fn hanging(&self) -> Vec<usize> {
@@ -135,22 +142,23 @@ impl Stand<'_> {
         })
     }
 
-    /// The greatest rise of the ground ahead of a leading wheel, within a radius of where it stands, m.
+    /// The greatest rise of the ground before a leading wheel above the plane on which the vehicle stands, m.
     fn rise(&self, m: &Moment) -> f64 {
-        let ahead = m.direction();
-        let (sin, cos) = vb_math::sin_cos(m.yaw);
+        let (ahead, radius) = (m.direction(), self.body.wheel_radius);
         let foremost = self.body.wheels.iter().map(|w| ahead * w[0]).fold(f64::NEG_INFINITY, f64::max);
-        let leading = self.body.wheels.iter().filter(|w| ahead * w[0] > foremost - self.body.wheel_radius);
-        let rise = |wheel: &[f64; 3]| {
-            let [x, y, z] = m.place(*wheel);
-            let at = |k: u8| {
-                // A little more than a radius: what is touched by the foremost point lies beyond it.
-                let d = 1.2 * self.body.wheel_radius * f64::from(k) / 4.0 * ahead;
-                self.site.ground.height(x + d * cos, y + d * sin)
+        let leading = self.body.wheels.iter().filter(|w| ahead * w[0] > foremost - radius);
+        // A hull that reaches far beyond its wheels is stopped before they are.
+        let overhang = if ahead > 0.0 { self.body.front } else { self.body.rear } - foremost;
+        let reach = (AHEAD * radius).max(overhang + 0.5 * TOUCH * self.body.scale);
+        let rise = |[x, y, z]: &[f64; 3]| {
+            let above = |d: f64| {
+                let [px, py, pz] = m.place([x + ahead * d, *y, z - radius]);
+                self.site.ground.height(px, py) - pz
             };
-            // From the lowest point of the wheel: it may stand on the ledge's foot, or in a rut before it.
-            let foot = (z - self.body.wheel_radius).max(at(0));
-            (1..=4).map(|k| at(k) - foot).fold(0.0, f64::max)
+            // The wheel may have sunk below its place at design, or stand in a rut.
+            let foot = above(0.0).max(0.0);
+            let rises = (1..=8).map(|k| reach * f64::from(k) / 8.0).map(|d| (d, above(d) - foot));
+            rises.filter(|(d, rise)| *rise >= WALL / AHEAD * d).map(|(_, rise)| rise).fold(0.0, f64::max)
         };
         leading.map(rise).fold(0.0, f64::max)
     }
@@ -184,10 +192,12 @@ impl Stand<'_> {
         let tilt = self.mean(Moment::tilt);
         let moved = (0..2).map(|k| last.position[k] - first.position[k]).map(|d| d * d).sum::<f64>().sqrt();
         // On an even slope the way down is as long as the height over its sine.
-        (tilt > SLOPE && moved > SLID * self.body.scale && down > 0.5 * moved * vb_math::sin(tilt)).then(|| {
-            let evidence = format!("it slid {moved:.2} m down a slope of {:.0}°", tilt.to_degrees());
-            Diagnosis::new(Cause::Sliding, evidence)
-        })
+        (tilt > SLOPE && moved > SLID * self.body.scale && down > 0.5 * moved * vb_math::sin(tilt)).then(
+            || {
+                let evidence = format!("it slid {moved:.2} m down a slope of {:.0}°", tilt.to_degrees());
+                Diagnosis::new(Cause::Sliding, evidence)
+            },
+        )
     }
 
     fn too_steep(&self) -> Option<Diagnosis> {
@@ -197,6 +207,22 @@ impl Stand<'_> {
             let slip = (0..self.wheels()).map(|w| self.slip(w)).fold(0.0, f64::max);
             let evidence = format!("{:.0}° upwards, slip of up to {slip:.1}", climb.to_degrees());
             Diagnosis::new(Cause::TooSteep, evidence)
+        })
+    }
+
+    fn spinning_on_firm(&self) -> Option<Diagnosis> {
+        let wheels = self.wheels();
+        let spinning: Vec<usize> = (0..wheels).filter(|w| self.spins(*w)).collect();
+        let share = self.body.mass * GRAVITY / wheels as f64;
+        let least =
+            spinning.iter().map(|w| self.mean(|m| m.wheels[*w].load) / share).fold(f64::INFINITY, f64::min);
+        (!spinning.is_empty()).then(|| {
+            let evidence = format!(
+                "{} of {wheels} wheels spin, of which one bears {:.0} % of its share of the weight",
+                spinning.len(),
+                100.0 * least
+            );
+            Diagnosis::new(Cause::SpinningOnFirm, evidence)
         })
     }
 }
@@ -270,6 +296,8 @@ pub(super) mod tests {
         // Nose up by 20°: the wheels carry the cosine of it.
         let climbs = stands([(0.94, 5.0, 0.0); 4], -0.35, 1.0);
         assert_eq!(of(&climbs, &[]), Cause::TooSteep);
+        let light = (0.2, 20.0, 0.0);
+        assert_eq!(of(&stands([light, bears, bears, light], 0.0, 1.0), &[]), Cause::SpinningOnFirm);
         assert_eq!(of(&stands([FIRM; 4], 0.0, 1.0), &[]), Cause::Other);
         assert_eq!(of(&[], &[]), Cause::Other);
     }
@@ -282,7 +310,7 @@ pub(super) mod tests {
         let (hangs, bears) = ((0.0, 20.0, 0.0), (2.0, 0.0, 0.0));
         assert_eq!(
             told(&stands([bears, hangs, hangs, bears], 0.0, 1.0)),
-            "the right front and the left rear wheel hang and spin"
+            "the right front and the left rear wheel bear 0 % of the weight, and spin"
         );
         assert_eq!(
             told(&stands([(1.0, 10.0, 0.03); 4], 0.0, 1.0)),
