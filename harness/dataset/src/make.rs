@@ -407,7 +407,7 @@ impl Making<'_> {
         let name = driver.name();
         let driven = self.setting.drive(&site.place, task, wants, driver, &mut both, keep, self.cancel)?;
         let record = driven.map(|d| d.record);
-        Ok(Some(self.recorded(recorder, &site, features, &drive, name, record)))
+        Ok(Some(self.recorded(recorder, &site, &drive, name, record)))
     }
 
     /// Lets a driver drive, and records it; `None` if it was cancelled.
@@ -426,7 +426,7 @@ impl Making<'_> {
             self.setting.drive(&site.place, task, wants, driver, &mut recorder, keep, self.cancel)?;
         let Some(TrialResult { record, .. }) = driven else { return Ok(None) };
         let outcome = record.outcome;
-        Ok(Some((self.recorded(recorder, site, features, drive, name, Some(record)), outcome)))
+        Ok(Some((self.recorded(recorder, site, drive, name, Some(record)), outcome)))
     }
 
     /// The episode of a drive; without a record it was ended before the rules did.
@@ -434,7 +434,6 @@ impl Making<'_> {
         &self,
         recorder: Recorder<'_>,
         site: &Site,
-        features: &[Feature],
         drive: &Drive<'_>,
         name: String,
         record: Option<TaskRecord>,

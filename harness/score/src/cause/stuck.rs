@@ -296,7 +296,7 @@ pub(super) mod tests {
         // Nose up by 20°: the wheels carry the cosine of it.
         let climbs = stands([(0.94, 5.0, 0.0); 4], -0.35, 1.0);
         assert_eq!(of(&climbs, &[]), Cause::TooSteep);
-        let light = (0.2, 20.0, 0.0);
+        let light = (0.3, 20.0, 0.0);
         assert_eq!(of(&stands([light, bears, bears, light], 0.0, 1.0), &[]), Cause::SpinningOnFirm);
         assert_eq!(of(&stands([FIRM; 4], 0.0, 1.0), &[]), Cause::Other);
         assert_eq!(of(&[], &[]), Cause::Other);
