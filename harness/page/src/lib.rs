@@ -8,7 +8,7 @@ pub mod plot;
 mod text;
 
 pub use document::Page;
-pub use text::{escape, grouped, json, number, p_value};
+pub use text::{escape, grouped, json, number, p_value, signed};
 
 /// The style of pages of tables and plots, in light and dark.
 pub const TABLE_STYLE: &str = include_str!("tables.css");
