@@ -69,7 +69,10 @@ mod tests {
     #[test]
     fn numbers_are_written_as_people_read_them() {
         assert_eq!((number(-1.25, 1).as_str(), number(-0.01, 1).as_str()), ("−1.2", "0.0"));
-        assert_eq!((signed(1.25, 1), signed(-1.25, 1), signed(0.01, 1)), ("+1.2".into(), "−1.2".into(), "0.0".into()));
+        assert_eq!(
+            (signed(1.25, 1), signed(-1.25, 1), signed(0.01, 1)),
+            ("+1.2".into(), "−1.2".into(), "0.0".into())
+        );
         assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
         assert_eq!((p_value(0.000_4).as_str(), p_value(0.0412).as_str()), ("< 0.001", "0.041"));
     }

@@ -90,8 +90,11 @@ impl Estimate {
     pub(crate) fn negated(self) -> Self {
         // 0 has no sign.
         let minus = |v: f64| 0.0 - v;
-        let interval =
-            self.interval.map(|i| Interval { estimate: minus(i.estimate), low: minus(i.high), high: minus(i.low) });
+        let interval = self.interval.map(|i| Interval {
+            estimate: minus(i.estimate),
+            low: minus(i.high),
+            high: minus(i.low),
+        });
         Self { mean: minus(self.mean), interval }
     }
 }

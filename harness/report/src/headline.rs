@@ -36,11 +36,13 @@ impl Report {
         };
         let mut best = vec![first];
         best.extend(others().filter(|run| equal(*run)));
-        let ties: Vec<usize> =
-            others().filter(|run| !equal(*run) && !is(*run, Verdict::Better) && !is(*run, Verdict::Worse)).collect();
+        let ties: Vec<usize> = others()
+            .filter(|run| !equal(*run) && !is(*run, Verdict::Better) && !is(*run, Verdict::Worse))
+            .collect();
         let below = others().find(|run| is(*run, Verdict::Better));
 
-        let (does, it, which) = if best.len() == 1 { ("does", "it", "which is") } else { ("do", "they", "each") };
+        let (does, it, which) =
+            if best.len() == 1 { ("does", "it", "which is") } else { ("do", "they", "each") };
         let mut s = format!(
             "{} {does} most: {} % of {} {}",
             self.names(&best),
@@ -55,7 +57,12 @@ impl Report {
         }
         if !ties.is_empty() {
             let joint = if below.is_some() { ";" } else { ", but" };
-            let _ = write!(s, "{joint} {it} can't be told from {}{}", self.names(&ties), too_few(c, first, &ties));
+            let _ = write!(
+                s,
+                "{joint} {it} can't be told from {}{}",
+                self.names(&ties),
+                too_few(c, first, &ties)
+            );
         }
         s.push('.');
         Some(s)
@@ -86,7 +93,9 @@ fn too_few(c: &Comparison, first: usize, ties: &[usize]) -> String {
     let found: Option<Vec<(usize, usize)>> = ties
         .iter()
         .map(|run| match c.between(first, *run, Measure::Success)? {
-            Difference { verdict: Some(Verdict::TooFewWorlds { needed }), worlds, .. } => Some((worlds, needed)),
+            Difference { verdict: Some(Verdict::TooFewWorlds { needed }), worlds, .. } => {
+                Some((worlds, needed))
+            }
             _ => None,
         })
         .collect();

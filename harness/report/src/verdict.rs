@@ -80,7 +80,8 @@ impl Difference {
 
 /// Corrects the p-values of a family – one measure of all pairs – by Holm's method, and says what each means.
 pub(crate) fn decide(family: Vec<&mut Difference>) {
-    let mut family: Vec<(f64, &mut Difference)> = family.into_iter().filter_map(|d| Some((d.p?, d))).collect();
+    let mut family: Vec<(f64, &mut Difference)> =
+        family.into_iter().filter_map(|d| Some((d.p?, d))).collect();
     let p: Vec<f64> = family.iter().map(|(p, _)| *p).collect();
     for (k, (adjusted, (own, d))) in holm(&p).into_iter().zip(&mut family).enumerate() {
         // What the correction would leave of the least p-value that this number of worlds can give.
@@ -131,9 +132,16 @@ mod tests {
     #[test]
     fn better_is_more_success_and_less_time() {
         let of = |measure, mean| verdicts(vec![difference(measure, 10, mean, 0.002)])[0];
-        assert_eq!((of(Measure::Success, 0.1), of(Measure::Success, -0.1)), (Verdict::Better, Verdict::Worse));
+        assert_eq!(
+            (of(Measure::Success, 0.1), of(Measure::Success, -0.1)),
+            (Verdict::Better, Verdict::Worse)
+        );
         for measure in [Measure::Time, Measure::Roll, Measure::Pitch] {
-            assert_eq!((of(measure, -1.0), of(measure, 1.0)), (Verdict::Better, Verdict::Worse), "{measure:?}");
+            assert_eq!(
+                (of(measure, -1.0), of(measure, 1.0)),
+                (Verdict::Better, Verdict::Worse),
+                "{measure:?}"
+            );
         }
         let mut one = [difference(Measure::Time, 10, 3.0, 0.002)];
         decide(one.iter_mut().collect());

@@ -219,12 +219,18 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
         assert!(text.replace("&#39;", "'").contains(told), "{what}");
         assert!(text.contains("too few worlds (2 differ, 7 needed)"), "{what}");
     }
-    assert!(markdown.contains("| 1–2 | good | 36 | 75.0 ") && markdown.contains("| 3 | bad | 36 |"), "{markdown}");
+    assert!(
+        markdown.contains("| 1–2 | good | 36 | 75.0 ") && markdown.contains("| 3 | bad | 36 |"),
+        "{markdown}"
+    );
     assert!(markdown.contains("| good |  | +5.6 | **+50.0** |"), "{markdown}");
     assert!(markdown.contains("| near − bad | +44.4 "), "{markdown}");
     let statistics = report.statistics();
     assert_eq!(statistics["headline"], told);
-    assert_eq!(statistics["ranking"][0], serde_json::json!({"run": 1, "rank": 1, "rank_last": 2, "ties": [2]}));
+    assert_eq!(
+        statistics["ranking"][0],
+        serde_json::json!({"run": 1, "rank": 1, "rank_last": 2, "ties": [2]})
+    );
     let success = &statistics["pairs"][0]["differences"]["success_rate"];
     assert_eq!((&success["verdict"], &success["worlds"]), (&"better".into(), &9.into()));
     assert!((success["p_adjusted"].as_f64().unwrap() - 6.0 / 512.0).abs() < 1e-12);

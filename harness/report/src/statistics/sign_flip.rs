@@ -46,7 +46,8 @@ pub fn sign_flip(sums: &[f64], seed: u64, labels: &[&str]) -> SignFlip {
         // The mirror of each choice is as far from 0, so the first sign can stay.
         let rest = signed(&sums[1..]);
         let choices = 1_u64 << (worlds - 1);
-        let count = (0..choices).filter(|signs| reaches(sums[0] + flipped(&rest, &signs.to_le_bytes()))).count();
+        let count =
+            (0..choices).filter(|signs| reaches(sums[0] + flipped(&rest, &signs.to_le_bytes()))).count();
         count as f64 / choices as f64
     } else {
         let groups = signed(&sums);
@@ -134,8 +135,8 @@ mod tests {
     /// Successes of planners that are equally good over all, in one world of ten tasks: each has its own world rate, and they
     /// are dealt out at random. So tasks of a world hang together, also in what sets the planners apart.
     fn world(stream: &mut Stream, planners: usize) -> Vec<[bool; 10]> {
-        let mut rates = [[0.05, 0.2, 0.9, 0.95], [0.4, 0.5, 0.6, 0.7], [0.0, 0.0, 0.3, 0.8]]
-            [stream.below(3) as usize];
+        let mut rates =
+            [[0.05, 0.2, 0.9, 0.95], [0.4, 0.5, 0.6, 0.7], [0.0, 0.0, 0.3, 0.8]][stream.below(3) as usize];
         stream.shuffle(&mut rates);
         rates[..planners].iter().map(|rate| std::array::from_fn(|_| stream.unit() < *rate)).collect()
     }
