@@ -90,20 +90,17 @@ fn told_p(p: f64) -> String {
 
 /// Why runs can't be told from the first, if it is for the number of worlds with each of them.
 fn too_few(c: &Comparison, first: usize, ties: &[usize]) -> String {
-    let found: Option<Vec<(usize, usize)>> = ties
+    let found: Option<Vec<(usize, Difference)>> = ties
         .iter()
-        .map(|run| match c.between(first, *run, Measure::Success)? {
-            Difference { verdict: Some(Verdict::TooFewWorlds { needed }), worlds, .. } => {
-                Some((worlds, needed))
-            }
-            _ => None,
+        .map(|run| {
+            let d = c.between(first, *run, Measure::Success)?;
+            let Some(Verdict::TooFewWorlds { needed }) = d.verdict else { return None };
+            Some((needed, d))
         })
         .collect();
     match found.as_deref() {
-        Some([(worlds, needed)]) => {
-            format!(": too few worlds, as {worlds} differ and {needed} are needed")
-        }
-        Some([(_, needed), ..]) => format!(": too few worlds differ, as {needed} are needed"),
+        Some([(_, d)]) => format!(": {}", d.told()),
+        Some([(needed, _), ..]) => format!(": too few worlds differ ({needed} needed)"),
         _ => String::new(),
     }
 }

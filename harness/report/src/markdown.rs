@@ -165,7 +165,7 @@ impl Report {
     /// A line for each pair: the differences with what is said of them.
     fn markdown_comparison(&self, s: &mut String, c: &Comparison, ranking: &Ranking) {
         s.push_str(
-            "\n| first − second | success, points | only first / only second | p | time s | p | \\|roll\\| ° | p | \\|pitch\\| ° | p |\n\
+            "\n| X − Y | success, points | only X / only Y | p | time s | p | \\|roll\\| ° | p | \\|pitch\\| ° | p |\n\
              |:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
         );
         let runs = &self.runs.runs;
@@ -189,7 +189,7 @@ impl Report {
         }
         s.push_str(
             "\nPaired, on common tasks. p: of the sign-flip test over worlds, after Holm's correction over all pairs for each measure by \
-             itself. Better is more success, less time, less tilt; the word is about the planner named first.\n",
+             itself. Better is more success, less time, less tilt; the word is about X.\n",
         );
     }
 }

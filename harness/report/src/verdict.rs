@@ -70,7 +70,8 @@ impl Difference {
             Some(Verdict::Worse) => "worse".into(),
             Some(Verdict::Equal) => "equal".into(),
             Some(Verdict::TooFewWorlds { needed }) => {
-                format!("too few worlds ({} differ, {needed} needed)", self.worlds)
+                let differ = if self.worlds == 1 { "differs" } else { "differ" };
+                format!("too few worlds ({} {differ}, {needed} needed)", self.worlds)
             }
             Some(Verdict::Uncorrected { pairs }) => format!("not certain as one of {pairs} pairs"),
             Some(Verdict::Undecided) => "not told apart".into(),

@@ -200,8 +200,7 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     let places: Vec<(usize, usize, usize, &[usize])> =
         report.ranking().unwrap().places.iter().map(|p| (p.run, p.rank, p.last, &p.ties[..])).collect();
     assert_eq!(places, [(1, 1, 2, &[2][..]), (2, 1, 2, &[1]), (0, 3, 3, &[])]);
-    // 27 of 36; 18 less of 36; p = 2 · 2⁻⁹ = 0.0039, the second least of three times two: 0.0078 by Holm as both pairs with the
-    // bad one have nine worlds (3 · 0.0039 = 0.0117).
+    // 27 of 36 tasks and 18 fewer; in all nine worlds, so p = 2 · 2⁻⁹, and by Holm three times that: it is the least of three.
     let c = report.comparison().unwrap();
     let d = c.between(1, 0, Measure::Success).unwrap();
     assert_eq!((d.difference.unwrap().mean, d.verdict), (0.5, Some(Verdict::Better)));
@@ -211,12 +210,12 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     // Two worlds differ; with all others decided, six would be needed, before them seven: 3 · 2⁻⁶ = 0.047.
     assert_eq!(c.between(1, 2, Measure::Success).unwrap().verdict, Some(Verdict::TooFewWorlds { needed: 7 }));
     let told = "good does most: 75.0 % of 36 tasks, which is 50.0 points more than bad (p = 0.012); it can't be told from near: too \
-                few worlds, as 2 differ and 7 are needed.";
+                few worlds (2 differ, 7 needed).";
     assert_eq!(report.headline().as_deref(), Some(told));
     let page = report.page(&BTreeSet::new(), &[]);
     let markdown = report.markdown();
     for (text, what) in [(&page, "page"), (&markdown, "markdown")] {
-        assert!(text.replace("&#39;", "'").contains(told), "{what}");
+        assert!(text.replace("&#39;", "'").replace('\u{a0}', " ").contains(told), "{what}");
         assert!(text.contains("too few worlds (2 differ, 7 needed)"), "{what}");
     }
     assert!(
@@ -236,7 +235,7 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     assert!((success["p_adjusted"].as_f64().unwrap() - 6.0 / 512.0).abs() < 1e-12);
 
     // In three worlds nothing can be certain.
-    let told = "good does most: 75.0 % of 12 tasks, but it can't be told from near and bad: too few worlds differ, as 7 are needed.";
+    let told = "good does most: 75.0 % of 12 tasks, but it can't be told from near and bad: too few worlds differ (7 needed).";
     let report = runs(3);
     assert_eq!(report.headline().as_deref(), Some(told));
     assert!(report.ranking().unwrap().places.iter().all(|p| (p.rank, p.last) == (1, 3)));

@@ -40,7 +40,7 @@ pub(super) fn comparison(s: &mut String, report: &Report) {
     );
     table(s, report, c);
     s.push_str(
-        "<p class=\"about\">The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
+        "<p class=\"about\">Worlds: those that differ. The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
          are not within a world; Wilcoxon's signed-rank test counts each world the same, however many tasks it has. Neither is corrected.</p></details>",
     );
 }
@@ -226,7 +226,7 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
     s.push_str(
         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>X − Y</th><th>figure</th><th class=\"n\">difference</th><th \
          class=\"n\">95 % interval</th><th class=\"n\">p</th><th class=\"n\">p (Holm)</th><th>X is</th><th class=\"n\">tasks</th><th \
-         class=\"n\">worlds that differ</th><th class=\"n\">both</th><th class=\"n\">X only</th><th class=\"n\">Y only</th><th \
+         class=\"n\">worlds</th><th class=\"n\">both</th><th class=\"n\">X only</th><th class=\"n\">Y only</th><th \
          class=\"n\">neither</th><th class=\"n\">McNemar, Wilcoxon</th></tr></thead><tbody>",
     );
     for p in &c.pairs {
@@ -241,7 +241,7 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
             };
             let _ = write!(
                 s,
-                "<tr{}><td>{} − {}</td><td>{}, {}</td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>{}{}<td><span \
+                "<tr{}><td class=\"of\">{} − {}</td><td class=\"of\">{}, {}</td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>{}{}<td><span \
                  class=\"verdict {}\">{}</span></td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>",
                 if certain { " class=\"holds\"" } else { "" },
                 escape(&report.runs.runs[p.b].label),
@@ -252,7 +252,8 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
                 d.difference.map_or_else(|| "–".into(), |e| signed(d.measure.shown(e.mean), 2)),
                 interval(d.measure, d.difference),
                 text(d.p),
-                text(d.adjusted),
+                // What says nothing must not look as if it said that there is no difference.
+                text(d.adjusted.filter(|_| !matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })))),
                 class(d),
                 d.told(),
                 d.tasks,

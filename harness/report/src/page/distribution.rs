@@ -90,16 +90,16 @@ impl Distribution {
         let top = self.fractions.iter().flatten().fold(1e-9_f64, |m, v| m.max(*v));
         let runs = self.fractions.len();
         let (name, bars) = match runs {
-            1 => (15.0, 150.0),
-            2..=4 => (15.0, 40.0),
-            _ => (14.0, 22.0),
+            1 => (18.0, 150.0),
+            2..=4 => (18.0, 40.0),
+            _ => (17.0, 22.0),
         };
         let row = name + bars;
         let f = Frame {
             width: 460.0,
             height: 6.0 + row * runs as f64 + 42.0,
-            left: 12.0,
-            right: 12.0,
+            left: 18.0,
+            right: 18.0,
             top: 6.0,
             bottom: 42.0,
             x: [self.low, self.low + self.width * BINS as f64],

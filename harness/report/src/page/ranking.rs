@@ -19,6 +19,8 @@ const DIGITS: usize = 6;
 /// The result in a sentence.
 pub(super) fn headline(s: &mut String, report: &Report) {
     if let Some(told) = report.headline() {
+        // A p-value stays on one line.
+        let told = told.replace("(p < ", "(p\u{a0}<\u{a0}").replace("(p = ", "(p\u{a0}=\u{a0}");
         let _ = write!(s, "<p class=\"lead\">{}</p>", escape(&told));
     }
 }
@@ -134,10 +136,12 @@ fn matrix(s: &mut String, report: &Report, c: &Comparison, ranking: &Ranking, me
                 continue;
             };
             let strong = if amount(&d) >= 0.5 * greatest { " strong" } else { "" };
+            let good = (e.mean > 0.0) == measure.more_is_better();
             let class = match d.verdict {
                 Some(Verdict::Better) => format!("better{strong}"),
                 Some(Verdict::Worse) => format!("worse{strong}"),
-                _ => "open".into(),
+                _ if e.mean == 0.0 => "open".into(),
+                _ => format!("open {}", if good { "rather-better" } else { "rather-worse" }),
             };
             let few =
                 if matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })) { "<sup>?</sup>" } else { "" };
@@ -177,7 +181,8 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
 fn key(s: &mut String) {
     s.push_str(
         "<p class=\"key\"><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain<i class=\"cell worse strong\"></i><i \
-         class=\"cell worse\"></i>worse for certain<i class=\"cell open\"></i>not told apart; ? too few worlds could tell</p><p class=\"about\">Strong \
+         class=\"cell worse\"></i>worse for certain<i class=\"cell open \
+         rather-better\"></i><i class=\"cell open rather-worse\"></i>not told apart (<b>?</b>: too few worlds)</p><p class=\"about\">Strong \
          colours: at least half of the greatest difference. A click on a cell lists the tasks that the row does and the column doesn't.</p>",
     );
 }
