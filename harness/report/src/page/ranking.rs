@@ -143,16 +143,15 @@ fn matrix(s: &mut String, report: &Report, c: &Comparison, ranking: &Ranking, me
                 _ if e.mean == 0.0 => "open".into(),
                 _ => format!("open {}", if good { "rather-better" } else { "rather-worse" }),
             };
-            let few =
-                if matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })) { "<sup>?</sup>" } else { "" };
+            let few = if matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })) { " few" } else { "" };
             let value = signed(measure.shown(e.mean), digits);
             let told = escape(&told(report, &d, *x, *y));
             let _ = match measure {
                 Measure::Success => write!(
                     s,
-                    "<td class=\"{class}\"><button type=\"button\" data-does=\"{x}\" data-not=\"{y}\" title=\"{told}\">{value}{few}</button></td>"
+                    "<td class=\"{class}{few}\"><button type=\"button\" data-does=\"{x}\" data-not=\"{y}\" title=\"{told}\">{value}</button></td>"
                 ),
-                _ => write!(s, "<td class=\"{class}\" title=\"{told}\">{value}{few}</td>"),
+                _ => write!(s, "<td class=\"{class}{few}\" title=\"{told}\">{value}</td>"),
             };
         }
         s.push_str("</tr>");
@@ -180,9 +179,9 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
 
 fn key(s: &mut String) {
     s.push_str(
-        "<p class=\"key\"><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain<i class=\"cell worse strong\"></i><i \
-         class=\"cell worse\"></i>worse for certain<i class=\"cell open \
-         rather-better\"></i><i class=\"cell open rather-worse\"></i>not told apart (<b>?</b>: too few worlds)</p><p class=\"about\">Strong \
+        "<p class=\"key\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain</span><span><i \
+         class=\"cell worse strong\"></i><i class=\"cell worse\"></i>worse for certain</span><span><i class=\"cell open rather-better\"></i><i \
+         class=\"cell open rather-worse\"></i>not told apart</span><span class=\"few-key\">too few worlds</span></p><p class=\"about\">Strong \
          colours: at least half of the greatest difference. A click on a cell lists the tasks that the row does and the column doesn't.</p>",
     );
 }

@@ -9,8 +9,10 @@ use vb_score::Outcome;
 use super::sections::with_interval;
 use super::series::{self, colour, line as line_class, marker};
 use crate::Report;
+use crate::compare::Difference;
 use crate::figures::{Estimate, Measure};
 use crate::robustness::Robustness;
+use crate::verdict::Verdict;
 
 /// How far the lines of planners stand apart, in distances between profiles.
 const APART: f64 = 0.05;
@@ -77,6 +79,15 @@ fn curve(s: &mut String, report: &Report, r: &Robustness) {
     s.push_str("</svg></figure>");
 }
 
+/// The corrected p-value, or that too few worlds differ for it to say anything.
+fn told_p(d: &Difference) -> String {
+    match (d.verdict, d.adjusted) {
+        (Some(Verdict::TooFewWorlds { .. }), _) => d.told(),
+        (_, Some(p)) => p_value(p),
+        (_, None) => "–".into(),
+    }
+}
+
 /// A difference of success with its interval: `+3.1 [−0.2, +6.4]`.
 fn difference(e: Option<Estimate>) -> String {
     let Some(e) = e else { return "–".into() };
@@ -106,7 +117,7 @@ fn table(s: &mut String, report: &Report, r: &Robustness) {
                 grouped(all.tasks),
                 with_interval(all.mean(Measure::Success), Measure::Success),
                 d.map_or_else(|| "–".into(), |d| difference(d.difference)),
-                escape(&d.and_then(|d| d.adjusted).map_or_else(|| "–".into(), p_value)),
+                escape(&d.map_or_else(|| "–".into(), told_p)),
                 percent(Outcome::Rollover),
                 percent(Outcome::Stuck),
             );

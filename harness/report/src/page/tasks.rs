@@ -45,7 +45,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     if shown < total {
         let _ = write!(
             s,
-            "<p class=\"about\">{} of {} tasks are listed, failures first; --csv and --parquet write all of them.</p>",
+            "<p class=\"about\">{} of {} tasks are listed, failures first, and the filters know no others; --csv and --parquet write all of them.</p>",
             grouped(shown as u64),
             grouped(total as u64)
         );
