@@ -43,6 +43,18 @@ impl Measure {
         }
     }
 
+    /// The unit of a difference, in which [`Measure::shown`] gives it.
+    #[must_use]
+    pub fn difference_unit(self) -> &'static str {
+        if self == Self::Success { "points" } else { self.unit() }
+    }
+
+    /// Whether a planner wants much of it: successes, but neither time nor tilt.
+    #[must_use]
+    pub fn more_is_better(self) -> bool {
+        self == Self::Success
+    }
+
     /// A value in the unit that people read.
     #[must_use]
     pub fn shown(self, value: f64) -> f64 {
@@ -70,6 +82,21 @@ pub struct Estimate {
     pub mean: f64,
     /// Its 95 % interval by the bootstrap over worlds.
     pub interval: Option<Interval>,
+}
+
+impl Estimate {
+    /// The estimate of the same with the other sign.
+    #[must_use]
+    pub(crate) fn negated(self) -> Self {
+        // 0 has no sign.
+        let minus = |v: f64| 0.0 - v;
+        let interval = self.interval.map(|i| Interval {
+            estimate: minus(i.estimate),
+            low: minus(i.high),
+            high: minus(i.low),
+        });
+        Self { mean: minus(self.mean), interval }
+    }
 }
 
 /// Figures over some tasks of one run.

@@ -35,7 +35,9 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     let runs: Vec<Value> =
         report.runs.runs.iter().map(|r| json!([r.label, r.dir.display().to_string()])).collect();
     let outcomes: Vec<String> = Outcome::ALL.map(label).into();
-    let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "rows": rows});
+    let uncounted = Outcome::ALL.iter().position(|o| *o == Outcome::HostError);
+    let data =
+        json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "uncounted": uncounted, "rows": rows});
     if !files.is_empty() {
         let list: Vec<String> = files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
         let _ = write!(s, "<p class=\"about\">All tasks as tables: {}.</p>", list.join(", "));
@@ -43,7 +45,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     if shown < total {
         let _ = write!(
             s,
-            "<p class=\"about\">{} of {} tasks are listed, failures first; --csv and --parquet write all of them.</p>",
+            "<p class=\"about\">{} of {} tasks are listed, failures first, and the filters know no others; --csv and --parquet write all of them.</p>",
             grouped(shown as u64),
             grouped(total as u64)
         );
@@ -51,7 +53,8 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     let _ = write!(
         s,
         "<div id=\"browser\"><form class=\"bar\" autocomplete=\"off\"><label>run <select name=\"run\"></select></label><label>outcome \
-         <select name=\"outcome\"></select></label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
+         <select name=\"outcome\"></select></label><label>tasks that <select name=\"does\"></select> does</label><label>and <select \
+         name=\"not\"></select> doesn't</label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
          <output></output></form><div class=\"scroll\"><table><thead></thead><tbody></tbody></table></div>\
          <p class=\"more\"><button type=\"button\">Show more</button></p><noscript>The list of tasks needs JavaScript.</noscript></div>\
          <script type=\"application/json\" id=\"data\">{}</script>",
