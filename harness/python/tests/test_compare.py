@@ -12,7 +12,7 @@ def _estimate(mean, low=None, high=None):
 
 def _figures(**means):
     none = dict.fromkeys(("success_rate", "time_s", "roll_deg", "pitch_deg"))
-    return {"tasks": 10, "worlds": 2, "outcomes": {"success": 4, "stuck": 6}} | none | means
+    return {"tasks": 10, "worlds": 2, "outcomes": {"success": 4, "stuck": 6}, "causes": {"high_centred": 6}} | none | means
 
 
 def _run(label, path, rate):
@@ -53,7 +53,7 @@ def test_what_the_program_tells_is_in_the_comparison(stand_in):
     assert (first.label, second.path, first.missing, first.all.tasks) == ("a <b>", "runs/c", 1, 10)
     assert first.all.success_rate == vertibench.Estimate(0.4, 0.1, 0.9) and first.all.pitch_deg is None
     assert (
-        first.all.outcomes == {"success": 4, "stuck": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
+        first.all.outcomes == {"success": 4, "stuck": 6} and first.all.causes == {"high_centred": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
     )
     (pair,) = comparison.pairs
     assert (pair.first, pair.second, pair.common, pair.both, pair.only_first, pair.only_second) == (

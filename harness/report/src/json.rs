@@ -1,7 +1,7 @@
 //! Figures and comparison for programs.
 
 use serde_json::{Map, Value, json};
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 use crate::Report;
 use crate::compare::Difference;
@@ -26,10 +26,13 @@ fn estimate(e: Estimate) -> Value {
 fn figures(f: &Figures) -> Value {
     let outcomes: Map<String, Value> =
         Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
+    let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), json!(f.caused(*c))));
+    let causes: Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
     let mut all = Map::from_iter([
         ("tasks".to_owned(), json!(f.tasks)),
         ("worlds".to_owned(), json!(f.worlds)),
         ("outcomes".to_owned(), Value::Object(outcomes)),
+        ("causes".to_owned(), Value::Object(causes)),
     ]);
     all.extend(Measure::ALL.map(|m| (key(m).to_owned(), f.mean(m).map_or(Value::Null, estimate))));
     Value::Object(all)

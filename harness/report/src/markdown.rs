@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 use crate::figures::{Estimate, Measure};
 use crate::ranking::{Place, Ranking};
@@ -86,6 +86,7 @@ impl Report {
                 run.header.tasks
             );
         }
+        self.markdown_causes(&mut s);
         self.markdown_robustness(&mut s);
         if let (Some(c), Some(ranking)) = (&self.comparison, &self.ranking) {
             if self.runs.runs.len() > 2 {
@@ -94,6 +95,24 @@ impl Report {
             self.markdown_comparison(&mut s, c, ranking);
         }
         s
+    }
+
+    /// What stopped the vehicles, if the records say it.
+    fn markdown_causes(&self, s: &mut String) {
+        let of = |cause: Cause| self.figures.iter().map(move |f| f.all.caused(cause));
+        let mut found: Vec<(Cause, u64)> =
+            Cause::ALL.iter().map(|c| (*c, of(*c).sum())).filter(|(_, n)| *n > 0).collect();
+        if found.is_empty() {
+            return;
+        }
+        found.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+        let labels: Vec<String> = self.runs.runs.iter().map(|r| text(&r.label)).collect();
+        let line = vec!["--:"; labels.len()].join("|");
+        let _ = write!(s, "\n| tasks that ended | {} |\n|:--|{line}|\n", labels.join(" | "));
+        for (cause, _) in found {
+            let counts: Vec<String> = of(cause).map(|n| n.to_string()).collect();
+            let _ = writeln!(s, "| {} | {} |", cause.title(), counts.join(" | "));
+        }
     }
 
     /// A line for each run: by rank if there are several, with what ended its tasks.

@@ -14,7 +14,7 @@ use vb_record::{
     TraceMode,
 };
 use vb_report::{Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
-use vb_score::{FuelUse, Metrics, Outcome, Rules, Summary, TaskRecord};
+use vb_score::{Cause, FuelUse, Metrics, Outcome, Rules, Summary, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 const HOSTILE: &str =
@@ -70,7 +70,7 @@ fn record(w: usize, t: usize, success: bool) -> TaskRecord {
         outcome,
         three_way: outcome.three_way(false),
         reason: "because".into(),
-        cause: None,
+        cause: (!success).then_some(if t % 3 == 0 { Cause::HighCentred } else { Cause::SpinningOnSoil }),
         evidence: String::new(),
         fault: None,
         time_s: 20.0 + x,
@@ -156,6 +156,36 @@ fn figures_agree_with_those_of_the_summary() {
     assert!((low.mean(Measure::Success).unwrap().mean - theirs.success_rate).abs() < 1e-12);
     let i = ours.all.mean(Measure::Success).unwrap().interval.unwrap();
     assert!(i.low < i.estimate && i.estimate < i.high);
+}
+
+#[test]
+fn causes_are_counted_and_lead_to_their_tasks() {
+    let dir = tempfile::tempdir().unwrap();
+    // Of the four tasks of each of five worlds the second to the fourth fail: t01 and t02 dig in, t03 is high-centred.
+    let run = write(&dir.path().join("r"), &header("pid", 20), tasks(5, |_, t| t == 0));
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    let all = &report.figures()[0].all;
+    assert_eq!((all.caused(Cause::SpinningOnSoil), all.caused(Cause::HighCentred)), (10, 5));
+    assert_eq!(
+        report.statistics()["runs"][0]["all"]["causes"],
+        serde_json::json!({"high_centred": 5, "spinning_on_soil": 10})
+    );
+    assert!(
+        report.markdown().contains("| spinning on soil | 10 |\n| high-centred | 5 |"),
+        "{}",
+        report.markdown()
+    );
+    let page = report.page(&BTreeSet::new(), &[]);
+    assert!(
+        page.contains("data-cause=\"spinning_on_soil\" data-run=\"0\">10 <small>50.0 %</small>"),
+        "{page}"
+    );
+    // Records of the version before have no causes: the section says so.
+    let old = tasks(5, |_, t| t == 0).into_iter().map(|r| TaskRecord { cause: None, ..r });
+    let run = write(&dir.path().join("old"), &header("pid", 20), old);
+    let report = Report::new(Runs::read(&[run]).unwrap());
+    assert!(report.page(&BTreeSet::new(), &[]).contains("a version that doesn't say why"));
+    assert!(!report.markdown().contains("tasks that ended"));
 }
 
 #[test]

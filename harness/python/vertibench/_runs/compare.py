@@ -38,6 +38,7 @@ class Figures:
     tasks: int  #: that count
     worlds: int  #: that they lie in
     outcomes: dict[str, int]  #: tasks by outcome
+    causes: dict[str, int]  #: tasks that rolled over or got stuck by what stopped the vehicle (docs/scoring.md)
     success_rate: Estimate | None  #: in [0, 1]
     time_s: Estimate | None  #: traversal time of successes, s
     roll_deg: Estimate | None  #: |roll| over all samples, degrees
@@ -220,7 +221,7 @@ def _read(told: dict[str, Any]) -> Comparison:
 
 def _figures(f: dict[str, Any]) -> Figures:
     means = [f[m] and Estimate(f[m]["mean"], f[m]["low"], f[m]["high"]) for m in MEASURES]
-    return Figures(f["tasks"], f["worlds"], dict(f["outcomes"]), *means)
+    return Figures(f["tasks"], f["worlds"], dict(f["outcomes"]), dict(f["causes"]), *means)
 
 
 def _difference(d: dict[str, Any] | None, measure: str) -> Difference | None:

@@ -1,5 +1,6 @@
 //! The page.
 
+mod causes;
 mod comparison;
 mod distribution;
 mod figure;
@@ -51,6 +52,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     }
     sections.extend([
         ("outcomes", "Outcomes"),
+        ("causes", "Why tasks fail"),
         ("worlds", "Worlds"),
         ("distributions", "Distributions"),
         ("fuel", "Fuel"),
@@ -81,6 +83,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
             "comparison" => comparison::comparison(&mut s, report),
             "robustness" => robustness::robustness(&mut s, report),
             "outcomes" => sections::outcomes(&mut s, report),
+            "causes" => causes::causes(&mut s, report),
             "worlds" => sections::worlds(&mut s, report),
             "distributions" => sections::distributions(&mut s, report),
             "fuel" => sections::fuel(&mut s, report),

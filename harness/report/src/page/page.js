@@ -22,6 +22,7 @@
     ['terrain', (r) => data.worlds[r[2]][2]],
     ['density', (r) => data.worlds[r[2]][3]],
     ['outcome', (r) => data.outcomes[r[3]]],
+    ['stopped by', (r) => (r[14] === null ? '' : data.causes[r[14]][1])],
     ['time s', (r) => r[4], 1],
     ['|roll| °', (r) => r[5], 1],
     ['most', (r) => r[6], 1],
@@ -32,6 +33,7 @@
     ['fuel 99 %', (r) => r[11], 1],
     ['replay', (r) => r[13]],
   ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
+    && (c[0] !== 'stopped by' || data.rows.some((r) => r[14] !== null))
     && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
   const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);
@@ -68,6 +70,11 @@
   data.outcomes.forEach((o, k) => {
     if (data.rows.some((r) => r[3] === k)) option(form.outcome, k, o);
   });
+  option(form.cause, '', 'anything');
+  data.causes.forEach(([name, title], k) => {
+    if (data.rows.some((r) => r[14] === k)) option(form.cause, name, title);
+  });
+  form.cause.parentElement.hidden = form.cause.options.length === 1;
   let sort = null;
   let chosen = [];
   let count = PAGE;
@@ -123,6 +130,7 @@
     const words = form.text.value.toLowerCase().split(/\s+/).filter(Boolean);
     chosen = data.rows.filter((r, k) => (run === '' || r[0] === Number(run))
       && (outcome === '' || (outcome === 'fail' ? r[3] !== 0 : r[3] === Number(outcome)))
+      && (form.cause.value === '' || (r[14] !== null && data.causes[r[14]][0] === form.cause.value))
       && parted(r, 'does') && parted(r, 'not') && meant(r)
       && words.every((w) => keys[k].includes(w)));
     if (sort) chosen.sort((a, b) => sort.sign * compare(rank(sort.of(a)), rank(sort.of(b))));
@@ -154,6 +162,9 @@
   };
   for (const b of $$('button[data-does]')) {
     b.addEventListener('click', () => show({ does: b.dataset.does, not: b.dataset.not }));
+  }
+  for (const b of $$('button[data-cause]')) {
+    b.addEventListener('click', () => show({ run: many ? b.dataset.run : '', cause: b.dataset.cause }));
   }
   for (const w of $$('button[data-world]')) {
     w.addEventListener('click', () => show({ run: many ? w.dataset.run : '', text: w.dataset.world + '/' }));
