@@ -162,7 +162,7 @@ impl Progress {
                     record.task,
                     record.outcome,
                     record.time_s,
-                    record.reason,
+                    record.explanation(),
                     width = self.total.to_string().len()
                 ));
                 details(record, self.debug).iter().for_each(|line| output::note(line));

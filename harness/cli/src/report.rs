@@ -34,6 +34,8 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
     }
     if args.markdown.as_deref() == Some(Path::new("-")) {
         output::text(&report.markdown());
+    } else if let Some(told) = report.headline() {
+        output::note(&told);
     }
     for file in files {
         output::note(&format!("wrote {}", file.display()));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vb_dataset::{Dataset, Episode, EpisodeInfo};
 use vb_record::{Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, WheelSample};
 use vb_replay::{Motion, PlannerSeries, Replay, ReplayRun, Sensed};
-use vb_score::{Outcome, TaskRecord};
+use vb_score::{Cause, Outcome, TaskRecord};
 use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, Task, World};
 
@@ -97,10 +97,6 @@ fn trace(dataset: &Dataset, episode: &Episode, world: &World, task: &Task) -> Tr
 fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
     // A drive that was ended by hand has no outcome of the rules; its reason says so.
     let outcome = Outcome::ALL.into_iter().find(|o| o.name() == info.outcome).unwrap_or(Outcome::Timeout);
-    let reason = match info.cause.as_str() {
-        "" => info.reason.clone(),
-        cause => format!("{} ({})", info.reason, cause.replace('_', " ")),
-    };
     TaskRecord {
         task: format!("{}/{}", world.id, task.id),
         world: world.id.clone(),
@@ -109,7 +105,9 @@ fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
         density: world.density,
         outcome,
         three_way: outcome.three_way(false),
-        reason,
+        reason: info.reason.clone(),
+        cause: Cause::ALL.iter().copied().find(|c| c.name() == info.cause),
+        evidence: String::new(),
         fault: None,
         time_s: info.time_s,
         state_hash: info.state_hash.clone(),

@@ -1,11 +1,10 @@
-//! Failures: their causes, and the last seconds before them.
+//! Failures: the last seconds before them.
 
-use vb_score::cause::{Body, Moment, WheelMoment};
-use vb_score::{Cause, Outcome};
+use vb_score::Outcome;
 
 use crate::episode::{Episode, EpisodeInfo};
 use crate::error::DatasetError;
-use crate::feature::{Feature, Ground, Values};
+use crate::feature::{Feature, Values};
 use crate::reader::Dataset;
 use crate::writer::DatasetWriter;
 
@@ -15,47 +14,6 @@ pub const SECONDS: f64 = 10.0;
 /// Whether an episode ended as the paper's failures do: rolled over, or stuck.
 pub(crate) fn is_failure(info: &EpisodeInfo) -> bool {
     [Outcome::Rollover, Outcome::Stuck].iter().any(|o| o.name() == info.outcome)
-}
-
-/// The last seconds of an episode, as a judgement of causes takes them.
-fn moments(episode: &Episode, features: &[Feature], hz: f64, seconds: f64) -> Vec<Moment> {
-    let view = episode.view(features);
-    let first = episode.frames.saturating_sub((seconds * hz).ceil() as usize);
-    let moment = |k: usize| {
-        let (state, applied) = (view.state(k), view.row("action.applied", k));
-        let (spins, loads) = (view.row("observation.wheels", k), view.row("truth.wheels", k));
-        let wheel =
-            |(spin, load): (&[f64], &[f64])| WheelMoment { spin: spin[0], load: load[0], sinkage: load[1] };
-        Moment {
-            time: k as f64 / hz,
-            position: [state[0], state[1], state[2]],
-            roll: state[3],
-            pitch: state[4],
-            yaw: state[5],
-            velocity: [state[6], state[7], state[8]],
-            yaw_rate: state[11],
-            throttle: applied[1],
-            reverse: applied[3] < 0.0,
-            wheels: spins.chunks_exact(2).zip(loads.chunks_exact(2)).map(wheel).collect(),
-        }
-    };
-    (first..episode.frames).map(moment).collect()
-}
-
-/// The cause of an episode's failure; none if it didn't fail.
-pub(crate) fn cause_of(
-    episode: &Episode,
-    features: &[Feature],
-    hz: u32,
-    ground: &Ground,
-    body: &Body,
-) -> Option<Cause> {
-    if !is_failure(&episode.info) {
-        return None;
-    }
-    let moments = moments(episode, features, f64::from(hz), SECONDS * body.scale.sqrt());
-    let rolled_over = episode.info.outcome == Outcome::Rollover.name();
-    Some(vb_score::cause(&moments, body, ground.outlines(), rolled_over))
 }
 
 impl Episode {

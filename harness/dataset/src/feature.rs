@@ -511,11 +511,6 @@ impl Ground {
         Self { world, outlines }
     }
 
-    /// The outlines of the obstacles, seen from above, m.
-    pub(crate) fn outlines(&self) -> &[Vec<[f64; 2]>] {
-        &self.outlines
-    }
-
     /// The distance from a place to the nearest obstacle, m; 0 within one, infinite without any.
     pub(crate) fn clearance(&self, at: [f64; 2]) -> f64 {
         let distance = |o: &Vec<[f64; 2]>| vb_world::geometry::point_to_polygon(at, o);

@@ -9,8 +9,7 @@ use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
 use vb_record::{LogMode, RunReader, Sample, TraceMode};
 use vb_runner::{Driver, Keep, Place, PluginDriver, SAMPLE_PERIOD, Setting, TrialResult, Wants, Witness};
-use vb_score::cause::Body;
-use vb_score::{Outcome, TaskRecord};
+use vb_score::{Cause, Outcome, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sdk::{Command, Observation};
 use vb_sim::{Controls, Simulation, VehicleState};
@@ -19,7 +18,6 @@ use vb_world::{Suite, Task, TaskRef};
 use crate::episode::{Episode, EpisodeInfo, Recorder};
 use crate::error::DatasetError;
 use crate::explore::{Exploration, Explorer, random_start};
-use crate::failure::cause_of;
 use crate::feature::{Feature, Ground};
 use crate::ordered::ordered;
 use crate::playback::Playback;
@@ -382,11 +380,6 @@ impl Making<'_> {
         self.gather(writer, make, progress, &|_| false)
     }
 
-    fn body(&self) -> Body {
-        let vb_sdk::Vehicle { mass, length, width, wheel_radius, scale, .. } = self.setting.vehicle;
-        Body { mass, length, width, wheel_radius, scale }
-    }
-
     /// Lets somebody drive a task by hand while an onlooker looks on; the episode. If `cancel` is set, it ends as it is then,
     /// with the outcome [`ENDED`].
     ///
@@ -414,7 +407,7 @@ impl Making<'_> {
         let name = driver.name();
         let driven = self.setting.drive(&site.place, task, wants, driver, &mut both, keep, self.cancel)?;
         let record = driven.map(|d| d.record);
-        Ok(Some(self.recorded(recorder, &site, features, &drive, name, record)))
+        Ok(Some(self.recorded(recorder, &site, &drive, name, record)))
     }
 
     /// Lets a driver drive, and records it; `None` if it was cancelled.
@@ -433,7 +426,7 @@ impl Making<'_> {
             self.setting.drive(&site.place, task, wants, driver, &mut recorder, keep, self.cancel)?;
         let Some(TrialResult { record, .. }) = driven else { return Ok(None) };
         let outcome = record.outcome;
-        Ok(Some((self.recorded(recorder, site, features, drive, name, Some(record)), outcome)))
+        Ok(Some((self.recorded(recorder, site, drive, name, Some(record)), outcome)))
     }
 
     /// The episode of a drive; without a record it was ended before the rules did.
@@ -441,13 +434,13 @@ impl Making<'_> {
         &self,
         recorder: Recorder<'_>,
         site: &Site,
-        features: &[Feature],
         drive: &Drive<'_>,
         name: String,
         record: Option<TaskRecord>,
     ) -> Episode {
         let Drive { task, .. } = *drive;
         let world = &site.place.world;
+        let cause = record.as_ref().and_then(|r| r.cause).map_or("", Cause::name);
         let (outcome, reason, time_s, state_hash) = match record {
             Some(r) => (r.outcome.name(), r.reason, r.time_s, r.state_hash),
             None => {
@@ -472,12 +465,10 @@ impl Making<'_> {
             start,
             goal: task.goal,
             state_hash,
+            cause: cause.to_owned(),
             ..EpisodeInfo::default()
         };
-        let mut episode = recorder.finish(info);
-        let cause = cause_of(&episode, features, self.hz, &site.ground, &self.body());
-        episode.info.cause = cause.map(|c| c.name().to_owned()).unwrap_or_default();
-        episode
+        recorder.finish(info)
     }
 }
 

@@ -26,6 +26,14 @@ pub fn number(v: f64, digits: usize) -> String {
     if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
+/// A difference: a [`number`] with a plus sign where it is greater than 0.
+#[must_use]
+pub fn signed(v: f64, digits: usize) -> String {
+    let text = number(v, digits);
+    let zero = text.bytes().all(|b| matches!(b, b'0' | b'.'));
+    if zero || v < 0.0 { text } else { format!("+{text}") }
+}
+
 /// A whole number with thin spaces between thousands.
 #[must_use]
 pub fn grouped(n: u64) -> String {
@@ -61,6 +69,10 @@ mod tests {
     #[test]
     fn numbers_are_written_as_people_read_them() {
         assert_eq!((number(-1.25, 1).as_str(), number(-0.01, 1).as_str()), ("−1.2", "0.0"));
+        assert_eq!(
+            (signed(1.25, 1), signed(-1.25, 1), signed(0.01, 1)),
+            ("+1.2".into(), "−1.2".into(), "0.0".into())
+        );
         assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
         assert_eq!((p_value(0.000_4).as_str(), p_value(0.0412).as_str()), ("< 0.001", "0.041"));
     }

@@ -3,6 +3,7 @@
 import pytest
 
 import vertibench
+from vertibench._runs.compare import Place
 
 
 def _estimate(mean, low=None, high=None):
@@ -11,7 +12,7 @@ def _estimate(mean, low=None, high=None):
 
 def _figures(**means):
     none = dict.fromkeys(("success_rate", "time_s", "roll_deg", "pitch_deg"))
-    return {"tasks": 10, "worlds": 2, "outcomes": {"success": 4, "stuck": 6}} | none | means
+    return {"tasks": 10, "worlds": 2, "outcomes": {"success": 4, "stuck": 6}, "causes": {"high_centred": 6}} | none | means
 
 
 def _run(label, path, rate):
@@ -20,10 +21,15 @@ def _run(label, path, rate):
     return {"label": label, "path": path, "missing": 1, "host_errors": 0, "all": all_, **splits}
 
 
+def _difference(tasks, mean, low, high, p, p_adjusted, verdict, worlds=2, needed=None, **secondary):
+    own = {"tasks": tasks, "mean": mean, "low": low, "high": high, "p": p, "p_adjusted": p_adjusted}
+    return own | {"verdict": verdict, "worlds": worlds, "worlds_needed": needed} | secondary
+
+
 DIFFERENCES = {
-    "success_rate": {"tasks": 9, "mean": 0.25, "low": -0.1, "high": 0.5, "p": 0.03, "p_adjusted": 0.0004},
-    "time_s": {"tasks": 3, "mean": -2.5, "low": None, "high": None, "p": 0.5, "p_adjusted": 1.0},
-    "roll_deg": {"tasks": 9, "mean": 0.0, "low": -1.0, "high": 1.0, "p": None, "p_adjusted": None},
+    "success_rate": _difference(9, 0.25, -0.1, 0.5, 0.0004, 0.0004, "better", p_mcnemar=0.375),
+    "time_s": _difference(3, -2.5, None, None, 0.5, 0.5, "too_few_worlds", needed=6, p_wilcoxon=0.5),
+    "roll_deg": _difference(9, 0.0, -1.0, 1.0, None, None, None, p_wilcoxon=None),
     "pitch_deg": None,
 }
 PAIR = {"first": 0, "second": 1, "common": 9, "both": 3, "only_first": 1, "only_second": 4, "differences": DIFFERENCES}
@@ -32,6 +38,11 @@ TOLD = {
     "level": 0.95,
     "runs": [_run("a <b>", "runs/a", 0.4), _run("c", "runs/c", 0.65)],
     "pairs": [PAIR],
+    "ranking": [
+        {"run": 1, "rank": 1, "rank_last": 2, "ties": [0]},
+        {"run": 0, "rank": 1, "rank_last": 2, "ties": [1]},
+    ],
+    "headline": "c does <most>.",
 }
 
 
@@ -42,7 +53,7 @@ def test_what_the_program_tells_is_in_the_comparison(stand_in):
     assert (first.label, second.path, first.missing, first.all.tasks) == ("a <b>", "runs/c", 1, 10)
     assert first.all.success_rate == vertibench.Estimate(0.4, 0.1, 0.9) and first.all.pitch_deg is None
     assert (
-        first.all.outcomes == {"success": 4, "stuck": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
+        first.all.outcomes == {"success": 4, "stuck": 6} and first.all.causes == {"high_centred": 6} and first.splits["elevation"]["low"].success_rate.mean == 1.0
     )
     (pair,) = comparison.pairs
     assert (pair.first, pair.second, pair.common, pair.both, pair.only_first, pair.only_second) == (
@@ -54,7 +65,10 @@ def test_what_the_program_tells_is_in_the_comparison(stand_in):
         4,
     )
     d = pair.success_rate
-    assert (d.mean, d.low, d.high, d.tasks, d.p, d.p_adjusted) == (0.25, -0.1, 0.5, 9, 0.03, 0.0004)
+    assert (d.mean, d.low, d.high, d.tasks, d.p, d.p_adjusted) == (0.25, -0.1, 0.5, 9, 0.0004, 0.0004)
+    assert (d.verdict, d.worlds, d.worlds_needed, d.p_secondary) == ("better", 2, None, 0.375)
+    assert (pair.time_s.verdict, pair.time_s.worlds_needed, pair.time_s.p_secondary) == ("too_few_worlds", 6, 0.5)
+    assert comparison.ranking[0] == Place("c", 1, 2, ("a <b>",)) and comparison.headline == "c does <most>."
     assert f"{d:.0%}" == "25% (-10% to 50%)" and pair.pitch_deg is None and pair.time_s.low is None
     assert "success a <b> 40.0% (10.0%–90.0%); c 65.0%" in repr(comparison)
 
@@ -78,8 +92,11 @@ def test_comparisons_are_frames_and_tables(stand_in):
         0.0,
         None,
     ]
-    assert pairs["p_adjusted"] == [0.0004, 1.0, None, None] and pairs["only_second"] == [4] * 4
+    assert pairs["p_adjusted"] == [0.0004, 0.5, None, None] and pairs["only_second"] == [4] * 4
+    assert pairs["verdict"] == ["better", "too_few_worlds", None, None] and pairs["worlds_needed"][1] == 6
+    assert comparison.ranking_frame("dict")["ties"] == ["a <b>", "c"]
     page = comparison._repr_html_()
+    assert "<p>c does &lt;most&gt;.</p>" in page
     assert "a &lt;b&gt;" in page and "<b>" not in page, "labels are text"
     for told in ("40.0 (10.0–90.0)", "25.0 (-10.0 to 50.0)", "&lt; 0.001", "1 / 4", "-2.5"):
         assert told in page, told

@@ -169,7 +169,7 @@ fn write_run(
     let message = Log {
         timestamp: Some(stamp),
         level: if success { log::Level::Info } else { log::Level::Warning } as i32,
-        message: format!("{}: {}", run.record.outcome, run.record.reason),
+        message: format!("{}: {}", run.record.outcome, run.record.explanation()),
         name: run.label.clone(),
         ..Log::default()
     };

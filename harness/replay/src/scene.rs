@@ -231,7 +231,7 @@ fn run(run: &ReplayRun) -> Value {
         "label": run.label,
         "outcome": r.outcome.name().replace('_', " "),
         "success": r.outcome == vb_score::Outcome::Success,
-        "reason": r.reason,
+        "reason": r.explanation(),
         "fault": r.fault,
         "log": r.log,
         "time": r.time_s,

@@ -171,6 +171,8 @@ impl Drive {
             outcome: Outcome::Stuck,
             three_way: Outcome::Stuck.three_way(false),
             reason: format!("it sank {label}"),
+            cause: None,
+            evidence: String::new(),
             fault: Some(label.into()),
             time_s: 4.0,
             state_hash: self.hash.clone(),

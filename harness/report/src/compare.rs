@@ -1,11 +1,14 @@
 //! Planners held against each other on the same tasks.
+//!
+//! A difference is always one run's value less another's, "second − first" in a [`Pair`]; whether that is good depends on the
+//! measure ([`Measure::more_is_better`]), and a [`Verdict`] says it.
 
 use crate::figures::{Estimate, Measure, estimate};
 use crate::runs::{Row, Run, Runs};
-use crate::statistics::{Profile, Ratio, holm, mcnemar, profiles, wilcoxon};
+use crate::statistics::{Profile, Ratio, mcnemar, profiles, sign_flip, wilcoxon};
+use crate::verdict::{Verdict, decide};
 
-/// Runs up to this number are compared all with all, more with the first only.
-const ALL_WITH_ALL: usize = 6;
+use vb_score::BOOTSTRAP_SEED;
 
 /// A figure's difference between two runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,12 +17,31 @@ pub struct Difference {
     pub measure: Measure,
     /// Number of tasks that have it in both runs.
     pub tasks: u64,
+    /// Number of worlds in which the sum over those tasks differs: what the deciding test goes by.
+    pub worlds: usize,
     /// Mean over tasks of the second run's value less the first's, with its interval; none without common tasks.
     pub difference: Option<Estimate>,
-    /// Two-sided p-value: of McNemar's test over tasks for the success rate, else of Wilcoxon's over the means of worlds.
+    /// Two-sided p-value of the deciding test, which flips the signs of whole worlds ([`sign_flip`]); none without common tasks.
     pub p: Option<f64>,
-    /// That p-value after Holm's correction over all tests of the report.
+    /// That p-value after Holm's correction over its family: this measure of all pairs.
     pub adjusted: Option<f64>,
+    /// What the corrected p-value says of the second run; none without common tasks.
+    pub verdict: Option<Verdict>,
+    /// Two-sided p-value, without correction, of a test that assumes more and decides nothing: McNemar's exact test over tasks
+    /// for the success rate, as if tasks were independent; else Wilcoxon's over the means of worlds, as if each world counted
+    /// the same.
+    pub secondary: Option<f64>,
+}
+
+impl Difference {
+    /// The same, seen from the other run: the first less the second.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let mut other = self.clone();
+        other.difference = self.difference.map(Estimate::negated);
+        other.verdict = self.verdict.map(Verdict::reversed);
+        other
+    }
 }
 
 /// Two runs on their common tasks.
@@ -44,7 +66,7 @@ pub struct Pair {
 /// The comparison of two or more runs.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Pairs of runs.
+    /// Pairs of runs, all with all.
     pub pairs: Vec<Pair>,
     /// Each run's performance profile by traversal time, over the tasks that all have done.
     pub profiles: Vec<Profile>,
@@ -60,18 +82,27 @@ impl Comparison {
         if n < 2 {
             return None;
         }
-        let first = if n <= ALL_WITH_ALL { n } else { 1 };
         let mut pairs: Vec<Pair> =
-            (0..first).flat_map(|a| (a + 1..n).map(move |b| (a, b))).map(|(a, b)| pair(runs, a, b)).collect();
-        // One family: whoever looks at the whole table sees a false difference in one of twenty tables at most.
-        let tests: Vec<f64> = pairs.iter().flat_map(|p| &p.differences).filter_map(|d| d.p).collect();
-        let mut adjusted = holm(&tests).into_iter();
-        for d in pairs.iter_mut().flat_map(|p| &mut p.differences) {
-            d.adjusted = d.p.and_then(|_| adjusted.next());
+            (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))).map(|(a, b)| pair(runs, a, b)).collect();
+        for measure in Measure::ALL {
+            decide(pairs.iter_mut().filter_map(|p| p.differences.get_mut(measure as usize)).collect());
         }
         let costs = common_costs(runs);
         let profile_tasks = costs.first().map_or(0, Vec::len);
         Some(Self { pairs, profiles: profiles(&costs), profile_tasks })
+    }
+
+    /// The pair of two runs, whichever of them is its first.
+    #[must_use]
+    pub fn pair(&self, x: usize, y: usize) -> Option<&Pair> {
+        self.pairs.iter().find(|p| (p.a, p.b) == (x.min(y), x.max(y)))
+    }
+
+    /// The difference of run `x` less run `y`.
+    #[must_use]
+    pub fn between(&self, x: usize, y: usize, measure: Measure) -> Option<Difference> {
+        let d = self.pair(x, y)?.differences.get(measure as usize)?;
+        Some(if x < y { d.reversed() } else { d.clone() })
     }
 }
 
@@ -107,18 +138,23 @@ pub(crate) fn pair(runs: &Runs, a: usize, b: usize) -> Pair {
             }
         }
         let tasks = worlds.iter().map(|w| w.weight).sum::<f64>() as u64;
+        let sums: Vec<f64> = worlds.iter().map(|w| w.sum).collect();
+        let test = sign_flip(&sums, BOOTSTRAP_SEED, &["report", "sign flips", measure.name()]);
         let means: Vec<f64> = worlds.iter().filter(|w| w.weight > 0.0).map(|w| w.sum / w.weight).collect();
-        let p = match measure {
-            Measure::Success => (tasks > 0).then(|| mcnemar(only_a, only_b)),
+        let secondary = match measure {
+            Measure::Success => mcnemar(only_a, only_b),
             // Equal everywhere: nothing speaks for a difference.
-            _ => (!means.is_empty()).then(|| wilcoxon(&means).map_or(1.0, |r| r.p)),
+            _ => wilcoxon(&means).map_or(1.0, |r| r.p),
         };
         Difference {
             measure,
             tasks,
+            worlds: test.worlds,
             difference: estimate(&worlds, &format!("difference of {}", measure.name())),
-            p,
+            p: (tasks > 0).then_some(test.p),
             adjusted: None,
+            verdict: None,
+            secondary: (tasks > 0).then_some(secondary),
         }
     });
     Pair {

@@ -1,6 +1,6 @@
 //! Figures of a run over some of its tasks.
 
-use vb_score::{BOOTSTRAP_SEED, Outcome};
+use vb_score::{BOOTSTRAP_SEED, Cause, Outcome};
 
 use crate::runs::{Row, Run, Runs, WorldLabels};
 use crate::statistics::{Interval, Ratio, bootstrap_ratio, success_interval};
@@ -43,6 +43,18 @@ impl Measure {
         }
     }
 
+    /// The unit of a difference, in which [`Measure::shown`] gives it.
+    #[must_use]
+    pub fn difference_unit(self) -> &'static str {
+        if self == Self::Success { "points" } else { self.unit() }
+    }
+
+    /// Whether a planner wants much of it: successes, but neither time nor tilt.
+    #[must_use]
+    pub fn more_is_better(self) -> bool {
+        self == Self::Success
+    }
+
     /// A value in the unit that people read.
     #[must_use]
     pub fn shown(self, value: f64) -> f64 {
@@ -72,6 +84,21 @@ pub struct Estimate {
     pub interval: Option<Interval>,
 }
 
+impl Estimate {
+    /// The estimate of the same with the other sign.
+    #[must_use]
+    pub(crate) fn negated(self) -> Self {
+        // 0 has no sign.
+        let minus = |v: f64| 0.0 - v;
+        let interval = self.interval.map(|i| Interval {
+            estimate: minus(i.estimate),
+            low: minus(i.high),
+            high: minus(i.low),
+        });
+        Self { mean: minus(self.mean), interval }
+    }
+}
+
 /// Figures over some tasks of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
@@ -81,6 +108,8 @@ pub struct Figures {
     pub worlds: usize,
     /// Number by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [u64; Outcome::ALL.len()],
+    /// Number of those that rolled over or got stuck by cause, in the order of [`Cause::ALL`].
+    pub causes: [u64; Cause::ALL.len()],
     /// Means, in the order of [`Measure::ALL`]; none without anything to average.
     pub means: [Option<Estimate>; Measure::ALL.len()],
 }
@@ -91,11 +120,15 @@ impl Figures {
     pub fn new<'a>(rows: impl Iterator<Item = &'a Row>, worlds: usize) -> Self {
         let mut sums = vec![[Ratio::default(); Measure::ALL.len()]; worlds];
         let mut outcomes = [0; Outcome::ALL.len()];
+        let mut causes = [0; Cause::ALL.len()];
         let mut tasks = 0;
         for row in rows.filter(|r| r.counts()) {
             tasks += 1;
             if let Some(k) = Outcome::ALL.iter().position(|o| *o == row.outcome) {
                 outcomes[k] += 1;
+            }
+            if let Some(k) = Cause::ALL.iter().position(|c| Some(*c) == row.cause) {
+                causes[k] += 1;
             }
             for (sum, measure) in sums[row.world as usize].iter_mut().zip(Measure::ALL) {
                 let own = measure.of(row);
@@ -111,13 +144,19 @@ impl Figures {
             }
         });
         let found = sums.iter().filter(|s| s[0].weight > 0.0).count();
-        Self { tasks, worlds: found, outcomes, means }
+        Self { tasks, worlds: found, outcomes, causes, means }
     }
 
     /// A mean.
     #[must_use]
     pub fn mean(&self, measure: Measure) -> Option<Estimate> {
         self.means[measure as usize]
+    }
+
+    /// How many tasks were stopped by this.
+    #[must_use]
+    pub fn caused(&self, cause: Cause) -> u64 {
+        Cause::ALL.iter().position(|c| *c == cause).map_or(0, |k| self.causes[k])
     }
 
     /// How many tasks ended so.

@@ -1,11 +1,13 @@
 //! Figures and comparison for programs.
 
 use serde_json::{Map, Value, json};
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 use crate::Report;
 use crate::compare::Difference;
 use crate::figures::{Estimate, Figures, Measure};
+use crate::ranking::Place;
+use crate::verdict::{LEVEL, Verdict};
 
 /// The name of a measure, with its unit.
 fn key(measure: Measure) -> &'static str {
@@ -24,10 +26,13 @@ fn estimate(e: Estimate) -> Value {
 fn figures(f: &Figures) -> Value {
     let outcomes: Map<String, Value> =
         Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
+    let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), json!(f.caused(*c))));
+    let causes: Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
     let mut all = Map::from_iter([
         ("tasks".to_owned(), json!(f.tasks)),
         ("worlds".to_owned(), json!(f.worlds)),
         ("outcomes".to_owned(), Value::Object(outcomes)),
+        ("causes".to_owned(), Value::Object(causes)),
     ]);
     all.extend(Measure::ALL.map(|m| (key(m).to_owned(), f.mean(m).map_or(Value::Null, estimate))));
     Value::Object(all)
@@ -37,14 +42,27 @@ fn difference(d: &Difference) -> Value {
     d.difference.map_or(Value::Null, |e| {
         let mut all = estimate(e);
         all["tasks"] = json!(d.tasks);
+        all["worlds"] = json!(d.worlds);
         all["p"] = json!(d.p);
         all["p_adjusted"] = json!(d.adjusted);
+        all["verdict"] = json!(d.verdict.map(Verdict::name));
+        all["worlds_needed"] = match d.verdict {
+            Some(Verdict::TooFewWorlds { needed }) => json!(needed),
+            _ => Value::Null,
+        };
+        let secondary = if d.measure == Measure::Success { "p_mcnemar" } else { "p_wilcoxon" };
+        all[secondary] = json!(d.secondary);
         all
     })
 }
 
+/// A run's place, with runs by their index as in `pairs`.
+fn place(p: &Place) -> Value {
+    json!({"run": p.run, "rank": p.rank, "rank_last": p.last, "ties": p.ties})
+}
+
 impl Report {
-    /// All figures and the comparison as JSON: `runs` and `pairs` (docs/results.md).
+    /// All figures and the comparison as JSON: `runs`, `pairs`, `ranking` and `headline` (docs/reports.md).
     #[must_use]
     pub fn statistics(&self) -> Value {
         let runs: Vec<Value> = self
@@ -75,6 +93,8 @@ impl Report {
             json!({"first": p.a, "second": p.b, "common": p.common, "both": p.both, "only_first": p.only_a,
                    "only_second": p.only_b, "differences": differences})
         }).collect();
-        json!({"level": 0.95, "runs": runs, "pairs": pairs})
+        let ranking: Vec<Value> =
+            self.ranking.iter().flat_map(|ranking| &ranking.places).map(place).collect();
+        json!({"level": 1.0 - LEVEL, "runs": runs, "pairs": pairs, "ranking": ranking, "headline": self.headline()})
     }
 }

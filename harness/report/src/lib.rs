@@ -7,21 +7,26 @@
 mod compare;
 mod error;
 mod figures;
+mod headline;
 mod json;
 mod markdown;
 mod page;
+mod ranking;
 mod report;
 mod robustness;
 mod runs;
 pub mod statistics;
 mod sweep;
 mod table;
+mod verdict;
 
 pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
 pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
+pub use ranking::{Place, Ranking};
 pub use report::Report;
 pub use robustness::{Line, Point, Robustness};
 pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
 pub use sweep::{SweepRow, sweep_csv, sweep_markdown, sweep_page};
 pub use table::{write_csv, write_parquet};
+pub use verdict::{LEVEL, Verdict};

@@ -2,11 +2,13 @@
 
 use std::fmt::Write as _;
 
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
-use crate::Report;
 use crate::figures::{Estimate, Measure};
-use vb_page::{number, p_value};
+use crate::ranking::{Place, Ranking};
+use crate::verdict::Verdict;
+use crate::{Comparison, Report};
+use vb_page::{number, p_value, signed};
 
 /// Text in a cell: nothing of it is markup.
 pub(crate) fn text(t: &str) -> String {
@@ -26,13 +28,22 @@ pub(crate) fn text(t: &str) -> String {
     out
 }
 
-fn mean(e: Option<Estimate>, measure: Measure) -> String {
-    let v = |v: f64| number(measure.shown(v), 1);
+/// A mean with its interval, its values as `write` writes them.
+fn cell(e: Option<Estimate>, measure: Measure, write: fn(f64, usize) -> String) -> String {
+    let v = |v: f64| write(measure.shown(v), 1);
     match e {
         None => "–".into(),
         Some(Estimate { mean, interval: Some(i) }) => format!("{} [{}, {}]", v(mean), v(i.low), v(i.high)),
         Some(Estimate { mean, interval: None }) => v(mean),
     }
+}
+
+fn mean(e: Option<Estimate>, measure: Measure) -> String {
+    cell(e, measure, number)
+}
+
+fn difference(e: Option<Estimate>, measure: Measure) -> String {
+    cell(e, measure, signed)
 }
 
 impl Report {
@@ -45,14 +56,14 @@ impl Report {
         for (line, point) in r.lines.iter().flat_map(|line| line.points.iter().map(move |p| (line, p))) {
             let all = &self.figures[point.run].all;
             let percent = |o: Outcome| number(100.0 * all.count(o) as f64 / all.tasks.max(1) as f64, 1);
-            let difference = point.difference.as_ref().and_then(|d| d.difference);
+            let from_first = point.difference.as_ref().and_then(|d| d.difference);
             let _ = writeln!(
                 s,
                 "| {} | {} | {} | {} | {} | {} |",
                 text(&line.label),
                 text(&r.profiles[point.profile]),
                 mean(all.mean(Measure::Success), Measure::Success),
-                mean(difference, Measure::Success),
+                difference(from_first, Measure::Success),
                 percent(Outcome::Rollover),
                 percent(Outcome::Stuck),
             );
@@ -63,14 +74,66 @@ impl Report {
     /// The results, and the comparison if there is one, as GitHub-flavoured Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let runs = &self.runs.runs;
-        let mut s = format!(
-            "| planner on {} | tasks | success % | time s | \\|roll\\| ° | \\|pitch\\| ° | rollover | stuck | timeout | out | errors |\n\
-             |:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        let mut s = self.headline().map_or_else(String::new, |told| format!("{}\n\n", text(&told)));
+        self.markdown_results(&mut s);
+        s.push_str("\nIn brackets: 95 % intervals, bootstrap over worlds. Time: of successes; angles: over all samples.\n");
+        for run in self.runs.runs.iter().filter(|r| r.missing() > 0) {
+            let _ = writeln!(
+                s,
+                "\n{}: {} of {} tasks are not done yet.",
+                text(&run.label),
+                run.missing(),
+                run.header.tasks
+            );
+        }
+        self.markdown_causes(&mut s);
+        self.markdown_robustness(&mut s);
+        if let (Some(c), Some(ranking)) = (&self.comparison, &self.ranking) {
+            if self.runs.runs.len() > 2 {
+                self.markdown_matrix(&mut s, c, ranking);
+            }
+            self.markdown_comparison(&mut s, c, ranking);
+        }
+        s
+    }
+
+    /// What stopped the vehicles, if the records say it.
+    fn markdown_causes(&self, s: &mut String) {
+        let of = |cause: Cause| self.figures.iter().map(move |f| f.all.caused(cause));
+        let mut found: Vec<(Cause, u64)> =
+            Cause::ALL.iter().map(|c| (*c, of(*c).sum())).filter(|(_, n)| *n > 0).collect();
+        if found.is_empty() {
+            return;
+        }
+        found.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+        let labels: Vec<String> = self.runs.runs.iter().map(|r| text(&r.label)).collect();
+        let line = vec!["--:"; labels.len()].join("|");
+        let _ = write!(s, "\n| tasks that ended | {} |\n|:--|{line}|\n", labels.join(" | "));
+        for (cause, _) in found {
+            let counts: Vec<String> = of(cause).map(|n| n.to_string()).collect();
+            let _ = writeln!(s, "| {} | {} |", cause.title(), counts.join(" | "));
+        }
+    }
+
+    /// A line for each run: by rank if there are several, with what ended its tasks.
+    fn markdown_results(&self, s: &mut String) {
+        let ranked = self.ranking.is_some();
+        let (head, line) = if ranked { ("| rank ", "|--:") } else { ("", "") };
+        let _ = write!(
+            s,
+            "{head}| planner on {} | tasks | success % | time s | \\|roll\\| ° | \\|pitch\\| ° | rollover | stuck | timeout | out | errors |\n\
+             {line}|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
             text(&self.runs.scope())
         );
-        for (run, f) in runs.iter().zip(&self.figures) {
+        let places = self.ranking.as_ref().map_or(&[][..], |r| &r.places);
+        let order: Vec<(usize, Option<&Place>)> =
+            if ranked { places.iter().map(|p| (p.run, Some(p))).collect() } else { vec![(0, None)] };
+        for (k, place) in order {
+            let (run, f) = (&self.runs.runs[k], &self.figures[k]);
             let n = |o| f.all.count(o);
+            if let Some(p) = place {
+                let _ = write!(s, "| {} ", p.told());
+            }
             let _ = writeln!(
                 s,
                 "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
@@ -87,35 +150,65 @@ impl Report {
                 n(Outcome::PlannerError) + n(Outcome::SimError),
             );
         }
-        s.push_str("\nIn brackets: 95 % intervals, bootstrap over worlds. Time: of successes; angles: over all samples.\n");
-        for run in runs.iter().filter(|r| r.missing() > 0) {
-            let _ = writeln!(
-                s,
-                "\n{}: {} of {} tasks are not done yet.",
-                text(&run.label),
-                run.missing(),
-                run.header.tasks
+        if ranked {
+            s.push_str(
+                "\nRank: one more than the number of planners that succeed more for certain; \"1–3\" has the ranks that are possible.\n",
             );
         }
-        self.markdown_robustness(&mut s);
-        let Some(c) = &self.comparison else { return s };
+    }
+
+    /// Differences of success, each planner with each.
+    fn markdown_matrix(&self, s: &mut String, c: &Comparison, ranking: &Ranking) {
+        s.push_str("\n| success, points: row − column |");
+        let order: Vec<usize> = ranking.places.iter().map(|p| p.run).collect();
+        for run in &order {
+            let _ = write!(s, " {} |", text(&self.runs.runs[*run].label));
+        }
+        let _ = writeln!(s, "\n|:--|{}", "--:|".repeat(order.len()));
+        for row in &order {
+            let _ = write!(s, "| {} |", text(&self.runs.runs[*row].label));
+            for column in &order {
+                let found = c.between(*row, *column, Measure::Success);
+                let cell = found.and_then(|d| Some((d.verdict?, d.difference?.mean)));
+                let cell = cell.map_or_else(String::new, |(verdict, mean)| {
+                    let value = signed(Measure::Success.shown(mean), 1);
+                    if verdict.is_certain() { format!("**{value}**") } else { value }
+                });
+                let _ = write!(s, " {cell} |");
+            }
+            s.push('\n');
+        }
+        s.push_str("\nBold: certain, as one of all pairs.\n");
+    }
+
+    /// A line for each pair: the differences with what is said of them.
+    fn markdown_comparison(&self, s: &mut String, c: &Comparison, ranking: &Ranking) {
         s.push_str(
-            "\n| second − first | success, points | only first / only second | p (McNemar) | time s | p (Wilcoxon) | \\|roll\\| ° | p | \
-             \\|pitch\\| ° | p |\n|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+            "\n| X − Y | success, points | only X / only Y | p | time s | p | \\|roll\\| ° | p | \\|pitch\\| ° | p |\n\
+             |:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
         );
-        for p in &c.pairs {
-            let _ = write!(s, "| {} − {}", text(&runs[p.b].label), text(&runs[p.a].label));
-            for d in &p.differences {
-                let _ = write!(s, " | {}", mean(d.difference, d.measure));
+        let runs = &self.runs.runs;
+        for (x, y) in ranking.lines() {
+            let Some(p) = c.pair(x, y) else { continue };
+            let _ = write!(s, "| {} − {}", text(&runs[x].label), text(&runs[y].label));
+            for d in Measure::ALL.into_iter().filter_map(|m| c.between(x, y, m)) {
+                let _ = write!(s, " | {}", difference(d.difference, d.measure));
                 if d.measure == Measure::Success {
-                    let _ = write!(s, " | {} / {}", p.only_a, p.only_b);
+                    let only = if x == p.a { [p.only_a, p.only_b] } else { [p.only_b, p.only_a] };
+                    let _ = write!(s, " | {} / {}", only[0], only[1]);
                 }
-                let _ =
-                    write!(s, " | {}", d.adjusted.map_or_else(|| "–".into(), p_value).replace('<', "&lt;"));
+                let p = d.adjusted.map_or_else(|| "–".into(), p_value).replace('<', "&lt;");
+                let _ = match d.verdict {
+                    Some(v) if v.is_certain() => write!(s, " | **{p}** {}", d.told()),
+                    Some(Verdict::TooFewWorlds { .. }) => write!(s, " | {}", d.told()),
+                    _ => write!(s, " | {p}"),
+                };
             }
             s.push_str(" |\n");
         }
-        s.push_str("\nPaired, on common tasks; p-values after Holm's correction over the whole table.\n");
-        s
+        s.push_str(
+            "\nPaired, on common tasks. p: of the sign-flip test over worlds, after Holm's correction over all pairs for each measure by \
+             itself. Better is more success, less time, less tilt; the word is about X.\n",
+        );
     }
 }

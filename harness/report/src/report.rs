@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::compare::Comparison;
 use crate::figures::RunFigures;
 use crate::page;
+use crate::ranking::Ranking;
 use crate::robustness::Robustness;
 use crate::runs::Runs;
 
@@ -14,6 +15,7 @@ pub struct Report {
     pub(crate) runs: Runs,
     pub(crate) figures: Vec<RunFigures>,
     pub(crate) comparison: Option<Comparison>,
+    pub(crate) ranking: Option<Ranking>,
     pub(crate) robustness: Option<Robustness>,
 }
 
@@ -21,10 +23,11 @@ impl Report {
     /// Computes all figures.
     #[must_use]
     pub fn new(runs: Runs) -> Self {
-        let figures = runs.runs.iter().map(|run| RunFigures::new(&runs, run)).collect();
+        let figures: Vec<RunFigures> = runs.runs.iter().map(|run| RunFigures::new(&runs, run)).collect();
         let comparison = Comparison::new(&runs);
+        let ranking = comparison.as_ref().map(|c| Ranking::new(&figures, c));
         let robustness = Robustness::new(&runs);
-        Self { runs, figures, comparison, robustness }
+        Self { runs, figures, comparison, ranking, robustness }
     }
 
     /// The runs.
@@ -43,6 +46,12 @@ impl Report {
     #[must_use]
     pub fn comparison(&self) -> Option<&Comparison> {
         self.comparison.as_ref()
+    }
+
+    /// Who wins; none if there is but one run.
+    #[must_use]
+    pub fn ranking(&self) -> Option<&Ranking> {
+        self.ranking.as_ref()
     }
 
     /// How the planners bear what they perceive; none if none was run under several perception profiles.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::compare::{Difference, pair};
 use crate::figures::Measure;
 use crate::runs::{Runs, one_line, settings};
+use crate::verdict::decide;
 
 /// The profile under which everything is known exactly. It comes first, and the others are held against it.
 const EXACT: &str = "oracle";
@@ -84,6 +85,9 @@ impl Robustness {
         if lines.is_empty() {
             return None;
         }
+        // One family: what is shown in one curve.
+        let points = lines.iter_mut().flat_map(|(_, line)| &mut line.points);
+        decide(points.filter_map(|p| p.difference.as_mut()).collect());
         let named = lines.iter().map(|(own, line)| Line { label: label(own, &lines), ..line.clone() });
         Some(Self { lines: named.collect(), profiles })
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use vb_record::{RunHeader, RunReader};
-use vb_score::{Outcome, TaskRecord};
+use vb_score::{Cause, Outcome, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::ReportError;
@@ -70,6 +70,8 @@ pub struct Row {
     pub world: u32,
     /// How it ended.
     pub outcome: Outcome,
+    /// What stopped the vehicle, if it rolled over or got stuck.
+    pub cause: Option<Cause>,
     /// Simulated time at its end, s.
     pub time: f64,
     /// Measures, if it had samples.
@@ -337,12 +339,13 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
     let note = match &r.fault {
         _ if !with_note || r.outcome == Outcome::Success => String::new(),
         Some(code) => one_line(&format!("{code}: {}", r.reason), NOTE_LENGTH),
-        None => one_line(&r.reason, NOTE_LENGTH),
+        None => one_line(&r.explanation(), NOTE_LENGTH),
     };
     Row {
         task: r.task.clone().into_boxed_str(),
         world,
         outcome: r.outcome,
+        cause: r.cause,
         time: r.time_s,
         measures,
         fuel,

@@ -49,6 +49,8 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Row<'a> {
         ("outcome", text(r.outcome.name())),
         ("three_way", text(class)),
         ("reason", text(&r.reason)),
+        ("cause", text(r.cause.map_or("", vb_score::Cause::name))),
+        ("evidence", text(&r.evidence)),
         ("fault", text(r.fault.as_deref().unwrap_or(""))),
         ("time_s", Cell::Number(Some(r.time_s))),
         ("state_hash", text(&r.state_hash)),

@@ -8,6 +8,7 @@ use vb_sense::{Perception, Readings, Truth};
 use vb_sim::{Controls, SimError, Simulation, VehicleState};
 
 use crate::driver::Witness;
+use crate::recent::Recent;
 use crate::{SAMPLE_PERIOD, StateHash, Trial};
 
 /// What is gathered while a task is driven; it survives whatever ends the drive.
@@ -16,6 +17,7 @@ pub(crate) struct Ledger {
     pub(crate) scorer: Scorer,
     pub(crate) recorder: TraceRecorder,
     pub(crate) hash: StateHash,
+    pub(crate) recent: Recent,
     pub(crate) sim_steps: u64,
     pub(crate) planner_steps: u64,
     pub(crate) clamped: u64,
@@ -30,6 +32,7 @@ impl Ledger {
             scorer: Scorer::new(trial.rules, &TaskGeometry::of(trial.world, trial.task)),
             recorder: TraceRecorder::new(trial.trace, wheels),
             hash: StateHash::default(),
+            recent: Recent::new(trial.world.scale),
             sim_steps: 0,
             planner_steps: 0,
             clamped: 0,
@@ -47,6 +50,7 @@ impl Ledger {
             self.wheels.extend(wheels.map(|w| WheelSample { speed: w.speed, deflection: w.deflection }));
             self.recorder.push(sample, &self.wheels);
         }
+        self.recent.push(state, sample);
         self.scorer.push(sample).is_some()
     }
 }

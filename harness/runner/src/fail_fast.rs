@@ -106,6 +106,8 @@ mod tests {
             outcome: Outcome::PlannerError,
             three_way: ThreeWay::Stuck,
             reason: "its own words".into(),
+            cause: None,
+            evidence: String::new(),
             fault: Some(fault.name().into()),
             time_s: 0.0,
             state_hash: String::new(),

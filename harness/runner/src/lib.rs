@@ -11,6 +11,7 @@ mod episode;
 mod error;
 mod fail_fast;
 mod merge;
+mod recent;
 mod run;
 mod setting;
 mod shape;

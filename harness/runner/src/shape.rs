@@ -140,15 +140,28 @@ fn backwards(standing: &Simulation) -> Result<f64, SimError> {
     Ok((-sim.state().velocity.x).max(0.0))
 }
 
+/// The centres of the wheels in the chassis frame at the design position, straight ahead, front to back, left before right, m.
+pub(crate) fn hubs(model: &VehicleModel) -> Vec<[f64; 3]> {
+    let axles = model.spec().axles.iter().zip(model.axles());
+    axles
+        .flat_map(|(axle, solved)| {
+            [Side::Left, Side::Right].map(|side| {
+                let hub = solved.wheel(side, [0.0; 2], 0.0).hub;
+                [0, 1, 2].map(|k| axle.position[k] + hub[k])
+            })
+        })
+        .collect()
+}
+
 /// Least and greatest coordinates of what collides, in the chassis frame, m: the hull, and the wheels straight ahead at
 /// design height.
-struct Reach {
-    low: [f64; 3],
-    high: [f64; 3],
+pub(crate) struct Reach {
+    pub(crate) low: [f64; 3],
+    pub(crate) high: [f64; 3],
 }
 
 impl Reach {
-    fn of(model: &VehicleModel) -> Self {
+    pub(crate) fn of(model: &VehicleModel) -> Self {
         let spec = model.spec();
         let mut reach = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         for point in spec.chassis.hull.iter().flatten() {

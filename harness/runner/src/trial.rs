@@ -15,6 +15,7 @@ use vb_world::{Task, World};
 
 use crate::driver::{Driver, Metered, Witness};
 use crate::episode::{Episode, Ledger};
+use crate::recent::body;
 
 /// The time between the samples that rules and metrics see, s.
 pub const SAMPLE_PERIOD: f64 = 0.01;
@@ -176,6 +177,7 @@ impl Trial<'_> {
                 None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
             },
         };
+        let diagnosis = ledger.recent.diagnose(&score, &body(self.vehicle, self.world.scale), self.world);
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
         let fuel = trail.metered.map(|m| {
@@ -190,6 +192,8 @@ impl Trial<'_> {
             outcome: score.outcome,
             three_way: score.three_way,
             reason: score.reason,
+            cause: diagnosis.as_ref().map(|d| d.cause),
+            evidence: diagnosis.map(|d| d.evidence).unwrap_or_default(),
             fault,
             time_s: score.time_s,
             state_hash: ledger.hash.hex(),

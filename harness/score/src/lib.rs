@@ -17,7 +17,7 @@ mod stats;
 mod summary;
 mod table;
 
-pub use cause::{Cause, cause};
+pub use cause::Cause;
 pub use measures::{Measured, Reader};
 pub use metrics::Metrics;
 pub use outcome::{Fault, Outcome, ThreeWay};

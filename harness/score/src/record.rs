@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::measures::measures;
 use vb_world::{Density, Elevation, Terrain};
 
-use crate::{Metrics, Outcome, TaskScore, ThreeWay};
+use crate::{Cause, Metrics, Outcome, TaskScore, ThreeWay};
 
 measures! {
     /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
@@ -85,6 +85,12 @@ pub struct TaskRecord {
     pub three_way: ThreeWay,
     /// The reason for the outcome, in words.
     pub reason: String,
+    /// What the vehicle was up against, if it rolled over or got stuck. Records before version 0.2 have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
+    /// The figures that the cause was known by, in words; empty without a cause.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub evidence: String,
     /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`. Before version 0.2 it has no part
     /// before the slash.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -113,10 +119,25 @@ pub struct TaskRecord {
 }
 
 impl TaskRecord {
+    /// The reason with the cause and its evidence, in words: `moved 0.12 m in the last 10 s; high-centred: the hull bears 43 %
+    /// of the weight`.
+    #[must_use]
+    pub fn explanation(&self) -> String {
+        match self.cause {
+            None => self.reason.clone(),
+            Some(cause) if self.evidence.is_empty() => format!("{}; {}", self.reason, cause.title()),
+            Some(cause) => format!("{}; {}: {}", self.reason, cause.title(), self.evidence),
+        }
+    }
+
     /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
-    /// (state hash, steps, clamped commands, fuel, log) stays.
+    /// (state hash, steps, clamped commands, fuel, log) stays. So does the cause of a failure that is one of the same kind: a
+    /// trace doesn't hold what another could be known by.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
+        if outcome != self.outcome {
+            (self.cause, self.evidence) = (None, String::new());
+        }
         if !matches!(outcome, Outcome::PlannerError | Outcome::SimError | Outcome::HostError) {
             self.fault = None;
         }

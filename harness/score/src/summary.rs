@@ -7,7 +7,7 @@ use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
-use crate::{FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
+use crate::{Cause, FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
 
 /// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;
@@ -76,6 +76,9 @@ pub struct Group {
     pub outcomes: BTreeMap<Outcome, u64>,
     /// The number of tasks by the paper's class. Every class is there.
     pub three_way: BTreeMap<ThreeWay, u64>,
+    /// The number of tasks that rolled over or got stuck by cause. Causes without any are left out.
+    #[serde(default)]
+    pub causes: BTreeMap<Cause, u64>,
     /// The successes over the tasks. Errors of planner and simulation count as failures: leaving them out would reward
     /// them.
     pub success_rate: f64,
@@ -190,6 +193,7 @@ impl Group {
         let tasks = records.len() as u64;
         let mut outcomes: BTreeMap<Outcome, u64> =
             Outcome::ALL.into_iter().filter(|o| *o != Outcome::HostError).map(|o| (o, 0)).collect();
+        let mut causes: BTreeMap<Cause, u64> = BTreeMap::new();
         let mut three_way: BTreeMap<ThreeWay, u64> = ThreeWay::ALL.map(|o| (o, 0)).into();
         let [mut time, mut roll, mut pitch, mut roll_task, mut pitch_task] = [Running::default(); 5];
         let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
@@ -201,6 +205,7 @@ impl Group {
             world.weight += 1.0;
             *outcomes.entry(r.outcome).or_default() += 1;
             *three_way.entry(r.three_way).or_default() += 1;
+            r.cause.into_iter().for_each(|cause| *causes.entry(cause).or_default() += 1);
             if r.outcome == Outcome::Success {
                 world.sum += 1.0;
                 time.push(r.time_s);
@@ -244,6 +249,7 @@ impl Group {
             tasks,
             outcomes,
             three_way,
+            causes,
             success_rate: time.count as f64 / tasks as f64,
             success_low: success.map(|i| i.low),
             success_high: success.map(|i| i.high),

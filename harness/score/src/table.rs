@@ -67,6 +67,9 @@ impl Summary {
                 percent(successes + n)
             );
         }
+        if let Some(all) = self.all.as_ref().filter(|all| !all.causes.is_empty()) {
+            let _ = writeln!(out, "failures: {}", by_cause(all).join(", "));
+        }
         if let Some(used) = self.all.as_ref().and_then(|all| all.fuel) {
             let percent = |fraction: f64| 100.0 * fraction;
             let _ = writeln!(
@@ -94,6 +97,13 @@ impl Summary {
         }
         out
     }
+}
+
+/// How often each cause stopped the vehicle, the most frequent first.
+fn by_cause(g: &Group) -> Vec<String> {
+    let mut causes: Vec<_> = g.causes.iter().collect();
+    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(**n), **cause));
+    causes.iter().map(|(cause, n)| format!("{n} {}", cause.title())).collect()
 }
 
 fn row(name: &str, g: &Group) -> [String; COLUMNS.len()] {

@@ -229,7 +229,8 @@ fn copy_records(reader: &RunReader, own: &Path) -> Result<Vec<TaskRecord>, Submi
 
 /// A record without its texts, which may be long and which no figure needs.
 pub(crate) fn slim(mut record: TaskRecord) -> TaskRecord {
-    (record.log, record.backtrace, record.reason) = (Vec::new(), Vec::new(), String::new());
+    (record.log, record.backtrace) = (Vec::new(), Vec::new());
+    (record.reason, record.evidence) = (String::new(), String::new());
     record
 }
 

@@ -71,6 +71,81 @@ fn a_report_is_shown_sorted_filtered_and_leads_to_replays() {
     assert_eq!(browser.errors(), [] as [String; 0]);
 }
 
+/// The least contrast of a text with its ground by WCAG 2.2, with the text, in what a selector finds.
+const CONTRAST: &str = "(selector => { const parts = c => (c.match(/[\\d.]+/g) || []).map(Number); \
+    const linear = v => v <= 10.31475 ? v / 3294.6 : ((v / 255 + 0.055) / 1.055) ** 2.4; \
+    const light = c => 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]) + 0.05; \
+    const ground = e => { for (; e; e = e.parentElement) { const c = parts(getComputedStyle(e).backgroundColor); \
+      if (c.length === 3 || c[3] > 0) return c; } return [255, 255, 255]; }; \
+    let least = [99, 'no text']; \
+    for (const e of document.querySelectorAll(selector)) { \
+      if (![...e.childNodes].some(n => n.nodeType === 3 && n.data.trim())) continue; \
+      const style = getComputedStyle(e); \
+      const [a, b] = [parts(e instanceof SVGElement ? style.fill : style.color), ground(e)].map(light); \
+      const c = Math.max(a, b) / Math.min(a, b); \
+      if (c < least[0]) least = [c, e.outerHTML.slice(0, 200)]; } return least; })";
+
+#[test]
+fn the_result_is_said_first_and_the_tasks_that_part_two_runs_are_listed() {
+    let Some(mut browser) = Browser::start(1280, 900) else { return };
+    let bench = Bench::new();
+    // The fast one succeeds in the first two and in w002/t03 and w003/t00, the slow one in the first two and in w002/t02.
+    let tasks = "w001/t00-t01,w002/t02-t03,w003/t00";
+    run(&bench, "fast", "5", tasks);
+    run(&bench, "slow", "3", tasks);
+    let done = bench.run(&["report", "fast", "slow", "--out", "page", "--markdown", "page/report.md"]);
+    let page = bench.path("page/index.html");
+    browser.open(&page);
+    let said = "pid (speed 5) does most: 80.0 % of 5 tasks, but it can't be told from pid (speed 3): too few worlds (1 differs, 6 \
+                needed).";
+    assert_eq!(browser.eval("document.querySelector('main > p.lead').textContent"), said);
+    assert!(done.stderr.contains(said), "{}", done.stderr);
+    let read = |file: &str| fs::read_to_string(bench.path(file)).expect("a file of the report");
+    assert!(read("page/report.md").starts_with(said), "{}", read("page/report.md"));
+
+    // By hand in the form, and by a click on a cell of the matrix.
+    let listed =
+        "[...document.querySelectorAll('#browser tbody tr')].map(r => r.cells[1].textContent).join(' ')";
+    let choose = "(() => { const form = document.querySelector('#browser form'); form.does.value = '0'; form.not.value = '1'; \
+        form.dispatchEvent(new Event('input')); })()";
+    browser.eval(choose);
+    assert_eq!(browser.eval(listed), "w002/t03 w003/t00 w002/t03 w003/t00");
+    assert_eq!(browser.eval("document.querySelector('#browser output').textContent"), "4 of 10");
+    browser.click(".matrix button[data-does='1'][data-not='0']");
+    assert_eq!(browser.eval(listed), "w002/t02 w002/t02");
+    browser.click("#comparison button[data-does='0'][data-not='1']");
+    assert_eq!(browser.eval(listed), "w002/t03 w003/t00 w002/t03 w003/t00");
+    // One of them is enough, too: what the slow one fails, of all runs.
+    browser.eval(
+        "(() => { const form = document.querySelector('#browser form'); form.does.value = ''; \
+        form.dispatchEvent(new Event('input')); })()",
+    );
+    assert_eq!(browser.eval(listed), "w002/t03 w003/t00 w002/t03 w003/t00");
+
+    // Every look that a cell can have is legible, in light and dark and on paper.
+    let looks = "(() => { const looks = ['better', 'better strong', 'worse', 'worse strong', 'open', 'open rather-better', \
+        'open rather-worse']; document.querySelector('details').open = true; \
+        [...document.querySelectorAll('.matrix td:not(.none)')].forEach((e, k) => { if (e.textContent) e.className = looks[k % 7]; }); \
+        return document.querySelectorAll('.matrix td.strong').length; })()";
+    assert!(browser.eval(looks).as_f64() >= Some(2.0));
+    for dark in [false, true] {
+        browser.prefer_dark(dark);
+        let texts =
+            ".lead, .ranking *, .matrix *, .verdict, .key, .about, .about *, figure text, summary, .link";
+        let found = browser.eval(&format!("{CONTRAST}({texts:?})"));
+        assert!(found[0].as_f64() >= Some(4.5) && found[0].as_f64() < Some(30.0), "dark {dark}: {found}");
+    }
+    assert!(browser.screenshot().content() > 0.03, "a page without content");
+    for width in [1400, 390] {
+        browser.phone(width, 844);
+        let over = "document.documentElement.scrollWidth - document.documentElement.clientWidth";
+        assert_eq!(browser.eval(over), 0, "at {width} the page is as wide as the window");
+        browser.eval("document.querySelector('.matrix').scrollIntoView()");
+        assert!(browser.screenshot().content() > 0.03, "a page without content");
+    }
+    assert_eq!(browser.errors(), [] as [String; 0]);
+}
+
 #[test]
 fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
     let Some(mut browser) = Browser::start(1280, 900) else { return };

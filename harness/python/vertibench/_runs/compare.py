@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from html import escape
 from os import PathLike
 from typing import Any
 
@@ -13,6 +14,19 @@ from .summary import Estimate, table_html
 
 #: What is compared, with its unit: the success rate in [0, 1], the time of successes, the means of |roll| and |pitch|.
 MEASURES = ("success_rate", "time_s", "roll_deg", "pitch_deg")
+#: What a `Difference` has, in its order.
+DIFFERENCE = (
+    "mean",
+    "low",
+    "high",
+    "tasks",
+    "p",
+    "p_adjusted",
+    "verdict",
+    "worlds",
+    "worlds_needed",
+    "p_secondary",
+)
 #: By what a run's figures are split.
 SPLITS = ("elevation", "terrain", "density")
 
@@ -24,6 +38,7 @@ class Figures:
     tasks: int  #: that count
     worlds: int  #: that they lie in
     outcomes: dict[str, int]  #: tasks by outcome
+    causes: dict[str, int]  #: tasks that rolled over or got stuck by what stopped the vehicle (docs/scoring.md)
     success_rate: Estimate | None  #: in [0, 1]
     time_s: Estimate | None  #: traversal time of successes, s
     roll_deg: Estimate | None  #: |roll| over all samples, degrees
@@ -44,11 +59,18 @@ class RunFigures:
 
 @dataclass(frozen=True)
 class Difference(Estimate):
-    """The mean over tasks of the second run's value less the first's, with its 95 % interval."""
+    """The mean over tasks of the second run's value less the first's, with its 95 % interval. Whether that is good depends on
+    the measure: `verdict` says it."""
 
     tasks: int  #: that have the value in both runs
-    p: float | None  #: two-sided: McNemar's exact test for successes, else Wilcoxon's signed-rank test over worlds
-    p_adjusted: float | None  #: after Holm's correction over all tests of the comparison
+    p: float | None  #: two-sided, of the test that decides: it flips the signs of whole worlds
+    p_adjusted: float | None  #: after Holm's correction over this measure of all pairs
+    #: what is known of the second run: `better`, `worse`, `equal` (in every world), `too_few_worlds` (not even the most extreme
+    #: outcome would be certain), `uncorrected` (certain if this were the only pair), `undecided`
+    verdict: str | None
+    worlds: int  #: that differ
+    worlds_needed: int | None  #: that would have to differ, if they are too few
+    p_secondary: float | None  #: of a test that assumes more and decides nothing: McNemar's for successes, else Wilcoxon's
 
     __str__ = Estimate.__str__
 
@@ -70,11 +92,23 @@ class Pair:
 
 
 @dataclass(frozen=True)
+class Place:
+    """A run's place in the ranking, with ties."""
+
+    label: str  #: of the run
+    rank: int  #: one more than the number of runs that succeed more for certain
+    rank_last: int  #: the last rank that is possible: all runs less those that succeed less for certain
+    ties: tuple[str, ...]  #: labels of the runs that it can't be told from
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Runs of one suite with their figures, and each pair of them on its common tasks."""
 
     runs: tuple[RunFigures, ...]
-    pairs: tuple[Pair, ...]  #: all with all; of more than six runs the first with each of the others
+    pairs: tuple[Pair, ...]  #: all with all
+    ranking: tuple[Place, ...]  #: by rank, then by success rate; empty for one run
+    headline: str | None  #: who wins, in a sentence; None for one run
 
     def runs_frame(self, frame: str = "pandas") -> Any:
         """A row for each run (see `vertibench.results` for the kinds of frames): label, path, tasks, and of each measure
@@ -91,15 +125,19 @@ class Comparison:
         ]
         return _frame(rows, frame)
 
+    def ranking_frame(self, frame: str = "pandas") -> Any:
+        """A row for each run, the best first: rank, the last rank that is possible, and whom it can't be told from."""
+        return _frame([asdict(p) | {"ties": ", ".join(p.ties)} for p in self.ranking], frame)
+
     def pairs_frame(self, frame: str = "pandas") -> Any:
-        """A row for each pair of runs and each measure: the difference (second less first) with its interval and
-        p-values."""
+        """A row for each pair of runs and each measure: the difference (second less first) with its interval, p-values and
+        verdict."""
         rows = []
         for p in self.pairs:
             counts = {k: getattr(p, k) for k in ("first", "second", "common", "both", "only_first", "only_second")}
             for name in MEASURES:
                 d: Difference | None = getattr(p, name)
-                own = asdict(d) if d else dict.fromkeys(("mean", "low", "high", "tasks", "p", "p_adjusted"))
+                own = asdict(d) if d else dict.fromkeys(DIFFERENCE)
                 rows.append({**counts, "measure": name, **own})
         return _frame(rows, frame)
 
@@ -113,7 +151,8 @@ class Comparison:
         units = ["success % (95 % interval)", "time s", "|roll| °", "|pitch| °"]
         head = ["planner", "tasks", *units]
         rows = [[r.label, str(r.all.tasks), *(_shown(getattr(r.all, m), m) for m in MEASURES)] for r in self.runs]
-        shown = table_html("runs", head, rows)
+        shown = f"<p>{escape(self.headline)}</p>" if self.headline else ""
+        shown += table_html("runs", head, rows)
         if self.pairs:
             head = ["second − first", "tasks", "success, points", "only first / second", "p", *units[1:]]
             rows = [
@@ -122,7 +161,9 @@ class Comparison:
                 for p in self.pairs
             ]  # fmt: skip
             shown += table_html(
-                "paired differences, with 95 % intervals; p of McNemar's test after Holm's correction", head, rows
+                "paired differences, with 95 % intervals; p of the sign-flip test over worlds after Holm's correction",
+                head,
+                rows,
             )
         return shown
 
@@ -167,20 +208,27 @@ def _read(told: dict[str, Any]) -> Comparison:
             runs[p["first"]].label,
             runs[p["second"]].label,
             *(p[k] for k in ("common", "both", "only_first", "only_second")),
-            *(_difference(p["differences"][m]) for m in MEASURES),
+            *(_difference(p["differences"][m], m) for m in MEASURES),
         )
         for p in told["pairs"]
     )
-    return Comparison(runs, pairs)
+    ranking = tuple(
+        Place(runs[p["run"]].label, p["rank"], p["rank_last"], tuple(runs[k].label for k in p["ties"]))
+        for p in told["ranking"]
+    )
+    return Comparison(runs, pairs, ranking, told["headline"])
 
 
 def _figures(f: dict[str, Any]) -> Figures:
     means = [f[m] and Estimate(f[m]["mean"], f[m]["low"], f[m]["high"]) for m in MEASURES]
-    return Figures(f["tasks"], f["worlds"], dict(f["outcomes"]), *means)
+    return Figures(f["tasks"], f["worlds"], dict(f["outcomes"]), dict(f["causes"]), *means)
 
 
-def _difference(d: dict[str, Any] | None) -> Difference | None:
-    return None if d is None else Difference(*(d[k] for k in ("mean", "low", "high", "tasks", "p", "p_adjusted")))
+def _difference(d: dict[str, Any] | None, measure: str) -> Difference | None:
+    if d is None:
+        return None
+    secondary = d["p_mcnemar" if measure == "success_rate" else "p_wilcoxon"]
+    return Difference(*(d[k] for k in DIFFERENCE if k != "p_secondary"), p_secondary=secondary)
 
 
 def _row(f: Figures) -> dict[str, Any]:
@@ -214,4 +262,6 @@ def _shown(e: Estimate | None, measure: str) -> str:
 def _p(d: Difference | None) -> str:
     if d is None or d.p_adjusted is None:
         return "–"
+    if d.verdict == "too_few_worlds":
+        return f"too few worlds ({d.worlds} of {d.worlds_needed})"
     return "< 0.001" if d.p_adjusted < 0.001 else f"{d.p_adjusted:.3f}"

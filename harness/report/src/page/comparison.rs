@@ -1,47 +1,93 @@
-//! Planners held against each other.
+//! Planners held against each other, pair by pair.
 
-use super::plot::colour;
-use super::sections::legend;
-use crate::Report;
-use crate::compare::Comparison;
-use crate::figures::Measure;
 use std::fmt::Write as _;
-use vb_page::plot::Frame;
-use vb_page::{escape, grouped, number, p_value};
 
-/// Differences that hold at this family-wise error rate are marked.
-const LEVEL: f64 = 0.05;
+use vb_page::plot::Frame;
+use vb_page::{escape, grouped, p_value, signed};
+
+use super::ranking::{diff_button, interval};
+use super::sections::legend;
+use super::series::{colour, line, marker};
+use crate::compare::Difference;
+use crate::figures::Measure;
+use crate::ranking::Ranking;
+use crate::runs::one_line;
+use crate::verdict::Verdict;
+use crate::{Comparison, Report};
+
+/// Pairs up to this number are listed at once, more after a click.
+const PAIRS: usize = 6;
 
 pub(super) fn comparison(s: &mut String, report: &Report) {
-    let Some(c) = &report.comparison else { return };
+    let (Some(c), Some(ranking)) = (&report.comparison, &report.ranking) else { return };
     legend(s, report);
     s.push_str("<div class=\"plots\">");
     for measure in Measure::ALL {
-        forest(s, report, c, measure);
+        forest(s, report, c, ranking, measure);
     }
     profile(s, report, c);
     s.push_str("</div>");
+    decision(s, c);
+    let open = if c.pairs.len() <= PAIRS { " open" } else { "" };
+    let _ = write!(
+        s,
+        "<details class=\"more-figures\"{open}><summary>All {} with their tests</summary>",
+        if c.pairs.len() == 1 {
+            "figures of the pair".to_owned()
+        } else {
+            format!("{} pairs", c.pairs.len())
+        }
+    );
     table(s, report, c);
     s.push_str(
-        "<p class=\"about\">Differences are second run less first, on the tasks that both have done: of time where both succeed, of angles \
-         the mean over tasks of their means. Intervals: 95 %, bootstrap over worlds. p: McNemar's exact test over tasks for the success \
-         rate, else Wilcoxon's signed-rank test over the means of worlds. After Holm's correction over all these tests, bold ones hold \
-         together at 5 %.</p>",
+        "<p class=\"about\">Worlds: those that differ. The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
+         are not within a world; Wilcoxon's signed-rank test counts each world the same, however many tasks it has. Neither is corrected.</p></details>",
     );
 }
 
+/// Which test decides, and why.
+fn decision(s: &mut String, c: &Comparison) {
+    let pairs = c.pairs.len();
+    let _ = write!(
+        s,
+        "<p class=\"about\"><b>X − Y</b> is X's value less Y's, on the tasks that both have done: of time where both succeed, of angles \
+         the mean over tasks of their means. Better is more success, less time and less tilt. <b>The sign-flip test over worlds decides</b>, \
+         for all four figures: it flips the signs of whole worlds, since tasks of a world are not independent. {} Intervals (95 %, \
+         bootstrap over worlds) say how large a difference is; each is for itself, so one may leave out zero where the test, which \
+         minds the number of pairs and of worlds, is not certain. <b>Too few worlds</b>: had all worlds that differ done so the same way, \
+         it would not have been certain either.</p>",
+        if pairs == 1 {
+            "Each figure is a family of one test, so nothing is corrected.".to_owned()
+        } else {
+            format!(
+                "Each figure is a family of {pairs} tests, one a pair, which Holm's correction makes hold together at 5 %: success decides who \
+                 wins, the others are secondary and correct only themselves."
+            )
+        }
+    );
+}
+
+/// The class of a difference that is certain.
+fn class(d: &Difference) -> &'static str {
+    match d.verdict {
+        Some(Verdict::Better) => "better",
+        Some(Verdict::Worse) => "worse",
+        _ => "open",
+    }
+}
+
 /// Differences of one measure with their intervals.
-fn forest(s: &mut String, report: &Report, c: &Comparison, measure: Measure) {
-    let found: Vec<_> = c
-        .pairs
-        .iter()
-        .filter_map(|p| Some((p, p.differences.get(measure as usize)?)))
-        .filter_map(|(p, d)| Some((p, d, d.difference?)))
+fn forest(s: &mut String, report: &Report, c: &Comparison, ranking: &Ranking, measure: Measure) {
+    let found: Vec<_> = ranking
+        .lines()
+        .into_iter()
+        .filter_map(|(x, y)| Some((x, y, c.between(x, y, measure)?)))
+        .filter_map(|(x, y, d)| Some((x, y, d.difference?, d)))
         .collect();
     if found.is_empty() {
         return;
     }
-    let ends = found.iter().flat_map(|(_, _, e)| {
+    let ends = found.iter().flat_map(|(_, _, e, _)| {
         let i = e.interval;
         [e.mean, i.map_or(e.mean, |i| i.low), i.map_or(e.mean, |i| i.high)]
     });
@@ -60,48 +106,59 @@ fn forest(s: &mut String, report: &Report, c: &Comparison, measure: Measure) {
     let title = format!("Difference of {}", measure.name());
     let _ = write!(s, "<figure><figcaption>{}</figcaption>", escape(&title));
     f.open(s, &title);
-    f.x_axis(s, 6.0);
-    let zero = f.sx(0.0);
+    let (zero, base) = (f.sx(0.0), f.height - f.bottom);
+    let good = if measure.more_is_better() { zero } else { f.left };
     let _ = write!(
         s,
-        "<line class=\"zero\" x1=\"{zero:.1}\" x2=\"{zero:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>",
+        "<rect class=\"good\" x=\"{good:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
         f.top,
-        f.height - f.bottom
+        zero - f.left,
+        base - f.top
     );
-    for (k, (p, d, e)) in found.iter().enumerate() {
-        let y = f.top + row * (k as f64 + 0.7);
-        let holds = if d.adjusted.is_some_and(|p| p < LEVEL) { " holds" } else { "" };
-        let (a, b) = (&report.runs.runs[p.a].label, &report.runs.runs[p.b].label);
+    f.x_axis(s, 6.0);
+    let _ = write!(
+        s,
+        "<line class=\"zero\" x1=\"{zero:.1}\" x2=\"{zero:.1}\" y1=\"{:.1}\" y2=\"{base:.1}\"/>",
+        f.top
+    );
+    for (k, (x, y, e, d)) in found.iter().enumerate() {
+        let at = f.top + row * (k as f64 + 0.7);
+        let name = |run: usize| escape(&one_line(&report.runs.runs[run].label, 25));
+        let word = match d.verdict {
+            Some(Verdict::TooFewWorlds { .. }) => "too few worlds".to_owned(),
+            Some(Verdict::Uncorrected { .. }) => "not certain".to_owned(),
+            _ => d.told(),
+        };
         let _ = write!(
             s,
-            "<text class=\"pair{holds}\" x=\"{:.1}\" y=\"{:.1}\">{} − {}</text>",
+            "<text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\">{} − {}</text><text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\" \
+             text-anchor=\"end\">{word}</text>",
             f.left,
-            y - 9.0,
-            escape(&crate::runs::one_line(b, 34)),
-            escape(&crate::runs::one_line(a, 34))
+            name(*x),
+            name(*y),
+            f.width - f.right,
+            class = class(d),
+            y = at - 9.0,
         );
         let shown = |v: f64| measure.shown(v);
         if let Some(i) = e.interval {
             let _ = write!(
                 s,
-                "<line class=\"range s{}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>",
-                colour(p.b),
+                "<line class=\"range s{}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>",
+                colour(*x),
                 f.sx(shown(i.low)),
                 f.sx(shown(i.high))
             );
         }
-        let told = e.interval.map_or_else(String::new, |i| {
-            format!(" [{}, {}]", number(shown(i.low), 2), number(shown(i.high), 2))
-        });
-        let _ = write!(
-            s,
-            "<circle class=\"f{} dot\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"4\"><title>{}{told} {}, {} tasks</title></circle>",
-            colour(p.b),
-            f.sx(shown(e.mean)),
-            number(shown(e.mean), 2),
-            measure.unit(),
-            d.tasks
+        let told = format!(
+            "{} {} ({}), {} tasks; {}",
+            signed(shown(e.mean), 2),
+            measure.difference_unit(),
+            interval(measure, Some(*e)),
+            grouped(d.tasks),
+            d.told()
         );
+        marker(s, *x, [f.sx(shown(e.mean)), at], 4.2, &told);
     }
     let unit = match measure {
         Measure::Success => "percentage points (right: the one named first succeeds more)",
@@ -153,10 +210,13 @@ fn profile(s: &mut String, report: &Report, c: &Comparison) {
         let _ = write!(d, "H{:.1}", f.sx(f.x[1]));
         let _ = write!(
             s,
-            "<path class=\"line s{}\" d=\"{d}\"><title>{}</title></path>",
-            colour(k),
+            "<path class=\"{}\" d=\"{d}\"><title>{}</title></path>",
+            line(k),
             escape(&report.runs.runs[k].label)
         );
+        // Markers of several lines stand apart along the axis, also where the lines lie on each other.
+        let at = vb_math::exp(f.x[1] * (k as f64 + 0.5) / c.profiles.len() as f64);
+        marker(s, k, [f.sx(vb_math::ln(at)), f.sy(100.0 * p.at(at))], 4.2, "");
     }
     f.texts(s, "times the best planner's time", &format!("% of {} tasks", c.profile_tasks));
     s.push_str("</svg></figure>");
@@ -164,43 +224,60 @@ fn profile(s: &mut String, report: &Report, c: &Comparison) {
 
 fn table(s: &mut String, report: &Report, c: &Comparison) {
     s.push_str(
-        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>first run</th><th>second run</th><th>figure</th><th class=\"n\">tasks</th>\
-         <th class=\"n\">both</th><th class=\"n\">first only</th><th class=\"n\">second only</th><th class=\"n\">neither</th>\
-         <th class=\"n\">difference</th><th class=\"n\">95 % interval</th><th class=\"n\">p</th><th class=\"n\">p (Holm)</th></tr></thead><tbody>",
+        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>X − Y</th><th>figure</th><th class=\"n\">difference</th><th \
+         class=\"n\">95 % interval</th><th class=\"n\">p</th><th class=\"n\">p (Holm)</th><th>X is</th><th class=\"n\">tasks</th><th \
+         class=\"n\">worlds</th><th class=\"n\">both</th><th class=\"n\">X only</th><th class=\"n\">Y only</th><th \
+         class=\"n\">neither</th><th class=\"n\">McNemar, Wilcoxon</th></tr></thead><tbody>",
     );
     for p in &c.pairs {
         for d in &p.differences {
-            let holds = d.adjusted.is_some_and(|p| p < LEVEL);
+            let certain = d.verdict.is_some_and(Verdict::is_certain);
+            let text = |p: Option<f64>| {
+                format!(
+                    "<td class=\"n\" data-v=\"{}\">{}</td>",
+                    p.unwrap_or(2.0),
+                    escape(&p.map_or_else(|| "–".into(), p_value))
+                )
+            };
             let _ = write!(
                 s,
-                "<tr{}><td>{}</td><td>{}</td><td>{}, {}</td><td class=\"n\">{}</td>",
-                if holds { " class=\"holds\"" } else { "" },
-                escape(&report.runs.runs[p.a].label),
+                "<tr{}><td class=\"of\">{} − {}</td><td class=\"of\">{}, {}</td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>{}{}<td><span \
+                 class=\"verdict {}\">{}</span></td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>",
+                if certain { " class=\"holds\"" } else { "" },
                 escape(&report.runs.runs[p.b].label),
+                escape(&report.runs.runs[p.a].label),
                 d.measure.name(),
-                d.measure.unit(),
+                d.measure.difference_unit(),
+                d.difference.map_or_else(String::new, |e| e.mean.to_string()),
+                d.difference.map_or_else(|| "–".into(), |e| signed(d.measure.shown(e.mean), 2)),
+                interval(d.measure, d.difference),
+                text(d.p),
+                // What says nothing must not look as if it said that there is no difference.
+                text(d.adjusted.filter(|_| !matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })))),
+                class(d),
+                d.told(),
+                d.tasks,
                 grouped(d.tasks),
+                d.worlds,
             );
             if d.measure == Measure::Success {
-                for n in [p.both, p.only_a, p.only_b, p.common - p.both - p.only_a - p.only_b] {
-                    let _ = write!(s, "<td class=\"n\" data-v=\"{n}\">{}</td>", grouped(n));
-                }
+                let neither = p.common - p.both - p.only_a - p.only_b;
+                let _ = write!(
+                    s,
+                    "<td class=\"n\" data-v=\"{0}\">{1}</td><td class=\"n\" data-v=\"{2}\">{3}</td><td class=\"n\" data-v=\"{4}\">{5}</td><td \
+                     class=\"n\" data-v=\"{neither}\">{6}</td>",
+                    p.both,
+                    grouped(p.both),
+                    p.only_b,
+                    diff_button(p.b, p.a, p.only_b),
+                    p.only_a,
+                    diff_button(p.a, p.b, p.only_a),
+                    grouped(neither)
+                );
             } else {
                 s.push_str("<td></td><td></td><td></td><td></td>");
             }
-            let shown = |v: f64| number(d.measure.shown(v), 2);
-            let interval = d.difference.and_then(|e| e.interval);
-            let _ = write!(
-                s,
-                "<td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>",
-                d.difference.map_or_else(String::new, |e| e.mean.to_string()),
-                d.difference.map_or_else(|| "–".into(), |e| shown(e.mean)),
-                interval.map_or_else(|| "–".into(), |i| format!("{} to {}", shown(i.low), shown(i.high)))
-            );
-            for p in [d.p, d.adjusted] {
-                let text = p.map_or_else(|| "–".into(), p_value);
-                let _ = write!(s, "<td class=\"n\" data-v=\"{}\">{}</td>", p.unwrap_or(2.0), escape(&text));
-            }
+            s.push_str(&text(d.secondary));
             s.push_str("</tr>");
         }
     }

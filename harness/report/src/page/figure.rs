@@ -1,6 +1,6 @@
 //! The paper's figure: success, time, roll and pitch by elevation level, kind of ground and obstacle density.
 
-use super::plot::colour;
+use super::series::{colour, marker};
 use crate::Report;
 use crate::figures::{Estimate, Measure, Split};
 use std::fmt::Write as _;
@@ -108,6 +108,9 @@ fn panel(s: &mut String, report: &Report, measure: Measure, split: Split, top: f
                     x - cap,
                     2.0 * cap
                 );
+            }
+            if runs > 1 {
+                marker(s, r, [0.5 * (left + right), f.sy(0.0) - 6.0], (0.34 * (right - left)).min(4.2), "");
             }
             s.push_str("</g>");
         }

@@ -1,10 +1,13 @@
 //! The page.
 
+mod causes;
 mod comparison;
+mod distribution;
 mod figure;
-mod plot;
+mod ranking;
 mod robustness;
 mod sections;
+mod series;
 mod tasks;
 
 use std::collections::BTreeSet;
@@ -14,6 +17,7 @@ use crate::Report;
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
 const SCRIPT: &str = include_str!("page.js");
+const STYLE: &str = include_str!("page.css");
 
 /// The whole page.
 pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) -> String {
@@ -35,7 +39,11 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
         env!("CARGO_PKG_VERSION"),
         hash = escape(&first.suite.hash),
     );
-    let mut sections: Vec<(&str, &str)> = vec![("overview", "Overview"), ("figure", "Figure")];
+    let mut sections: Vec<(&str, &str)> = Vec::new();
+    if report.ranking.is_some() {
+        sections.push(("ranking", "Who wins"));
+    }
+    sections.extend([("overview", "Overview"), ("figure", "Figure")]);
     if report.comparison.is_some() {
         sections.push(("comparison", "Comparison"));
     }
@@ -44,6 +52,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     }
     sections.extend([
         ("outcomes", "Outcomes"),
+        ("causes", "Why tasks fail"),
         ("worlds", "Worlds"),
         ("distributions", "Distributions"),
         ("fuel", "Fuel"),
@@ -55,10 +64,12 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     }
     head.push_str("</nav>");
     let mut s = String::with_capacity(1 << 20);
+    ranking::headline(&mut s, report);
     sections::notes(&mut s, report);
     for (id, name) in sections {
         let _ = write!(s, "<section id=\"{id}\"><h2>{name}</h2>");
         match id {
+            "ranking" => ranking::ranking(&mut s, report),
             "overview" => sections::overview(&mut s, report),
             "figure" => {
                 sections::legend(&mut s, report);
@@ -72,6 +83,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
             "comparison" => comparison::comparison(&mut s, report),
             "robustness" => robustness::robustness(&mut s, report),
             "outcomes" => sections::outcomes(&mut s, report),
+            "causes" => causes::causes(&mut s, report),
             "worlds" => sections::worlds(&mut s, report),
             "distributions" => sections::distributions(&mut s, report),
             "fuel" => sections::fuel(&mut s, report),
@@ -82,7 +94,7 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
     }
     Page {
         title: &format!("{title} on {suite}"),
-        styles: &[TABLE_STYLE],
+        styles: &[TABLE_STYLE, STYLE],
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: &format!("{SORTED_TABLES}{SCRIPT}"),
         ..Page::default()

@@ -22,6 +22,7 @@
     ['terrain', (r) => data.worlds[r[2]][2]],
     ['density', (r) => data.worlds[r[2]][3]],
     ['outcome', (r) => data.outcomes[r[3]]],
+    ['stopped by', (r) => (r[14] === null ? '' : data.causes[r[14]][1])],
     ['time s', (r) => r[4], 1],
     ['|roll| °', (r) => r[5], 1],
     ['most', (r) => r[6], 1],
@@ -32,6 +33,7 @@
     ['fuel 99 %', (r) => r[11], 1],
     ['replay', (r) => r[13]],
   ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
+    && (c[0] !== 'stopped by' || data.rows.some((r) => r[14] !== null))
     && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
   const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);
@@ -44,12 +46,35 @@
   };
   option(form.run, '', 'all');
   data.runs.forEach((r, k) => option(form.run, k, r[0]));
-  if (!many) form.run.parentElement.hidden = true;
+  for (const select of [form.does, form.not]) {
+    option(select, '', 'any');
+    data.runs.forEach((r, k) => option(select, k, r[0]));
+  }
+  if (!many) for (const select of [form.run, form.does, form.not]) select.parentElement.hidden = true;
+  // Of each task the runs that do it, and those that have tried and don't.
+  const done = new Map();
+  for (const r of data.rows) {
+    if (!done.has(r[1])) done.set(r[1], { does: new Set(), not: new Set() });
+    if (r[3] === 0) done.get(r[1]).does.add(r[0]);
+    else if (r[3] !== data.uncounted) done.get(r[1]).not.add(r[0]);
+  }
+  const parted = (r, kind) => form[kind].value === '' || done.get(r[1])[kind].has(Number(form[kind].value));
+  // Between two runs only their own rows are of interest.
+  const meant = (r) => form.does.value === '' || form.not.value === '' || [form.does.value, form.not.value].includes(String(r[0]));
+  const sample = (k) => {
+    const found = $(`[data-sample="${k}"]`);
+    return found ? found.cloneNode(true) : '';
+  };
   option(form.outcome, '', 'all');
   option(form.outcome, 'fail', 'failures');
   data.outcomes.forEach((o, k) => {
     if (data.rows.some((r) => r[3] === k)) option(form.outcome, k, o);
   });
+  option(form.cause, '', 'anything');
+  data.causes.forEach(([name, title], k) => {
+    if (data.rows.some((r) => r[14] === k)) option(form.cause, name, title);
+  });
+  form.cause.parentElement.hidden = form.cause.options.length === 1;
   let sort = null;
   let chosen = [];
   let count = PAGE;
@@ -76,7 +101,7 @@
           tr.append(td);
         } else if (name === 'run') {
           const td = make('td');
-          td.append(make('i', undefined, 'swatch b' + (r[0] % 8)), v);
+          td.append(sample(r[0]), v);
           tr.append(td);
         } else {
           tr.append(make('td', numeric ? format(v, name) : v, numeric ? 'n' : ''));
@@ -105,6 +130,8 @@
     const words = form.text.value.toLowerCase().split(/\s+/).filter(Boolean);
     chosen = data.rows.filter((r, k) => (run === '' || r[0] === Number(run))
       && (outcome === '' || (outcome === 'fail' ? r[3] !== 0 : r[3] === Number(outcome)))
+      && (form.cause.value === '' || (r[14] !== null && data.causes[r[14]][0] === form.cause.value))
+      && parted(r, 'does') && parted(r, 'not') && meant(r)
       && words.every((w) => keys[k].includes(w)));
     if (sort) chosen.sort((a, b) => sort.sign * compare(rank(sort.of(a)), rank(sort.of(b))));
     count = PAGE;
@@ -127,14 +154,20 @@
   form.addEventListener('submit', (e) => e.preventDefault());
   $('.more button', browser).addEventListener('click', () => { count += 5 * PAGE; draw(); });
   addEventListener('beforeprint', () => $$('tr.detail', tbody).forEach((e) => e.remove()));
+  const show = (values) => {
+    form.reset();
+    for (const [name, value] of Object.entries(values)) form[name].value = value;
+    filter();
+    $('#tasks').scrollIntoView({ behavior: 'smooth' });
+  };
+  for (const b of $$('button[data-does]')) {
+    b.addEventListener('click', () => show({ does: b.dataset.does, not: b.dataset.not }));
+  }
+  for (const b of $$('button[data-cause]')) {
+    b.addEventListener('click', () => show({ run: many ? b.dataset.run : '', cause: b.dataset.cause }));
+  }
   for (const w of $$('button[data-world]')) {
-    w.addEventListener('click', () => {
-      form.run.value = many ? w.dataset.run : '';
-      form.outcome.value = '';
-      form.text.value = w.dataset.world + '/';
-      filter();
-      $('#tasks').scrollIntoView({ behavior: 'smooth' });
-    });
+    w.addEventListener('click', () => show({ run: many ? w.dataset.run : '', text: w.dataset.world + '/' }));
   }
   filter();
 })();

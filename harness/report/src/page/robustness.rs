@@ -3,32 +3,31 @@
 use std::fmt::Write as _;
 
 use vb_page::plot::Frame;
-use vb_page::{escape, grouped, number, p_value};
+use vb_page::{escape, grouped, number, p_value, signed};
 use vb_score::Outcome;
 
-use super::plot::colour;
 use super::sections::with_interval;
+use super::series::{self, colour, line as line_class, marker};
 use crate::Report;
-use crate::figures::Measure;
+use crate::compare::Difference;
+use crate::figures::{Estimate, Measure};
 use crate::robustness::Robustness;
+use crate::verdict::Verdict;
 
 /// How far the lines of planners stand apart, in distances between profiles.
 const APART: f64 = 0.05;
 
 pub(super) fn robustness(s: &mut String, report: &Report) {
     let Some(r) = &report.robustness else { return };
-    s.push_str("<ul class=\"legend\">");
-    for (k, line) in r.lines.iter().enumerate() {
-        let _ = write!(s, "<li><i class=\"swatch b{}\"></i>{}</li>", colour(k), escape(&line.label));
-    }
-    s.push_str("</ul><div class=\"plots\">");
+    series::legend(s, r.lines.iter().map(|line| line.label.as_str()));
+    s.push_str("<div class=\"plots\">");
     curve(s, report, r);
     s.push_str("</div>");
     table(s, report, r);
     s.push_str(
         "<p class=\"about\">Each line is one planner under several perception profiles, with nothing else changed. Whiskers: 95 %, \
-         bootstrap over worlds. Differences are from the planner's first profile, paired by tasks; p: McNemar's exact test over tasks, \
-         without a correction.</p>",
+         bootstrap over worlds. Differences are from the planner's first profile, paired by tasks; p: the \
+         sign-flip test over worlds, after Holm's correction over this table.</p>",
     );
 }
 
@@ -70,19 +69,32 @@ fn curve(s: &mut String, report: &Report, r: &Robustness) {
                     f.sy(shown(i.high))
                 );
             }
-            let _ = write!(
-                marks,
-                "<circle class=\"f{} dot\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"><title>{}, {}: {} %</title></circle>",
-                colour(k),
-                escape(&line.label),
-                escape(&r.profiles[point.profile]),
-                number(shown(e.mean), 1)
-            );
+            let title =
+                format!("{}, {}: {} %", line.label, r.profiles[point.profile], number(shown(e.mean), 1));
+            marker(&mut marks, k, [x, y], 4.4, &title);
         }
-        let _ = write!(s, "<path class=\"line s{}\" d=\"{path}\"/>{marks}", colour(k));
+        let _ = write!(s, "<path class=\"{}\" d=\"{path}\"/>{marks}", line_class(k));
     }
     f.texts(s, "perception profile", "success, %");
     s.push_str("</svg></figure>");
+}
+
+/// The corrected p-value, or that too few worlds differ for it to say anything.
+fn told_p(d: &Difference) -> String {
+    match (d.verdict, d.adjusted) {
+        (Some(Verdict::TooFewWorlds { .. }), _) => d.told(),
+        (_, Some(p)) => p_value(p),
+        (_, None) => "–".into(),
+    }
+}
+
+/// A difference of success with its interval: `+3.1 [−0.2, +6.4]`.
+fn difference(e: Option<Estimate>) -> String {
+    let Some(e) = e else { return "–".into() };
+    let v = |v: f64| signed(Measure::Success.shown(v), 1);
+    let interval =
+        e.interval.map_or_else(String::new, |i| format!(" <small>[{}, {}]</small>", v(i.low), v(i.high)));
+    format!("{}{interval}", v(e.mean))
 }
 
 fn table(s: &mut String, report: &Report, r: &Robustness) {
@@ -104,8 +116,8 @@ fn table(s: &mut String, report: &Report, r: &Robustness) {
                 escape(&r.profiles[point.profile]),
                 grouped(all.tasks),
                 with_interval(all.mean(Measure::Success), Measure::Success),
-                d.map_or_else(|| "–".into(), |d| with_interval(d.difference, Measure::Success)),
-                escape(&d.and_then(|d| d.p).map_or_else(|| "–".into(), p_value)),
+                d.map_or_else(|| "–".into(), |d| difference(d.difference)),
+                escape(&d.map_or_else(|| "–".into(), told_p)),
                 percent(Outcome::Rollover),
                 percent(Outcome::Stuck),
             );

@@ -1,6 +1,7 @@
 //! The sections of the page but figure, comparison and tasks.
 
-use super::plot::{Histogram, colour};
+use super::distribution::{Distribution, Scale};
+use super::series::{self, sample};
 use crate::Report;
 use crate::figures::{Estimate, Measure};
 use crate::runs::{Row, Run};
@@ -59,16 +60,11 @@ pub(super) fn notes(s: &mut String, report: &Report) {
     }
 }
 
-/// The runs' names with their colours.
+/// The runs' names with how they look.
 pub(super) fn legend(s: &mut String, report: &Report) {
-    if report.runs.runs.len() < 2 {
-        return;
+    if report.runs.runs.len() > 1 {
+        series::legend(s, report.runs.runs.iter().map(|run| run.label.as_str()));
     }
-    s.push_str("<ul class=\"legend\">");
-    for (k, run) in report.runs.runs.iter().enumerate() {
-        let _ = write!(s, "<li><i class=\"swatch b{}\"></i>{}</li>", colour(k), escape(&run.label));
-    }
-    s.push_str("</ul>");
 }
 
 /// A mean with its interval: `25.1 [24.0, 26.3]`.
@@ -82,15 +78,16 @@ pub(super) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
 }
 
 pub(super) fn overview(s: &mut String, report: &Report) {
+    let many = report.runs.runs.len() > 1;
     s.push_str("<div class=\"cards\">");
     for (k, (run, f)) in report.runs.runs.iter().zip(&report.figures).enumerate() {
         let h = &run.header;
         let rate = f.all.mean(Measure::Success);
         let _ = write!(
             s,
-            "<article class=\"card\"><h3><i class=\"swatch b{}\"></i>{}</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">{} of {} \
+            "<article class=\"card\"><h3>{}{}</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">{} of {} \
              tasks succeed{}</p>",
-            colour(k),
+            if many { sample(k) } else { String::new() },
             escape(&run.label),
             rate.map_or_else(|| "–".into(), |e| number(100.0 * e.mean, 1)),
             grouped(f.all.count(Outcome::Success)),
@@ -186,12 +183,13 @@ pub(super) fn worlds(s: &mut String, report: &Report) {
         let _ = write!(s, "<p>{} worlds are too many to draw.</p>", grouped(report.runs.worlds.len() as u64));
         return;
     }
+    let many = report.runs.runs.len() > 1;
     s.push_str("<div class=\"heats\">");
     for (k, (run, f)) in report.runs.runs.iter().zip(&report.figures).enumerate() {
         let _ = write!(
             s,
-            "<div class=\"heat\"><h3><i class=\"swatch b{}\"></i>{}</h3><table><thead><tr><td></td>",
-            colour(k),
+            "<div class=\"heat\"><h3>{}{}</h3><table><thead><tr><td></td>",
+            if many { sample(k) } else { String::new() },
             escape(&run.label)
         );
         for e in Elevation::ALL {
@@ -236,16 +234,27 @@ pub(super) fn worlds(s: &mut String, report: &Report) {
     s.push_str("all tasks</p>");
 }
 
+/// The distribution of a value of each task, a row a run; nothing where no task has it.
+fn distribution(
+    s: &mut String,
+    report: &Report,
+    title: &str,
+    unit: &str,
+    scale: Scale,
+    value: fn(&Row) -> Option<f64>,
+) {
+    let runs = &report.runs.runs;
+    let labels: Vec<String> = runs.iter().map(|r| r.label.clone()).collect();
+    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
+    if let Some(d) = Distribution::new(&values, scale) {
+        s.push_str(&d.draw(title, unit, &labels));
+    }
+}
+
 pub(super) fn distributions(s: &mut String, report: &Report) {
-    legend(s, report);
     s.push_str("<div class=\"plots\">");
-    let labels: Vec<String> = report.runs.runs.iter().map(|r| r.label.clone()).collect();
-    let mut draw = |title: &str, axis: &str, value: fn(&Row) -> Option<f64>| {
-        let values: Vec<Vec<f64>> =
-            report.runs.runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
-        if let Some(h) = Histogram::new(&values) {
-            s.push_str(&h.draw(title, axis, &labels));
-        }
+    let mut draw = |title: &str, unit: &str, value: fn(&Row) -> Option<f64>| {
+        distribution(s, report, title, unit, Scale::Linear, value);
     };
     draw("Traversal time of successes", "s", |r| r.succeeded().then_some(r.time));
     draw("Mean |roll| of a task", "degrees", |r| r.measures.map(|m| m.roll.mean));
@@ -296,16 +305,15 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
         let _ = write!(s, "<td class=\"n\" data-v=\"{clamped}\">{}</td></tr>", grouped(clamped));
     }
     s.push_str("</tbody></table></div><div class=\"plots\">");
-    let labels: Vec<String> = report.runs.runs.iter().map(|r| r.label.clone()).collect();
-    let mut draw = |title: &str, axis: &str, value: fn(&Row) -> Option<f64>| {
-        let values: Vec<Vec<f64>> =
-            report.runs.runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
-        if let Some(h) = Histogram::new(&values) {
-            s.push_str(&h.draw(title, axis, &labels));
-        }
-    };
-    draw("Fuel of a step, 99 % of a task's steps", "thousand units", |r| r.fuel.map(|f| f.p99 as f64 / 1e3));
-    draw("Simulated time of a task", "s", |r| Some(r.time));
+    distribution(
+        s,
+        report,
+        "Fuel of a step, 99 % of a task's steps",
+        "units, logarithmic",
+        Scale::Logarithmic,
+        |r| r.fuel.map(|f| f.p99 as f64),
+    );
+    distribution(s, report, "Simulated time of a task", "s", Scale::Linear, |r| Some(r.time));
     s.push_str(
         "</div><p class=\"about\">Fuel is about one unit an instruction and the same on every machine; it is the time of a step that can \
          be compared. Seconds on the clock are not recorded: they differ from machine to machine.</p>",
@@ -344,7 +352,7 @@ pub(super) fn about(s: &mut String, report: &Report) {
     }
     s.push_str(
         "</tbody></table></div><p class=\"about\">Intervals: bias-corrected and accelerated bootstrap (Efron 1987) that draws whole worlds, \
-         10 000 resamples, fixed seed. McNemar's exact test is over tasks; Wilcoxon's signed-rank test is over the means of worlds. Holm's \
-         correction holds for all tests of the comparison together. Performance profiles follow Dolan and Moré (2002).</p>",
+         10 000 resamples, fixed seed. Deciding test: sign flips of whole worlds (Fisher 1935; Good 2005), exact up to 18 worlds, else 99 999 \
+         draws (Phipson and Smyth 2010), with Holm's correction (1979) within each figure. Ranks: Mogstad, Romano, Shaikh and Wilhelm (2024). Performance profiles follow Dolan and Moré (2002).</p>",
     );
 }

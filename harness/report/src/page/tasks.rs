@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, json};
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
 const ROWS: usize = 20_000;
@@ -35,7 +35,10 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     let runs: Vec<Value> =
         report.runs.runs.iter().map(|r| json!([r.label, r.dir.display().to_string()])).collect();
     let outcomes: Vec<String> = Outcome::ALL.map(label).into();
-    let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "rows": rows});
+    let uncounted = Outcome::ALL.iter().position(|o| *o == Outcome::HostError);
+    let causes: Vec<Value> = Cause::ALL.iter().map(|c| json!([c.name(), c.title()])).collect();
+    let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "causes": causes, "uncounted": uncounted,
+                      "rows": rows});
     if !files.is_empty() {
         let list: Vec<String> = files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
         let _ = write!(s, "<p class=\"about\">All tasks as tables: {}.</p>", list.join(", "));
@@ -43,7 +46,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     if shown < total {
         let _ = write!(
             s,
-            "<p class=\"about\">{} of {} tasks are listed, failures first; --csv and --parquet write all of them.</p>",
+            "<p class=\"about\">{} of {} tasks are listed, failures first, and the filters know no others; --csv and --parquet write all of them.</p>",
             grouped(shown as u64),
             grouped(total as u64)
         );
@@ -51,7 +54,8 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     let _ = write!(
         s,
         "<div id=\"browser\"><form class=\"bar\" autocomplete=\"off\"><label>run <select name=\"run\"></select></label><label>outcome \
-         <select name=\"outcome\"></select></label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
+         <select name=\"outcome\"></select></label><label>stopped by <select name=\"cause\"></select></label><label>tasks that <select name=\"does\"></select> does</label><label>and <select \
+         name=\"not\"></select> doesn't</label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
          <output></output></form><div class=\"scroll\"><table><thead></thead><tbody></tbody></table></div>\
          <p class=\"more\"><button type=\"button\">Show more</button></p><noscript>The list of tasks needs JavaScript.</noscript></div>\
          <script type=\"application/json\" id=\"data\">{}</script>",
@@ -80,5 +84,6 @@ fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
         r.fuel.map(|f| f.p99),
         &*r.note,
         u8::from(replays.contains(&*r.task)),
+        r.cause.and_then(|cause| Cause::ALL.iter().position(|c| *c == cause)),
     ])
 }

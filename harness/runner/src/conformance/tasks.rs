@@ -54,6 +54,8 @@ pub(super) mod tests {
             outcome,
             three_way: ThreeWay::Stuck,
             reason: "because".into(),
+            cause: None,
+            evidence: String::new(),
             fault: None,
             time_s: 1.0,
             state_hash: "0123456789abcdef".into(),

@@ -1,82 +1,90 @@
 //! Why a vehicle rolled over or got stuck, judged by its last seconds.
 //!
-//! The outcome says that a trial failed; the cause says what the vehicle was up against. It is a judgement by simple rules
-//! on loads, slip, sinkage, attitude and what stands near, and it changes no score.
+//! The outcome says that a trial failed; the cause says what the vehicle was up against, and the evidence says by which figures
+//! that is known. It is a judgement by simple rules on loads, slip, sinkage, attitude, the ground and what stands near, and it
+//! changes no score.
 
+mod moment;
 mod rollover;
 mod stuck;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use vb_world::geometry;
+use vb_world::{Heightfield, geometry};
+
+pub use moment::{Moment, WheelMoment};
 
 /// The standard acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.81;
 /// The distance to an obstacle's outline within which it is touched, at scale 1, m.
 const TOUCH: f64 = 0.3;
 
-/// The cause of a failure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// It tipped over while it stood at an obstacle, or climbed it.
-    RolloverAtObstacle,
-    /// It tipped over in a turn or a leap that was too fast.
-    RolloverAtSpeed,
-    /// It tipped over sideways on ground that was too steep.
-    RolloverOnSideSlope,
-    /// It tipped over its front or rear.
-    RolloverEndOverEnd,
-    /// The driver gave no throttle.
-    NotDriven,
-    /// The hull carries the vehicle, and the wheels lack load.
-    HighCentred,
-    /// An obstacle stands in the way.
-    AgainstObstacle,
-    /// Wheels hang in the air and spin, mostly those of a diagonal.
-    WheelsOffGround,
-    /// The wheels spin or are sunk in soil.
-    SpinningOnSoil,
-    /// The ground ahead is so steep that the wheels slip or the engine doesn't suffice.
-    TooSteep,
-    /// None of these.
-    Other,
+/// Declares the causes together with their list, their names in files and what people call them.
+macro_rules! causes {
+    ($($(#[$about:meta])+ $variant:ident = $name:literal, $title:literal;)+) => {
+        /// The cause of a failure.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+        pub enum Cause {
+            $($(#[$about])+ #[serde(rename = $name)] $variant,)+
+        }
+
+        impl Cause {
+            /// All causes in the order of tables.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The name of the cause in files.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),+
+                }
+            }
+
+            /// The name of the cause in tables and sentences.
+            #[must_use]
+            pub fn title(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $title),+
+                }
+            }
+        }
+    };
 }
 
-impl Cause {
-    /// All causes in the order of tables.
-    pub const ALL: [Self; 11] = [
-        Self::RolloverAtObstacle,
-        Self::RolloverAtSpeed,
-        Self::RolloverOnSideSlope,
-        Self::RolloverEndOverEnd,
-        Self::NotDriven,
-        Self::HighCentred,
-        Self::AgainstObstacle,
-        Self::WheelsOffGround,
-        Self::SpinningOnSoil,
-        Self::TooSteep,
-        Self::Other,
-    ];
-
-    /// The name of the cause in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::RolloverAtObstacle => "rollover_at_obstacle",
-            Self::RolloverAtSpeed => "rollover_at_speed",
-            Self::RolloverOnSideSlope => "rollover_on_side_slope",
-            Self::RolloverEndOverEnd => "rollover_end_over_end",
-            Self::NotDriven => "not_driven",
-            Self::HighCentred => "high_centred",
-            Self::AgainstObstacle => "against_obstacle",
-            Self::WheelsOffGround => "wheels_off_ground",
-            Self::SpinningOnSoil => "spinning_on_soil",
-            Self::TooSteep => "too_steep",
-            Self::Other => "other",
-        }
-    }
+causes! {
+    /// It tipped over while it stood at an obstacle, or climbed it.
+    RolloverAtObstacle = "rollover_at_obstacle", "tipped over at an obstacle";
+    /// It tipped over an edge, beyond which the ground falls away.
+    RolloverOverEdge = "rollover_over_edge", "tipped over an edge";
+    /// It tipped over in a turn or a leap that was too fast.
+    RolloverAtSpeed = "rollover_at_speed", "tipped over at speed";
+    /// It tipped over its front or rear.
+    RolloverEndOverEnd = "rollover_end_over_end", "tipped end over end";
+    /// It tipped over sideways on ground that was too steep.
+    RolloverOnSideSlope = "rollover_on_side_slope", "tipped over on a side slope";
+    /// The driver gave no throttle.
+    NotDriven = "not_driven", "not driven";
+    /// The hull carries the vehicle, and the wheels lack load.
+    HighCentred = "high_centred", "high-centred";
+    /// An obstacle stands in the way.
+    AgainstObstacle = "against_obstacle", "against an obstacle";
+    /// Two wheels of a diagonal hang, and spin instead of those that bear the vehicle.
+    CrossAxled = "cross_axled", "spinning across a diagonal";
+    /// Wheels that are no diagonal hang in the air and spin.
+    WheelsOffGround = "wheels_off_ground", "wheels off the ground";
+    /// The ground rises like a wall before a leading wheel.
+    AgainstWall = "against_wall", "against a wall";
+    /// The wheels spin on soil, or are sunk in it.
+    SpinningOnSoil = "spinning_on_soil", "spinning on soil";
+    /// The ground ahead is so steep that the wheels slip or the engine doesn't suffice.
+    TooSteep = "too_steep", "too steep";
+    /// It slips down the slope on which it drives.
+    Sliding = "sliding", "sliding";
+    /// Wheels spin on firm ground, and the others don't move the vehicle.
+    SpinningOnFirm = "spinning_on_firm", "spinning on firm ground";
+    /// None of these.
+    Other = "other", "other";
 }
 
 impl fmt::Display for Cause {
@@ -85,72 +93,47 @@ impl fmt::Display for Cause {
     }
 }
 
+/// A cause, and the figures that it was known by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnosis {
+    /// The cause.
+    pub cause: Cause,
+    /// The evidence for it in words, e.g. "the hull bears 43 % of the weight"; empty if there is none.
+    pub evidence: String,
+}
+
+impl Diagnosis {
+    fn new(cause: Cause, evidence: impl Into<String>) -> Self {
+        Self { cause, evidence: evidence.into() }
+    }
+}
+
 /// What a judgement needs to know of the vehicle, as simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// The mass, kg.
     pub mass: f64,
-    /// The length, m.
-    pub length: f64,
-    /// The width, m.
-    pub width: f64,
+    /// How far what collides reaches in front of the reference point, m.
+    pub front: f64,
+    /// How far it reaches behind it, m.
+    pub rear: f64,
+    /// Half of its width, m.
+    pub half_width: f64,
+    /// The centres of the wheels in body axes at the design position, front to back, left before right, m.
+    pub wheels: Vec<[f64; 3]>,
     /// The radius of the wheels, m.
     pub wheel_radius: f64,
     /// The size of the world over that of the full-size one.
     pub scale: f64,
 }
 
-/// The state of a wheel at a moment.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelMoment {
-    /// The angular velocity about the axle, rad/s, positive when rolling forward.
-    pub spin: f64,
-    /// The normal force of ground and obstacles, N.
-    pub load: f64,
-    /// The depth in soil, m.
-    pub sinkage: f64,
-}
-
-/// The state of a vehicle at a moment.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Moment {
-    /// The time, s.
-    pub time: f64,
-    /// The position of the reference point in the world, m.
-    pub position: [f64; 3],
-    /// The roll, rad, positive with the right side down.
-    pub roll: f64,
-    /// The pitch, rad, positive with the nose down.
-    pub pitch: f64,
-    /// The heading, rad.
-    pub yaw: f64,
-    /// The velocity in body axes, m/s.
-    pub velocity: [f64; 3],
-    /// The angular velocity about the body's upward axis, rad/s.
-    pub yaw_rate: f64,
-    /// The throttle, in [0, 1].
-    pub throttle: f64,
-    /// Whether the reverse gear is in.
-    pub reverse: bool,
-    /// The wheels, front to back, left before right.
-    pub wheels: Vec<WheelMoment>,
-}
-
-impl Moment {
-    /// The angle between the vehicle's upward axis and the vertical, rad.
-    fn tilt(&self) -> f64 {
-        vb_math::acos((vb_math::cos(self.pitch) * vb_math::cos(self.roll)).clamp(-1.0, 1.0))
-    }
-
-    /// The corners of the vehicle, seen from above and grown by a margin (m) to the front, the rear and the sides, in the
-    /// world.
-    fn outline(&self, body: &Body, [front, rear, side]: [f64; 3]) -> Vec<[f64; 2]> {
-        let (sin, cos) = vb_math::sin_cos(self.yaw);
-        let (l, w) = (0.5 * body.length, 0.5 * body.width + side);
-        [[l + front, w], [-l - rear, w], [-l - rear, -w], [l + front, -w]]
-            .map(|[x, y]| [self.position[0] + cos * x - sin * y, self.position[1] + sin * x + cos * y])
-            .to_vec()
-    }
+/// What is around the vehicle.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<'a> {
+    /// The outlines of the obstacles, seen from above, convex and counter-clockwise, m.
+    pub obstacles: &'a [Vec<[f64; 2]>],
+    /// The ground as it was before the vehicle came, without ruts.
+    pub ground: &'a Heightfield,
 }
 
 /// Whether two convex outlines meet.
@@ -162,15 +145,10 @@ fn meet(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
         || b.first().is_some_and(|p| geometry::contains(&geometry::convex_hull(a), *p))
 }
 
-/// The cause of a failure, by the moments of its last seconds in the order of time. `obstacles` are the outlines of those in
-/// the world, seen from above, convex and counter-clockwise (m). `rolled_over` says which failure it is.
+/// The cause of a failure, by the moments of its last seconds in the order of time. `rolled_over` says which failure it is.
 #[must_use]
-pub fn cause(moments: &[Moment], body: &Body, obstacles: &[Vec<[f64; 2]>], rolled_over: bool) -> Cause {
-    if rolled_over {
-        rollover::cause(moments, body, obstacles)
-    } else {
-        stuck::cause(moments, body, obstacles)
-    }
+pub fn diagnose(moments: &[Moment], body: &Body, site: Site<'_>, rolled_over: bool) -> Diagnosis {
+    if rolled_over { rollover::diagnose(moments, body, site) } else { stuck::diagnose(moments, body, site) }
 }
 
 #[cfg(test)]
@@ -182,6 +160,17 @@ mod tests {
         for cause in Cause::ALL {
             let text = serde_json::to_string(&cause).unwrap();
             assert_eq!(text, format!("\"{cause}\""));
+        }
+    }
+
+    #[test]
+    fn every_cause_is_explained_in_the_docs() {
+        let text = include_str!("../../../../docs/scoring.md");
+        for cause in Cause::ALL {
+            assert!(
+                text.contains(&format!("| `{cause}` | {} |", cause.title())),
+                "docs/scoring.md lacks {cause}"
+            );
         }
     }
 

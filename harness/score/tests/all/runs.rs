@@ -69,6 +69,8 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         outcome: score.outcome,
         three_way: score.three_way,
         reason: score.reason,
+        cause: None,
+        evidence: String::new(),
         fault: (score.outcome == Outcome::PlannerError).then(|| "planner/out-of-fuel".into()),
         time_s: score.time_s,
         state_hash: "0123456789abcdef".into(),

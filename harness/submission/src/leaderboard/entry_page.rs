@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use vb_page::{Page, TABLE_STYLE, escape, grouped, number};
 use vb_report::{Measure, one_line};
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 use super::index_page::{STYLE, whisker};
 use super::rank::{Board, Ranked};
@@ -115,7 +115,18 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
         let name = outcome.name().replace('_', " ");
         let _ = write!(s, "<div><dt>{name}</dt><dd>{}</dd></div>", grouped(e.figures.count(*outcome)));
     }
-    s.push_str("</dl></section>");
+    s.push_str("</dl>");
+    let mut causes: Vec<(Cause, u64)> =
+        Cause::ALL.iter().map(|c| (*c, e.figures.caused(*c))).filter(|(_, n)| *n > 0).collect();
+    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+    if !causes.is_empty() {
+        s.push_str("<h3>What stopped it</h3><dl class=\"figures\">");
+        for (cause, n) in causes {
+            let _ = write!(s, "<div><dt>{}</dt><dd>{}</dd></div>", escape(cause.title()), grouped(n));
+        }
+        s.push_str("</dl>");
+    }
+    s.push_str("</section>");
 }
 
 fn conditions(s: &mut String, r: &Ranked) {

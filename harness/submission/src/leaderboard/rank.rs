@@ -1,7 +1,6 @@
 //! The order of entries, and which of them can't be told apart.
 
-use vb_report::statistics::Interval;
-use vb_report::{Comparison, Estimate, Measure, Runs};
+use vb_report::{Comparison, Difference, Estimate, Measure, Runs, Verdict};
 
 use super::entries::Entry;
 use crate::SubmissionError;
@@ -34,7 +33,8 @@ pub struct Board {
 pub struct Ranked {
     /// The entry.
     pub entry: Entry,
-    /// One more than the number of entries that are better for certain than the first of this rank.
+    /// One more than the number of entries above the first of this rank, which is worse for certain than the first of the rank
+    /// above.
     pub rank: usize,
     /// Whether other entries share the rank.
     pub tied: bool,
@@ -114,8 +114,9 @@ fn board(mut entries: Vec<Entry>) -> Result<Board, SubmissionError> {
             (None, _) => (None, false),
             (Some(best), RankedBy::Holdout) => (None, overlap(&best.entry, &entry)),
             (Some(best), RankedBy::Suite) => {
-                let behind = difference(&best.entry, &entry)?;
-                (behind, !differs(behind.and_then(|b| b.interval)))
+                let d = difference(&best.entry, &entry)?;
+                let apart = d.as_ref().and_then(|d| d.verdict).is_some_and(Verdict::is_certain);
+                (d.and_then(|d| d.difference), !apart)
             }
         };
         if tied {
@@ -148,28 +149,9 @@ fn overlap(a: &Entry, b: &Entry) -> bool {
     }
 }
 
-/// Whether an interval of a difference says that there is one. Without an interval, of a single world, nothing is known.
-fn differs(interval: Option<Interval>) -> bool {
-    interval.is_some_and(|i| i.low > 0.0 || i.high < 0.0)
-}
-
-/// How much higher the success rate of `b` is, paired by tasks, with its interval over worlds.
-fn difference(a: &Entry, b: &Entry) -> Result<Option<Estimate>, SubmissionError> {
+/// How much higher the success rate of `b` is, paired by tasks, with what the deciding test of reports says of it.
+fn difference(a: &Entry, b: &Entry) -> Result<Option<Difference>, SubmissionError> {
     let runs = Runs::read(&[a.dir.join(RUN), b.dir.join(RUN)])?;
     let comparison = Comparison::new(&runs);
-    let differences = comparison.as_ref().and_then(|c| c.pairs.first()).map(|p| &p.differences);
-    let of_success = differences.and_then(|d| d.iter().find(|d| d.measure == Measure::Success));
-    Ok(of_success.and_then(|d| d.difference))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_an_interval_without_zero_tells_entries_apart() {
-        let i = |low, high| Some(Interval { estimate: 0.5 * (low + high), low, high });
-        assert!(differs(i(-0.3, -0.1)) && differs(i(0.1, 0.2)));
-        assert!(!differs(i(-0.3, 0.0)) && !differs(i(-0.1, 0.2)) && !differs(i(0.0, 0.0)) && !differs(None));
-    }
+    Ok(comparison.and_then(|c| c.between(1, 0, Measure::Success)))
 }

@@ -48,6 +48,20 @@ fn fail(record: &mut Value) {
     record["three_way"] = "stuck".into();
 }
 
+/// The same records in four times as many worlds, eight in all: in two worlds nothing can be certain.
+fn spread(records: &mut Vec<Value>) {
+    let own = std::mem::take(records);
+    for k in 0..4 {
+        for record in &own {
+            let mut record = record.clone();
+            for field in ["task", "world"] {
+                record[field] = record[field].as_str().unwrap().replacen("w0", &format!("w{k}"), 1).into();
+            }
+            records.push(record);
+        }
+    }
+}
+
 fn build(b: &Bench, dir: &str, out: &str) -> Result<Site, SubmissionError> {
     leaderboard::build(&b.path(dir), &b.path(out), "A board", &mut |_, _, _| Ok(BTreeSet::new()))
 }
@@ -59,20 +73,24 @@ fn board(b: &Bench, out: &str) -> Value {
 #[test]
 fn ties_share_a_rank_and_certain_differences_part() {
     let b = bench();
-    accept(b, "ranks", "best", |m, _| planner(m, "best"));
-    // One task of four in one world of two: nobody knows.
+    accept(b, "ranks", "best", |m, r| {
+        planner(m, "best");
+        spread(r);
+    });
+    // One task of sixteen in one world of eight: nobody knows.
     accept(b, "ranks", "close", |m, r| {
         planner(m, "close");
+        spread(r);
         fail(&mut r[0]);
     });
-    accept(b, "ranks", "worse", |m, r| {
-        planner(m, "worse");
-        r.iter_mut().for_each(fail);
-    });
-    accept(b, "ranks", "worst-too", |m, r| {
-        planner(m, "worst-too");
-        r.iter_mut().for_each(fail);
-    });
+    // All of them in all worlds: p = 2 · 2⁻⁸.
+    for name in ["worse", "worst-too"] {
+        accept(b, "ranks", name, |m, r| {
+            planner(m, name);
+            spread(r);
+            r.iter_mut().for_each(fail);
+        });
+    }
     let site = build(b, "ranks", "ranks-site").unwrap();
     let found: Vec<(String, usize, bool)> =
         site.boards[0].entries.iter().map(|r| (r.entry.id.clone(), r.rank, r.tied)).collect();
@@ -81,10 +99,9 @@ fn ties_share_a_rank_and_certain_differences_part() {
     let data = board(b, "ranks-site");
     let entries = &data["boards"][0]["entries"];
     assert_eq!((&entries[1]["rank"], &entries[1]["tied"]), (&1.into(), &true.into()));
-    assert_eq!(entries[1]["success_rate"]["mean"], 0.75);
-    // Two worlds, of which one has half its tasks: draws of them give 0, 1/4 and 1/2.
-    assert_eq!(entries[1]["behind_first_of_rank"]["mean"], -0.25);
-    assert_eq!(entries[2]["outcomes"]["stuck"], 4);
+    assert_eq!(entries[1]["success_rate"]["mean"], 0.9375);
+    assert_eq!(entries[1]["behind_first_of_rank"]["mean"], -0.0625);
+    assert_eq!(entries[2]["outcomes"]["stuck"], 16);
     for page in ["index.html", "entries/best/index.html", "entries/best/report.html"] {
         let text = fs::read_to_string(b.path("ranks-site").join(page)).unwrap();
         assert!(text.contains("Content-Security-Policy"), "{page}");
