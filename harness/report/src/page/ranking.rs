@@ -171,7 +171,8 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
         }
     }
     let _ = write!(text, " over {} tasks; {}", grouped(d.tasks), d.told());
-    if let Some((p, adjusted)) = d.p.zip(d.adjusted) {
+    let few = matches!(d.verdict, Some(Verdict::TooFewWorlds { .. }));
+    if let Some((p, adjusted)) = d.p.zip(d.adjusted).filter(|_| !few) {
         let _ = write!(text, "; p {}, corrected {}", p_value(p), p_value(adjusted));
     }
     text
