@@ -73,7 +73,7 @@ impl Difference {
                 let differ = if self.worlds == 1 { "differs" } else { "differ" };
                 format!("too few worlds ({} {differ}, {needed} needed)", self.worlds)
             }
-            Some(Verdict::Uncorrected { pairs }) => format!("not certain as one of {pairs} pairs"),
+            Some(Verdict::Uncorrected { pairs }) => format!("not as one of {pairs} pairs"),
             Some(Verdict::Undecided) => "not told apart".into(),
         }
     }

@@ -40,7 +40,7 @@ pub(super) fn comparison(s: &mut String, report: &Report) {
     );
     table(s, report, c);
     s.push_str(
-        "<p class=\"about\">Worlds: those that differ. The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
+        "<p class=\"about\">Worlds: those that differ, of those that are needed if they are too few. The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
          are not within a world; Wilcoxon's signed-rank test counts each world the same, however many tasks it has. Neither is corrected.</p></details>",
     );
 }
@@ -73,6 +73,23 @@ fn class(d: &Difference) -> &'static str {
         Some(Verdict::Better) => "better",
         Some(Verdict::Worse) => "worse",
         _ => "open",
+    }
+}
+
+/// What is said of a difference, in two or three words.
+fn verdict(d: &Difference) -> String {
+    match d.verdict {
+        Some(Verdict::TooFewWorlds { .. }) => "too few worlds".into(),
+        Some(Verdict::Uncorrected { .. }) => "not as one of many".into(),
+        _ => d.told(),
+    }
+}
+
+/// The number of worlds that differ, and how many would have to if they are too few.
+fn needed(d: &Difference) -> String {
+    match d.verdict {
+        Some(Verdict::TooFewWorlds { needed }) => format!("{} of {needed}", d.worlds),
+        _ => d.worlds.to_string(),
     }
 }
 
@@ -124,11 +141,7 @@ fn forest(s: &mut String, report: &Report, c: &Comparison, ranking: &Ranking, me
     for (k, (x, y, e, d)) in found.iter().enumerate() {
         let at = f.top + row * (k as f64 + 0.7);
         let name = |run: usize| escape(&one_line(&report.runs.runs[run].label, 25));
-        let word = match d.verdict {
-            Some(Verdict::TooFewWorlds { .. }) => "too few worlds".to_owned(),
-            Some(Verdict::Uncorrected { .. }) => "not certain".to_owned(),
-            _ => d.told(),
-        };
+        let word = verdict(d);
         let _ = write!(
             s,
             "<text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\">{} − {}</text><text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\" \
@@ -224,7 +237,7 @@ fn profile(s: &mut String, report: &Report, c: &Comparison) {
 
 fn table(s: &mut String, report: &Report, c: &Comparison) {
     s.push_str(
-        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>X − Y</th><th>figure</th><th class=\"n\">difference</th><th \
+        "<div class=\"scroll\"><table class=\"sortable pairs\"><thead><tr><th>X − Y</th><th>figure</th><th class=\"n\">difference</th><th \
          class=\"n\">95 % interval</th><th class=\"n\">p</th><th class=\"n\">p (Holm)</th><th>X is</th><th class=\"n\">tasks</th><th \
          class=\"n\">worlds</th><th class=\"n\">both</th><th class=\"n\">X only</th><th class=\"n\">Y only</th><th \
          class=\"n\">neither</th><th class=\"n\">McNemar, Wilcoxon</th></tr></thead><tbody>",
@@ -242,7 +255,7 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
             let _ = write!(
                 s,
                 "<tr{}><td class=\"of\">{} − {}</td><td class=\"of\">{}, {}</td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>{}{}<td><span \
-                 class=\"verdict {}\">{}</span></td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\">{}</td>",
+                 class=\"verdict {}\">{}</span></td><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\" data-v=\"{}\">{}</td>",
                 if certain { " class=\"holds\"" } else { "" },
                 escape(&report.runs.runs[p.b].label),
                 escape(&report.runs.runs[p.a].label),
@@ -255,10 +268,11 @@ fn table(s: &mut String, report: &Report, c: &Comparison) {
                 // What says nothing must not look as if it said that there is no difference.
                 text(d.adjusted.filter(|_| !matches!(d.verdict, Some(Verdict::TooFewWorlds { .. })))),
                 class(d),
-                d.told(),
+                verdict(d),
                 d.tasks,
                 grouped(d.tasks),
                 d.worlds,
+                needed(d),
             );
             if d.measure == Measure::Success {
                 let neither = p.common - p.both - p.only_a - p.only_b;

@@ -61,7 +61,7 @@ fn table(s: &mut String, report: &Report, ranking: &Ranking) {
         let _ = write!(
             s,
             "<tr><td>{}</td><td class=\"n\" data-v=\"{}\"><b>{}</b></td><th>{}{}</th><td class=\"n\" data-v=\"{}\">{}</td><td \
-             class=\"whisker-cell\">{}</td><td>{}</td><td class=\"n\" data-v=\"{}\">{}</td>",
+             class=\"whisker-cell\">{}</td><td class=\"of\">{}</td><td class=\"n\" data-v=\"{}\">{}</td>",
             letter(k),
             p.rank,
             p.told(),
@@ -171,7 +171,8 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
         }
     }
     let _ = write!(text, " over {} tasks; {}", grouped(d.tasks), d.told());
-    if let Some((p, adjusted)) = d.p.zip(d.adjusted) {
+    let few = matches!(d.verdict, Some(Verdict::TooFewWorlds { .. }));
+    if let Some((p, adjusted)) = d.p.zip(d.adjusted).filter(|_| !few) {
         let _ = write!(text, "; p {}, corrected {}", p_value(p), p_value(adjusted));
     }
     text
@@ -179,7 +180,7 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
 
 fn key(s: &mut String) {
     s.push_str(
-        "<p class=\"key\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain</span><span><i \
+        "<p class=\"key cells\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain</span><span><i \
          class=\"cell worse strong\"></i><i class=\"cell worse\"></i>worse for certain</span><span><i class=\"cell open rather-better\"></i><i \
          class=\"cell open rather-worse\"></i>not told apart</span><span class=\"few-key\">too few worlds</span></p><p class=\"about\">Strong \
          colours: at least half of the greatest difference. A click on a cell lists the tasks that the row does and the column doesn't.</p>",
