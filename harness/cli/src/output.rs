@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write as _};
 use std::sync::OnceLock;
 
 use serde::Serialize;
+use vb_score::Outcome;
 
 use crate::error::CliError;
 
@@ -32,6 +33,26 @@ pub(crate) fn failure() -> Option<CliError> {
     Some(CliError::output(format!(
         "cannot write to the standard output: {why} (free some space, or send it elsewhere)"
     )))
+}
+
+/// The number of columns of the terminal that stdout goes to; none for files and pipes, which have no end of a line.
+pub(crate) fn width() -> Option<usize> {
+    let out = console::Term::stdout();
+    // Less than this is no width to write for.
+    out.is_term().then(|| out.size_checked()).flatten().map(|(_, columns)| usize::from(columns).max(40))
+}
+
+/// An outcome in its colour, if stderr is a terminal that has colours and nobody asked for none (`NO_COLOR`).
+pub(crate) fn coloured(outcome: Outcome) -> console::StyledObject<&'static str> {
+    let style = console::Style::new().for_stderr();
+    let style = match outcome {
+        Outcome::Success => style.green(),
+        Outcome::Rollover => style.red(),
+        Outcome::Stuck => style.yellow(),
+        Outcome::Timeout | Outcome::OutOfBounds => style.cyan(),
+        Outcome::PlannerError | Outcome::SimError | Outcome::HostError => style.magenta().bold(),
+    };
+    style.apply_to(outcome.name())
 }
 
 /// One JSON object on a line of stdout.

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal as _;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use serde::Serialize;
 use vb_runner::Event;
 use vb_score::{Outcome, TaskRecord};
@@ -138,11 +138,20 @@ impl Progress {
         bar.set_length(self.total);
         bar.set_position(self.done);
         bar.reset_eta();
-        // A wrong template would only cost the style.
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}  ETA {eta}") {
-            bar.set_style(style.progress_chars("=> "));
+        // A wrong template would only cost the style. The second line is cut to the terminal's width.
+        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len}  {left}\n{wide_msg}") {
+            let before = self.done;
+            let left = move |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                let done = state.pos().saturating_sub(before);
+                let _ = to.write_str(&left(
+                    state.elapsed(),
+                    done,
+                    state.len().unwrap_or(0).saturating_sub(state.pos()),
+                ));
+            };
+            bar.set_style(style.with_key("left", left).progress_chars("━╸ "));
         }
-        bar.enable_steady_tick(std::time::Duration::from_millis(200));
+        bar.enable_steady_tick(Duration::from_millis(200));
     }
 
     /// A task has ended.
@@ -160,7 +169,7 @@ impl Progress {
                     self.done,
                     self.total,
                     record.task,
-                    record.outcome,
+                    output::coloured(record.outcome),
                     record.time_s,
                     record.explanation(),
                     width = self.total.to_string().len()
@@ -168,14 +177,20 @@ impl Progress {
                 details(record, self.debug).iter().for_each(|line| output::note(line));
             }
             Kind::Bar(bar) => {
-                let counts: Vec<String> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
+                let counts: Vec<String> =
+                    self.outcomes.iter().map(|(o, n)| format!("{n} {}", output::coloured(*o))).collect();
                 let run = run.map_or_else(String::new, |run| format!("{run}  "));
                 bar.set_message(format!("{run}{}  {}", counts.join(", "), self.speed()));
                 bar.set_position(self.done);
                 let logged = self.debug && !record.log.is_empty();
                 if record.fault.is_some() || logged {
                     bar.suspend(|| {
-                        output::note(&format!("{} {}: {}", record.task, record.outcome, record.reason));
+                        output::note(&format!(
+                            "{} {}: {}",
+                            record.task,
+                            output::coloured(record.outcome),
+                            record.reason
+                        ));
                         details(record, self.debug).iter().for_each(|line| output::note(line));
                     });
                 }
@@ -218,6 +233,24 @@ impl Progress {
     }
 }
 
+/// How long the tasks that are left will take if they take as long as those that are done, as told beside the bar. Before the first
+/// is done nothing is known.
+fn left(elapsed: Duration, done: u64, left: u64) -> String {
+    if left == 0 {
+        return String::new();
+    }
+    if done == 0 {
+        return "time left: –".to_owned();
+    }
+    let seconds = (elapsed.as_secs_f64() / done as f64 * left as f64).ceil() as u64;
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    match (hours, minutes) {
+        (0, 0) => format!("{seconds} s left"),
+        (0, _) => format!("{minutes} min {seconds:02} s left"),
+        _ => format!("{hours} h {minutes:02} min left"),
+    }
+}
+
 /// What helps to find out why a task failed: the last lines that the planner logged, if an error ended it, and, to debug, of any
 /// task, with where it trapped.
 fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
@@ -240,4 +273,19 @@ fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
 #[allow(clippy::disallowed_methods, reason = "for people who watch: nothing of it reaches a score")]
 fn now() -> Instant {
     Instant::now()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_the_tasks_left_and_unknown_before_the_first() {
+        let after = |seconds, done, of| left(Duration::from_secs(seconds), done, of);
+        assert_eq!(after(9, 0, 100), "time left: –");
+        assert_eq!(after(10, 5, 10), "20 s left");
+        assert_eq!(after(60, 10, 90), "9 min 00 s left");
+        assert_eq!(after(3600, 1, 2), "2 h 00 min left");
+        assert_eq!(after(10, 100, 0), "");
+    }
 }

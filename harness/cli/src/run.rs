@@ -7,9 +7,9 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 use vb_host::Limits;
-use vb_record::ShardHeader;
+use vb_record::{RunReader, ShardHeader, TraceMode};
 use vb_runner::{FailedStart, RunConfig, RunError};
-use vb_score::{Rules, Summary};
+use vb_score::{Outcome, Rules, Summary, TaskRecord};
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
@@ -23,7 +23,27 @@ enum Message<'a> {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
-    drive(args)?.1
+    let (out, simulated) = drive(args)?;
+    if args.format.get() == MessageFormat::Human {
+        next(&out, args.trace);
+    }
+    simulated
+}
+
+/// What one does next, as commands: look at all of it, and at the first task that failed.
+fn next(out: &Path, trace: TraceMode) {
+    let own = out.display();
+    output::note(&format!("next:    vb-harness report {own} --out {}", out.join("report").display()));
+    if trace == TraceMode::None {
+        return;
+    }
+    let Ok(mut records) = RunReader::open(out).and_then(|run| run.records::<TaskRecord>()) else { return };
+    records.retain(|r| !matches!(r.outcome, Outcome::Success | Outcome::HostError));
+    if let Some(first) = records.iter().min_by(|a, b| a.task.cmp(&b.task)) {
+        let why =
+            first.cause.map_or_else(|| first.outcome.name().replace('_', " "), |c| c.title().to_owned());
+        output::note(&format!("         vb-harness replay {own} --task {}    # {why}", first.task));
+    }
 }
 
 /// Runs what is said, and returns the run's directory with whether all tasks could be simulated.
@@ -42,7 +62,7 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
             summary: &report.summary,
         }),
         MessageFormat::Human => {
-            output::text(&vb_host::printable(&report.summary.table()));
+            output::text(&vb_host::printable(&report.summary.table(output::width())));
             if let Some(clamped) = progress.clamped() {
                 output::text(&format!("{clamped}\n"));
             }

@@ -32,7 +32,13 @@ enum Message<'a> {
 }
 
 pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
-    let entrant = Entrant { name: args.entrant.clone(), url: args.url.clone(), note: args.note.clone() };
+    let entrant = Entrant {
+        name: args.entrant.clone(),
+        url: args.url.clone(),
+        code: args.code.clone(),
+        paper: args.paper.clone(),
+        note: args.note.clone(),
+    };
     // What is wrong with the request is said before hours are spent.
     entrant.check().map_err(failed)?;
     if planner::command(&args.plugin).is_some() {

@@ -1,6 +1,7 @@
 //! A summary as text for the terminal.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use vb_record::{planner_with_params, suite_with_selection};
 
@@ -21,9 +22,10 @@ const COLUMNS: [&str; 11] = [
 ];
 
 impl Summary {
-    /// The result as a table of plain text, without escape sequences: a row for all tasks and one for each level.
+    /// The result as a table of plain text, without escape sequences: a row for all tasks and one for each level. Where it is wider
+    /// than `width` columns, it is parted into tables below each other, and texts are wrapped.
     #[must_use]
-    pub fn table(&self) -> String {
+    pub fn table(&self, width: Option<usize>) -> String {
         let mut rows = vec![COLUMNS.map(str::to_owned)];
         if let Some(all) = &self.all {
             rows.push(row("all", all));
@@ -34,17 +36,28 @@ impl Summary {
         let widths: Vec<usize> = (0..COLUMNS.len())
             .map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0))
             .collect();
-        let mut out = String::new();
-        for cells in &rows {
-            let mut line = String::new();
-            for (c, cell) in cells.iter().enumerate() {
-                let pad = " ".repeat(widths[c] - cell.chars().count());
-                // Names to the left, figures to the right.
-                line += &if c == 0 { format!("{cell}{pad}") } else { format!("  {pad}{cell}") };
+        let mut table = String::new();
+        for (k, part) in parts(&widths, width).into_iter().enumerate() {
+            if k > 0 {
+                table.push('\n');
             }
-            out += line.trim_end();
-            out.push('\n');
+            for cells in &rows {
+                let pad = |c: usize| " ".repeat(widths[c] - cells[c].chars().count());
+                // Names to the left, figures to the right.
+                let mut line = format!("{}{}", cells[0], pad(0));
+                for c in part.clone() {
+                    line += &format!("  {}{}", pad(c), cells[c]);
+                }
+                table += line.trim_end();
+                table.push('\n');
+            }
         }
+        table + &wrapped(&self.notes(), width)
+    }
+
+    /// What is told below the table, line by line.
+    fn notes(&self) -> String {
+        let mut out = String::new();
         // Writing to a string can't fail.
         let planner = planner_with_params(&self.planner, &self.params);
         let suite =
@@ -99,6 +112,43 @@ impl Summary {
     }
 }
 
+/// The columns of figures in as many parts as it takes to have each, with the names, within a width.
+fn parts(widths: &[usize], width: Option<usize>) -> Vec<Range<usize>> {
+    let mut parts = Vec::new();
+    let (mut begin, mut used) = (1, widths[0]);
+    for (c, own) in widths.iter().enumerate().skip(1) {
+        if c > begin && width.is_some_and(|width| used + 2 + own > width) {
+            parts.push(begin..c);
+            (begin, used) = (c, widths[0]);
+        }
+        used += 2 + own;
+    }
+    parts.push(begin..widths.len());
+    parts
+}
+
+/// Lines of text, broken between words where they are longer than a width.
+fn wrapped(text: &str, width: Option<usize>) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let mut column = 0;
+        for word in line.split(' ') {
+            let length = word.chars().count();
+            if column > 0 && width.is_some_and(|width| column + 1 + length > width) {
+                out.push_str("\n  ");
+                column = 2;
+            } else if column > 0 {
+                out.push(' ');
+                column += 1;
+            }
+            out.push_str(word);
+            column += length;
+        }
+        out.push('\n');
+    }
+    out
+}
+
 /// How often each cause stopped the vehicle, the most frequent first.
 fn by_cause(g: &Group) -> Vec<String> {
     let mut causes: Vec<_> = g.causes.iter().collect();
@@ -128,4 +178,26 @@ fn row(name: &str, g: &Group) -> [String; COLUMNS.len()] {
         count(Outcome::OutOfBounds).to_string(),
         (count(Outcome::PlannerError) + count(Outcome::SimError)).to_string(),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_parted_so_that_each_part_with_the_names_is_within_the_width() {
+        assert_eq!(parts(&[10, 5, 5, 5], None), [1..4]);
+        // 10 + 2 + 5 + 2 + 5 = 24.
+        assert_eq!(parts(&[10, 5, 5, 5], Some(24)), [1..3, 3..4]);
+        assert_eq!(parts(&[10, 5, 5, 5], Some(23)), [1..2, 2..3, 3..4]);
+        // A column that is too wide stands alone.
+        assert_eq!(parts(&[10, 50, 5], Some(20)), [1..2, 2..3]);
+    }
+
+    #[test]
+    fn lines_are_broken_between_words() {
+        assert_eq!(wrapped("one two three\nfour\n", None), "one two three\nfour\n");
+        assert_eq!(wrapped("one two three\nfour\n", Some(9)), "one two\n  three\nfour\n");
+        assert_eq!(wrapped("seventeen letters\n", Some(5)), "seventeen\n  letters\n");
+    }
 }

@@ -22,6 +22,12 @@ pub struct Entrant {
     /// An address to read more at; `https://` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
+    /// The address of the planner's source; `https://` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub code: Option<String>,
+    /// The address of a paper on it; `https://` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<String>,
     /// A sentence or two on the planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -51,15 +57,16 @@ impl Entrant {
         };
         field("entrant", &self.name, 80)?;
         field("note", self.note.as_deref().unwrap_or_default(), 500)?;
-        let url = self.url.as_deref().unwrap_or("https://");
-        field("url", url, 200)?;
-        let plain =
-            url.bytes().all(|b| b.is_ascii_graphic() && !matches!(b, b'"' | b'\'' | b'<' | b'>' | b'\\'));
-        if !(plain && url.starts_with("https://")) {
-            return Err(SubmissionError::Entrant {
-                field: "url",
-                problem: format!("{url:?} is no address that begins with https://"),
-            });
+        for (name, url) in [("url", &self.url), ("code", &self.code), ("paper", &self.paper)] {
+            let Some(url) = url else { continue };
+            field(name, url, 200)?;
+            let odd = |b: u8| !b.is_ascii_graphic() || matches!(b, b'"' | b'\'' | b'<' | b'>' | b'\\');
+            if url.bytes().any(odd) || !url.starts_with("https://") {
+                return Err(SubmissionError::Entrant {
+                    field: name,
+                    problem: format!("{url:?} is no address that begins with https://"),
+                });
+            }
         }
         Ok(())
     }
@@ -168,7 +175,14 @@ mod tests {
 
     #[test]
     fn only_addresses_that_run_nothing_are_shown() {
-        let with = |url: &str| Entrant { name: "a".into(), url: Some(url.into()), note: None }.check();
+        let with = |url: &str| {
+            let entrant = Entrant { name: "a".into(), ..Entrant::default() };
+            let paper = Entrant { paper: Some(url.into()), ..entrant.clone() }.check();
+            let code = Entrant { code: Some(url.into()), ..entrant.clone() }.check();
+            let own = Entrant { url: Some(url.into()), ..entrant }.check();
+            assert!(own.is_ok() == paper.is_ok() && own.is_ok() == code.is_ok(), "{url}");
+            own
+        };
         with("https://example.org/a?b=c#d").unwrap();
         for url in
             ["javascript:alert(1)", "http://a", "https://a\"onclick=b", "https://a b", "data:text/html,a", ""]

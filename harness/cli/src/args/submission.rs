@@ -42,6 +42,12 @@ pub(crate) struct SubmitArgs {
     /// Where to read more of the planner; https:// only
     #[arg(long, value_name = "URL")]
     pub(crate) url: Option<String>,
+    /// Address of the planner's source, https://…
+    #[arg(long)]
+    pub(crate) code: Option<String>,
+    /// Address of a paper on the planner, https://…
+    #[arg(long)]
+    pub(crate) paper: Option<String>,
     /// A sentence on the planner
     #[arg(long, value_name = "TEXT")]
     pub(crate) note: Option<String>,

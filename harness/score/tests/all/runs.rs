@@ -196,7 +196,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
     assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
     // None of the three decided tasks succeeded; the fourth may have.
-    let table = again.summary.table();
+    let table = again.summary.table(None);
     assert!(table.contains("1 undecided") && table.contains("between 0.0 % and 25.0 %"), "{table}");
 
     // A wider radius decides earlier, before the planner's fault at 3 s: 120 m − 4 m/s · 3 s = 108 m.
@@ -318,7 +318,7 @@ fn what_the_host_failed_counts_for_nobody() {
     assert_eq!(with.host_errors, ["w9/t9"]);
     assert_eq!((&with.all, &with.world, &with.terrain), (&without.all, &without.world, &without.terrain));
     assert_eq!((without.missing(), with.missing()), (1, 0));
-    assert!(with.table().contains("1 failed by the harness or the machine, not counted above"));
+    assert!(with.table(None).contains("1 failed by the harness or the machine, not counted above"));
 }
 
 #[test]
@@ -396,7 +396,7 @@ fn a_run_without_a_finished_task_has_an_empty_summary_and_a_table() {
     let rules = Rules::paper();
     let summary = Summary::new(&header(&rules, TraceMode::None, 7), &rules, &[], Vec::new());
     assert!(summary.all.is_none());
-    assert!(summary.table().contains("7 of 7 tasks not run yet"));
+    assert!(summary.table(None).contains("7 of 7 tasks not run yet"));
     serde_json::to_string(&summary).unwrap();
 }
 
@@ -404,7 +404,7 @@ fn a_run_without_a_finished_task_has_an_empty_summary_and_a_table() {
 fn the_table_has_a_row_for_each_level_and_aligned_columns() {
     let rules = Rules::paper();
     let table =
-        Summary::new(&header(&rules, TraceMode::None, 4), &rules, &some_records(), Vec::new()).table();
+        Summary::new(&header(&rules, TraceMode::None, 4), &rules, &some_records(), Vec::new()).table(None);
     let lines: Vec<&str> = table.lines().collect();
     let names: Vec<&str> = lines[1..6].iter().map(|l| l[..15].trim()).collect();
     assert_eq!(names, ["all", "elevation low", "elevation high", "terrain rigid", "density sparse"]);

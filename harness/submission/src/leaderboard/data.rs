@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use vb_report::{Estimate, Measure};
-use vb_score::Outcome;
+use vb_score::{Cause, Outcome};
 
 use super::rank::{Board, Ranked};
 
@@ -38,6 +38,10 @@ fn entry(r: &Ranked) -> Value {
     let (e, m) = (&r.entry, &r.entry.manifest);
     let outcomes: serde_json::Map<String, Value> =
         Outcome::ALL.iter().map(|o| (o.name().to_owned(), e.figures.count(*o).into())).collect();
+    let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), Value::from(e.figures.caused(*c))));
+    let causes: serde_json::Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
+    let levels = e.levels.iter().map(|(level, rate)| ((*level).to_owned(), Value::from(*rate)));
+    let levels: serde_json::Map<String, Value> = levels.collect();
     json!({
         "rank": r.rank,
         "tied": r.tied,
@@ -58,6 +62,10 @@ fn entry(r: &Ranked) -> Value {
         "time_s": estimate(e.figures.mean(Measure::Time)),
         "roll_deg": estimate(e.figures.mean(Measure::Roll)),
         "pitch_deg": estimate(e.figures.mean(Measure::Pitch)),
+        "success_by_elevation": levels,
+        "causes": causes,
+        "fuel_of_a_step_share": e.fuel,
+        "started_at": m.run.started_at,
         "holdout": e.holdout,
         "verified": {
             "harness_version": e.verification.harness_version,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vb_report::{Figures, RunFigures, Runs};
+use vb_report::{Figures, Measure, RunFigures, Runs, Split};
 
 use crate::SubmissionError;
 use crate::check::Submission;
@@ -25,6 +25,10 @@ pub struct Entry {
     pub verification: Verification,
     /// The figures over all tasks.
     pub figures: Figures,
+    /// The success rate by elevation level, from low to high, in [0, 1]; levels without tasks are left out.
+    pub levels: Vec<(&'static str, f64)>,
+    /// The fuel of the most costly step of all tasks as a share of the limit; `None` for planners that aren't metered.
+    pub fuel: Option<f64>,
     /// The scores on the hidden suite, if the owner had the entry evaluated.
     pub holdout: Option<Scores>,
 }
@@ -67,7 +71,13 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     }
     submission.manifest().entrant.check()?;
     let runs = Runs::read(&[submission.run_dir()])?;
-    let figures = RunFigures::new(&runs, &runs.runs[0]).all;
+    let figures = RunFigures::new(&runs, &runs.runs[0]);
+    let by_elevation = &figures.splits[Split::Elevation as usize];
+    let levels =
+        by_elevation.iter().filter_map(|(name, f)| Some((*name, f.mean(Measure::Success)?.mean))).collect();
+    let used = runs.runs[0].counted().filter_map(|row| row.fuel);
+    let fuel = used.map(|f| f.max_share).reduce(f64::max);
+    let figures = figures.all;
     let holdout = match dir.join(HOLDOUT) {
         path if path.exists() => {
             let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA)?;
@@ -87,5 +97,14 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     manifest.tasks.clear();
     manifest.files.clear();
     let verification = Verification { division: manifest.division, ..verification };
-    Ok(Entry { id: id.to_owned(), dir: dir.to_owned(), manifest, verification, figures, holdout })
+    Ok(Entry {
+        id: id.to_owned(),
+        dir: dir.to_owned(),
+        manifest,
+        verification,
+        figures,
+        levels,
+        fuel,
+        holdout,
+    })
 }

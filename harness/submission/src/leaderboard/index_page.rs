@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_record::planner_with_params;
 use vb_report::{Estimate, Measure, one_line};
+use vb_score::{Cause, Outcome};
 
+use super::entries::Entry;
 use super::rank::{Board, Ranked, RankedBy};
 use crate::division::Division;
 
@@ -128,11 +130,13 @@ fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
     let _ = write!(
         s,
         "<tr><td class=\"n rank\" data-v=\"{rank}\">{rank}{}</td><td><a href=\"entries/{id}/index.html\">{}</a> <small>{}</small><br>\
-         <small class=\"who\">{}</small></td>{}<td class=\"plot\">{}</td>",
+         <small class=\"who\">{}{}</small><small class=\"details\">{}</small></td>{}<td class=\"plot\">{}</td>",
         if r.tied { "<small>=</small>" } else { "" },
         escape(&one_line(&e.manifest.run.plugin.name, 60)),
         escape(&planner_with_params(&one_line(&e.manifest.run.plugin.version, 30), &params)),
         escape(&one_line(&e.manifest.entrant.name, 80)),
+        links(e),
+        details(e),
         mean(Measure::Success),
         whisker(success),
         rank = r.rank,
@@ -153,6 +157,66 @@ fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
         s.push_str(&mean(m).replacen("class=\"n\"", "class=\"n wide\"", 1));
     }
     s.push_str("</tr>");
+}
+
+/// Links to the entrant's source and paper.
+fn links(e: &Entry) -> String {
+    let all = [("code", &e.manifest.entrant.code), ("paper", &e.manifest.entrant.paper)];
+    let link = |(name, url): (&str, &Option<String>)| {
+        let url = escape(url.as_ref()?);
+        Some(format!(" · <a href=\"{url}\" rel=\"nofollow noopener\">{name}</a>"))
+    };
+    all.into_iter().filter_map(link).collect()
+}
+
+/// What else is known of an entry, in a line below its name. A narrow screen has no room for columns, so means are told here as well.
+fn details(e: &Entry) -> String {
+    let f = &e.figures;
+    let percent = |n: f64| number(100.0 * n, 1);
+    let share = |o: Outcome| percent(f.count(o) as f64 / f.tasks.max(1) as f64);
+    let mut parts = Vec::new();
+    if e.levels.len() > 1 {
+        let levels: Vec<String> =
+            e.levels.iter().map(|(level, rate)| format!("{level} {}", percent(*rate))).collect();
+        parts.push(format!("{} %", levels.join(", ")));
+    }
+    let narrow: Vec<String> = [Measure::Time, Measure::Roll, Measure::Pitch]
+        .into_iter()
+        .filter_map(|m| {
+            let mean = number(m.shown(f.mean(m)?.mean), 1);
+            Some(match m {
+                Measure::Time => format!("{mean} s"),
+                _ => format!("{} {mean}°", m.name()),
+            })
+        })
+        .collect();
+    parts.push(format!("rollover {} %", share(Outcome::Rollover)));
+    let most = Cause::ALL.iter().max_by_key(|c| (f.caused(**c), std::cmp::Reverse(**c)));
+    let most = most.filter(|c| f.caused(**c) > 0);
+    let why = most.map_or_else(String::new, |c| {
+        format!(" (most often {}: {} %)", c.title(), percent(f.caused(*c) as f64 / f.tasks.max(1) as f64))
+    });
+    parts.push(format!("stuck {} %{why}", share(Outcome::Stuck)));
+    let other = f.tasks
+        - [Outcome::Success, Outcome::Rollover, Outcome::Stuck].map(|o| f.count(o)).iter().sum::<u64>();
+    if other > 0 {
+        parts.push(format!("other failures {} %", percent(other as f64 / f.tasks.max(1) as f64)));
+    }
+    if let Some(fuel) = e.fuel {
+        parts.push(format!(
+            "a step takes up to {} % of the fuel",
+            number(100.0 * fuel, if fuel < 0.01 { 3 } else { 1 })
+        ));
+    }
+    let sample = e.verification.sample.as_ref();
+    let again = sample.map_or(0.0, |s| s.tasks.len() as f64 / s.of.max(1) as f64);
+    parts.push(format!("{} % driven again", number(100.0 * again, 0)));
+    // A time is told by its day; what is no time is an entrant's own text.
+    let day = e.manifest.run.started_at.get(..10).unwrap_or_default();
+    if day.bytes().all(|b| b.is_ascii_digit() || b == b'-') && !day.is_empty() {
+        parts.push(format!("run on {day}"));
+    }
+    format!("<span class=\"narrow\">{}; </span>{}", escape(&narrow.join(", ")), escape(&parts.join("; ")))
 }
 
 /// A cell with a mean and, below, its interval.

@@ -150,6 +150,8 @@ impl Bench {
         let entrant = Entrant {
             name: "A team".into(),
             url: Some("https://example.org".into()),
+            code: Some("https://example.org/code".into()),
+            paper: Some("https://example.org/paper".into()),
             note: Some("A note.".into()),
         };
         let request = Request {
