@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_report::{Report, ReportError, Runs, write_csv, write_parquet};
+use vb_report::{Beside, MapLinks, Report, ReportError, Runs, write_csv, write_parquet};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
-use crate::replay::{Player, Senses};
+use crate::replay::{Player, Senses, suite_of};
 use crate::{output, suite};
 
 #[derive(Serialize)]
@@ -67,11 +67,16 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     if let Some(out) = &args.out {
         // Only what lies beside the page can be linked wherever it is copied to.
         let beside = files.iter().filter(|f| f.parent() == Some(out)).filter_map(|f| f.file_name()?.to_str());
+        let beside: Vec<String> = beside.map(str::to_owned).collect();
         let replays = match &args.replays {
             Some(selector) => replays(&report, args, selector, out)?,
             None => BTreeSet::new(),
         };
-        let page = report.page(&replays, &beside.collect::<Vec<_>>());
+        let maps = match &args.maps {
+            Some(selector) => maps(&report, args, selector, &replays, out)?,
+            None => BTreeSet::new(),
+        };
+        let page = report.page(&Beside { replays, maps, files: beside });
         let path = out.join("index.html");
         write(&path, &page)?;
         files.push(path);
@@ -102,6 +107,47 @@ fn replays(
         made.insert(task);
     }
     Ok(made)
+}
+
+/// Makes maps of the worlds of the chosen tasks that a run has done, as `maps/WORLD.html`, and returns their names.
+fn maps(
+    report: &Report,
+    args: &ReportArgs,
+    selector: &str,
+    replays: &BTreeSet<String>,
+    out: &Path,
+) -> Result<BTreeSet<String>, CliError> {
+    let runs = &report.runs().runs;
+    let first = &runs[0];
+    if let Some(other) = runs.iter().find(|r| r.header.scale != first.header.scale) {
+        return Err(CliError::usage(format!(
+            "--maps: runs {} and {} have worlds of different scale, which are on no common map (report them one by one)",
+            first.dir.display(),
+            other.dir.display()
+        )));
+    }
+    let suite = suite_of(&first.header, args.data.suite.as_deref())?;
+    let done: BTreeSet<&str> = report.runs().worlds.iter().map(|w| w.name.as_str()).collect();
+    let chosen = suite::select(&suite, Some(selector))?;
+    let chosen: BTreeSet<String> =
+        chosen.into_iter().map(|t| t.world).filter(|w| done.contains(w.as_str())).collect();
+    let order: Vec<&String> = chosen.iter().collect();
+    let folder = out.join("maps");
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| CliError::output(format!("cannot write {}: {e}", folder.display())))?;
+    for (k, id) in order.iter().enumerate() {
+        let world = suite.load_world(id).map_err(CliError::input)?;
+        let scale = first.header.scale;
+        let world = if scale == 1.0 { world } else { world.scaled(scale) };
+        let links = MapLinks {
+            previous: k.checked_sub(1).map(|k| order[k].as_str()),
+            next: order.get(k + 1).map(|w| w.as_str()),
+            replays: replays.clone(),
+        };
+        let page = report.map(&world, &links).map_err(failed)?;
+        write(&folder.join(format!("{id}.html")), &page)?;
+    }
+    Ok(chosen)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {

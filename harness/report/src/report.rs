@@ -9,6 +9,17 @@ use crate::ranking::Ranking;
 use crate::robustness::Robustness;
 use crate::runs::Runs;
 
+/// What lies beside a page, which leads to it.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// The tasks of which there is a replay, `replays/WORLD/TASK.html`.
+    pub replays: BTreeSet<String>,
+    /// The worlds of which there is a map, `maps/WORLD.html`.
+    pub maps: BTreeSet<String>,
+    /// The names of further files.
+    pub files: Vec<String>,
+}
+
 /// Runs with their figures and comparison.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -60,10 +71,9 @@ impl Report {
         self.robustness.as_ref()
     }
 
-    /// The page: one file that needs nothing else, no network either. `replays` are the tasks of which there is a page
-    /// `replays/WORLD/TASK.html` beside it, `files` the names of further files beside it.
+    /// The page: one file that needs nothing else, no network either.
     #[must_use]
-    pub fn page(&self, replays: &BTreeSet<String>, files: &[&str]) -> String {
-        page::page(self, replays, files)
+    pub fn page(&self, beside: &Beside) -> String {
+        page::page(self, beside)
     }
 }

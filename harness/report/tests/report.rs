@@ -3,19 +3,19 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use vb_record::{
-    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, StoreError, SuiteHeader,
-    TraceMode,
+    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, StoreError,
+    SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode,
 };
-use vb_report::{Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
+use vb_report::{Beside, MapLinks, Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
 use vb_score::{Cause, FuelUse, Metrics, Outcome, Rules, Summary, TaskRecord};
-use vb_world::{Density, Elevation, Terrain};
+use vb_world::{Density, Elevation, Heightfield, Pose2, Task, Terrain, TerrainClass, World};
 
 const HOSTILE: &str =
     "</script><script>document.title='owned'</script><img src=x onerror=\"document.title='owned'\">";
@@ -175,7 +175,7 @@ fn causes_are_counted_and_lead_to_their_tasks() {
         "{}",
         report.markdown()
     );
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     assert!(
         page.contains("data-cause=\"spinning_on_soil\" data-run=\"0\">10 <small>50.0 %</small>"),
         "{page}"
@@ -184,8 +184,74 @@ fn causes_are_counted_and_lead_to_their_tasks() {
     let old = tasks(5, |_, t| t == 0).into_iter().map(|r| TaskRecord { cause: None, ..r });
     let run = write(&dir.path().join("old"), &header("pid", 20), old);
     let report = Report::new(Runs::read(&[run]).unwrap());
-    assert!(report.page(&BTreeSet::new(), &[]).contains("a version that doesn't say why"));
+    assert!(report.page(&Beside::default()).contains("a version that doesn't say why"));
     assert!(!report.markdown().contains("tasks that ended"));
+}
+
+/// A trace along x from the start of a task to so far.
+fn trace(task: &str, end: f64) -> Trace {
+    let meta = TraceMeta {
+        schema: TRACE_SCHEMA,
+        task: task.into(),
+        start: [0.0, 0.0, 0.0],
+        goal: [20.0, 0.0],
+        goal_z: 0.0,
+        half_extent: [32.0, 32.0],
+        scale: 1.0,
+        time_step: 0.001,
+        sample_period: 0.01,
+        mode: TraceMode::TenHz,
+    };
+    let samples = (0..=100).map(|k| Sample { x: end * f64::from(k) / 100.0, y: 3.0, ..Sample::default() });
+    Trace { meta, samples: samples.collect(), wheels: 0, wheel_samples: Vec::new() }
+}
+
+#[test]
+fn a_map_has_the_way_of_each_run_and_where_it_ended() {
+    let dir = tempfile::tempdir().unwrap();
+    let hostile = |label: &str| RunHeader {
+        plugin: PluginHeader { name: label.into(), ..header("x", 2).plugin },
+        ..header("x", 2)
+    };
+    let mut world = World::uniform("w000", Heightfield::flat(33, 33, 2.0, 0.0), TerrainClass::Gravel, 0.5);
+    world.tasks = ["t00", "t01"]
+        .map(|id| Task {
+            id: id.into(),
+            start: Pose2 { x: 0.0, y: 3.0, yaw: 0.0 },
+            goal: [20.0, 3.0],
+            path: vec![[0.0, 3.0], [20.0, 3.0]],
+        })
+        .to_vec();
+    let run = |label: &str, success: bool| {
+        let at = dir.path().join(label.len().to_string());
+        let store = RunStore::create(&at, &hostile(label)).unwrap();
+        for t in 0..2 {
+            let record = record(0, t, success);
+            // The second task of a run kept no trace.
+            if t == 0 {
+                store
+                    .write_trace(&record.task, &trace(&record.task, if success { 20.0 } else { 12.5 }))
+                    .unwrap();
+            }
+            store.append(&record).unwrap();
+        }
+        at
+    };
+    let runs = Runs::read(&[run("good", true), run("<script>bad", false)]).unwrap();
+    let links = MapLinks { previous: None, next: Some("w007"), replays: ["w000/t00".to_owned()].into() };
+    let page = Report::new(runs).map(&world, &links).unwrap();
+    // A straight way has two points, y turned; only the failure has an end, which is where it stopped.
+    assert_eq!(page.matches("d=\"M0.00 -3.00L20.00 -3.00\"><title>good").count(), 1, "{page}");
+    assert_eq!(page.matches("d=\"M0.00 -3.00L12.50 -3.00\"><title>&lt;script&gt;bad").count(), 1);
+    assert_eq!(page.matches("<circle class=\"end").count(), 1);
+    assert!(page.contains("<circle class=\"end e2\" cx=\"12.50\" cy=\"-3.00\""));
+    assert!(page.contains("high-centred") && !page.contains("<script>bad"));
+    assert!(page.contains("kept no trace"));
+    assert!(
+        page.contains("href=\"../replays/w000/t00.html\"")
+            && page.contains("rel=\"next\" href=\"w007.html\"")
+    );
+    assert!(!page.contains("rel=\"prev\""));
 }
 
 #[test]
@@ -209,7 +275,7 @@ fn a_comparison_pairs_the_tasks_that_both_have_done() {
     assert_eq!((success.worlds, success.verdict), (9, Some(Verdict::Better)));
     let time = &pair.differences[1];
     assert_eq!((time.p, time.verdict), (Some(1.0), Some(Verdict::Equal)), "equal times");
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     assert!(page.contains("4 of 40 tasks are not done yet"), "what is missing is said");
     assert!(page.contains("Not all runs have done the same tasks"));
 }
@@ -244,7 +310,7 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     let told = "good does most: 75.0 % of 36 tasks, which is 50.0 points more than bad (p = 0.012); it can't be told from near: too \
                 few worlds (2 differ, 7 needed).";
     assert_eq!(report.headline().as_deref(), Some(told));
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     let markdown = report.markdown();
     for (text, what) in [(&page, "page"), (&markdown, "markdown")] {
         assert!(text.replace("&#39;", "'").replace('\u{a0}', " ").contains(told), "{what}");
@@ -303,7 +369,7 @@ fn no_text_of_a_planner_becomes_markup() {
     other.plugin.version = "2".into();
     let b = write(&dir.path().join("b"), &other, tasks(1, |_, _| true));
     let report = Report::new(Runs::read(&[a, b]).unwrap());
-    let page = report.page(&BTreeSet::new(), &["tasks.csv"]);
+    let page = report.page(&Beside { files: vec!["tasks.csv".into()], ..Beside::default() });
     // Its own two script elements, and no other tag that runs anything.
     assert_eq!(page.matches("<script").count(), 2);
     assert_eq!(page.matches("</script").count(), 2);
@@ -329,7 +395,7 @@ fn a_half_written_run_is_reported_as_far_as_it_got() {
     file.write_all(br#"{"task":"w009/t00","world":"w0"#).unwrap();
     let report = Report::new(Runs::read(std::slice::from_ref(&run)).unwrap());
     assert_eq!(report.figures()[0].all.tasks, 12);
-    assert!(report.page(&BTreeSet::new(), &[]).contains("88 of 100 tasks are not done yet"));
+    assert!(report.page(&Beside::default()).contains("88 of 100 tasks are not done yet"));
     assert!(report.markdown().contains("88 of 100 tasks are not done yet"));
 }
 
@@ -344,7 +410,7 @@ fn a_run_without_a_success_has_no_time_and_says_so() {
     let i = success.interval.unwrap();
     assert_eq!((success.mean, i.low), (0.0, 0.0));
     assert!((i.high - 3.841_458_8 / 6.841_458_8).abs() < 1e-7, "{i:?}");
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     assert!(page.contains("nothing to average") && !page.contains(">0.000<"), "an axis of nothing");
     assert!(
         !page.contains("\"NaN\"") && !page.contains(">NaN") && !page.contains(">inf"),
@@ -433,7 +499,7 @@ fn planners_under_several_profiles_have_a_line_each_with_paired_differences() {
     // Nine lost and nine won.
     assert_eq!(difference(0, 2), (36, 0.0, 1.0));
     assert_eq!(difference(1, 1), (36, 0.0, 1.0));
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     assert!(page.contains("id=\"robustness\"") && page.contains("Success against the perception profile"));
     assert!(report.markdown().contains("| a | degraded | 25.0"), "{}", report.markdown());
 
@@ -444,7 +510,7 @@ fn planners_under_several_profiles_have_a_line_each_with_paired_differences() {
     let alone = write(&dir.path().join("b-2"), &other, tasks(9, |_, _| true));
     let report = Report::new(Runs::read(&[dirs[2].clone(), alone]).unwrap());
     assert_eq!(report.robustness(), None);
-    assert!(!report.page(&BTreeSet::new(), &[]).contains("id=\"robustness\""));
+    assert!(!report.page(&Beside::default()).contains("id=\"robustness\""));
 }
 
 #[test]
@@ -501,7 +567,7 @@ fn the_page_of_very_many_tasks_stays_small() {
     // They are of records that were there before.
     fs::remove_file(run.join("checksums.txt")).unwrap();
     let report = Report::new(Runs::read(&[run]).unwrap());
-    let page = report.page(&BTreeSet::new(), &[]);
+    let page = report.page(&Beside::default());
     assert!(page.len() < 12 << 20, "{} bytes", page.len());
     assert!(page.contains("of 60\u{2009}000 tasks are listed, failures first"));
     assert_eq!(report.figures()[0].all.tasks, 60_000);

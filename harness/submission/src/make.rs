@@ -7,7 +7,7 @@ use std::path::Path;
 
 use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, RunReader, ShardHeader, TraceMode};
-use vb_report::{Report, Runs};
+use vb_report::{Beside, Report, Runs};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_world::Suite;
 
@@ -256,5 +256,5 @@ pub(crate) fn report(submission: &Path) -> Result<String, SubmissionError> {
     for run in &mut runs.runs {
         run.dir = RUN.into();
     }
-    Ok(Report::new(runs).page(&BTreeSet::new(), &[]))
+    Ok(Report::new(runs).page(&Beside::default()))
 }

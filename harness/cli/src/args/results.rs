@@ -26,6 +26,9 @@ pub(crate) struct ReportArgs {
     /// Make replays of these tasks, e.g. w001/t03 or elevation=high, and link them from the page
     #[arg(long, value_name = "SELECTOR", requires = "out")]
     pub(crate) replays: Option<String>,
+    /// Make maps of the worlds of these tasks, e.g. w001 or elevation=high, with all ways and where and why they ended
+    #[arg(long, value_name = "SELECTOR", requires = "out")]
+    pub(crate) maps: Option<String>,
     #[command(flatten)]
     pub(crate) data: ReplayData,
     #[command(flatten)]

@@ -116,6 +116,7 @@ fn page_of(runs: &[PathBuf], out: &Path) -> ReportArgs {
         csv: None,
         parquet: None,
         replays: None,
+        maps: None,
         data: ReplayData::default(),
         format: FormatArgs::default(),
     }

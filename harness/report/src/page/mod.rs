@@ -7,20 +7,19 @@ mod figure;
 mod ranking;
 mod robustness;
 mod sections;
-mod series;
+pub(crate) mod series;
 mod tasks;
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use crate::Report;
+use crate::{Beside, Report};
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
 const SCRIPT: &str = include_str!("page.js");
 const STYLE: &str = include_str!("page.css");
 
 /// The whole page.
-pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) -> String {
+pub(crate) fn page(report: &Report, beside: &Beside) -> String {
     let first = &report.runs.runs[0].header;
     let title = match &report.runs.runs[..] {
         [one] => one.label.clone(),
@@ -84,10 +83,10 @@ pub(crate) fn page(report: &Report, replays: &BTreeSet<String>, files: &[&str]) 
             "robustness" => robustness::robustness(&mut s, report),
             "outcomes" => sections::outcomes(&mut s, report),
             "causes" => causes::causes(&mut s, report),
-            "worlds" => sections::worlds(&mut s, report),
+            "worlds" => sections::worlds(&mut s, report, beside),
             "distributions" => sections::distributions(&mut s, report),
             "fuel" => sections::fuel(&mut s, report),
-            "tasks" => tasks::tasks(&mut s, report, replays, files),
+            "tasks" => tasks::tasks(&mut s, report, beside),
             _ => sections::about(&mut s, report),
         }
         s.push_str("</section>");

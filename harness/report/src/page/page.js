@@ -31,8 +31,10 @@
     ['way m', (r) => r[9], 1],
     ['to goal m', (r) => r[10], 1],
     ['fuel 99 %', (r) => r[11], 1],
+    ['map', (r) => data.worlds[r[2]][4]],
     ['replay', (r) => r[13]],
   ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
+    && (c[0] !== 'map' || data.worlds.some((w) => w[4]))
     && (c[0] !== 'stopped by' || data.rows.some((r) => r[14] !== null))
     && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
@@ -78,7 +80,7 @@
   let sort = null;
   let chosen = [];
   let count = PAGE;
-  const key = (r) => [r[1], ...data.worlds[r[2]], data.runs[r[0]][0], data.outcomes[r[3]], r[12]].join(' ').toLowerCase();
+  const key = (r) => [r[1], ...data.worlds[r[2]].slice(0, 4), data.runs[r[0]][0], data.outcomes[r[3]], r[12]].join(' ').toLowerCase();
   const keys = data.rows.map(key);
   const format = (v, n) => (v === null ? '–' : n === 'fuel 99 %' ? v.toLocaleString('en').replaceAll(',', '\u2009') : v.toFixed(1).replace('-', '−'));
   function draw() {
@@ -87,11 +89,12 @@
       tr.tabIndex = 0;
       for (const [name, of, numeric] of columns) {
         const v = of(r);
-        if (name === 'replay') {
+        if (name === 'replay' || name === 'map') {
           const td = make('td');
           if (v) {
-            const a = make('a', 'replay', 'replay');
-            a.href = 'replays/' + r[1].split('/').map(encodeURIComponent).join('/') + '.html';
+            const a = make('a', name, name);
+            const [world, task] = r[1].split('/').map(encodeURIComponent);
+            a.href = name === 'map' ? `maps/${world}.html#${task}` : `replays/${world}/${task}.html`;
             td.append(a);
           }
           tr.append(td);

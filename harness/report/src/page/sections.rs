@@ -2,9 +2,9 @@
 
 use super::distribution::{Distribution, Scale};
 use super::series::{self, sample};
-use crate::Report;
 use crate::figures::{Estimate, Measure};
 use crate::runs::{Row, Run};
+use crate::{Beside, Report};
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, number};
 use vb_score::Outcome;
@@ -178,7 +178,7 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
     );
 }
 
-pub(super) fn worlds(s: &mut String, report: &Report) {
+pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
     if report.runs.worlds.len() > WORLDS {
         let _ = write!(s, "<p>{} worlds are too many to draw.</p>", grouped(report.runs.worlds.len() as u64));
         return;
@@ -232,6 +232,15 @@ pub(super) fn worlds(s: &mut String, report: &Report) {
         let _ = write!(s, "<i class=\"w h{k}\"></i>");
     }
     s.push_str("all tasks</p>");
+    if !beside.maps.is_empty() {
+        let links: Vec<String> =
+            beside.maps.iter().map(|w| format!("<a href=\"maps/{0}.html\">{0}</a>", escape(w))).collect();
+        let _ = write!(
+            s,
+            "<p class=\"about\">Maps with all ways, and where and why they ended: {}.</p>",
+            links.join(", ")
+        );
+    }
 }
 
 /// The distribution of a value of each task, a row a run; nothing where no task has it.

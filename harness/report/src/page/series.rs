@@ -12,18 +12,18 @@ use vb_page::{SERIES_COLOURS, escape};
 const SHAPES: usize = 5;
 
 /// The number of a run's colour in the page's style.
-pub(super) fn colour(run: usize) -> usize {
+pub(crate) fn colour(run: usize) -> usize {
     run % SERIES_COLOURS
 }
 
 /// The classes of a line that belongs to a run.
-pub(super) fn line(run: usize) -> String {
+pub(crate) fn line(run: usize) -> String {
     format!("line s{} d{}", colour(run), run % SHAPES)
 }
 
 /// A run's marker with its middle at (x, y) and about this radius, and with a text that shows under the pointer if it is not
 /// empty.
-pub(super) fn marker(s: &mut String, run: usize, [x, y]: [f64; 2], radius: f64, title: &str) {
+pub(crate) fn marker(s: &mut String, run: usize, [x, y]: [f64; 2], radius: f64, title: &str) {
     let r = radius;
     let d = match run % SHAPES {
         0 => format!(
@@ -52,7 +52,7 @@ pub(super) fn marker(s: &mut String, run: usize, [x, y]: [f64; 2], radius: f64, 
 }
 
 /// A piece of a run's line with its marker, for legends and beside names.
-pub(super) fn sample(run: usize) -> String {
+pub(crate) fn sample(run: usize) -> String {
     let mut s = format!(
         "<svg class=\"sample\" viewBox=\"0 0 34 12\" aria-hidden=\"true\" data-sample=\"{run}\"><path class=\"{}\" d=\"M1 6H33\"/>",
         line(run)
@@ -63,7 +63,7 @@ pub(super) fn sample(run: usize) -> String {
 }
 
 /// Names with their samples.
-pub(super) fn legend<'a>(s: &mut String, labels: impl IntoIterator<Item = &'a str>) {
+pub(crate) fn legend<'a>(s: &mut String, labels: impl IntoIterator<Item = &'a str>) {
     s.push_str("<ul class=\"legend\">");
     for (run, label) in labels.into_iter().enumerate() {
         let _ = write!(s, "<li>{}{}</li>", sample(run), escape(label));

@@ -1,8 +1,8 @@
 //! The tasks, as data for the page's script.
 
 use super::sections::label;
-use crate::Report;
 use crate::runs::Row;
+use crate::{Beside, Report};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use vb_score::{Cause, Outcome};
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
 const ROWS: usize = 20_000;
 
-pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>, files: &[&str]) {
+pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     let total: usize = report.runs.runs.iter().map(|r| r.rows.len()).sum();
     let each = ROWS / report.runs.runs.len();
     let mut shown = 0;
@@ -24,13 +24,16 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
         chosen.extend(run.rows.iter().filter(|r| r.succeeded()).take(room));
         chosen.sort_by(|a, b| a.task.cmp(&b.task));
         shown += chosen.len();
-        rows.extend(chosen.into_iter().map(|r| row(k, r, replays)));
+        rows.extend(chosen.into_iter().map(|r| row(k, r, &beside.replays)));
     }
     let worlds: Vec<Value> = report
         .runs
         .worlds
         .iter()
-        .map(|w| json!([w.name, w.elevation.name(), w.terrain.name(), w.density.name()]))
+        .map(|w| {
+            let map = u8::from(beside.maps.contains(&w.name));
+            json!([w.name, w.elevation.name(), w.terrain.name(), w.density.name(), map])
+        })
         .collect();
     let runs: Vec<Value> =
         report.runs.runs.iter().map(|r| json!([r.label, r.dir.display().to_string()])).collect();
@@ -39,8 +42,9 @@ pub(super) fn tasks(s: &mut String, report: &Report, replays: &BTreeSet<String>,
     let causes: Vec<Value> = Cause::ALL.iter().map(|c| json!([c.name(), c.title()])).collect();
     let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "causes": causes, "uncounted": uncounted,
                       "rows": rows});
-    if !files.is_empty() {
-        let list: Vec<String> = files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
+    if !beside.files.is_empty() {
+        let list: Vec<String> =
+            beside.files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
         let _ = write!(s, "<p class=\"about\">All tasks as tables: {}.</p>", list.join(", "));
     }
     if shown < total {

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vb_report::{Report, Runs};
+use vb_report::{Beside, Report, Runs};
 
 pub use data::LEADERBOARD_SCHEMA;
 pub use entries::Entry;
@@ -65,7 +65,7 @@ pub fn build(
                 run.dir = RUN.into();
             }
             // Never the entrant's own page: it is made anew of his records.
-            let report = Report::new(runs).page(&made, &[]);
+            let report = Report::new(runs).page(&Beside { replays: made.clone(), ..Beside::default() });
             files::write(&own.join("report.html"), report.as_bytes())?;
             for name in [MANIFEST, VERDICT] {
                 files::write(&own.join(name), &files::read(&entry.dir.join(name), files::DOCUMENT)?)?;

@@ -1,8 +1,6 @@
 //! A suite as a page to look through: one file that needs nothing else, no network either.
 
-mod map;
 mod page;
-mod picture;
 mod plot;
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,10 @@
 //! The page: filters, a card a world, the larger view, tables and plots.
 
-use super::map::map;
-use super::picture::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, pictures};
 use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
 use std::fmt::Write as _;
+use vb_map::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, map, pictures};
 use vb_page::{Page, escape, number};
 use vb_world::{Density, Elevation, Terrain, TerrainClass, World};
 
@@ -34,7 +33,7 @@ pub(super) fn card(world: &World, w: &WorldStatistics, side: usize) -> String {
         w.slopes.p95,
         w.height_std,
         detour.unwrap_or(0.0),
-        map(world, &pictures(world, w, side)),
+        map(world, &pictures(world, side), ""),
         labels(w),
         e = w.elevation.name(),
         t = w.terrain.name(),
@@ -183,7 +182,7 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
     );
     Page {
         title: &format!("Suite {}", statistics.name),
-        styles: &[STYLE],
+        styles: &[vb_map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &s,
         script: SCRIPT,

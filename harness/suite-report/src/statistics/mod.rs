@@ -5,7 +5,6 @@ pub mod tables;
 #[cfg(test)]
 mod tests;
 mod world;
-pub(crate) use world::nodes_of_a_metre;
 
 pub use summary::{Histogram, Summary};
 pub use tables::Table;

@@ -220,16 +220,11 @@ impl WorldStatistics {
     }
 }
 
-/// How many nodes make 1 m, at least one.
-pub(crate) fn nodes_of_a_metre(resolution: f64) -> usize {
-    ((1.0 / resolution).round() as usize).max(1)
-}
-
 /// Slopes in degrees by central differences over 1 m to each side, or over one node where nodes are farther apart, at
 /// every node that has such neighbours.
 fn slopes(h: &Heightfield) -> Tally {
     let mut tally = Tally::new(SLOPE_BIN);
-    let k = nodes_of_a_metre(h.resolution()).min((h.rows().min(h.cols()) - 1) / 2).max(1);
+    let k = vb_map::nodes_of_a_metre(h.resolution()).min((h.rows().min(h.cols()) - 1) / 2).max(1);
     let run = 2.0 * k as f64 * h.resolution();
     for row in k..h.rows().saturating_sub(k) {
         for col in k..h.cols().saturating_sub(k) {

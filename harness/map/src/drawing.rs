@@ -1,6 +1,6 @@
 //! A world as SVG in metres: pictures of the ground, footprints, paths, starts and goals.
 
-use super::picture::Pictures;
+use crate::picture::Pictures;
 use std::fmt::Write as _;
 use vb_math::{hypot, sin_cos};
 use vb_page::escape;
@@ -9,8 +9,9 @@ use vb_world::{ObstacleKind, Task, World};
 /// How far waypoints may lie from the drawn line, m: less than one sees.
 const FLAT: f64 = 0.02;
 
-/// A world's map, north up. y is turned, since SVG counts downwards.
-pub(super) fn map(world: &World, pictures: &Pictures) -> String {
+/// A world's map, north up, with SVG in metres `over` its tasks. y is turned, since SVG counts downwards.
+#[must_use]
+pub fn map(world: &World, pictures: &Pictures, over: &str) -> String {
     let (x, y) = (world.heightfield.half_x(), world.heightfield.half_y());
     // Sizes of signs in metres on the original's worlds, and in proportion on others.
     let unit = x.max(y) / 64.0;
@@ -56,6 +57,7 @@ pub(super) fn map(world: &World, pictures: &Pictures) -> String {
         ends(&mut s, task, [x, y], unit);
     }
     s.push_str("</g>");
+    s.push_str(over);
     scale_bar(&mut s, x, y, unit);
     s.push_str("</svg>");
     s
@@ -144,24 +146,26 @@ fn polygon(outline: &[[f64; 2]]) -> String {
     d
 }
 
-/// A path as a line without the waypoints that lie on it.
-fn line(path: &[[f64; 2]]) -> String {
+/// A path as the commands of an SVG path, without the waypoints that lie on the line.
+#[must_use]
+pub fn line(path: &[[f64; 2]]) -> String {
     let mut d = String::new();
-    for (k, p) in simplified(path).iter().enumerate() {
+    for (k, p) in simplified(path, FLAT).iter().enumerate() {
         let _ = write!(d, "{}{:.2} {:.2}", if k == 0 { 'M' } else { 'L' }, p[0], -p[1]);
     }
     d
 }
 
-/// The first and the last point, and between them those that keep every point within [`FLAT`] of the line.
-fn simplified(path: &[[f64; 2]]) -> Vec<[f64; 2]> {
+/// The first and the last point, and between them those that keep every point within `flat` (m) of the line.
+#[must_use]
+pub fn simplified(path: &[[f64; 2]], flat: f64) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = path.first().copied().into_iter().collect();
     let mut from = 0;
     while from + 1 < path.len() {
         let straight = |to: usize| {
             path[from + 1..to]
                 .iter()
-                .all(|&p| vb_world::geometry::point_to_segment(p, path[from], path[to]) <= FLAT)
+                .all(|&p| vb_world::geometry::point_to_segment(p, path[from], path[to]) <= flat)
         };
         let mut to = from + 1;
         while to + 1 < path.len() && straight(to + 1) {
@@ -181,9 +185,9 @@ mod tests {
     fn a_drawn_path_has_its_corners_and_nothing_between() {
         let mut path: Vec<[f64; 2]> = (0..=60).map(|k| [f64::from(k), 0.0]).collect();
         path.extend((1..=30).map(|k| [60.0, f64::from(k)]));
-        assert_eq!(simplified(&path), [[0.0, 0.0], [60.0, 0.0], [60.0, 30.0]]);
+        assert_eq!(simplified(&path, FLAT), [[0.0, 0.0], [60.0, 0.0], [60.0, 30.0]]);
         assert_eq!(line(&path), "M0.00 -0.00L60.00 -0.00L60.00 -30.00");
-        assert_eq!(simplified(&path[..1]), [[0.0, 0.0]]);
-        assert!(simplified(&[]).is_empty());
+        assert_eq!(simplified(&path[..1], FLAT), [[0.0, 0.0]]);
+        assert!(simplified(&[], FLAT).is_empty());
     }
 }

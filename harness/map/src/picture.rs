@@ -1,6 +1,5 @@
 //! Pictures of a world's ground as PNG: the relief under a fixed sun, and thin coloured layers to lay over it.
 
-use crate::statistics::{WorldStatistics, nodes_of_a_metre};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use vb_math::{angle::degrees, atan, hypot};
@@ -9,30 +8,32 @@ use vb_world::{Heightfield, TerrainClass, World};
 /// Direction to the sun: from the north-west, 45° high, as maps have it.
 const SUN: [f64; 3] = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
 /// Heights are so much exaggerated in the shading, in every world alike: low ones would show nothing else.
-pub(super) const EXAGGERATION: f64 = 2.0;
+pub const EXAGGERATION: f64 = 2.0;
 /// Slope at the end of the colour scale, degrees.
-pub(super) const STEEP: f64 = 45.0;
+pub const STEEP: f64 = 45.0;
 /// Heights at the ends of the colour scale lie so many standard deviations from the mean: a few pits would press all
 /// others together.
-pub(super) const SPREADS: f64 = 2.5;
+pub const SPREADS: f64 = 2.5;
 /// Friction at the ends of the colour scale: the clip of the original's generator (envs/gen-VertiBench.py).
-pub(super) const FRICTION: [f64; 2] = [0.1, 1.0];
+pub const FRICTION: [f64; 2] = [0.1, 1.0];
 /// Colours of a scale.
 const STEPS: usize = 32;
 
-pub(super) type Colour = [u8; 3];
+/// A colour: red, green, blue.
+pub type Colour = [u8; 3];
 
 /// From low to high ground: marsh, meadow, heath, scree.
-pub(super) const HEIGHTS: [Colour; 5] =
+pub const HEIGHTS: [Colour; 5] =
     [[74, 128, 132], [128, 176, 118], [224, 212, 140], [201, 148, 92], [244, 236, 226]];
 /// From level to steep.
-pub(super) const SLOPES: [Colour; 5] =
+pub const SLOPES: [Colour; 5] =
     [[252, 252, 240], [250, 225, 130], [240, 145, 70], [205, 55, 70], [90, 20, 90]];
 /// From slippery to grippy.
-pub(super) const GRIPS: [Colour; 4] = [[60, 90, 180], [110, 180, 200], [215, 225, 150], [250, 245, 215]];
+pub const GRIPS: [Colour; 4] = [[60, 90, 180], [110, 180, 200], [215, 225, 150], [250, 245, 215]];
 
 /// A colour on a scale, `at` from 0 to 1.
-pub(super) fn on_scale(scale: &[Colour], at: f64) -> Colour {
+#[must_use]
+pub fn on_scale(scale: &[Colour], at: f64) -> Colour {
     let at = at.clamp(0.0, 1.0) * (scale.len() - 1) as f64;
     let k = (at as usize).min(scale.len() - 2);
     let t = at - k as f64;
@@ -43,28 +44,31 @@ pub(super) fn on_scale(scale: &[Colour], at: f64) -> Colour {
 }
 
 /// The pictures of a world as data URIs of PNG, north up.
-pub(super) struct Pictures {
+#[derive(Clone, Debug)]
+pub struct Pictures {
     /// The relief in grey.
-    pub(super) shade: String,
+    pub shade: String,
     /// The class of each patch.
-    pub(super) classes: String,
+    pub classes: String,
     /// Heights about the mean.
-    pub(super) heights: String,
+    pub heights: String,
     /// Slopes over 1 m, to [`STEEP`].
-    pub(super) slopes: String,
+    pub slopes: String,
     /// Friction of each patch; transparent where the ground yields.
-    pub(super) friction: String,
+    pub friction: String,
 }
 
 /// Makes a world's pictures: the relief with at most `side` pixels along the longer side, layers with half of that.
-pub(super) fn pictures(world: &World, figures: &WorldStatistics, side: usize) -> Pictures {
+#[must_use]
+pub fn pictures(world: &World, side: usize) -> Pictures {
     let h = &world.heightfield;
+    let (mean, spread) = mean_and_spread(h.heights());
     let relief = Frame::new(h, side.min(4 * h.rows().max(h.cols())));
     let layer = Frame::new(h, (side / 2).max(2));
     let gradients = gradients(h, 1);
     let shade = |x, y| brightness(interpolate(h, &gradients, x, y));
-    let span = (2.0 * SPREADS * figures.height_std).max(1e-9);
-    let height = |x, y| (h.height(x, y) - figures.height_mean) / span + 0.5;
+    let span = (2.0 * SPREADS * spread).max(1e-9);
+    let height = |x, y| (h.height(x, y) - mean) / span + 0.5;
     let wide = self::gradients(h, nodes_of_a_metre(h.resolution()));
     let slope = |x, y| {
         let g = interpolate(h, &wide, x, y);
@@ -90,6 +94,20 @@ pub(super) fn pictures(world: &World, figures: &WorldStatistics, side: usize) ->
         slopes: uri(&layer.indexed(&palette(&SLOPES), None, |x, y| step(slope(x, y)))),
         friction: uri(&patches.indexed(&grips, Some(STEPS as u8), grip)),
     }
+}
+
+/// The mean and the standard deviation of values.
+fn mean_and_spread(values: &[f64]) -> (f64, f64) {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n;
+    (mean, variance.sqrt())
+}
+
+/// The number of nodes of a grid that make 1 m, at least one. `resolution` is the distance between them, m.
+#[must_use]
+pub fn nodes_of_a_metre(resolution: f64) -> usize {
+    ((1.0 / resolution).round() as usize).max(1)
 }
 
 /// Index of a colour in a palette of [`STEPS`].
@@ -226,11 +244,7 @@ mod tests {
             friction: vec![0.5, 0.0],
             soil: vb_world::SoilLevels::default(),
         };
-        let png = STANDARD
-            .decode(
-                &pictures(&world, &WorldStatistics::of(&world), 64).classes["data:image/png;base64,".len()..],
-            )
-            .unwrap();
+        let png = STANDARD.decode(&pictures(&world, 64).classes["data:image/png;base64,".len()..]).unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut data = vec![0; 2];
         let info = reader.next_frame(&mut data).unwrap();

@@ -1,0 +1,183 @@
+//! The page of a map.
+
+use std::fmt::Write as _;
+
+use vb_page::{Page, TABLE_STYLE, escape, number};
+use vb_score::Outcome;
+use vb_world::World;
+
+use super::{MapLinks, Way};
+use crate::Report;
+use crate::page::series::{colour, marker, sample};
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// The number of pixels along the longer side of the ground's picture.
+const SIDE: usize = 640;
+
+pub(super) fn page(report: &Report, world: &World, ways: &[Way<'_>], links: &MapLinks<'_>) -> String {
+    let name = escape(&world.id);
+    let mut head = format!(
+        "<h1>{name} <small>{} relief, {} ground, {} obstacles</small></h1><p class=\"meta\">{}</p><nav>\
+         <a href=\"../index.html#worlds\">Report</a>",
+        world.elevation.name(),
+        world.terrain.name(),
+        world.density.name(),
+        escape(&report.runs.scope()),
+    );
+    for (link, rel, text) in [(links.previous, "prev", "previous world"), (links.next, "next", "next world")]
+    {
+        if let Some(other) = link {
+            let other = escape(other);
+            let _ = write!(head, "<a rel=\"{rel}\" href=\"{other}.html\">{text} ({other})</a>");
+        }
+    }
+    head.push_str("</nav>");
+    let mut s = String::from("<div class=\"view\"><div class=\"stage\">");
+    let pictures = vb_map::pictures(world, SIDE);
+    s.push_str(&vb_map::map(world, &pictures, &drawn(report, world, ways)));
+    s.push_str("</div><div class=\"side\">");
+    controls(&mut s, report);
+    table(&mut s, report, world, ways, links);
+    s.push_str("</div></div>");
+    let title = format!("{} on {}", world.id, report.runs.scope());
+    Page {
+        title: &title,
+        styles: &[TABLE_STYLE, vb_map::STYLE, STYLE],
+        attributes: "data-ground=\"classes\"",
+        body: &format!("<header>{head}</header><main>{s}</main>"),
+        script: SCRIPT,
+        ..Page::default()
+    }
+    .html()
+}
+
+/// The name of a task within its world.
+fn short<'a>(task: &'a str, world: &World) -> &'a str {
+    task.strip_prefix(world.id.as_str()).map_or(task, |t| t.trim_start_matches('/'))
+}
+
+/// Ways first, and over all of them the places where they ended.
+fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
+    let unit = world.heightfield.half_x().max(world.heightfield.half_y()) / 64.0;
+    let mut s = String::from("<g class=\"ways\">");
+    let open = |s: &mut String, w: &Way<'_>| {
+        let _ = write!(
+            s,
+            "<g data-task=\"{}\" data-run=\"{}\" data-done=\"{}\">",
+            escape(short(&w.row.task, world)),
+            w.run,
+            w.row.succeeded()
+        );
+    };
+    for w in ways.iter().filter(|w| w.points.len() > 1) {
+        open(&mut s, w);
+        let d = points(&w.points);
+        let (colour, dash) = (colour(w.run), w.run % 5);
+        let _ = write!(
+            s,
+            "<path class=\"under\" d=\"{d}\"/><path class=\"way s{colour} d{dash}\" d=\"{d}\"><title>{}</title></path></g>",
+            escape(&told(report, w))
+        );
+    }
+    for w in ways {
+        let Some([x, y]) = w.points.last().copied().filter(|_| !w.row.succeeded()) else { continue };
+        open(&mut s, w);
+        let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
+        let _ = write!(
+            s,
+            "<circle class=\"end e{outcome}\" cx=\"{x:.2}\" cy=\"{:.2}\" r=\"{:.2}\"/>",
+            -y,
+            2.1 * unit
+        );
+        marker(&mut s, w.run, [x, -y], 1.3 * unit, &told(report, w));
+        s.push_str("</g>");
+    }
+    s.push_str("</g>");
+    s
+}
+
+fn points(way: &[[f64; 2]]) -> String {
+    let mut d = String::new();
+    for (k, [x, y]) in way.iter().enumerate() {
+        let _ = write!(d, "{}{x:.2} {:.2}", if k == 0 { 'M' } else { 'L' }, -y);
+    }
+    d
+}
+
+/// What happened, in a sentence.
+fn told(report: &Report, w: &Way<'_>) -> String {
+    let outcome = w.row.outcome.name().replace('_', " ");
+    let note = if w.row.note.is_empty() { String::new() } else { format!(": {}", w.row.note) };
+    let label = &report.runs.runs[w.run].label;
+    format!("{label}, {}: {outcome} after {} s{note}", w.row.task, number(w.row.time, 1))
+}
+
+fn controls(s: &mut String, report: &Report) {
+    s.push_str("<form class=\"bar\" autocomplete=\"off\"><fieldset><legend>runs</legend>");
+    for (k, run) in report.runs.runs.iter().enumerate() {
+        let _ = write!(
+            s,
+            "<label><input type=\"checkbox\" name=\"run\" value=\"{k}\" checked>{}{}</label>",
+            sample(k),
+            escape(&run.label)
+        );
+    }
+    s.push_str(
+        "</fieldset><label>ways <select name=\"ways\"><option value=\"\">all</option><option value=\"false\">of failures</option><option \
+         value=\"true\">of successes</option></select></label><label>ground <select name=\"ground\"><option value=\"classes\">kinds</option>\
+         <option value=\"heights\">heights</option><option value=\"slopes\">slopes</option><option value=\"friction\">friction</option>\
+         </select></label></form>",
+    );
+}
+
+/// A row a task, a column a run.
+fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links: &MapLinks<'_>) {
+    s.push_str("<div class=\"scroll\"><table class=\"tasks\"><thead><tr><th>task</th>");
+    for (k, run) in report.runs.runs.iter().enumerate() {
+        let _ = write!(s, "<th>{}{}</th>", sample(k), escape(&run.label));
+    }
+    let replays = world.tasks.iter().any(|t| links.replays.contains(&format!("{}/{}", world.id, t.id)));
+    s.push_str(if replays { "<th>replay</th></tr></thead><tbody>" } else { "</tr></thead><tbody>" });
+    let mut untraced = false;
+    for task in &world.tasks {
+        let full = format!("{}/{}", world.id, task.id);
+        let id = escape(&task.id);
+        let _ = write!(s, "<tr data-task=\"{id}\" tabindex=\"0\"><th>{id}</th>");
+        for run in 0..report.runs.runs.len() {
+            let Some(w) = ways.iter().find(|w| w.run == run && *w.row.task == *full) else {
+                s.push_str("<td>–</td>");
+                continue;
+            };
+            untraced |= w.points.is_empty();
+            let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
+            let why =
+                w.row.cause.map_or_else(|| w.row.outcome.name().replace('_', " "), |c| c.title().to_owned());
+            let _ = write!(
+                s,
+                "<td title=\"{}\"><i class=\"swatch o{outcome}\"></i>{} <small>{} s</small></td>",
+                escape(&told(report, w)),
+                escape(&why),
+                number(w.row.time, 1)
+            );
+        }
+        if replays {
+            let link = if links.replays.contains(&full) {
+                format!("<a href=\"../replays/{}.html\">replay</a>", escape(&full))
+            } else {
+                String::new()
+            };
+            let _ = write!(s, "<td>{link}</td>");
+        }
+        s.push_str("</tr>");
+    }
+    s.push_str("</tbody></table></div>");
+    if untraced {
+        s.push_str("<p class=\"about\">Some tasks have no way on the map: their run kept no trace (run with --trace 10hz).</p>");
+    }
+    s.push_str(
+        "<p class=\"about\">A ring is where a way ended before the goal, in the colour of the outcome; within it is the run's marker. White \
+         lines are the tasks' global paths. A click on a task shows its ways alone; ← and → go to the world before and after.</p>",
+    );
+}
