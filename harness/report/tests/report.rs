@@ -229,9 +229,7 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
             let record = record(0, t, success);
             // The second task of a run kept no trace.
             if t == 0 {
-                store
-                    .write_trace(&record.task, &trace(&record.task, if success { 20.0 } else { 12.5 }))
-                    .unwrap();
+                store.write_trace(&trace(&record.task, if success { 20.0 } else { 12.5 })).unwrap();
             }
             store.append(&record).unwrap();
         }

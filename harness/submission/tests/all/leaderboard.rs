@@ -109,7 +109,12 @@ fn ties_share_a_rank_and_certain_differences_part() {
     let text = fs::read_to_string(b.path("ranks-site/index.html")).unwrap();
     assert!(text.contains("data-v=\"1\">1<small>=</small>"), "{text}");
     // What no column has is below the name: one of four tasks was driven again, and all of the last entry's are stuck.
-    for part in ["25 % driven again", "rollover 0.0 %; stuck 100.0 %", "href=\"https://example.org/code\"", ">paper</a>"] {
+    for part in [
+        "25 % driven again",
+        "rollover 0.0 %; stuck 100.0 %",
+        "href=\"https://example.org/code\"",
+        ">paper</a>",
+    ] {
         assert!(text.contains(part), "{part}: {text}");
     }
 }

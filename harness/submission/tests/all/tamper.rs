@@ -66,7 +66,8 @@ fn each_field_of_the_manifest_is_checked_or_informational() {
     // Most can be read and are found for what they say.
     assert!(read > 60, "{read}");
     // The start of the run is in run.json, too, which the next test changes along.
-    let expected = ["entrant.name", "entrant.note", "entrant.url"].map(str::to_owned);
+    let expected =
+        ["entrant.code", "entrant.name", "entrant.note", "entrant.paper", "entrant.url"].map(str::to_owned);
     assert_eq!(unfound, expected.clone().into());
     assert!(expected.iter().all(|p| informational(p)));
 }
