@@ -54,6 +54,6 @@ impl Report {
                 ways.push(Way { run, row, points });
             }
         }
-        Ok(page::page(self, world, &ways, links))
+        Ok(page::of_world(self, world, &ways, links))
     }
 }

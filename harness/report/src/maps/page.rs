@@ -8,6 +8,7 @@ use vb_world::World;
 
 use super::{MapLinks, Way};
 use crate::Report;
+use crate::page;
 use crate::page::series::{colour, marker, sample};
 
 const STYLE: &str = include_str!("page.css");
@@ -16,7 +17,7 @@ const SCRIPT: &str = include_str!("page.js");
 /// The number of pixels along the longer side of the ground's picture.
 const SIDE: usize = 640;
 
-pub(super) fn page(report: &Report, world: &World, ways: &[Way<'_>], links: &MapLinks<'_>) -> String {
+pub(super) fn of_world(report: &Report, world: &World, ways: &[Way<'_>], links: &MapLinks<'_>) -> String {
     let name = escape(&world.id);
     let mut head = format!(
         "<h1>{name} <small>{} relief, {} ground, {} obstacles</small></h1><p class=\"meta\">{}</p><nav>\
@@ -44,7 +45,7 @@ pub(super) fn page(report: &Report, world: &World, ways: &[Way<'_>], links: &Map
     let title = format!("{} on {}", world.id, report.runs.scope());
     Page {
         title: &title,
-        styles: &[TABLE_STYLE, vb_map::STYLE, STYLE],
+        styles: &[TABLE_STYLE, page::STYLE, vb_map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,

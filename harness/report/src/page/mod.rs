@@ -16,7 +16,7 @@ use crate::{Beside, Report};
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
 const SCRIPT: &str = include_str!("page.js");
-const STYLE: &str = include_str!("page.css");
+pub(crate) const STYLE: &str = include_str!("page.css");
 
 /// The whole page.
 pub(crate) fn page(report: &Report, beside: &Beside) -> String {
