@@ -37,16 +37,19 @@ pub(super) fn page(report: &Report) -> String {
     let _ = write!(s, "<header><h1>Vehicle test: {name}</h1><p>{}</p>", escape(&v.description));
     let _ = write!(
         s,
-        "<p class=\"meta\">Verti-Bench in Rust {}, step {} ms, {} events</p></header><main>",
+        "<p class=\"meta\">Verti-Bench in Rust {}, step {} ms, {} events</p></header>",
         env!("CARGO_PKG_VERSION"),
         1e3 * report.step,
         report.results.len()
     );
+    s.push_str("<div class=\"frame\">");
+    navigation(&mut s, report);
+    s.push_str("<main>");
     summary(&mut s, report);
     for r in &report.results {
         section(&mut s, r);
     }
-    s.push_str("</main>");
+    s.push_str("</main></div>");
     Page { title: &format!("Vehicle test: {}", v.name), styles: &[STYLE], body: &s, ..Page::default() }.html()
 }
 
@@ -90,7 +93,13 @@ fn summary(s: &mut String, report: &Report) {
             escape(about.trim_end_matches('.'))
         );
     }
-    s.push_str("<nav><ol>");
+    failures(s, report);
+    s.push_str("</section>");
+}
+
+/// The events with what came of them; it stays in sight.
+fn navigation(s: &mut String, report: &Report) {
+    s.push_str("<nav aria-label=\"events\"><ol>");
     for r in &report.results {
         let failed = r.checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
         let class = if r.passed() { "pass" } else { "fail" };
@@ -108,8 +117,6 @@ fn summary(s: &mut String, report: &Report) {
         );
     }
     s.push_str("</ol></nav>");
-    failures(s, report);
-    s.push_str("</section>");
 }
 
 /// What a reader wants to know first.
@@ -117,7 +124,7 @@ fn failures(s: &mut String, report: &Report) {
     if report.passed() {
         return;
     }
-    s.push_str("<h3>What fails</h3><table class=\"checks\"><tbody>");
+    s.push_str("<h3>What fails</h3><div class=\"scroll\"><table class=\"checks\"><tbody>");
     for r in &report.results {
         let link = format!("<a href=\"#{}\">{}</a>", r.event.name, escape(r.event.title));
         for failure in r.broken() {
@@ -137,7 +144,7 @@ fn failures(s: &mut String, report: &Report) {
             );
         }
     }
-    s.push_str("</tbody></table>");
+    s.push_str("</tbody></table></div>");
 }
 
 fn section(s: &mut String, r: &EventResult) {
@@ -198,7 +205,7 @@ fn checks(s: &mut String, r: &EventResult) {
         return;
     }
     s.push_str(
-        "<table class=\"checks\"><thead><tr><th>figure</th><th class=\"n\">measured</th><th class=\"n\">expected</th><th>unit</th>\
+        "<div class=\"scroll\"><table class=\"checks\"><thead><tr><th>figure</th><th class=\"n\">measured</th><th class=\"n\">expected</th><th>unit</th>\
          <th class=\"n\">off by</th><th></th><th>reference</th></tr></thead><tbody>",
     );
     for c in &r.checks {
@@ -222,6 +229,53 @@ fn checks(s: &mut String, r: &EventResult) {
             c.expectation.kind.name(),
             escape(&c.expectation.source),
         );
+        if c.verdict == Verdict::Fail {
+            let _ =
+                write!(s, "<tr class=\"failed why\"><td colspan=\"7\">{}</td></tr>", escape(&explanation(c)));
+        }
     }
-    s.push_str("</tbody></table>");
+    s.push_str("</tbody></table></div>");
+}
+
+/// Why a check fails, and what that may mean.
+fn explanation(c: &Check) -> String {
+    let Some(measured) = c.measured else {
+        return "The event has no such figure: the vehicle didn't get so far, as the time series show."
+            .to_owned();
+    };
+    let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
+    let below = |low: f64| format!("{}{unit} less than the least", number(low - measured));
+    let above = |high: f64| format!("{}{unit} more than the most", number(measured - high));
+    let off = match c.expectation.expected {
+        Expected::Within { value, tolerance } => {
+            let off = (measured - value).abs();
+            let side = if measured > value { "more" } else { "less" };
+            format!(
+                "{}{unit} {side} than expected, which is {} times the tolerance of {}{unit}",
+                number(off),
+                number(off / tolerance.max(f64::MIN_POSITIVE)),
+                number(tolerance)
+            )
+        }
+        Expected::AtLeast(low) => below(low),
+        Expected::Between(low, _) if measured < low => below(low),
+        Expected::AtMost(high) | Expected::Between(_, high) => above(high),
+    };
+    let meaning = match c.expectation.kind {
+        Kind::Theory => {
+            "The expectation follows from the vehicle's own file, so either values of the file contradict each other, or the vehicle does \
+             what the formula leaves out."
+        }
+        Kind::Published => {
+            "The figure is of the real vehicle, so a value of the file may not be that vehicle's: its mass, tyres, gearing or engine."
+        }
+        Kind::Chrono => {
+            "Project Chrono models the same vehicle with other tyres and another driveline; docs/validation.md says how far it agrees with \
+             itself."
+        }
+        Kind::Convergence => {
+            "The result still changes with the step: take a smaller --time-step for this vehicle."
+        }
+    };
+    format!("It is {off}. {meaning}")
 }
