@@ -7,6 +7,19 @@ export const floats = (text) => {
   return new Float32Array(bytes.buffer);
 };
 
+const integers = (text) => {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Int16Array(bytes.buffer);
+};
+
+// What the wheels and the ground do to each other, if it is known: the share of the weight, the slip, the depth in m.
+function contact(told) {
+  if (!told) return null;
+  const [load, slip, depth] = [told.loads, told.slips, told.depths].map(integers);
+  const at = (values, unit) => (k) => values[k] * unit;
+  return { load: at(load, told.units[0]), slip: at(slip, told.units[1]), depth: at(depth, told.units[2]) };
+}
+
 export const COLOURS = ['#2a6fb3', '#d07a1d', '#2c8c5a', '#8057b8', '#c0412b', '#168a92', '#8a6636', '#b94888'];
 export const SIGNALS = 6; // speed, roll, pitch, steering, throttle, brake
 const POSE = 7; // x, y, z, quaternion
@@ -17,6 +30,7 @@ export function read() {
   data.runs.forEach((run, k) => {
     run.colour = COLOURS[k % COLOURS.length];
     for (const key of ['times', 'poses', 'signals', 'wheels', 'ruts']) run[key] = floats(run[key]);
+    run.contact = contact(run.contact);
     run.end = run.times[run.times.length - 1];
   });
   data.end = Math.max(...data.runs.map((r) => r.end));
