@@ -17,7 +17,7 @@ use crate::sensed::{Sensed, Sensors};
 const FRAME_PERIOD: f64 = 0.02;
 /// Samples between two looks at the ruts.
 const LOOK_AT_RUTS: u64 = 10;
-/// A rut is told again when it is deeper by this, m.
+/// A rut is told again when the ground in it lies lower or higher by this, m.
 const DEEPER: f64 = 0.005;
 /// The least speed to which slip refers at scale 1, m/s.
 const SLOW: f64 = 0.1;
@@ -54,10 +54,18 @@ pub struct Rut {
     pub time: f64,
     /// Its centre, m.
     pub at: [f64; 2],
-    /// Depth below the rim, m.
+    /// Depth below the surface that the heap has raised, m.
     pub depth: f64,
     /// Height of the heap, m.
     pub raised: f64,
+}
+
+impl Rut {
+    /// By how much the ground is higher than it was at first, m.
+    #[must_use]
+    pub fn change(&self) -> f64 {
+        self.raised - self.depth
+    }
 }
 
 /// Where what is shown comes from.
@@ -245,14 +253,13 @@ impl Motion {
         let time = sim.time();
         for (at, depth, raised) in sim.ruts() {
             let key = ((at[0] * 1000.0).round() as i64, (at[1] * 1000.0).round() as i64);
-            let amount = depth.max(raised);
-            if amount < DEEPER
-                || told.get(&key).is_some_and(|t| amount < t + DEEPER)
-                || self.ruts.len() >= RUTS
-            {
+            // A heap may be pressed down again: both ways count.
+            let change = raised - depth;
+            let before = told.get(&key).copied().unwrap_or(0.0);
+            if (change - before).abs() < DEEPER || self.ruts.len() >= RUTS {
                 continue;
             }
-            told.insert(key, amount);
+            told.insert(key, change);
             self.ruts.push(Rut { time, at, depth, raised });
         }
     }

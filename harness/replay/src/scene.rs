@@ -14,7 +14,7 @@ use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
 use crate::debug::PlannerSeries;
 use crate::facts::facts;
 use crate::linkage::carriers;
-use crate::motion::{Motion, Repeat, attitude};
+use crate::motion::{Motion, Repeat, Rut, attitude};
 use crate::sensed::Sensed;
 
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
@@ -188,7 +188,7 @@ impl Replay {
             "goal": task.goal,
             "radius": self.goal_radius,
             "path": task.path.iter().map(point).collect::<Vec<_>>(),
-            "runs": self.runs.iter().map(|r| run(r, world.scale)).collect::<Vec<_>>(),
+            "runs": self.runs.iter().map(|r| run(r, world)).collect::<Vec<_>>(),
         })
     }
 }
@@ -221,10 +221,36 @@ pub fn live_scene(
     scene
 }
 
+/// The height of a change of the ground that is one on the page, m.
+const RUT: f64 = 1e-3;
+
+/// Ruts for the page: when how many of them are told, and of each the number of its cell from the west and from the south, and
+/// by how much the ground is higher there.
+fn ruts(m: &Motion, world: &World) -> Value {
+    let side = m.soil_resolution;
+    let half = [world.heightfield.half_x(), world.heightfield.half_y()];
+    let mut steps: Vec<(f64, usize)> = Vec::new();
+    for rut in &m.ruts {
+        match steps.last_mut() {
+            Some((time, count)) if *time == rut.time => *count += 1,
+            _ => steps.push((rut.time, 1)),
+        }
+    }
+    let cells = |axis: usize| words(m.ruts.iter().map(|r| (r.at[axis] + half[axis]) / side - 0.5), 1.0);
+    json!({
+        "side": side,
+        "unit": RUT,
+        "steps": steps.iter().map(|(time, count)| json!([round(*time, 1e3), count])).collect::<Vec<_>>(),
+        "x": cells(0),
+        "y": cells(1),
+        "changes": words(m.ruts.iter().map(Rut::change), RUT),
+    })
+}
+
 /// Units of what wheels and ground do to each other on the page: the share of the weight, the slip, the depth in m.
 const CONTACT: [f64; 3] = [1e-3, 1e-2, 1e-4];
 
-fn run(run: &ReplayRun, scale: f64) -> Value {
+fn run(run: &ReplayRun, world: &World) -> Value {
     let m = &run.motion;
     let r = &run.record;
     let poses = m.frames.iter().flat_map(|f| {
@@ -240,7 +266,6 @@ fn run(run: &ReplayRun, scale: f64) -> Value {
         let ([a, b, c], [d, e, f]) = (w.hub, w.axis);
         [a, b, c, d, e, f, w.angle]
     });
-    let ruts = m.ruts.iter().flat_map(|r| [r.time, r.at[0], r.at[1], r.depth, r.raised]);
     let spec = &run.vehicle;
     let weight = spec.total_mass() * GRAVITY;
     let [load, slip, depth] = CONTACT;
@@ -257,7 +282,7 @@ fn run(run: &ReplayRun, scale: f64) -> Value {
         "outcome": r.outcome.name().replace('_', " "),
         "success": r.outcome == vb_score::Outcome::Success,
         "reason": r.explanation(),
-        "facts": facts(run, scale),
+        "facts": facts(run, world.scale),
         "log": r.log,
         "time": r.time_s,
         "exact": m.repeat == Repeat::Exact,
@@ -266,8 +291,7 @@ fn run(run: &ReplayRun, scale: f64) -> Value {
         "signals": floats(signals),
         "wheel_count": m.wheels,
         "wheels": floats(wheels),
-        "ruts": floats(ruts),
-        "soil_resolution": m.soil_resolution,
+        "ruts": ruts(m, world),
         "contact": contact,
         "vehicle": vehicle(spec),
         "series": run.series.json(),

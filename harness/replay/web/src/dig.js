@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 
 const STEPS = 16; // parts of a ground cell's side at most
-const RAMP = [[255, 226, 140], [238, 134, 52], [168, 40, 74], [62, 8, 78]]; // from shallow to deep
+const RAMP = [[250, 196, 236], [206, 92, 190], [124, 32, 134], [44, 6, 66]]; // from shallow to deep, unlike any ground or trail
 const HEAP = [250, 244, 230];
 
 const mix = (share) => {
@@ -14,8 +14,7 @@ export const rutGradient = () => `linear-gradient(90deg,${RAMP.map((s) => `rgb($
 
 // The end of the scale of depths: the deepest rut of all, on a round number of centimetres (millimetres in small worlds).
 export function deepest(runs) {
-  let most = 0;
-  for (const run of runs) for (let k = 3; k < run.ruts.length; k += 5) most = Math.max(most, run.ruts[k]);
+  const most = Math.max(...runs.map((run) => run.ruts.deepest));
   const step = most > 0.02 ? 0.01 : 0.001;
   return Math.max(step, Math.ceil(most / step - 1e-6) * step);
 }
@@ -47,26 +46,22 @@ export class Dug {
 
   // The cells of the soil: where each is, and which of them each entry of the list of ruts is about.
   readCells() {
-    const { ruts, soil_resolution: side } = this.run;
-    const [hx, hy] = this.world.raster.half;
-    const wide = Math.ceil((2 * hx) / side) + 2;
-    const known = new Map();
-    this.of = new Int32Array(ruts.length / 5);
-    for (let k = 0; k < this.of.length; k += 1) {
-      const [i, j] = [Math.round((ruts[5 * k + 1] + hx) / side - 0.5), Math.round((ruts[5 * k + 2] + hy) / side - 0.5)];
-      const key = j * wide + i;
-      if (!known.has(key)) known.set(key, known.size);
-      this.of[k] = known.get(key);
+    const { count, side, x, y } = this.run.ruts;
+    this.wide = Math.ceil((2 * this.world.raster.half[0]) / side) + 2;
+    this.known = new Map();
+    this.of = new Int32Array(count);
+    for (let k = 0; k < count; k += 1) {
+      const key = y[k] * this.wide + x[k];
+      if (!this.known.has(key)) this.known.set(key, this.known.size);
+      this.of[k] = this.known.get(key);
     }
-    Object.assign(this, { wide, known });
-    this.depth = new Float32Array(known.size);
-    this.raised = new Float32Array(known.size);
+    this.yielded = new Float32Array(this.known.size);
   }
 
   // The cells of the ground that are refined: those with a rut in them or just beside.
   openCells() {
-    const { rows, cols, resolution, half } = this.world.raster;
-    const side = this.run.soil_resolution;
+    const { rows, cols, resolution } = this.world.raster;
+    const { side } = this.run.ruts;
     const open = new Uint8Array((rows - 1) * (cols - 1));
     const within = (v, n) => Math.min(n - 2, Math.max(0, Math.floor(v)));
     for (const key of this.known.keys()) {
@@ -77,14 +72,13 @@ export class Dug {
         }
       }
     }
-    this.half = half;
     return open;
   }
 
   makeMesh() {
     const { open, world } = this;
     const { rows, cols, resolution, half, z } = world.raster;
-    const side = this.run.soil_resolution;
+    const { side } = this.run.ruts;
     const [nx, ny] = resolution.map((r) => Math.min(STEPS, Math.max(1, Math.ceil(r / side - 1e-6))));
     const lattice = (cols - 1) * nx + 1;
     const vertices = new Map();
@@ -98,20 +92,38 @@ export class Dug {
       }
       return k;
     };
-    const floor = [];
-    for (let cell = 0; cell < open.length; cell += 1) {
-      if (!open[cell]) continue;
-      const [r, c] = [Math.floor(cell / (cols - 1)), cell % (cols - 1)];
-      for (let v = 0; v < ny; v += 1) {
-        for (let u = 0; u < nx; u += 1) {
-          const [i, j] = [c * nx + u, r * ny + v];
-          const [a, b, d, e] = [vertex(i, j), vertex(i + 1, j), vertex(i, j + 1), vertex(i + 1, j + 1)];
-          index.push(a, b, e, a, e, d);
+    const closed = open.slice(); // what the ground's own mesh leaves out: these, and those beside them
+    const at = (r, c) => r >= 0 && c >= 0 && r < rows - 1 && c < cols - 1 && open[r * (cols - 1) + c] === 1;
+    for (let r = 0; r + 1 < rows; r += 1) {
+      for (let c = 0; c + 1 < cols; c += 1) {
+        const [i, j] = [c * nx, r * ny];
+        if (at(r, c)) {
+          for (let v = 0; v < ny; v += 1) {
+            for (let u = 0; u < nx; u += 1) {
+              const [a, b, d, e] = [[0, 0], [1, 0], [0, 1], [1, 1]].map(([p, q]) => vertex(i + u + p, j + v + q));
+              index.push(a, b, e, a, e, d);
+            }
+          }
+          continue;
+        }
+        const beside = { south: at(r - 1, c), north: at(r + 1, c), west: at(r, c - 1), east: at(r, c + 1) };
+        if (!Object.values(beside).some(Boolean)) continue;
+        // Between fine and coarse: each of the two triangles takes in all points on its sides, so that no gap is left.
+        closed[r * (cols - 1) + c] = 1;
+        const points = (n, isFine, along) => Array.from({ length: (isFine ? n : 1) + 1 }, (_, k) => vertex(...along(isFine ? k : k * n)));
+        const south = points(nx, beside.south, (k) => [i + k, j]);
+        const east = points(ny, beside.east, (k) => [i + nx, j + k]);
+        const north = points(nx, beside.north, (k) => [i + nx - k, j + ny]);
+        const west = points(ny, beside.west, (k) => [i, j + ny - k]);
+        for (const [first, second] of [[south, east], [north, west]]) {
+          const far = second.at(-1);
+          for (let k = 0; k + 2 < first.length; k += 1) index.push(first[k], first[k + 1], far);
+          const near = first.at(-2);
+          for (let k = 0; k + 1 < second.length; k += 1) index.push(near, second[k], second[k + 1]);
         }
       }
-      const k = r * cols + c;
-      floor.push(k, k + 1, k + cols + 1, k, k + cols + 1, k + cols);
     }
+    this.closed = closed;
     const count = vertices.size;
     const position = new Float32Array(3 * count);
     const uv = new Float32Array(2 * count);
@@ -125,16 +137,20 @@ export class Dug {
     const normals = world.ground.geometry.getAttribute('normal').array;
     for (const [key, k] of vertices) {
       const [i, j] = [key % lattice, Math.floor(key / lattice)];
-      const [x, y] = [(i * resolution[0]) / nx - half[0], (j * resolution[1]) / ny - half[1]];
-      this.base[k] = world.height(x, y);
+      // By the same sums as the ground's own nodes, to the last bit.
+      const [column, row] = [Math.floor(i / nx), Math.floor(j / ny)];
+      const isNode = i % nx === 0 && j % ny === 0;
+      const x = (column + (i % nx) / nx) * resolution[0] - half[0];
+      const y = (row + (j % ny) / ny) * resolution[1] - half[1];
+      this.base[k] = isNode ? z[row * cols + column] : world.height(x, y);
       position.set([x, y, this.base[k]], 3 * k);
       uv.set(world.uv(x, y), 2 * k);
-      const [c, r] = [Math.min(cols - 2, Math.floor(i / nx)), Math.min(rows - 2, Math.floor(j / ny))];
+      const [c, r] = [Math.min(cols - 2, column), Math.min(rows - 2, row)];
       const [u, v] = [i / nx - c, j / ny - r];
       for (let axis = 0; axis < 2; axis += 1) {
-        const at = (row, col) => { const n = 3 * (row * cols + col); return normals[n + axis] / normals[n + 2]; };
-        const low = at(r, c) * (1 - u) + at(r, c + 1) * u;
-        const high = at(r + 1, c) * (1 - u) + at(r + 1, c + 1) * u;
+        const tilt = (south, west) => { const n = 3 * (south * cols + west); return normals[n + axis] / normals[n + 2]; };
+        const low = tilt(r, c) * (1 - u) + tilt(r, c + 1) * u;
+        const high = tilt(r + 1, c) * (1 - u) + tilt(r + 1, c + 1) * u;
         this.slope[2 * k + axis] = low * (1 - v) + high * v;
       }
       const [fx, fy] = [(x + half[0]) / side - 0.5, (y + half[1]) / side - 0.5];
@@ -159,33 +175,24 @@ export class Dug {
     this.mesh = new THREE.Mesh(geometry, world.dugMaterial);
     this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
-    // The ground as it was, below the deepest rut: whatever shows between the two meshes has its colour.
-    const low = world.ground.geometry.clone();
-    low.setIndex(floor);
-    const below = new THREE.Mesh(low, world.ground.material);
-    below.position.z = -1.2 * this.most - side;
-    this.group.add(this.mesh, below);
+    this.group.add(this.mesh);
   }
 
   // The ground as it is at a time; before all of them, untouched.
   show(time) {
-    const { ruts } = this.run;
-    let [count, high] = [0, this.of.length];
+    const { times, change } = this.run.ruts;
+    let [count, high] = [0, times.length];
     while (count < high) {
       const middle = (count + high) >> 1;
-      if (ruts[5 * middle] <= time) count = middle + 1;
+      if (times[middle] <= time) count = middle + 1;
       else high = middle;
     }
     if (count === this.shown) return;
     if (count < this.shown) {
-      this.depth.fill(0);
-      this.raised.fill(0);
+      this.yielded.fill(0);
       this.shown = 0;
     }
-    for (let k = this.shown; k < count; k += 1) {
-      this.depth[this.of[k]] = ruts[5 * k + 3];
-      this.raised[this.of[k]] = ruts[5 * k + 4];
-    }
+    for (let k = this.shown; k < count; k += 1) this.yielded[this.of[k]] = change[k];
     this.shown = count;
     this.dig();
   }
@@ -197,26 +204,16 @@ export class Dug {
     const heap = HEAP.map(paint);
     for (let k = 0; k < base.length; k += 1) {
       const [u, v] = [share[2 * k], share[2 * k + 1]];
-      let [depth, raised] = [0, 0];
+      change[k] = 0;
       for (let n = 0; n < 4; n += 1) {
         const cell = cells[4 * k + n];
-        if (cell < 0) continue;
-        const weight = (n & 1 ? u : 1 - u) * (n & 2 ? v : 1 - v);
-        depth += weight * this.depth[cell];
-        raised += weight * this.raised[cell];
+        if (cell >= 0) change[k] += (n & 1 ? u : 1 - u) * (n & 2 ? v : 1 - v) * this.yielded[cell];
       }
-      change[k] = raised - depth;
       position.array[3 * k + 2] = base[k] + change[k];
-      const own = 4 * k;
-      if (depth > 1e-4 && depth >= raised) {
-        const part = depth / this.most;
-        const colour = mix(part);
-        for (let i = 0; i < 3; i += 1) rut.array[own + i] = paint(colour[i]);
-        rut.array[own + 3] = Math.min(0.85, 4 * part + 0.1);
-      } else {
-        for (let i = 0; i < 3; i += 1) rut.array[own + i] = heap[i];
-        rut.array[own + 3] = Math.min(0.45, (2 * raised) / this.most);
-      }
+      const part = -change[k] / this.most;
+      const colour = part > 0 ? mix(part).map(paint) : heap;
+      for (let i = 0; i < 3; i += 1) rut.array[4 * k + i] = colour[i];
+      rut.array[4 * k + 3] = part > 0 ? Math.min(0.85, 6 * part) : Math.min(0.45, -2 * part);
     }
     for (let k = 0; k < base.length; k += 1) {
       const [e, w, n, s] = beside.subarray(4 * k, 4 * k + 4);
@@ -232,8 +229,7 @@ export class Dug {
 
   // For tests: how many cells have yielded, and how far the mesh lies below the ground as it was at most, m.
   get state() {
-    let cells = 0;
-    for (let k = 0; k < this.depth.length; k += 1) if (this.depth[k] > 0 || this.raised[k] > 0) cells += 1;
+    const cells = this.yielded.reduce((n, v) => n + (v !== 0), 0);
     let sunk = 0;
     const z = this.mesh.geometry.getAttribute('position').array;
     for (let k = 0; k < this.base.length; k += 1) sunk = Math.max(sunk, this.base[k] - z[3 * k + 2]);

@@ -6,7 +6,7 @@ const vector = (p) => new THREE.Vector3(...p);
 const LOOKS = { rod: [0.024, 0xc3c9cc], spoke: [0.034, 0x8d9499], tie: [0.018, 0x8fb7ff], strut: [0.045, 0xe0a63a] };
 
 export class Links {
-  constructor(vehicle, ghost, unit) {
+  constructor(vehicle, unit) {
     this.unit = unit;
     this.carriers = (vehicle.carriers ?? []).map((c) => ({
       wheels: c.wheels,
@@ -20,10 +20,9 @@ export class Links {
       arm: c.arm && c.arm.map(vector),
     }));
     const count = this.carriers.reduce((n, c) => n + c.rods.length + c.spokes.length + c.struts.length + c.armStruts.length + (c.tie ? 1 : 0), 0);
-    const material = new THREE.MeshLambertMaterial({ transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    const material = new THREE.MeshLambertMaterial();
     this.mesh = new THREE.InstancedMesh(new THREE.CylinderGeometry(1, 1, 1, 10), material, Math.max(1, count));
     this.mesh.count = count;
-    this.mesh.castShadow = !ghost;
     this.mesh.frustumCulled = false;
     this.bars = [];
   }

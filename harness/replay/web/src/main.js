@@ -121,10 +121,10 @@ const TOGGLES = [
   ['classes', 'g', 'classes of the ground', Boolean(stage), (on) => stage.world.showClasses(on)],
   ['obstacles', 'o', 'obstacles', Boolean(stage), (on) => { stage.world.obstacles.visible = on; }],
   ['path', 'y', 'global path, start and goal', Boolean(stage), (on) => { stage.world.path.visible = on; }],
-  ['ruts', 'f', 'ruts of the run that is followed', Boolean(stage) && data.runs.some((r) => r.ruts.length), (on) => { stage.digs = on; $('rut-scale').hidden = !on; stage.showRuts(); }],
+  ['ruts', 'f', 'ruts of the run that is followed', Boolean(stage) && data.runs.some((r) => r.ruts.count), (on) => { stage.digs = on; $('rut-scale').hidden = !on; stage.showRuts(); }],
   ['plan', 'i', 'what the planner intends', Boolean(stage?.runs.some((r) => r.plans.length)), (on) => { for (const run of stage.runs) for (const plan of run.plans) plan.lines.visible = on; }],
-  ['ghosts', 'h', 'the other runs', Boolean(stage) && data.runs.length > 1, (on) => { stage.runs.forEach((run, k) => { run.group.visible = on || k === followed; }); }],
-  ['hull', 'x', 'the hull: without it one sees through to axles and links', Boolean(stage), (on) => { for (const run of stage.runs) run.seeThrough(!on); }],
+  ['ghosts', 'h', 'the other runs', Boolean(stage) && data.runs.length > 1, (on) => { stage.ghosts = on; stage.showRuns(); }],
+  ['hull', 'x', 'the hull: without it one sees through to axles and links', Boolean(stage), (on) => { stage.through = !on; stage.showRuns(); }],
   ['beside', 'b', 'curves and wheels beside the view', true, (on) => { $('plots').parentElement.hidden = !on; plots.draw(); }],
   ['lidar', 'l', 'points of the lidar', ...senses('lidar')],
   ['map', 'm', 'local map', ...senses('map')],
@@ -216,7 +216,7 @@ if (stage) {
   canvas.addEventListener('webglcontextlost', (e) => { e.preventDefault(); $('without').hidden = false; });
   canvas.addEventListener('webglcontextrestored', () => { $('without').hidden = true; stage.dirty = true; });
   $('rut-bar').style.background = rutGradient();
-  $('rut-scale').hidden = !data.runs.some((r) => r.ruts.length);
+  $('rut-scale').hidden = !data.runs.some((r) => r.ruts.count);
   const { deepest } = stage;
   $('rut-end').textContent = deepest < 0.02 ? `${(1000 * deepest).toFixed(0)} mm` : `${(100 * deepest).toFixed(0)} cm`;
 } else {
@@ -225,7 +225,7 @@ if (stage) {
 }
 if (innerWidth <= NARROW) {
   for (const id of ['about', 'shown']) $(id).open = false;
-  box('beside').click();
+  if (stage) box('beside').click();
 }
 colourTrails('speed');
 follow(0);

@@ -18,7 +18,7 @@ export function contextOf(canvas) {
 
 export class Stage {
   constructor(canvas, context, data) {
-    Object.assign(this, { canvas, data, followed: 0, mode: 'follow', time: 0, dirty: true, digs: true });
+    Object.assign(this, { canvas, data, followed: 0, mode: 'follow', time: 0, dirty: true, digs: true, ghosts: true, through: false });
     // Lengths of signs and cameras in those of the vehicle: worlds are scaled.
     const unit = data.runs[0].vehicle.length / 4.67;
     this.unit = unit;
@@ -30,7 +30,7 @@ export class Stage {
     this.light();
     this.world = makeWorld(data, unit);
     this.scene.add(this.world.group);
-    this.runs = data.runs.map((run, k) => new Run(run, k > 0, this.world, unit));
+    this.runs = data.runs.map((run) => new Run(run, this.world, unit));
     for (const run of this.runs) this.scene.add(run.group);
     this.senses = data.runs.map((run) => new Sensed(run.sensed, data.semantics.classes, unit));
     for (const sensed of this.senses) this.scene.add(sensed.group);
@@ -104,7 +104,7 @@ export class Stage {
   // The ground as the vehicle that is followed has left it: each run has a world of its own.
   showRuts() {
     const { dug, followed, data, world, scene } = this;
-    if (!data.runs[followed].ruts.length) return;
+    if (!data.runs[followed].ruts.count) return;
     if (!dug[followed]) {
       dug[followed] = new Dug(data.runs[followed], world, this.deepest);
       scene.add(dug[followed].group);
@@ -112,12 +112,21 @@ export class Stage {
     dug[followed].show(this.digs ? this.time : -1);
   }
 
+  // The one that is followed, and the others as ghosts.
+  showRuns() {
+    this.runs.forEach((run, k) => {
+      run.look(k !== this.followed, this.through);
+      run.group.visible = this.ghosts || k === this.followed;
+    });
+    this.dirty = true;
+  }
+
   follow(k) {
     this.followed = k;
-    this.runs.forEach((run, i) => { run.trail.renderOrder = i === k ? 2 : 1; });
+    this.showRuns();
     this.dug.forEach((dug, i) => { if (dug) dug.group.visible = i === k; });
     this.showRuts();
-    this.world.leaveOut(this.dug[k]?.open);
+    this.world.leaveOut(this.dug[k]?.closed);
   }
 
   // Everything at a time.

@@ -47,7 +47,7 @@ function build(scene) {
     wheels: new Float32Array(WHEEL * wheels),
   };
   for (let w = 0; w < wheels; w += 1) run.wheels.set([0, 0, 0, 0, 1, 0, 0], WHEEL * w);
-  const vehicle = new Run(run, false, world, unit);
+  const vehicle = new Run(run, world, unit);
   three.add(vehicle.group);
   camera.far = 800 * unit;
   camera.near = 0.05 * unit;

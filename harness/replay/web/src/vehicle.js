@@ -53,36 +53,30 @@ function label(text, colour, unit) {
 }
 
 export class Run {
-  constructor(run, ghost, world, unit) {
-    Object.assign(this, { run, ghost, world, unit });
+  constructor(run, world, unit) {
+    Object.assign(this, { run, world, unit, ghost: false, through: false });
     this.group = new THREE.Group();
     this.body = new THREE.Group();
-    const paint = new THREE.MeshLambertMaterial({
-      color: run.colour, flatShading: true, transparent: ghost, opacity: ghost ? 0.4 : 1,
-    });
-    const hull = bodies(run.vehicle.parts, paint);
-    hull.castShadow = !ghost;
-    this.paint = paint;
-    this.body.add(hull, new THREE.LineSegments(
-      new THREE.EdgesGeometry(hull.geometry, 12),
-      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
-    ));
-    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    this.hull = bodies(run.vehicle.parts, new THREE.MeshLambertMaterial({ color: run.colour, flatShading: true }));
+    this.edges = new THREE.LineSegments(
+      new THREE.EdgesGeometry(this.hull.geometry, 12),
+      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true }),
+    );
+    this.body.add(this.hull, this.edges);
+    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true });
     const geometries = new Map();
     this.wheels = Array.from({ length: run.wheel_count }, (_, w) => {
       const [radius, width] = run.vehicle.wheels[w];
       const key = `${radius} ${width}`;
       // Between the rims of a belted wheel its guides run.
       if (!geometries.has(key)) geometries.set(key, wheelGeometry(radius, run.vehicle.belt ? 0.6 * width : width));
-      const mesh = new THREE.Mesh(geometries.get(key), rubber);
-      mesh.castShadow = !ghost;
-      return mesh;
+      return new THREE.Mesh(geometries.get(key), rubber);
     });
     this.body.add(...this.wheels);
-    this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side, ghost)) : [];
+    this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side)) : [];
     for (const belt of this.belts) this.body.add(belt.mesh);
     this.axes = this.wheels.map(() => UP.clone());
-    this.links = this.wheels.length ? new Links(run.vehicle, ghost, unit) : null;
+    this.links = this.wheels.length ? new Links(run.vehicle, unit) : null;
     if (this.links) this.body.add(this.links.mesh);
     this.group.add(this.body);
     this.makeTrail();
@@ -98,12 +92,22 @@ export class Run {
     const [x, y, z] = position(run, last);
     this.flag.position.set(x, y, z + 3.4 * unit);
     this.group.add(this.flag);
+    this.look(false, false);
   }
 
-  // Lets one see the wheels and bars behind the hull.
-  seeThrough(on) {
-    const opacity = this.ghost || on ? (on ? 0.22 : 0.4) : 1;
-    Object.assign(this.paint, { transparent: opacity < 1, opacity, depthWrite: opacity === 1, needsUpdate: true });
+  // Whether it is one of the runs that are not followed, and whether one sees the wheels and bars behind its hull.
+  look(ghost, through) {
+    Object.assign(this, { ghost, through });
+    const fade = (mesh, opacity) => {
+      Object.assign(mesh.material, { transparent: opacity < 1, opacity, depthWrite: opacity === 1, needsUpdate: true });
+      mesh.castShadow = !ghost;
+    };
+    fade(this.hull, through ? 0.22 : ghost ? 0.4 : 1);
+    this.edges.material.opacity = ghost ? 0.25 : 0.55;
+    for (const { mesh } of [...this.belts, ...(this.links ? [this.links] : [])]) fade(mesh, ghost ? 0.45 : 1);
+    for (const mesh of this.wheels) fade(mesh, ghost ? 0.45 : 1);
+    this.trail.material.opacity = ghost ? 0.6 : 0.95;
+    this.trail.renderOrder = ghost ? 1 : 2;
   }
 
   // A point of the trail about every tenth of a second, and the last.
@@ -117,9 +121,7 @@ export class Run {
     this.trailTimes = Float32Array.from(this.trailFrames, (k) => run.times[k]);
     const points = this.trailFrames.map((k) => [...position(run, k).subarray(0, 2)]);
     const colours = new Float32Array(6 * points.length);
-    this.trail = band(points, (this.ghost ? 0.25 : 0.4) * this.unit, 0.09 * this.unit, this.world.height, colours, {
-      transparent: true, opacity: this.ghost ? 0.6 : 0.95,
-    });
+    this.trail = band(points, 0.4 * this.unit, 0.09 * this.unit, this.world.height, colours, { transparent: true });
     this.group.add(this.trail);
   }
 

@@ -22,7 +22,7 @@ export class WheelPanel {
     bar.style.background = gradient();
     const legend = make('span', 'key');
     legend.append('slip 0', bar, '1');
-    key.append(make('span', '', 'load on the wheels, %'), legend);
+    key.append(make('span', '', 'wheels: load, slip, depth'), legend);
     this.host.append(key);
     run.vehicle.axles.forEach((name) => {
       const row = make('div', 'axle');
