@@ -25,7 +25,9 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64) -> Option<String> {
     let pace = scale.sqrt();
     let rollover = || {
         let by_angle = rules.rollover.map(|r| {
-            let pitch = r.pitch_limit_deg.map_or_else(String::new, |p| format!(", or a pitch of more than {}°", short(p)));
+            let pitch = r
+                .pitch_limit_deg
+                .map_or_else(String::new, |p| format!(", or a pitch of more than {}°", short(p)));
             let when = match r.when {
                 RollTime::End => "at its end",
                 RollTime::AnyTime => "at any time",
@@ -38,7 +40,9 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64) -> Option<String> {
     };
     match outcome {
         Outcome::Success => match rules.success {
-            SuccessRule::Planar { .. } => Some(format!("within {} m of the goal, seen from above", short(rules.goal_radius(scale)))),
+            SuccessRule::Planar { .. } => {
+                Some(format!("within {} m of the goal, seen from above", short(rules.goal_radius(scale))))
+            }
             SuccessRule::Marker { marker_height_m, .. } => Some(format!(
                 "within {} m of the point {} m above the goal",
                 short(rules.goal_radius(scale)),
@@ -85,7 +89,8 @@ pub(crate) fn facts(run: &ReplayRun, scale: f64) -> Vec<(&'static str, String)> 
     facts.push(("vehicle", format!("{}: {}", spec.name, spec.description)));
     facts.push(("scale", ratio(scale)));
     if let Some(rules) = &run.rules {
-        let about = if rules.description.is_empty() { String::new() } else { format!(": {}", rules.description) };
+        let about =
+            if rules.description.is_empty() { String::new() } else { format!(": {}", rules.description) };
         facts.push(("rules", format!("{}{about}", rules.name)));
     }
     facts
@@ -117,7 +122,10 @@ mod tests {
         let dev = built_in("dev");
         let text = "a failed trial with a roll of more than 30°, or a pitch of more than 30° at any time";
         assert_eq!(rule(&dev, Outcome::Rollover, 1.0).unwrap(), text);
-        assert_eq!(rule(&dev, Outcome::Success, 0.1).unwrap(), "within 1 m of the point 0.2 m above the goal");
+        assert_eq!(
+            rule(&dev, Outcome::Success, 0.1).unwrap(),
+            "within 1 m of the point 0.2 m above the goal"
+        );
     }
 
     #[test]

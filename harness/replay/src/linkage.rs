@@ -44,6 +44,8 @@ struct Carrier {
     tie: Option<Bar>,
     /// A point of the carrier that is fixed to the chassis.
     pin: Option<Point>,
+    /// Of a beam with knuckles: two points of the line about which each wheel turns on it.
+    kingpins: Vec<Bar>,
     /// Bars on the carrier.
     spokes: Vec<Bar>,
     /// Springs and dampers from the chassis to the carrier.
@@ -58,7 +60,7 @@ impl Carrier {
     fn json(&self) -> Value {
         json!({
             "wheels": self.wheels, "centre": self.centre, "rods": self.rods, "tie": self.tie, "pin": self.pin,
-            "spokes": self.spokes, "struts": self.struts, "arm_struts": self.arm_struts, "arm": self.arm,
+            "kingpins": self.kingpins, "spokes": self.spokes, "struts": self.struts, "arm_struts": self.arm_struts, "arm": self.arm,
         })
     }
 }
@@ -99,7 +101,10 @@ fn corner(suspension: &Suspension, place: &Place, wheel: usize) -> Carrier {
         Linkage::TorsionArm(l) => {
             c.pin = Some(place.point(l.pivot));
             // Beside the hull: from the pivot to the wheel's inner face.
-            c.spokes = vec![place.bar(l.pivot, [spindle[0], l.pivot[1], spindle[2]]), place.bar([spindle[0], l.pivot[1], spindle[2]], spindle)];
+            c.spokes = vec![
+                place.bar(l.pivot, [spindle[0], l.pivot[1], spindle[2]]),
+                place.bar([spindle[0], l.pivot[1], spindle[2]], spindle),
+            ];
         }
         Linkage::SolidAxle(_) | Linkage::LeafAxle(_) | Linkage::PivotAxle(_) | Linkage::Rigid(_) => {}
     }
@@ -136,6 +141,7 @@ fn beam(axle: &Axle, first: usize) -> Carrier {
         _ => {}
     }
     for place in both {
+        c.kingpins.extend(suspension.linkage.knuckles().map(|k| place.bar(k.kingpin_lower, k.kingpin_upper)));
         c.struts.extend(suspension.struts.iter().map(|s| place.bar(s.chassis, s.end)));
     }
     c

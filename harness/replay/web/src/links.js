@@ -14,6 +14,7 @@ export class Links {
       rods: c.rods.map(([a, b]) => ({ from: vector(a), to: vector(b), squared: vector(a).distanceToSquared(vector(b)) })),
       tie: c.tie && c.tie.map(vector),
       pin: c.pin && vector(c.pin),
+      kingpins: c.kingpins.map((bar) => bar.map(vector)),
       spokes: c.spokes.map((bar) => bar.map(vector)),
       struts: c.struts.map((bar) => bar.map(vector)),
       armStruts: c.arm_struts.map((bar) => bar.map(vector)),
@@ -53,13 +54,34 @@ export class Links {
     return new THREE.Quaternion().setFromAxisAngle(axis, angle).multiply(least);
   }
 
+  // Where the wheels of a beam with knuckles would be if they went straight ahead: the steering turns them about kingpins, and
+  // their centres do not lie in these.
+  straight(c, hubs, axes) {
+    let ends = hubs;
+    for (let step = 0; step < 3; step += 1) {
+      const beam = ends[0].clone().sub(ends[1]).normalize();
+      const turn = this.turn(c, ends[0].clone().lerp(ends[1], 0.5), beam);
+      ends = c.kingpins.map(([low, top], i) => {
+        const about = top.clone().sub(low).normalize().applyQuaternion(turn);
+        const across = (v) => v.clone().addScaledVector(about, -about.dot(v));
+        const [from, to] = [across(UP.clone().applyQuaternion(turn)), across(axes[c.wheels[i]])];
+        const angle = Math.atan2(about.dot(from.clone().cross(to)), from.dot(to));
+        const lever = c.spokes[0][i].clone().sub(low).applyQuaternion(turn);
+        return hubs[i].clone().add(lever).sub(lever.clone().applyAxisAngle(about, angle));
+      });
+    }
+    return ends;
+  }
+
   // `wheels` are the meshes of the wheels; `axes` the directions of their axles.
   show(wheels, axes) {
     this.bars = [];
     for (const c of this.carriers) {
       const [first, last] = [c.wheels[0], c.wheels.at(-1)];
-      const centre = wheels[first].position.clone().lerp(wheels[last].position, 0.5);
-      const axis = first === last ? axes[first] : wheels[first].position.clone().sub(wheels[last].position).normalize();
+      let ends = [wheels[first].position, wheels[last].position];
+      if (c.kingpins.length) ends = this.straight(c, ends, axes);
+      const centre = ends[0].clone().lerp(ends[1], 0.5);
+      const axis = first === last ? axes[first] : ends[0].clone().sub(ends[1]).normalize();
       const turn = this.turn(c, centre, axis);
       const moved = (p) => p.clone().sub(c.centre).applyQuaternion(turn).add(centre);
       for (const rod of c.rods) this.bars.push(['rod', rod.from, moved(rod.to), Math.sqrt(rod.squared)]);

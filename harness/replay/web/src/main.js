@@ -262,5 +262,6 @@ window.replay = {
   height: (x, y) => stage.world.height(x, y),
   ruts: () => stage.dug[followed]?.state ?? { cells: 0, sunk: 0 },
   map: () => ({ span: stage.span / stage.above.zoom, at: stage.pan.target.toArray(), free: Boolean(stage.free), camera: stage.camera.type }),
+  project: (x, y, z) => stage.project(x, y, z),
   info: () => ({ ...stage.renderer.info.render }),
 };

@@ -265,6 +265,13 @@ export class Stage {
     this.dirty = true;
   }
 
+  // Where a place is on the page, px from the left and the top.
+  project(x, y, z) {
+    this.camera.updateMatrixWorld();
+    const p = new THREE.Vector3(x, y, z).project(this.camera);
+    return [(0.5 + 0.5 * p.x) * this.canvas.clientWidth, (0.5 - 0.5 * p.y) * this.canvas.clientHeight];
+  }
+
   // Metres of the top view in a pixel of the page.
   get metresPerPixel() { return this.span / this.above.zoom / (this.canvas.clientHeight || 1); }
 
