@@ -2,7 +2,7 @@
 //!
 //! A *carrier* is what carries a wheel, or two: an upright, an arm, or a beam. The page knows each wheel's centre and the direction
 //! of its axle; what the carrier has turned about that direction follows from the rods, which keep their lengths, and from a pin,
-//! which keeps its place. So the page needs no poses of carriers, and bars follow the wheels exactly.
+//! which keeps its place. So the page needs no poses of carriers, and bars follow the wheels to a few millimetres.
 
 use serde_json::{Value, json};
 use vb_vehicle::suspension::{Linkage, Part, Rod, Suspension};
@@ -100,7 +100,7 @@ fn corner(suspension: &Suspension, place: &Place, wheel: usize) -> Carrier {
         }
         Linkage::TorsionArm(l) => {
             c.pin = Some(place.point(l.pivot));
-            // Beside the hull: from the pivot to the wheel's inner face.
+            // Beside the hull, and then out to the wheel.
             c.spokes = vec![
                 place.bar(l.pivot, [spindle[0], l.pivot[1], spindle[2]]),
                 place.bar([spindle[0], l.pivot[1], spindle[2]], spindle),

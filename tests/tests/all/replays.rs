@@ -122,7 +122,10 @@ fn the_top_view_of_a_replay_is_a_map_and_the_address_says_what_is_seen() {
     let page = bench.path("replay.html");
     browser.open_at(&page, "#t=12.5&run=2&view=top&at=3,-4&span=30");
     let seen = "[replay.time, replay.followed, replay.map().span, ...replay.map().at.slice(0, 2)]";
-    assert_eq!(numbers(&browser.eval(seen)), [12.5, 1.0, 30.0, 3.0, -4.0]);
+    let near =
+        |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.01);
+    let first = numbers(&browser.eval(seen));
+    assert!(near(&first, &[12.5, 1.0, 30.0, 3.0, -4.0]), "{first:?}");
     assert_eq!(browser.eval("replay.map().camera"), "OrthographicCamera");
     // A map: ten metres to the north are straight up, as long as ten metres to the east, wherever and however high.
     let tall = number(&mut browser, "document.querySelector('#view').clientHeight");
@@ -146,7 +149,7 @@ fn the_top_view_of_a_replay_is_a_map_and_the_address_says_what_is_seen() {
     let entries = browser.eval("history.length");
     browser.drag([600.0, 400.0], [700.0, 400.0]);
     let moved = numbers(&browser.eval(seen));
-    assert!((moved[3] - (3.0 - 100.0 * 30.0 / tall)).abs() < 0.01 && moved[4] == -4.0, "{moved:?}");
+    assert!(near(&moved, &[12.5, 1.0, 30.0, 3.0 - 100.0 * 30.0 / tall, -4.0]), "{moved:?}");
     browser.scroll([600.0, 400.0], -300.0);
     browser.eval(&rest(100));
     assert!(number(&mut browser, "replay.map().span") < 29.0, "it is nearer");
@@ -165,7 +168,7 @@ fn the_top_view_of_a_replay_is_a_map_and_the_address_says_what_is_seen() {
     assert_eq!(browser.eval("history.length"), entries);
     browser.open_at(&page, &fragment);
     let again = numbers(&browser.eval(seen));
-    assert!(again.iter().zip(&last).all(|(a, b)| (a - b).abs() < 0.01), "{again:?} {last:?}");
+    assert!(near(&again, &last), "{again:?} {last:?}");
     // Back on the vehicle.
     browser.press("c");
     assert_eq!(browser.eval("replay.map().free"), false);
@@ -191,7 +194,7 @@ fn a_replay_digs_its_ruts_and_its_links_follow_the_wheels() {
     let pid = pid.to_str().expect("paths of tests are text");
     // Double wishbones on soil; steered beams; arms and a belt.
     for (vehicle, task, rods) in
-        [("hmmwv", "w007/t02", 16), ("man5t", "w007/t02", 16), ("m113", "w007/t02", 0)]
+        [("hmmwv", "w007/t02", 16), ("man5t", "w007/t02", 8), ("m113", "w007/t02", 0)]
     {
         bench.ok(&[
             "--plugin",

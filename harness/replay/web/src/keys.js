@@ -10,13 +10,15 @@ export class Keys {
     this.actions = new Map();
     for (const [, entries] of groups) for (const [keys, , , action] of entries) for (const key of keys) this.actions.set(key, action);
     this.list();
+    // The closed list's button keeps no key for itself.
+    dialog.addEventListener('close', () => document.activeElement?.blur?.());
     addEventListener('keydown', (event) => this.pressed(event));
   }
 
   pressed(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     // What has a use of its own for a key keeps it.
-    const own = event.target.closest?.('select, input:not([type=range]), button, summary, a');
+    const own = !this.dialog.open && this.dialog.contains(event.target) ? null : event.target.closest?.('select, input:not([type=range]), button, summary, a');
     if (own && (event.key === ' ' || event.key === 'Enter' || own.matches('select'))) return;
     if (this.dialog.open && event.key !== '?') return;
     const action = this.actions.get(nameOf(event));

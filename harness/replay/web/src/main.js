@@ -245,7 +245,6 @@ window.replay = {
   get paused() { return !playing; },
   position: (k = 0) => stage.runs[k].body.position.toArray(),
   wheel: (w = 0, k = 0) => stage.runs[k].wheels[w]?.quaternion.toArray(),
-  hub: (w = 0, k = 0) => stage.runs[k].wheels[w]?.position.toArray(),
   // Rods with the lengths that they have, and those that they should have, m.
   rods: (k = 0) => stage.runs[k].links.bars.filter(([role]) => role === 'rod').map(([, a, b, length]) => [a.distanceTo(b), length]),
   bars: (k = 0) => stage.runs[k].links.bars.map(([role, a, b]) => [role, a.toArray(), b.toArray()]),
