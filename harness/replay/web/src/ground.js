@@ -141,7 +141,9 @@ export function band(points, width, lift, height, colours, options) {
   if (colours) geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
   geometry.setIndex(index);
   const material = new THREE.MeshBasicMaterial({
-    side: THREE.DoubleSide, vertexColors: Boolean(colours), polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4, ...options,
+    side: THREE.DoubleSide, vertexColors: Boolean(colours), polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4,
+    // Of bands that lie on each other the one that is drawn last is seen.
+    depthWrite: !options.transparent, ...options,
   });
   const mesh = new THREE.Mesh(geometry, material);
   mesh.frustumCulled = false;

@@ -116,15 +116,25 @@ $('depth').addEventListener('click', () => {
 });
 
 // What can be shown or not: the box, its key, what it is, whether there is any, what it does.
-const senses = (name) => [Boolean(stage?.senses.some((s) => s.has[name])), (on) => { stage.wanted[name] = on; stage.showSenses($('depth-image')); }];
+const seen = Boolean(stage);
+const senses = (name) => [seen && stage.senses.some((s) => s.has[name]), (on) => {
+  stage.wanted[name] = on;
+  stage.showSenses($('depth-image'));
+}];
 const TOGGLES = [
-  ['classes', 'g', 'classes of the ground', Boolean(stage), (on) => stage.world.showClasses(on)],
-  ['obstacles', 'o', 'obstacles', Boolean(stage), (on) => { stage.world.obstacles.visible = on; }],
-  ['path', 'y', 'global path, start and goal', Boolean(stage), (on) => { stage.world.path.visible = on; }],
-  ['ruts', 'f', 'ruts of the run that is followed', Boolean(stage) && data.runs.some((r) => r.ruts.count), (on) => { stage.digs = on; $('rut-scale').hidden = !on; stage.showRuts(); }],
-  ['plan', 'i', 'what the planner intends', Boolean(stage?.runs.some((r) => r.plans.length)), (on) => { for (const run of stage.runs) for (const plan of run.plans) plan.lines.visible = on; }],
-  ['ghosts', 'h', 'the other runs', Boolean(stage) && data.runs.length > 1, (on) => { stage.ghosts = on; stage.showRuns(); }],
-  ['hull', 'x', 'the hull: without it one sees through to axles and links', Boolean(stage), (on) => { stage.through = !on; stage.showRuns(); }],
+  ['classes', 'g', 'classes of the ground', seen, (on) => stage.world.showClasses(on)],
+  ['obstacles', 'o', 'obstacles', seen, (on) => { stage.world.obstacles.visible = on; }],
+  ['path', 'y', 'global path, start and goal', seen, (on) => { stage.world.path.visible = on; }],
+  ['ruts', 'f', 'ruts of the run that is followed', seen && data.runs.some((r) => r.ruts.count), (on) => {
+    stage.digs = on;
+    $('rut-scale').hidden = !on;
+    stage.showRuts();
+  }],
+  ['plan', 'i', 'what the planner intends', seen && stage.runs.some((r) => r.plans.length), (on) => {
+    for (const plan of stage.runs.flatMap((run) => run.plans)) plan.lines.visible = on;
+  }],
+  ['ghosts', 'h', 'the other runs', seen && data.runs.length > 1, (on) => { stage.ghosts = on; stage.showRuns(); }],
+  ['hull', 'x', 'the hull: without it one sees through to axles and links', seen, (on) => { stage.through = !on; stage.showRuns(); }],
   ['beside', 'b', 'curves and wheels beside the view', true, (on) => { $('plots').parentElement.hidden = !on; plots.draw(); }],
   ['lidar', 'l', 'points of the lidar', ...senses('lidar')],
   ['map', 'm', 'local map', ...senses('map')],
@@ -151,17 +161,23 @@ const frameBeside = (n) => {
 const KEYS = [
   ['Time', [
     [[' '], ['space'], 'play, pause', () => play(!playing)],
-    [['ArrowLeft', 'ArrowRight'], ['←', '→'], 'back, forward by a tenth of a second; with shift by a second', (e) => step(e.key === 'ArrowLeft' ? -held(e) : held(e))],
+    [['ArrowLeft', 'ArrowRight'], ['←', '→'], 'back, forward by a tenth of a second; with shift by a second',
+      (e) => step(e.key === 'ArrowLeft' ? -held(e) : held(e))],
     [[',', '.'], [',', '.'], 'the frame before, after', (e) => frameBeside(e.key === ',' ? -1 : 1)],
     [['Home', 'End'], ['home', 'end'], 'to the start, to the end', (e) => seek(e.key === 'Home' ? 0 : data.end)],
     [['<', '>'], ['<', '>'], 'slower, faster', (e) => pace(SPEEDS.indexOf(speed) + (e.key === '<' ? -1 : 1))],
   ]],
   ['View', [
     [['1', '2', '3', '4', '5'], ['1', '2', '3', '4', '5'], VIEWS.join(', '), (e) => look(VIEWS[Number(e.key) - 1])],
-    [['w', 'a', 's', 'd'], ['w', 'a', 's', 'd'], 'turn the camera; from above, move the map', (e) => stage?.move({ a: -1, d: 1 }[nameOf(e)] ?? 0, { w: 1, s: -1 }[nameOf(e)] ?? 0)],
+    [['w', 'a', 's', 'd'], ['w', 'a', 's', 'd'], 'turn the camera; from above, move the map',
+      (e) => stage?.move({ a: -1, d: 1 }[nameOf(e)] ?? 0, { w: 1, s: -1 }[nameOf(e)] ?? 0)],
     [['+', '=', '-'], ['+', '−'], 'nearer, farther', (e) => stage?.zoom(e.key === '-' ? 1 / 1.25 : 1.25)],
     [['c'], ['c'], 'the view as it was at first, on the vehicle', () => look(mode)],
-    [['t'], ['t'], 'colour the trail by speed, by roll, by run', () => { const s = $('trail'); s.selectedIndex = (s.selectedIndex + 1) % s.options.length; colourTrails(s.value); }],
+    [['t'], ['t'], 'colour the trail by speed, by roll, by run', () => {
+      const by = $('trail');
+      by.selectedIndex = (by.selectedIndex + 1) % by.options.length;
+      colourTrails(by.value);
+    }],
   ]],
   ['Runs and tasks', [
     [['r'], ['r'], 'follow the next run; with shift the one before', (e) => follow((followed + (e.shiftKey ? data.runs.length - 1 : 1)) % data.runs.length)],

@@ -66,7 +66,11 @@ export class Stage {
     this.above.up.set(0, 1, 0);
     this.pan = new OrbitControls(this.above, canvas);
     Object.assign(this.pan, {
-      enableRotate: false, minZoom: 0.05, maxZoom: 40, mouseButtons: { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN }, touches: { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN },
+      enableRotate: false,
+      minZoom: 0.05,
+      maxZoom: 40,
+      mouseButtons: { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN },
+      touches: { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN },
     });
     this.span = 50 * unit; // of what the top view shows from south to north, m, before it is zoomed
     this.centre = new THREE.Vector3();

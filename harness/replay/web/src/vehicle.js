@@ -99,7 +99,7 @@ export class Run {
   look(ghost, through) {
     Object.assign(this, { ghost, through });
     const fade = (mesh, opacity) => {
-      Object.assign(mesh.material, { transparent: opacity < 1, opacity, depthWrite: opacity === 1, needsUpdate: true });
+      Object.assign(mesh.material, { transparent: opacity < 1, opacity, depthWrite: opacity > 0.3, needsUpdate: true });
       mesh.castShadow = !ghost;
     };
     fade(this.hull, through ? 0.22 : ghost ? 0.4 : 1);

@@ -49,9 +49,9 @@ export class WheelPanel {
       const [r, g, b] = scale(Math.abs(slip)).map((v) => Math.round(255 * v));
       fill.style.background = `rgb(${r},${g},${b})`;
       const sunk = depth >= 0.001 ? `, ${(100 * depth).toFixed(depth < 0.1 ? 1 : 0)} cm` : '';
-      const lifted = load < LIFTED / n;
-      text.textContent = lifted ? `in the air, ${slip.toFixed(2).replace('-', '−')}` : `${(100 * load).toFixed(0)} %, ${slip.toFixed(2).replace('-', '−')}${sunk}`;
-      text.title = `${(100 * load).toFixed(1)} % of the weight; slip ${slip.toFixed(2)}: 1 spins, −1 is locked; ${(100 * depth).toFixed(1)} cm in soil`;
+      const spin = slip.toFixed(2).replace('-', '−');
+      text.textContent = load < LIFTED / n ? `in the air, ${spin}` : `${(100 * load).toFixed(0)} %, ${spin}${sunk}`;
+      text.title = `${(100 * load).toFixed(1)} % of the weight; slip ${spin}: 1 spins, −1 is locked; ${(100 * depth).toFixed(1)} cm in soil`;
     });
   }
 }
