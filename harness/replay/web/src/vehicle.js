@@ -54,7 +54,7 @@ function label(text, colour, unit) {
 
 export class Run {
   constructor(run, world, unit) {
-    Object.assign(this, { run, world, unit, ghost: false, through: false });
+    Object.assign(this, { run, world, unit });
     this.group = new THREE.Group();
     this.body = new THREE.Group();
     this.hull = bodies(run.vehicle.parts, new THREE.MeshLambertMaterial({ color: run.colour, flatShading: true }));
@@ -97,7 +97,6 @@ export class Run {
 
   // Whether it is one of the runs that are not followed, and whether one sees the wheels and bars behind its hull.
   look(ghost, through) {
-    Object.assign(this, { ghost, through });
     const fade = (mesh, opacity) => {
       Object.assign(mesh.material, { transparent: opacity < 1, opacity, depthWrite: opacity > 0.3, needsUpdate: true });
       mesh.castShadow = !ghost;
