@@ -64,10 +64,25 @@ fn program() -> Option<String> {
         .map(str::to_owned)
 }
 
+/// The address of a file.
+fn address(file: &Path) -> String {
+    format!("file://{}", std::path::absolute(file).unwrap().display())
+}
+
 impl Browser {
     /// Starts a browser with a window of this size; says so and gives none where there is no browser.
     #[must_use]
     pub fn start(width: u32, height: u32) -> Option<Self> {
+        Self::launch(width, height, &["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+    }
+
+    /// The same, of a browser whose pages have no WebGL.
+    #[must_use]
+    pub fn start_without_webgl(width: u32, height: u32) -> Option<Self> {
+        Self::launch(width, height, &["--disable-gpu", "--disable-3d-apis"])
+    }
+
+    fn launch(width: u32, height: u32, graphics: &[&str]) -> Option<Self> {
         let Some(program) = program() else {
             vb_testing::skip("no Chromium (install it, or set VB_BROWSER)");
             return None;
@@ -84,10 +99,9 @@ impl Browser {
             "--disable-background-networking",
             "--disable-component-update",
             "--disable-sync",
-            "--use-angle=swiftshader",
-            "--enable-unsafe-swiftshader",
             "--remote-debugging-pipe",
         ]);
+        command.args(graphics);
         command.arg(format!("--window-size={width},{height}"));
         command.arg(format!("--user-data-dir={}", profile.path().display()));
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
@@ -155,8 +169,14 @@ impl Browser {
 
     /// Opens a file and waits until it is loaded.
     pub fn open(&mut self, file: &Path) {
-        let url = format!("file://{}", std::path::absolute(file).unwrap().display());
-        self.open_url(&url);
+        self.open_url(&address(file));
+    }
+
+    /// Opens a file anew at a fragment of its address, such as `#t=3`, and waits until it is loaded.
+    pub fn open_at(&mut self, file: &Path, fragment: &str) {
+        // From another page: a change of the fragment alone would load nothing.
+        self.open_url("about:blank");
+        self.open_url(&format!("{}{fragment}", address(file)));
     }
 
     /// Opens a page by its address and waits until it has loaded.
@@ -164,6 +184,15 @@ impl Browser {
         self.loaded = false;
         let result = self.call("Page.navigate", json!({"url": url}));
         assert!(result["errorText"].is_null(), "{url}: {result}");
+        while !self.loaded {
+            self.read();
+        }
+    }
+
+    /// Waits until the page has loaded that something done to the present one leads to.
+    pub fn wait_for_page(&mut self, act: impl FnOnce(&mut Self)) {
+        self.loaded = false;
+        act(self);
         while !self.loaded {
             self.read();
         }
@@ -194,6 +223,31 @@ impl Browser {
                 json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
             self.call("Input.dispatchMouseEvent", params);
         }
+    }
+
+    /// Presses the mouse at a point of the window, moves it to another and releases it.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for (kind, [x, y]) in [("mousePressed", from), ("mouseMoved", to), ("mouseReleased", to)] {
+            let params =
+                json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+            self.call("Input.dispatchMouseEvent", params);
+        }
+    }
+
+    /// Turns the mouse's wheel at a point of the window by so many pixels, downwards if positive.
+    pub fn scroll(&mut self, [x, y]: [f64; 2], by: f64) {
+        let params = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": by});
+        self.call("Input.dispatchMouseEvent", params);
+    }
+
+    /// Presses and releases a key, by the name that a page sees: `a`, `?`, `ArrowLeft`.
+    pub fn press(&mut self, key: &str) {
+        let mut down = json!({"type": "keyDown", "key": key});
+        if key.chars().count() == 1 {
+            down["text"] = key.into();
+        }
+        self.call("Input.dispatchKeyEvent", down);
+        self.call("Input.dispatchKeyEvent", json!({"type": "keyUp", "key": key}));
     }
 
     /// Types text into what has the focus.

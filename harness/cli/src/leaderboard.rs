@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use vb_replay::Links;
 use vb_report::Runs;
 use vb_submission::SubmissionError;
 use vb_submission::leaderboard::{self, Entry};
@@ -63,15 +64,16 @@ fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, C
         return Ok(made);
     }
     let mut player = Player::new(runs, &ReplayData::default(), Senses::default(), &tasks)?;
-    for task in tasks {
-        let Some(replay) = player.replay(&task)? else { continue };
+    let tasks = player.done(&tasks);
+    for (task, links) in tasks.iter().zip(Links::of_report(leaderboard::REPORT, &tasks)) {
+        let Some(replay) = player.replay(task)? else { continue };
         let path = out.join(format!("{task}.html"));
         let written = path
             .parent()
             .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::write(&path, vb_replay::page(&replay)));
+            .and_then(|()| std::fs::write(&path, vb_replay::page(&replay, &links)));
         written.map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))?;
-        made.insert(task);
+        made.insert(task.clone());
     }
     Ok(made)
 }

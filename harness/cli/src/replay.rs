@@ -7,7 +7,8 @@ use std::sync::Arc;
 use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_replay::{
-    Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
+    Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page,
+    write_mcap,
 };
 use vb_report::Runs;
 use vb_runner::Soils;
@@ -56,12 +57,12 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     }
     let page_file = match (&args.out, &args.mcap) {
         (Some(path), _) => {
-            write(path, &page(&replay))?;
+            write(path, &page(&replay, &Links::default()))?;
             Some(path.clone())
         }
         (None, Some(_)) => None,
         (None, None) => {
-            let path = temporary(&page(&replay))?;
+            let path = temporary(&page(&replay, &Links::default()))?;
             open(&path);
             Some(path)
         }
@@ -210,6 +211,12 @@ impl Player {
         &self.suite
     }
 
+    /// Those of the tasks that all runs have done, in their order.
+    pub(crate) fn done<'a>(&self, tasks: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+        let all = |task: &&String| self.parts.iter().all(|p| p.records.contains_key(*task));
+        tasks.into_iter().filter(all).cloned().collect()
+    }
+
     /// The replay of one of the tasks; none if a run hasn't done it.
     pub(crate) fn replay(&mut self, task: &str) -> Result<Option<Replay>, CliError> {
         let Some((world_id, task_id)) = task.split_once('/') else { return Ok(None) };
@@ -262,6 +269,7 @@ impl Player {
             runs.push(ReplayRun {
                 label: part.label.clone(),
                 record: record.clone(),
+                rules: part.rules.clone(),
                 vehicle: Arc::new(part.vehicle.spec().clone()),
                 motion,
                 sensed,

@@ -4,12 +4,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use vb_replay::Links;
 use vb_report::{Beside, MapLinks, Report, ReportError, Runs, write_csv, write_parquet};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
 use crate::replay::{Player, Senses, suite_of};
 use crate::{output, suite};
+
+/// The report's file.
+const PAGE: &str = "index.html";
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -77,7 +81,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
             None => BTreeSet::new(),
         };
         let page = report.page(&Beside { replays, maps, files: beside });
-        let path = out.join("index.html");
+        let path = out.join(PAGE);
         write(&path, &page)?;
         files.push(path);
     }
@@ -96,15 +100,16 @@ fn replays(
     let chosen: BTreeSet<String> = chosen.iter().map(ToString::to_string).collect();
     let mut player = Player::new(report.runs(), &args.data, Senses::default(), &chosen)?;
     let mut made = BTreeSet::new();
-    for task in chosen {
-        let Some(replay) = player.replay(&task)? else { continue };
+    let tasks = player.done(&chosen);
+    for (task, links) in tasks.iter().zip(Links::of_report(PAGE, &tasks)) {
+        let Some(replay) = player.replay(task)? else { continue };
         let path = out.join("replays").join(format!("{task}.html"));
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
         }
-        write(&path, &vb_replay::page(&replay))?;
-        made.insert(task);
+        write(&path, &vb_replay::page(&replay, &links))?;
+        made.insert(task.clone());
     }
     Ok(made)
 }

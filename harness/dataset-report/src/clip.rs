@@ -31,6 +31,7 @@ pub fn clip(
     let run = ReplayRun {
         label: format!("{}, episode {index}", info.driver),
         record: record(info, world, &task),
+        rules: None,
         vehicle: Arc::new(vehicle.spec().clone()),
         motion: Motion::sampled(&trace, Some(vehicle)),
         series: PlannerSeries::new(Vec::new()),

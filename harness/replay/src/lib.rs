@@ -7,7 +7,9 @@
 
 mod debug;
 mod error;
+mod facts;
 mod foxglove_file;
+mod linkage;
 mod motion;
 mod page;
 mod scene;
@@ -17,7 +19,7 @@ mod sensors_file;
 pub use debug::PlannerSeries;
 pub use error::ReplayError;
 pub use foxglove_file::write_mcap;
-pub use motion::{Motion, Repeat, Rut, Setting, WheelFrame};
-pub use page::{live_page, page};
+pub use motion::{Motion, Repeat, Rut, Setting, WheelContact, WheelFrame};
+pub use page::{Link, Links, live_page, page};
 pub use scene::{Replay, ReplayRun, live_scene};
 pub use sensed::{Sensed, Sensors};

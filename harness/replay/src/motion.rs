@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
 use vb_runner::{StateHash, commanded_gear, sample};
 use vb_sense::Truth;
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleState};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
 
@@ -17,8 +17,10 @@ use crate::sensed::{Sensed, Sensors};
 const FRAME_PERIOD: f64 = 0.02;
 /// Samples between two looks at the ruts.
 const LOOK_AT_RUTS: u64 = 10;
-/// A rut is told again when it is deeper by this, m.
+/// A rut is told again when the ground in it lies lower or higher by this, m.
 const DEEPER: f64 = 0.005;
+/// The least speed to which slip refers at scale 1, m/s.
+const SLOW: f64 = 0.1;
 /// Ruts that are told at most.
 const RUTS: usize = 150_000;
 
@@ -33,6 +35,18 @@ pub struct WheelFrame {
     pub angle: f64,
 }
 
+/// What the ground and a wheel do to each other at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelContact {
+    /// The normal force of ground and obstacles, N.
+    pub load: f64,
+    /// The speed of the rim less that of the wheel's centre along its heading, over the larger of both, in [-2, 2]: positive
+    /// where it spins, −1 where it is locked, 0 at rest.
+    pub slip: f64,
+    /// The depth in soil, m.
+    pub sinkage: f64,
+}
+
 /// A cell of the ground that yielded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rut {
@@ -40,10 +54,18 @@ pub struct Rut {
     pub time: f64,
     /// Its centre, m.
     pub at: [f64; 2],
-    /// Depth below the rim, m.
+    /// Depth below the surface that the heap has raised, m.
     pub depth: f64,
     /// Height of the heap, m.
     pub raised: f64,
+}
+
+impl Rut {
+    /// By how much the ground is higher than it was at first, m.
+    #[must_use]
+    pub fn change(&self) -> f64 {
+        self.raised - self.depth
+    }
 }
 
 /// Where what is shown comes from.
@@ -66,8 +88,12 @@ pub struct Motion {
     pub wheels: usize,
     /// `frames.len() * wheels` entries: the wheels of the first frame, those of the second, …
     pub wheel_frames: Vec<WheelFrame>,
+    /// What wheels and ground do to each other, as many entries as `wheel_frames`; none from samples.
+    pub contacts: Vec<WheelContact>,
     /// Ruts in the order of time; none from samples.
     pub ruts: Vec<Rut>,
+    /// The side of the cells in which ruts are told, m; 0 from samples.
+    pub soil_resolution: f64,
 }
 
 /// What a simulation takes beside the trace.
@@ -111,7 +137,9 @@ impl Motion {
             frames: Vec::new(),
             wheels: 2 * setting.vehicle.axles().len(),
             wheel_frames: Vec::new(),
+            contacts: Vec::new(),
             ruts: Vec::new(),
+            soil_resolution: sim.soil_resolution(),
         };
         let mut told = BTreeMap::new();
         let mut angles = vec![0.0; motion.wheels];
@@ -143,6 +171,7 @@ impl Motion {
             if k % every == 0 || k == samples {
                 let travels: Vec<f64> = state.wheels.iter().map(|w| w.deflection).collect();
                 motion.push(sample(&state, controls), setting.vehicle, &travels, &angles, state.steering);
+                motion.push_contacts(&state, setting);
             }
             if k % LOOK_AT_RUTS == 0 || k == samples {
                 motion.look_at_ruts(&sim, &mut told);
@@ -161,7 +190,9 @@ impl Motion {
             frames: Vec::with_capacity(trace.samples.len()),
             wheels,
             wheel_frames: Vec::with_capacity(trace.samples.len() * wheels),
+            contacts: Vec::new(),
             ruts: Vec::new(),
+            soil_resolution: 0.0,
         };
         let mut angles = vec![0.0; trace.wheels];
         let mut last = 0.0;
@@ -201,18 +232,34 @@ impl Motion {
         }
     }
 
+    /// What the wheels of the last frame and the ground do to each other.
+    fn push_contacts(&mut self, state: &VehicleState, setting: &Setting<'_>) {
+        let spec = setting.vehicle.spec();
+        let radii = spec.axles.iter().flat_map(|axle| [spec.tyre_of(axle).radius(); 2]);
+        let placed = &self.wheel_frames[self.wheel_frames.len() - self.wheels..];
+        // As slow as this a vehicle stands.
+        let slow = SLOW * setting.world.scale.sqrt();
+        let contacts = state.wheels.iter().zip(placed).zip(radii).map(|((wheel, frame), radius)| {
+            let heading = Vector3::from(frame.axis).cross(&Vector3::z()).normalize();
+            let hub = state.velocity + state.angular_velocity.cross(&Vector3::from(frame.hub));
+            let (rim, speed) = (wheel.speed * radius, hub.dot(&heading));
+            let slip = (rim - speed) / rim.abs().max(speed.abs()).max(slow);
+            WheelContact { load: wheel.load, slip, sinkage: wheel.sinkage }
+        });
+        self.contacts.extend(contacts);
+    }
+
     fn look_at_ruts(&mut self, sim: &Simulation, told: &mut BTreeMap<(i64, i64), f64>) {
         let time = sim.time();
         for (at, depth, raised) in sim.ruts() {
             let key = ((at[0] * 1000.0).round() as i64, (at[1] * 1000.0).round() as i64);
-            let amount = depth.max(raised);
-            if amount < DEEPER
-                || told.get(&key).is_some_and(|t| amount < t + DEEPER)
-                || self.ruts.len() >= RUTS
-            {
+            // A heap may be pressed down again: both ways count.
+            let change = raised - depth;
+            let before = told.get(&key).copied().unwrap_or(0.0);
+            if (change - before).abs() < DEEPER || self.ruts.len() >= RUTS {
                 continue;
             }
-            told.insert(key, amount);
+            told.insert(key, change);
             self.ruts.push(Rut { time, at, depth, raised });
         }
     }

@@ -1,5 +1,7 @@
 //! The page in three dimensions.
 
+use serde::Serialize;
+use serde_json::json;
 use vb_page::Page;
 
 use crate::Replay;
@@ -9,15 +11,52 @@ const SCRIPT: &str = include_str!("../assets/replay.min.js");
 const STYLE: &str = include_str!("../web/src/replay.css");
 const BODY: &str = include_str!("../web/src/body.html");
 
+/// Another page that a page leads to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Link {
+    /// What it is called, e.g. the name of a task.
+    pub name: String,
+    /// Where it lies, relative to the page.
+    pub href: String,
+}
+
+/// Where a page leads to; nowhere by default.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Links {
+    /// The page that lists this one.
+    pub report: Option<Link>,
+    /// The replay before this one.
+    pub previous: Option<Link>,
+    /// The replay after it.
+    pub next: Option<Link>,
+}
+
+impl Links {
+    /// The links of each of a report's replays, which lie at `replays/WORLD/TASK.html` beside it. `report` is the name of the
+    /// report's file; `tasks` are the tasks that have a replay, in their order.
+    #[must_use]
+    pub fn of_report(report: &str, tasks: &[String]) -> Vec<Self> {
+        let link = |task: &String| Link { name: task.clone(), href: format!("../{task}.html") };
+        let links = tasks.iter().enumerate().map(|(k, task)| Self {
+            report: Some(Link { name: "report".into(), href: format!("../../{report}#task={task}") }),
+            previous: k.checked_sub(1).and_then(|k| tasks.get(k)).map(link),
+            next: tasks.get(k + 1).map(link),
+        });
+        links.collect()
+    }
+}
+
 /// The page: one file that needs nothing else, no network either. Texts of planners are data for its script, which sets
-/// them as text; no other script is run.
+/// them as text; no other script is run. `links` lead to other pages.
 #[must_use]
-pub fn page(replay: &Replay) -> String {
+pub fn page(replay: &Replay, links: &Links) -> String {
+    let mut data = replay.json();
+    data["links"] = json!(links);
     Page {
         title: &format!("{}/{} on {}", replay.world.id, replay.task.id, replay.suite),
         styles: &[STYLE],
         body: BODY,
-        data: Some(&replay.json()),
+        data: Some(&data),
         script: SCRIPT,
         makes_images: true,
         ..Page::default()

@@ -7,12 +7,14 @@ use base64::engine::general_purpose::STANDARD;
 use nalgebra::{Rotation3, Vector3};
 use rapier3d_f64::parry;
 use serde_json::{Value, json};
-use vb_score::TaskRecord;
-use vb_vehicle::VehicleSpec;
+use vb_score::{Rules, TaskRecord};
+use vb_vehicle::{GRAVITY, VehicleSpec};
 use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
 
 use crate::debug::PlannerSeries;
-use crate::motion::{Motion, Repeat, attitude};
+use crate::facts::facts;
+use crate::linkage::carriers;
+use crate::motion::{Motion, Repeat, Rut, attitude};
 use crate::sensed::Sensed;
 
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
@@ -25,6 +27,8 @@ pub struct ReplayRun {
     pub label: String,
     /// The line of tasks.jsonl.
     pub record: TaskRecord,
+    /// The rules by which the task was judged; none where they are unknown.
+    pub rules: Option<Rules>,
     /// The vehicle.
     pub vehicle: Arc<VehicleSpec>,
     /// How it moved.
@@ -111,6 +115,12 @@ fn round(v: f64, per_unit: f64) -> f64 {
     (v * per_unit).round() / per_unit
 }
 
+/// Numbers as base64 of little-endian 16-bit integers, in units of `unit`; beyond their range the last one.
+fn words(values: impl Iterator<Item = f64>, unit: f64) -> String {
+    let bytes: Vec<u8> = values.flat_map(|v| ((v / unit).round() as i16).to_le_bytes()).collect();
+    STANDARD.encode(bytes)
+}
+
 /// Numbers as base64 of little-endian f32, which a browser reads at once.
 fn floats(values: impl Iterator<Item = f64>) -> String {
     let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
@@ -178,7 +188,7 @@ impl Replay {
             "goal": task.goal,
             "radius": self.goal_radius,
             "path": task.path.iter().map(point).collect::<Vec<_>>(),
-            "runs": self.runs.iter().map(run).collect::<Vec<_>>(),
+            "runs": self.runs.iter().map(|r| run(r, world)).collect::<Vec<_>>(),
         })
     }
 }
@@ -188,6 +198,8 @@ fn vehicle(spec: &VehicleSpec) -> Value {
         "name": spec.name,
         "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
         "wheels": spec.wheel_sizes(),
+        "axles": spec.axles.iter().map(|a| &a.name).collect::<Vec<_>>(),
+        "carriers": carriers(spec),
         "belt": spec.tracks.as_ref().map(|t| t.thickness),
         "length": spec.length,
     })
@@ -209,7 +221,36 @@ pub fn live_scene(
     scene
 }
 
-fn run(run: &ReplayRun) -> Value {
+/// The height of a change of the ground that is one on the page, m.
+const RUT: f64 = 1e-3;
+
+/// Ruts for the page: when how many of them are told, and of each the number of its cell from the west and from the south, and
+/// by how much the ground is higher there.
+fn ruts(m: &Motion, world: &World) -> Value {
+    let side = m.soil_resolution;
+    let half = [world.heightfield.half_x(), world.heightfield.half_y()];
+    let mut steps: Vec<(f64, usize)> = Vec::new();
+    for rut in &m.ruts {
+        match steps.last_mut() {
+            Some((time, count)) if *time == rut.time => *count += 1,
+            _ => steps.push((rut.time, 1)),
+        }
+    }
+    let cells = |axis: usize| words(m.ruts.iter().map(|r| (r.at[axis] + half[axis]) / side - 0.5), 1.0);
+    json!({
+        "side": side,
+        "unit": RUT,
+        "steps": steps.iter().map(|(time, count)| json!([round(*time, 1e3), count])).collect::<Vec<_>>(),
+        "x": cells(0),
+        "y": cells(1),
+        "changes": words(m.ruts.iter().map(Rut::change), RUT),
+    })
+}
+
+/// Units of what wheels and ground do to each other on the page: the share of the weight, the slip, the depth in m.
+const CONTACT: [f64; 3] = [1e-3, 1e-2, 1e-4];
+
+fn run(run: &ReplayRun, world: &World) -> Value {
     let m = &run.motion;
     let r = &run.record;
     let poses = m.frames.iter().flat_map(|f| {
@@ -225,14 +266,23 @@ fn run(run: &ReplayRun) -> Value {
         let ([a, b, c], [d, e, f]) = (w.hub, w.axis);
         [a, b, c, d, e, f, w.angle]
     });
-    let ruts = m.ruts.iter().flat_map(|r| [r.time, r.at[0], r.at[1], r.depth, r.raised]);
     let spec = &run.vehicle;
+    let weight = spec.total_mass() * GRAVITY;
+    let [load, slip, depth] = CONTACT;
+    let contact = (!m.contacts.is_empty()).then(|| {
+        json!({
+            "units": CONTACT,
+            "loads": words(m.contacts.iter().map(|c| c.load / weight), load),
+            "slips": words(m.contacts.iter().map(|c| c.slip), slip),
+            "depths": words(m.contacts.iter().map(|c| c.sinkage), depth),
+        })
+    });
     json!({
         "label": run.label,
         "outcome": r.outcome.name().replace('_', " "),
         "success": r.outcome == vb_score::Outcome::Success,
         "reason": r.explanation(),
-        "fault": r.fault,
+        "facts": facts(run, world.scale),
         "log": r.log,
         "time": r.time_s,
         "exact": m.repeat == Repeat::Exact,
@@ -241,7 +291,8 @@ fn run(run: &ReplayRun) -> Value {
         "signals": floats(signals),
         "wheel_count": m.wheels,
         "wheels": floats(wheels),
-        "ruts": floats(ruts),
+        "ruts": ruts(m, world),
+        "contact": contact,
         "vehicle": vehicle(spec),
         "series": run.series.json(),
         "sensed": run.sensed.json(&m.frames),

@@ -12,10 +12,10 @@ use foxglove::messages::{FrameTransforms, Grid, Log, Odometry, PointCloud, RawIm
 use sha2::{Digest as _, Sha256};
 use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_replay::{
-    Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
+    Link, Links, Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
 };
 use vb_runner::StateHash;
-use vb_score::{Outcome, TaskRecord};
+use vb_score::{Cause, Outcome, Rules, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sense::{Perception, Profile, Readings, Seed, Truth};
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
@@ -161,6 +161,19 @@ impl Drive {
         told
     }
 
+    /// The simulation at its end.
+    fn driven(&self) -> Simulation {
+        let start = self.task.start;
+        let mut sim =
+            Simulation::new(self.world.clone(), &self.vehicle, &self.soils, start, SimOptions::default())
+                .unwrap();
+        for s in &self.trace.samples[1..] {
+            let Sample { steering, throttle, .. } = *s;
+            sim.advance(Controls { steering, throttle, ..Controls::default() }, 100).unwrap();
+        }
+        sim
+    }
+
     fn replay(&self, label: &str) -> Replay {
         let record = TaskRecord {
             task: "w001/t00".into(),
@@ -171,8 +184,8 @@ impl Drive {
             outcome: Outcome::Stuck,
             three_way: Outcome::Stuck.three_way(false),
             reason: format!("it sank {label}"),
-            cause: None,
-            evidence: String::new(),
+            cause: Some(Cause::SpinningOnSoil),
+            evidence: format!("it dug {label}"),
             fault: Some(label.into()),
             time_s: 4.0,
             state_hash: self.hash.clone(),
@@ -202,6 +215,7 @@ impl Drive {
             runs: vec![ReplayRun {
                 label: label.into(),
                 record,
+                rules: Some(Rules::paper()),
                 vehicle: Arc::new(self.vehicle.spec().clone()),
                 motion: self.repeated(&self.hash).unwrap(),
                 series,
@@ -225,6 +239,77 @@ fn ten_samples_a_second_repeat_the_simulation_to_the_bit() {
     assert!(motion.ruts.len() > 100, "wheels leave ruts in mud: {}", motion.ruts.len());
     assert!(motion.ruts.is_sorted_by(|a, b| a.time <= b.time));
     assert!(drive.repeated("0000000000000000").is_none(), "another hash is another drive");
+}
+
+#[test]
+fn ruts_end_as_the_simulation_leaves_them() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let (motion, sim) = (drive.repeated(&drive.hash).unwrap(), drive.driven());
+    assert_eq!(motion.soil_resolution, sim.soil_resolution());
+    let cell = |at: [f64; 2]| at.map(|v| (v * 1000.0).round() as i64);
+    // What is told last of a cell holds.
+    let told: BTreeMap<[i64; 2], f64> = motion.ruts.iter().map(|r| (cell(r.at), r.change())).collect();
+    let mut changed = 0;
+    for (at, depth, raised) in sim.ruts() {
+        let change = raised - depth;
+        let shown = told.get(&cell(at)).copied().unwrap_or(0.0);
+        assert!((shown - change).abs() < 0.005, "at {at:?}: {shown} m instead of {change} m");
+        changed += usize::from(change.abs() >= 0.005);
+    }
+    assert!(changed > 100, "{changed}");
+}
+
+#[test]
+fn wheels_are_told_with_load_slip_and_depth() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let motion = drive.repeated(&drive.hash).unwrap();
+    assert_eq!(motion.contacts.len(), motion.wheel_frames.len());
+    let weight = drive.vehicle.spec().total_mass() * vb_vehicle::GRAVITY;
+    // It stands at first: the ground bears it, and nothing turns.
+    let first = &motion.contacts[..4];
+    let load: f64 = first.iter().map(|c| c.load).sum();
+    assert!((load / weight - 1.0).abs() < 0.01, "{load} N of {weight} N");
+    // A millimetre a second is a hundredth of the slowest speed that slip refers to.
+    assert!(first.iter().all(|c| c.slip.abs() < 0.02 && c.sinkage > 0.0), "{first:?}");
+    // Full throttle on mud: all wheels are driven and spin, and no slip lies beyond what its definition allows.
+    let after = &motion.contacts[4 * 50..4 * 100];
+    assert!(after.iter().filter(|c| c.slip > 0.05).count() > after.len() / 2);
+    assert!(motion.contacts.iter().all(|c| c.slip.abs() <= 2.0 && c.load >= 0.0));
+    assert!(Motion::sampled(&drive.trace, Some(&drive.vehicle)).contacts.is_empty(), "samples don't tell");
+}
+
+/// The data of a page's script.
+fn data_of(page: &str) -> serde_json::Value {
+    let begin = page.find("id=\"data\">").unwrap() + "id=\"data\">".len();
+    serde_json::from_str(&page[begin..begin + page[begin..].find("</script>").unwrap()]).unwrap()
+}
+
+#[test]
+fn a_page_says_with_what_was_driven_and_by_which_rule_it_ended() {
+    let data = data_of(&page(&Drive::new(TraceMode::TenHz).replay("pid"), &Links::default()));
+    let facts = data["runs"][0]["facts"].as_array().unwrap();
+    let said = |term: &str| facts.iter().find(|f| f[0] == term).map(|f| f[1].as_str().unwrap());
+    assert_eq!(said("outcome"), Some("stuck"));
+    assert_eq!(said("by the rule"), Some("moved less than 1 m within 10 s"));
+    assert_eq!(said("reason"), Some("it sank pid"));
+    assert_eq!((said("cause"), said("evidence")), (Some("spinning on soil"), Some("it dug pid")));
+    assert_eq!(said("vehicle"), Some("hmmwv: HMMWV, double wishbones all round, all-wheel drive"));
+    assert_eq!(said("scale"), Some("1:1"));
+    assert!(said("rules").unwrap().starts_with("paper: "));
+    assert!(data["links"].as_object().unwrap().values().all(serde_json::Value::is_null), "it stands alone");
+}
+
+#[test]
+fn replays_of_a_report_are_linked_in_their_order() {
+    let tasks = ["w001/t00", "w001/t07", "w002/t01"].map(String::from);
+    let links = Links::of_report("index.html", &tasks);
+    let link = |name: &str, href: &str| Some(Link { name: name.into(), href: href.into() });
+    // As a browser takes them at replays/w001/t07.html.
+    assert_eq!(links[1].report, link("report", "../../index.html#task=w001/t07"));
+    assert_eq!(links[1].previous, link("w001/t00", "../w001/t00.html"));
+    assert_eq!(links[1].next, link("w002/t01", "../w002/t01.html"));
+    assert_eq!((&links[0].previous, &links[2].next), (&None, &None));
+    assert!(Links::of_report("index.html", &[]).is_empty());
 }
 
 #[test]
@@ -261,7 +346,9 @@ fn samples_alone_place_the_wheels_where_the_simulation_has_them() {
 
 #[test]
 fn no_text_of_a_planner_becomes_markup() {
-    let page = page(&Drive::new(TraceMode::TenHz).replay(HOSTILE));
+    let link = Some(Link { name: HOSTILE.into(), href: HOSTILE.into() });
+    let links = Links { report: link.clone(), previous: link.clone(), next: link };
+    let page = page(&Drive::new(TraceMode::TenHz).replay(HOSTILE), &links);
     assert_eq!(page.matches("<script").count(), 2, "its own");
     assert_eq!(page.matches("</script").count(), 2);
     assert!(!page.contains("<img") && page.contains("script-src 'sha256-"));
@@ -430,7 +517,7 @@ fn a_page_of_many_scans_stays_small() {
         );
     }
     replay.runs[0].sensed = sensed;
-    let page = page(&replay);
+    let page = page(&replay, &Links::default());
     assert!(page.len() < 16 << 20, "{}", page.len());
     assert!(page.contains("\"scans_of\":6000"));
 }

@@ -20,6 +20,7 @@ mod planners;
 mod policies;
 mod processes;
 mod proof;
+mod replays;
 mod scoring;
 mod shards;
 mod shell;

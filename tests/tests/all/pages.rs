@@ -1,4 +1,4 @@
-//! Reports and replays in a real browser. Without Chromium the tests say so and pass.
+//! Reports, and what planners say in pages, in a real browser. Without Chromium the tests say so and pass.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use vb_tests::{Bench, Browser, pid};
 const HOSTILE: &str =
     "</script><script>document.title='owned'</script><img src=x onerror=\\\"document.title='owned'\\\">";
 
-fn run(bench: &Bench, out: &str, speed: &str, tasks: &str) {
+pub(crate) fn run(bench: &Bench, out: &str, speed: &str, tasks: &str) {
     let pid = pid();
     let plugin = pid.to_str().expect("paths of tests are text");
     let speed = format!("speed={speed}");
@@ -143,100 +143,6 @@ fn the_result_is_said_first_and_the_tasks_that_part_two_runs_are_listed() {
         browser.eval("document.querySelector('.matrix').scrollIntoView()");
         assert!(browser.screenshot().content() > 0.03, "a page without content");
     }
-    assert_eq!(browser.errors(), [] as [String; 0]);
-}
-
-#[test]
-fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
-    let Some(mut browser) = Browser::start(1280, 900) else { return };
-    let bench = Bench::new();
-    let pid = pid();
-    let pid = pid.to_str().expect("paths of tests are text");
-    bench.ok(&["--plugin", pid, "--suite", "smoke", "--tasks", "w001/t03", "--out", "run"]);
-    // The planner had neither: what would they have seen?
-    bench.ok(&[
-        "replay",
-        "run",
-        "--task",
-        "w001/t03",
-        "--sensors",
-        "lidar,depth,local-map",
-        "--out",
-        "r.html",
-    ]);
-    browser.open(&bench.path("r.html"));
-    browser.eval("replay.seek(5)");
-    let mut number = |what: &str| browser.eval(what).as_f64().expect("a number");
-    assert!(number("replay.sensed().points") > 1000.0);
-    assert!(number("replay.sensed().cells") > 1000.0);
-    assert_eq!(number("Number(replay.sensed().depth)"), 1.0);
-    // Points lie on the ground, but for those on obstacles and the lift that keeps them in sight.
-    let off = "(() => { const n = replay.sensed().points; let near = 0; for (let k = 0; k < n; k += 1) { \
-        const [x, y, z] = replay.sensed().point(k); if (Math.abs(z - replay.height(x, y)) < 0.12) near += 1; } return near / n; })()";
-    let near = number(off);
-    assert!(near > 0.9, "{near}");
-    assert_eq!(number("(document.querySelector('input[name=lidar]').click(), replay.sensed().points)"), 0.0);
-    let e = bench.run(&["replay", "run", "--task", "w001/t03", "--sensors", "radar", "--out", "x.html"]);
-    assert!(e.error(2).contains("there is no sensor `radar`"));
-}
-
-#[test]
-fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
-    let Some(mut browser) = Browser::start(1280, 800) else { return };
-    let bench = Bench::new();
-    // Deformable ground, so that there are ruts.
-    run(&bench, "a", "5", "w007/t02");
-    run(&bench, "b", "3", "w007/t02");
-    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
-    browser.open(&bench.path("replay.html"));
-    assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w007/t02");
-    assert_eq!(browser.eval("document.querySelectorAll('#runs li').length"), 2);
-    let position = "JSON.stringify(replay.position())";
-    let wheel = "JSON.stringify(replay.wheel(0))";
-    let (at_start, wheel_at_start) = (browser.eval(position), browser.eval(wheel));
-    let first = browser.screenshot();
-    assert!(first.content() > 0.3, "a view without content: {}", first.content());
-
-    let track = browser.eval("(() => { const b = document.querySelector('#slider').getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()");
-    let track: Vec<f64> =
-        track.as_array().expect("a box").iter().filter_map(serde_json::Value::as_f64).collect();
-    browser.mouse(track[0] + 0.5 * track[2], track[1] + 0.5 * track[3]);
-    let time = browser.eval("replay.time").as_f64().expect("a time");
-    let end = browser.eval("replay.end").as_f64().expect("a time");
-    assert!((time - 0.5 * end).abs() < 0.05 * end, "{time} of {end}");
-    assert_ne!(browser.eval(position), at_start, "the vehicle moves");
-    assert_ne!(browser.eval(wheel), wheel_at_start, "its wheels turn");
-    // The trace's own position at that time.
-    let moved: Vec<f64> =
-        serde_json::from_str(browser.eval(position).as_str().expect("text")).expect("numbers");
-    let rows = bench.parquet("a/traces/w007/t02.parquet");
-    let near = rows.iter().min_by(|p, q| {
-        let far = |r: &serde_json::Value| (r["time"].as_f64().unwrap_or(f64::MAX) - time).abs();
-        far(p).total_cmp(&far(q))
-    });
-    let near = near.expect("samples");
-    let far = |k: usize, name: &str| (moved[k] - near[name].as_f64().expect("a number")).abs();
-    assert!(far(0, "x") < 0.4 && far(1, "y") < 0.4 && far(2, "z") < 0.2, "{moved:?} {near}");
-
-    // Software rendering may take its time for a frame.
-    let plays = "new Promise(done => { const from = replay.time, begun = performance.now(); \
-        const look = () => replay.time > from + 0.2 ? done(true) : performance.now() - begun > 30000 ? done(false) \
-        : setTimeout(look, 20); look(); })";
-    browser.eval("replay.seek(1)");
-    browser.click("#play");
-    assert_eq!(browser.eval(plays), true, "it plays");
-    browser.click("#play");
-    for camera in ["chase", "cockpit", "top", "orbit", "follow"] {
-        browser.click(&format!("#camera button[value={camera}]"));
-        assert!(browser.screenshot().content() > 0.3, "{camera}");
-    }
-    browser.eval("replay.seek(replay.end)");
-    assert_eq!(browser.eval("document.querySelector('#banner').hidden"), false, "how it ended is said");
-    // Where it stands at the start it has sunk in already.
-    let ruts = browser.eval("replay.ruts()").as_f64().expect("a number");
-    browser.eval("replay.seek(0)");
-    let at_start = browser.eval("replay.ruts()").as_f64().expect("a number");
-    assert!(ruts > 500.0 && at_start < 0.2 * ruts, "wheels leave ruts: {at_start} {ruts}");
     assert_eq!(browser.errors(), [] as [String; 0]);
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde_json::json;
 use vb_dataset::Dataset;
 use vb_dataset_report::{Clip, Figures, Overview, clip, examples};
+use vb_replay::{Link, Links};
 use vb_vehicle::VehicleModel;
 use vb_world::{Suite, World};
 
@@ -66,6 +67,16 @@ fn file(index: usize, kind: &str) -> String {
     format!("episode-{index:06}.{kind}")
 }
 
+/// Where the clip of an episode leads to, among those of the chosen episodes.
+fn links(chosen: &BTreeSet<usize>, index: usize) -> Links {
+    let link = |&k: &usize| Link { name: format!("episode {k}"), href: file(k, "html") };
+    Links {
+        report: Some(Link { name: "dataset".into(), href: "index.html".into() }),
+        previous: chosen.range(..index).next_back().map(link),
+        next: chosen.range(index + 1..).next().map(link),
+    }
+}
+
 pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
     let (dataset, mut worlds) = open(&args.dataset)?;
     let vehicle = match vehicle(&dataset, args.vehicle.as_deref()) {
@@ -99,7 +110,8 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         let mut replay = None;
         if let Some(vehicle) = &vehicle {
             let name = file(index, "html");
-            write(&out.join(&name), &vb_replay::page(&clip(&dataset, index, &episode, &world, vehicle)))?;
+            let clip = clip(&dataset, index, &episode, &world, vehicle);
+            write(&out.join(&name), &vb_replay::page(&clip, &links(&chosen, index)))?;
             replay = Some(name);
         }
         clips.push(Clip::new(&dataset, index, &episode, &world, replay));

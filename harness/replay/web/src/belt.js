@@ -4,7 +4,7 @@ import * as THREE from 'three';
 const PAD = 2.5; // length over thickness
 
 export class Belt {
-  constructor(run, side, ghost) {
+  constructor(run, side) {
     const { wheels, belt } = run.vehicle;
     this.numbers = Array.from({ length: run.wheel_count / 2 }, (_, j) => 2 * j + side);
     this.radii = this.numbers.map((w) => wheels[w][0] + 0.5 * belt);
@@ -12,9 +12,8 @@ export class Belt {
     this.thickness = belt;
     const width = wheels[this.numbers[0]][1];
     const pad = new THREE.BoxGeometry(0.9 * PAD * belt, width, 0.8 * belt);
-    const material = new THREE.MeshLambertMaterial({ color: 0x2c2e31, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    const material = new THREE.MeshLambertMaterial({ color: 0x2c2e31 });
     this.mesh = new THREE.InstancedMesh(pad, material, 256);
-    this.mesh.castShadow = !ghost;
     this.mesh.frustumCulled = false;
   }
 

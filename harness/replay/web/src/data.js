@@ -7,6 +7,33 @@ export const floats = (text) => {
   return new Float32Array(bytes.buffer);
 };
 
+const integers = (text) => {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Int16Array(bytes.buffer);
+};
+
+// What the wheels and the ground do to each other, if it is known: the share of the weight, the slip, the depth in m.
+function contact(told) {
+  if (!told) return null;
+  const [load, slip, depth] = [told.loads, told.slips, told.depths].map(integers);
+  const at = (values, unit) => (k) => values[k] * unit;
+  return { load: at(load, told.units[0]), slip: at(slip, told.units[1]), depth: at(depth, told.units[2]) };
+}
+
+// The cells of the ground that yielded, in the order of time: when, where, and by how much the ground is higher there, m.
+function ruts(told) {
+  const [x, y, changes] = [told.x, told.y, told.changes].map(integers);
+  const times = new Float32Array(x.length);
+  let [from, deepest] = [0, 0];
+  for (const [time, count] of told.steps) {
+    times.fill(time, from, from + count);
+    from += count;
+  }
+  const change = Float32Array.from(changes, (v) => v * told.unit);
+  for (const v of change) deepest = Math.max(deepest, -v);
+  return { count: x.length, side: told.side, times, x, y, change, deepest };
+}
+
 export const COLOURS = ['#2a6fb3', '#d07a1d', '#2c8c5a', '#8057b8', '#c0412b', '#168a92', '#8a6636', '#b94888'];
 export const SIGNALS = 6; // speed, roll, pitch, steering, throttle, brake
 const POSE = 7; // x, y, z, quaternion
@@ -16,7 +43,9 @@ export function read() {
   data.ground.z = floats(data.ground.heights);
   data.runs.forEach((run, k) => {
     run.colour = COLOURS[k % COLOURS.length];
-    for (const key of ['times', 'poses', 'signals', 'wheels', 'ruts']) run[key] = floats(run[key]);
+    for (const key of ['times', 'poses', 'signals', 'wheels']) run[key] = floats(run[key]);
+    run.contact = contact(run.contact);
+    run.ruts = ruts(run.ruts);
     run.end = run.times[run.times.length - 1];
   });
   data.end = Math.max(...data.runs.map((r) => r.end));

@@ -1,6 +1,7 @@
 // The world: ground with its classes, obstacles, global path, start and goal.
 import * as THREE from 'three';
 import { heightOf } from './data.js';
+import { rutMaterial } from './dig.js';
 
 const SHADING = 1.6; // heights are so much exaggerated in the shading, as on relief maps
 const PIXELS = 1024;
@@ -35,9 +36,29 @@ function texture(semantics, coloured) {
   return map;
 }
 
-function surface(data) {
+// Where a place is on the texture.
+function place(semantics) {
+  const { rows, cols, patch } = semantics;
+  return (x, y) => [x / (cols * patch) + 0.5, y / (rows * patch) + 0.5];
+}
+
+// The triangles of the ground's cells but those that are open.
+function triangles(rows, cols, open) {
+  const index = new Uint32Array(6 * (rows - 1) * (cols - 1));
+  let i = 0;
+  for (let r = 0; r + 1 < rows; r += 1) {
+    for (let c = 0; c + 1 < cols; c += 1) {
+      if (open?.[r * (cols - 1) + c]) continue;
+      const k = r * cols + c;
+      index.set([k, k + 1, k + cols + 1, k, k + cols + 1, k + cols], i);
+      i += 6;
+    }
+  }
+  return new THREE.BufferAttribute(index.subarray(0, i), 1);
+}
+
+function surface(data, onTexture) {
   const { rows, cols, resolution, half, z } = data.ground;
-  const { rows: prows, cols: pcols, patch } = data.semantics;
   const position = new Float32Array(3 * rows * cols);
   const normal = new Float32Array(3 * rows * cols);
   const uv = new Float32Array(2 * rows * cols);
@@ -46,7 +67,7 @@ function surface(data) {
       const k = r * cols + c;
       const [x, y] = [c * resolution[0] - half[0], r * resolution[1] - half[1]];
       position.set([x, y, z[k]], 3 * k);
-      uv.set([x / (pcols * patch) + 0.5, y / (prows * patch) + 0.5], 2 * k);
+      uv.set(onTexture(x, y), 2 * k);
       const [w, e] = [Math.max(0, c - 1), Math.min(cols - 1, c + 1)];
       const [s, n] = [Math.max(0, r - 1), Math.min(rows - 1, r + 1)];
       const gx = (SHADING * (z[r * cols + e] - z[r * cols + w])) / ((e - w) * resolution[0]);
@@ -55,20 +76,11 @@ function surface(data) {
       normal.set([-gx / length, -gy / length, 1 / length], 3 * k);
     }
   }
-  const index = new Uint32Array(6 * (rows - 1) * (cols - 1));
-  let i = 0;
-  for (let r = 0; r + 1 < rows; r += 1) {
-    for (let c = 0; c + 1 < cols; c += 1) {
-      const k = r * cols + c;
-      index.set([k, k + 1, k + cols + 1, k, k + cols + 1, k + cols], i);
-      i += 6;
-    }
-  }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(normal, 3));
   geometry.setAttribute('uv', new THREE.BufferAttribute(uv, 2));
-  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  geometry.setIndex(triangles(rows, cols));
   return geometry;
 }
 
@@ -129,7 +141,9 @@ export function band(points, width, lift, height, colours, options) {
   if (colours) geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
   geometry.setIndex(index);
   const material = new THREE.MeshBasicMaterial({
-    side: THREE.DoubleSide, vertexColors: Boolean(colours), polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4, ...options,
+    side: THREE.DoubleSide, vertexColors: Boolean(colours), polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -4,
+    // Of bands that lie on each other the one that is drawn last is seen.
+    depthWrite: !options.transparent, ...options,
   });
   const mesh = new THREE.Mesh(geometry, material);
   mesh.frustumCulled = false;
@@ -152,9 +166,16 @@ export function world(data, unit) {
   const group = new THREE.Group();
   let plain = null;
   const coloured = texture(data.semantics, true);
-  // The one without classes when it is asked for.
-  const map = (classes) => (classes ? coloured : (plain ??= texture(data.semantics, false)));
-  const ground = new THREE.Mesh(surface(data), new THREE.MeshLambertMaterial({ map: coloured }));
+  const uv = place(data.semantics);
+  const ground = new THREE.Mesh(surface(data, uv), new THREE.MeshLambertMaterial({ map: coloured }));
+  const dugMaterial = rutMaterial(coloured);
+  const showClasses = (on) => {
+    // The one without classes when it is asked for.
+    const map = on ? coloured : (plain ??= texture(data.semantics, false));
+    for (const material of [ground.material, dugMaterial]) material.map = map;
+  };
+  // Leaves out the cells that a finer mesh has.
+  const leaveOut = (open) => ground.geometry.setIndex(triangles(data.ground.rows, data.ground.cols, open));
   ground.receiveShadow = true;
   group.add(ground, skirt(data));
 
@@ -185,5 +206,7 @@ export function world(data, unit) {
   const ahead = [1.2, 3.2].map((d) => [sx + d * unit * Math.cos(yaw), sy + d * unit * Math.sin(yaw)]);
   path.add(band(dense(ahead, 0.5 * unit), 0.3 * unit, 0.07 * unit, height, null, { color: 0xffffff }));
   group.add(path);
-  return { group, ground, map, obstacles, path, height };
+  return {
+    group, ground, dugMaterial, showClasses, leaveOut, uv, obstacles, path, height, raster: data.ground,
+  };
 }

@@ -1,57 +1,37 @@
 // The replay: a world, its runs, a clock.
-import * as THREE from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { gradient, locate, read, signal } from './data.js';
-import { world as makeWorld } from './ground.js';
+import { Address, number, read as readAddress } from './address.js';
+import { locate, read, signal } from './data.js';
+import { rutGradient } from './dig.js';
+import { Keys, nameOf } from './keys.js';
 import { Plots } from './plots.js';
-import { Sensed } from './sensed.js';
-import { Run } from './vehicle.js';
+import { contextOf, Stage, VIEWS } from './stage.js';
+import { tellEnd, tellMap, tellRun, tellTask, tellTrail } from './told.js';
+import { WheelPanel } from './wheels.js';
 
 const $ = (id) => document.getElementById(id);
 const begun = performance.now();
 const data = read();
-// Lengths of signs and cameras in those of the vehicle: worlds are scaled.
-const unit = data.runs[0].vehicle.length / 4.67;
-const resolution = 0.1 * data.scale;
-
-const renderer = new THREE.WebGLRenderer({ canvas: $('view'), antialias: true });
-renderer.shadowMap.enabled = true;
-renderer.shadowMap.type = THREE.PCFShadowMap;
-const scene = new THREE.Scene();
-scene.background = new THREE.Color(0xb9cad6);
-const camera = new THREE.PerspectiveCamera(45, 1, 0.05 * unit, 800 * unit);
-camera.up.set(0, 0, 1);
-const orbit = new OrbitControls(camera, renderer.domElement);
-orbit.maxPolarAngle = 1.53;
-orbit.zoomToCursor = false;
-
-scene.add(new THREE.HemisphereLight(0xdfeaf2, 0x8a7f70, 1.5));
-// From the north-west, as on maps.
-const sun = new THREE.DirectionalLight(0xfff1dc, 2.2);
-const SUN = new THREE.Vector3(-0.55, 0.55, 0.62).multiplyScalar(60 * unit);
-sun.castShadow = true;
-sun.shadow.mapSize.set(2048, 2048);
-Object.assign(sun.shadow.camera, { left: -30 * unit, right: 30 * unit, top: 30 * unit, bottom: -30 * unit, near: unit, far: 140 * unit });
-sun.shadow.bias = -0.0006;
-sun.shadow.normalBias = 0.06 * unit;
-scene.add(sun, sun.target);
-
-const world = makeWorld(data, unit);
-scene.add(world.group);
-const runs = data.runs.map((run, k) => new Run(run, k > 0, world, unit, resolution));
-for (const run of runs) scene.add(run.group);
-const senses = data.runs.map((run) => new Sensed(run.sensed, data.semantics.classes, unit));
-for (const sensed of senses) scene.add(sensed.group);
-// What of the sensors is shown.
-const wanted = { lidar: true, map: true, depth: true, estimate: true };
+const canvas = $('view');
+const context = contextOf(canvas);
+// None without WebGL: then curves, wheels and what is told of the runs are all there is.
+const stage = context ? new Stage(canvas, context, data) : null;
+const SPEEDS = [...$('speed').options].map((option) => Number(option.value));
+const NARROW = 720;
 
 let time = 0;
 let playing = false;
 let speed = 1;
 let followed = 0;
 let mode = 'follow';
-let dirty = true;
-const centre = new THREE.Vector3();
+
+const plots = new Plots(data, $('plots'), (t) => { play(false); seek(t); });
+const wheels = new WheelPanel($('wheels'));
+const address = new Address(() => [
+  ['t', number(time)],
+  ...(data.runs.length > 1 ? [['run', followed + 1]] : []),
+  ['view', mode],
+  ...(stage?.view ?? []),
+]);
 
 function ends(which) {
   let most = 0;
@@ -62,72 +42,27 @@ function ends(which) {
 }
 const MOST = { speed: Math.max(ends(0), 0.1), roll: Math.min(Math.max(ends(1), 1), 45) };
 function colourTrails(by) {
-  for (const run of runs) run.colourTrail(by, MOST[by] ?? 1);
-  $('scale').hidden = by === 'run';
-  $('scale-bar').style.background = gradient();
-  $('scale-end').textContent = by === 'speed' ? `${MOST.speed.toFixed(1)} m/s` : `${MOST.roll.toFixed(0)}°`;
-  dirty = true;
+  for (const run of stage?.runs ?? []) run.colourTrail(by, MOST[by] ?? 1);
+  tellTrail(by, MOST[by] ?? 1);
+  if (stage) stage.dirty = true;
 }
 
-const stamp = (t) => t.toFixed(2);
-function banner() {
-  const run = data.runs[followed];
-  const over = time >= run.end - 1e-3;
-  const box = $('banner');
-  box.hidden = !over;
-  box.className = run.success ? 'good' : 'bad';
-  box.textContent = over ? `${run.outcome} after ${stamp(run.time)} s${run.success ? '' : `: ${run.reason}`}` : '';
-}
-
-// The sensors of the vehicle that is followed.
-function showSenses() {
-  senses.forEach((sensed, k) => {
-    sensed.group.visible = k === followed;
-    if (k !== followed) return;
-    const at = runs[k].pose(time).at;
-    sensed.hidden = { lidar: !wanted.lidar, map: !wanted.map };
-    sensed.show(time, world.height(at.x, at.y));
-    sensed.estimate.visible = wanted.estimate;
-  });
-  const box = $('depth');
-  box.hidden = !wanted.depth || !senses[followed].has.depth;
-  if (!box.hidden) senses[followed].drawDepth($('depth-image'), time);
+function showMap() {
+  tellMap(stage && mode === 'top' ? stage.metresPerPixel : null);
+  address.changed(playing);
 }
 
 function show() {
-  for (const run of runs) run.show(time);
-  showSenses();
-  const own = runs[followed];
-  const { at, turn } = own.pose(time);
-  const moved = at.clone().sub(centre);
-  centre.copy(at);
-  sun.position.copy(at).add(SUN);
-  sun.target.position.copy(at);
-  const ahead = new THREE.Vector3(1, 0, 0).applyQuaternion(turn);
-  const heading = new THREE.Vector3(ahead.x, ahead.y, 0).normalize();
-  if (mode === 'follow') {
-    camera.position.add(moved);
-    orbit.target.add(moved);
-  } else if (mode === 'chase') {
-    camera.position.copy(at).addScaledVector(heading, -9.5 * unit).add(new THREE.Vector3(0, 0, 4 * unit));
-    const floor = world.height(camera.position.x, camera.position.y) + unit;
-    camera.position.z = Math.max(camera.position.z, floor);
-    camera.lookAt(at.clone().addScaledVector(heading, 3 * unit));
-  } else if (mode === 'cockpit') {
-    camera.position.copy(new THREE.Vector3(0.15, 0.35, 1.55).multiplyScalar(unit).applyQuaternion(turn).add(at));
-    camera.up.set(0, 0, 1).applyQuaternion(turn);
-    camera.lookAt(camera.position.clone().add(ahead).add(new THREE.Vector3(0, 0, -0.12)));
-    camera.up.set(0, 0, 1);
-  } else if (mode === 'top') {
-    const aim = orbit.target.copy(at);
-    camera.position.set(aim.x, aim.y - 1e-3, Math.max(camera.position.z, at.z + 8 * unit));
-    camera.lookAt(aim);
-  }
+  const run = data.runs[followed];
+  stage?.show(time);
+  stage?.showSenses($('depth-image'));
+  wheels.show(locate(run.times, time)[0]);
   $('slider').value = time;
-  $('time').textContent = `${stamp(time)} / ${stamp(data.end)} s`;
+  $('slider').setAttribute('aria-valuetext', `${time.toFixed(1)} s`);
+  $('time').textContent = `${time.toFixed(2)} / ${data.end.toFixed(2)} s`;
   plots.cursor(time, locate);
-  banner();
-  dirty = true;
+  tellEnd(run, time);
+  address.changed(playing);
 }
 
 function seek(t) {
@@ -137,21 +72,9 @@ function seek(t) {
 
 function look(to) {
   mode = to;
-  const { at, turn } = runs[followed].pose(time);
-  orbit.enabled = mode === 'follow' || mode === 'orbit';
-  orbit.target.copy(at);
-  const ahead = new THREE.Vector3(1, 0, 0).applyQuaternion(turn);
-  if (mode === 'follow') camera.position.copy(at).add(new THREE.Vector3(-11 * ahead.x + 6 * ahead.y, -11 * ahead.y - 6 * ahead.x, 7).multiplyScalar(unit));
-  if (mode === 'orbit') {
-    const half = Math.max(...data.ground.half);
-    orbit.target.set(0, 0, at.z);
-    camera.position.set(-0.55 * half, -1.75 * half, 1.35 * half);
-  }
-  if (mode === 'top') camera.position.set(at.x, at.y, at.z + 45 * unit);
-  centre.copy(at);
-  orbit.update();
   for (const b of document.querySelectorAll('#camera button')) b.setAttribute('aria-pressed', b.value === mode);
-  show();
+  stage?.look(mode);
+  showMap();
 }
 
 function play(on) {
@@ -161,107 +84,125 @@ function play(on) {
   $('play').setAttribute('aria-label', playing ? 'Pause' : 'Play');
 }
 
-function follow(k) {
-  followed = k;
-  runs.forEach((run, i) => { run.body.visible = true; run.trail.renderOrder = i === k ? 2 : 1; });
-  document.querySelectorAll('#runs li').forEach((li, i) => li.setAttribute('aria-current', i === k));
-  plots.followed = k;
-  plots.make();
-  look(mode);
+function pace(to) {
+  speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, to))];
+  $('speed').value = speed;
 }
 
-// What is told beside the view.
-document.title = `${data.task} on ${data.suite}`;
-$('task').textContent = data.task;
-$('labels').textContent = `${data.labels[0]} elevation, ${data.labels[1]} ground, ${data.labels[2]} obstacles · ${data.suite}`;
-data.runs.forEach((run, k) => {
-  const li = document.createElement('li');
-  const button = document.createElement('button');
-  button.type = 'button';
-  const swatch = document.createElement('i');
-  swatch.style.background = run.colour;
-  const text = document.createElement('span');
-  text.textContent = run.label;
-  const outcome = document.createElement('em');
-  outcome.textContent = `${run.outcome}, ${run.time.toFixed(1)} s`;
-  outcome.className = run.success ? 'good' : 'bad';
-  button.append(swatch, text, outcome);
-  button.title = run.exact ? 'simulated again, bit for bit as recorded' : 'as sampled: ruts are unknown';
-  button.addEventListener('click', () => follow(k));
-  li.append(button);
-  $('runs').append(li);
-});
-const legend = $('classes');
-for (const c of data.semantics.classes.filter((x) => x.there)) {
-  const li = document.createElement('li');
-  const swatch = document.createElement('i');
-  swatch.style.background = `rgb(${c.colour})`;
-  li.append(swatch, c.soil ? `${c.name}, ${c.soil}` : c.name);
-  legend.append(li);
+function follow(k) {
+  followed = k;
+  document.querySelectorAll('#runs li').forEach((li, i) => li.setAttribute('aria-current', i === k));
+  stage?.follow(k);
+  plots.followed = k;
+  plots.make();
+  wheels.make(data.runs[k]);
+  tellRun(data.runs[k]);
+  look(mode);
+  show();
 }
-$('depth').addEventListener('click', () => {
-  for (const sensed of senses) sensed.labels = !sensed.labels;
-  showSenses();
-});
-const thin = data.runs.map((run) => run.sensed).find((s) => s.scans_of || s.maps_of || s.images_of);
-if (thin) {
-  const of = [['scans', 'scans'], ['images', 'images'], ['maps', 'maps']].filter(([key]) => thin[`${key}_of`]);
-  $('sensed').textContent = `sensors: ${of.map(([key, name]) => `${thin[key].length} of ${thin[`${key}_of`]} ${name}`).join(', ')} are shown`;
-}
+
+tellTask(data, follow);
 const slider = $('slider');
 slider.max = data.end;
 slider.step = 0.01;
 slider.addEventListener('input', () => { play(false); seek(Number(slider.value)); });
-const marks = $('marks');
-for (const run of data.runs) {
-  const mark = document.createElement('i');
-  mark.style.left = `${(100 * run.end) / data.end}%`;
-  mark.style.background = run.success ? '#55bd8a' : '#e8705a';
-  mark.title = `${run.label}: ${run.outcome}`;
-  marks.append(mark);
-}
 $('play').addEventListener('click', () => play(!playing));
-$('speed').addEventListener('change', (e) => { speed = Number(e.target.value); });
+$('speed').addEventListener('change', () => pace($('speed').selectedIndex));
 $('trail').addEventListener('change', (e) => colourTrails(e.target.value));
 $('camera').addEventListener('click', (e) => { const b = e.target.closest('button'); if (b) look(b.value); });
-const toggles = {
-  classes: (on) => { world.ground.material.map = world.map(on); },
-  obstacles: (on) => { world.obstacles.visible = on; },
-  path: (on) => { world.path.visible = on; },
-  ruts: (on) => { for (const run of runs) run.ruts.visible = on; },
-  plan: (on) => { for (const run of runs) for (const plan of run.plans) plan.lines.visible = on; },
-  ghosts: (on) => { runs.forEach((run, k) => { run.group.visible = on || k === followed; }); },
-};
-for (const name of Object.keys(wanted)) toggles[name] = (on) => { wanted[name] = on; showSenses(); };
-const there = (name) => senses.some((sensed) => sensed.has[name]);
-const unused = { lidar: !there('lidar'), map: !there('map'), depth: !there('depth'), estimate: !there('estimate'), ruts: data.runs.every((r) => !r.ruts.length), plan: runs.every((r) => !r.plans.length), ghosts: runs.length < 2 };
-for (const box of document.querySelectorAll('#toggles input')) {
-  if (unused[box.name]) box.parentElement.hidden = true;
-  box.addEventListener('change', () => { toggles[box.name](box.checked); dirty = true; });
-}
-addEventListener('keydown', (e) => {
-  if (e.target.closest('select, input:not([type=range])')) return;
-  const step = e.shiftKey ? 1 : 0.1;
-  if (e.key === ' ') { e.preventDefault(); play(!playing); }
-  if (e.key === 'ArrowRight') { e.preventDefault(); play(false); seek(time + step); }
-  if (e.key === 'ArrowLeft') { e.preventDefault(); play(false); seek(time - step); }
-  if (e.key === 'Home') seek(0);
-  if (e.key === 'End') seek(data.end);
+$('depth').addEventListener('click', () => {
+  for (const sensed of stage?.senses ?? []) sensed.labels = !sensed.labels;
+  stage?.showSenses($('depth-image'));
 });
-orbit.addEventListener('change', () => { dirty = true; });
 
-const plots = new Plots(data, $('plots'), (t) => { play(false); seek(t); });
+// What can be shown or not: the box, its key, what it is, whether there is any, what it does.
+const seen = Boolean(stage);
+const senses = (name) => [seen && stage.senses.some((s) => s.has[name]), (on) => {
+  stage.wanted[name] = on;
+  stage.showSenses($('depth-image'));
+}];
+const TOGGLES = [
+  ['classes', 'g', 'classes of the ground', seen, (on) => stage.world.showClasses(on)],
+  ['obstacles', 'o', 'obstacles', seen, (on) => { stage.world.obstacles.visible = on; }],
+  ['path', 'y', 'global path, start and goal', seen, (on) => { stage.world.path.visible = on; }],
+  ['ruts', 'f', 'ruts of the run that is followed', seen && data.runs.some((r) => r.ruts.count), (on) => {
+    stage.digs = on;
+    $('rut-scale').hidden = !on;
+    stage.showRuts();
+  }],
+  ['plan', 'i', 'what the planner intends', seen && stage.runs.some((r) => r.plans.length), (on) => {
+    for (const plan of stage.runs.flatMap((run) => run.plans)) plan.lines.visible = on;
+  }],
+  ['ghosts', 'h', 'the other runs', seen && data.runs.length > 1, (on) => { stage.ghosts = on; stage.showRuns(); }],
+  ['hull', 'x', 'the hull: without it one sees through to axles and links', seen, (on) => { stage.through = !on; stage.showRuns(); }],
+  ['beside', 'b', 'curves and wheels beside the view', true, (on) => { $('plots').parentElement.hidden = !on; plots.draw(); }],
+  ['lidar', 'l', 'points of the lidar', ...senses('lidar')],
+  ['map', 'm', 'local map', ...senses('map')],
+  ['depth', 'z', 'image of the depth camera', ...senses('depth')],
+  ['estimate', 'e', 'estimated way', ...senses('estimate')],
+];
+const box = (name) => document.querySelector(`#toggles input[name=${name}]`);
+for (const [name, key, text, there, act] of TOGGLES) {
+  const input = box(name);
+  input.parentElement.hidden = !there;
+  input.parentElement.title = `${text} (key ${key})`;
+  input.addEventListener('change', () => { act(input.checked); if (stage) stage.dirty = true; });
+}
+
+const go = (id) => () => $(id)?.click();
+const held = (e) => (e.shiftKey ? 1 : 0.1);
+const step = (seconds) => { play(false); seek(time + seconds); };
+const frameBeside = (n) => {
+  const { times } = data.runs[followed];
+  const [k, share] = locate(times, time);
+  play(false);
+  seek(times[Math.min(times.length - 1, Math.max(0, n < 0 && share > 1e-6 ? k : k + n))]);
+};
+const KEYS = [
+  ['Time', [
+    [[' '], ['space'], 'play, pause', () => play(!playing)],
+    [['ArrowLeft', 'ArrowRight'], ['←', '→'], 'back, forward by a tenth of a second; with shift by a second',
+      (e) => step(e.key === 'ArrowLeft' ? -held(e) : held(e))],
+    [[',', '.'], [',', '.'], 'the frame before, after', (e) => frameBeside(e.key === ',' ? -1 : 1)],
+    [['Home', 'End'], ['home', 'end'], 'to the start, to the end', (e) => seek(e.key === 'Home' ? 0 : data.end)],
+    [['<', '>'], ['<', '>'], 'slower, faster', (e) => pace(SPEEDS.indexOf(speed) + (e.key === '<' ? -1 : 1))],
+  ]],
+  ['View', [
+    [['1', '2', '3', '4', '5'], ['1', '2', '3', '4', '5'], VIEWS.join(', '), (e) => look(VIEWS[Number(e.key) - 1])],
+    [['w', 'a', 's', 'd'], ['w', 'a', 's', 'd'], 'turn the camera; from above, move the map',
+      (e) => stage?.move({ a: -1, d: 1 }[nameOf(e)] ?? 0, { w: 1, s: -1 }[nameOf(e)] ?? 0)],
+    [['+', '=', '-'], ['+', '−'], 'nearer, farther', (e) => stage?.zoom(e.key === '-' ? 1 / 1.25 : 1.25)],
+    [['c'], ['c'], 'the view as it was at first, on the vehicle', () => look(mode)],
+    [['t'], ['t'], 'colour the trail by speed, by roll, by run', () => {
+      const by = $('trail');
+      by.selectedIndex = (by.selectedIndex + 1) % by.options.length;
+      colourTrails(by.value);
+    }],
+  ]],
+  ['Runs and tasks', [
+    [['r'], ['r'], 'follow the next run; with shift the one before', (e) => follow((followed + (e.shiftKey ? data.runs.length - 1 : 1)) % data.runs.length)],
+    [['p', 'n'], ['p', 'n'], 'previous, next replay of the report', (e) => go(nameOf(e) === 'p' ? 'previous' : 'next')()],
+    [['u'], ['u'], 'up to the report', go('report')],
+    [['?'], ['?'], 'this list; escape closes it', () => keys.toggle()],
+  ]],
+  ['Shown', TOGGLES.filter(([, , , there]) => there).map(([name, key, text]) => [[key], [key], text, () => box(name).click()])],
+];
+
+const keys = new Keys(KEYS, $('help'));
+$('keys-button').addEventListener('click', () => keys.toggle());
+$('help').addEventListener('click', (e) => { if (e.target === $('help')) keys.toggle(); });
+$('close').addEventListener('click', () => keys.toggle());
+// A button that was clicked by the mouse does not take the space bar for itself.
+addEventListener('click', (e) => { if (e.detail > 0 && e.target.closest?.('button, label')) document.activeElement?.blur?.(); });
+
 function resize() {
-  const [w, h] = [innerWidth, innerHeight];
-  renderer.setPixelRatio(Math.min(2, devicePixelRatio || 1));
-  renderer.setSize(w, h, false);
-  camera.aspect = w / h;
-  camera.updateProjectionMatrix();
+  stage?.frame();
   plots.draw();
   plots.cursor(time, locate);
-  dirty = true;
+  showMap();
 }
 addEventListener('resize', resize);
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => plots.draw());
 
 let before = 0;
 function frame(now) {
@@ -272,19 +213,41 @@ function frame(now) {
     seek(time + passed * speed);
     if (time >= data.end) play(false);
   }
-  if (dirty) {
-    dirty = false;
-    renderer.render(scene, camera);
-  }
+  stage?.render();
 }
 
+// What the address asks for; what it doesn't say stays as it is.
+function obey() {
+  const asked = readAddress();
+  if (asked.run !== undefined && data.runs[asked.run - 1]) follow(asked.run - 1);
+  if (asked.time !== undefined) seek(asked.time);
+  if (VIEWS.includes(asked.view)) look(asked.view);
+  stage?.restore(asked.numbers);
+  showMap();
+}
+addEventListener('hashchange', obey);
+
+if (stage) {
+  stage.onView = showMap;
+  canvas.addEventListener('webglcontextlost', (e) => { e.preventDefault(); $('without').hidden = false; });
+  canvas.addEventListener('webglcontextrestored', () => { $('without').hidden = true; stage.dirty = true; });
+  $('rut-bar').style.background = rutGradient();
+  $('rut-scale').hidden = !data.runs.some((r) => r.ruts.count);
+  const { deepest } = stage;
+  $('rut-end').textContent = deepest < 0.02 ? `${(1000 * deepest).toFixed(0)} mm` : `${(100 * deepest).toFixed(0)} cm`;
+} else {
+  $('without').hidden = false;
+  for (const id of ['camera', 'trail-row']) $(id).hidden = true;
+}
+if (innerWidth <= NARROW) {
+  for (const id of ['about', 'shown']) $(id).open = false;
+  if (stage) box('beside').click();
+}
 colourTrails('speed');
-resize();
 follow(0);
-const asked = new URLSearchParams(location.hash.slice(1));
-const first = Number(asked.get('t'));
-seek(Number.isFinite(first) ? first : 0);
-if (['chase', 'cockpit', 'top', 'orbit'].includes(asked.get('camera'))) look(asked.get('camera'));
+resize();
+obey();
+address.begin();
 requestAnimationFrame(frame);
 const made = performance.now() - begun;
 
@@ -293,16 +256,27 @@ window.replay = {
   seek,
   get time() { return time; },
   get end() { return data.end; },
-  position: (k = 0) => runs[k].body.position.toArray(),
-  wheel: (w = 0, k = 0) => runs[k].wheels[w]?.quaternion.toArray(),
+  get followed() { return followed; },
+  get view() { return mode; },
+  get paused() { return !playing; },
+  position: (k = 0) => stage.runs[k].body.position.toArray(),
+  wheel: (w = 0, k = 0) => stage.runs[k].wheels[w]?.quaternion.toArray(),
+  // Rods with the lengths that they have, and those that they should have, m.
+  rods: (k = 0) => stage.runs[k].links.bars.filter(([role]) => role === 'rod').map(([, a, b, length]) => [a.distanceTo(b), length]),
+  bars: (k = 0) => stage.runs[k].links.bars.map(([role, a, b]) => [role, a.toArray(), b.toArray()]),
   made,
-  sensed: () => ({
-    points: senses[followed].lidar.visible ? (senses[followed].lidar.geometry.attributes.position?.count ?? 0) : 0,
-    point: (k) => [...senses[followed].lidar.geometry.attributes.position.array.subarray(3 * k, 3 * k + 3)],
-    cells: senses[followed].map.visible ? (senses[followed].map.children[0]?.geometry.attributes.position.count ?? 0) / 6 : 0,
-    depth: !$('depth').hidden,
-  }),
-  height: (x, y) => world.height(x, y),
-  ruts: (k = 0) => runs[k].ruts.geometry.drawRange.count / 6,
-  info: () => ({ ...renderer.info.render }),
+  sensed: () => {
+    const { lidar, map } = stage.senses[followed];
+    return {
+      points: lidar.visible ? (lidar.geometry.attributes.position?.count ?? 0) : 0,
+      point: (k) => [...lidar.geometry.attributes.position.array.subarray(3 * k, 3 * k + 3)],
+      cells: map.visible ? (map.children[0]?.geometry.attributes.position.count ?? 0) / 6 : 0,
+      depth: !$('depth').hidden,
+    };
+  },
+  height: (x, y) => stage.world.height(x, y),
+  ruts: () => stage.dug[followed]?.state ?? { cells: 0, sunk: 0 },
+  map: () => ({ span: stage.span / stage.above.zoom, at: stage.pan.target.toArray(), free: Boolean(stage.free), camera: stage.camera.type }),
+  project: (x, y, z) => stage.project(x, y, z),
+  info: () => ({ ...stage.renderer.info.render }),
 };

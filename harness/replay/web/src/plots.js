@@ -1,8 +1,23 @@
-// Curves over time beside the view; a click or drag goes to a time.
+// Curves over time beside the view, with scales; a click or drag goes to a time.
 import { SIGNALS } from './data.js';
 
 const signalOf = (run, which) => ({ times: run.times, value: (k) => run.signals[SIGNALS * k + which] });
 const curveOf = (points) => ({ times: points.map((p) => p[0]), value: (k) => points[k][1] });
+
+const LEFT = 34; // room for the values, px
+const BELOW = 14; // room for the times, px
+const ABOVE = 5;
+
+// Round numbers within a range, `most` at most; of 1, 2 and 5 times a power of ten.
+export function ticks(low, high, most) {
+  const raw = (high - low) / Math.max(1, most);
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * (1 - 1e-9));
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const values = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) values.push(k * step);
+  return values.map((v) => ({ at: v, text: v.toFixed(digits).replace('-', '−') }));
+}
 
 export class Plots {
   constructor(data, host, seek) {
@@ -21,11 +36,11 @@ export class Plots {
       ['roll', '°', all(1)],
       ['pitch', '°', all(2)],
       ['steering, throttle, brake', '', [
-        { ...signalOf(own, 3), colour: '#8fb7ff', name: 'steering' },
-        { ...signalOf(own, 4), colour: '#6bd09b', name: 'throttle' },
-        { ...signalOf(own, 5), colour: '#f0856f', name: 'brake' },
+        { ...signalOf(own, 3), colour: '--steering', name: 'steering' },
+        { ...signalOf(own, 4), colour: '--throttle', name: 'throttle' },
+        { ...signalOf(own, 5), colour: '--brake', name: 'brake' },
       ]],
-      ...Object.entries(own.series.curves).map(([name, points]) => [name, '', [{ ...curveOf(points), colour: '#e8c66a' }]]),
+      ...Object.entries(own.series.curves).map(([name, points]) => [name, '', [{ ...curveOf(points), colour: '--curve' }]]),
     ];
     this.host.replaceChildren();
     this.plots = list.map(([title, unit, lines]) => {
@@ -50,7 +65,7 @@ export class Plots {
       if (high - low < 1e-9) high = low + 1;
       const go = (event) => {
         const box = canvas.getBoundingClientRect();
-        this.seek(((event.clientX - box.left) / box.width) * this.data.end);
+        this.seek(((event.clientX - box.left - LEFT) / (box.width - LEFT)) * this.data.end);
       };
       canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); go(event); });
       canvas.addEventListener('pointermove', (event) => { if (event.buttons & 1) go(event); });
@@ -59,33 +74,49 @@ export class Plots {
     this.draw();
   }
 
-  // The curves; the cursor is an element over them.
+  // The curves with their scales; the cursor is an element over them.
   draw() {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => (name.startsWith('--') ? style.getPropertyValue(name).trim() : name);
+    const { end } = this.data;
     for (const plot of this.plots) {
       const { canvas, lines, low, high } = plot;
       const ratio = window.devicePixelRatio || 1;
-      const [w, h] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio].map(Math.round);
-      if (!w || !h) continue;
-      canvas.width = w;
-      canvas.height = h;
+      const [wide, tall] = [canvas.clientWidth, canvas.clientHeight];
+      if (!wide || !tall) continue;
+      canvas.width = Math.round(wide * ratio);
+      canvas.height = Math.round(tall * ratio);
       const c = canvas.getContext('2d');
-      const y = (v) => h - 2 * ratio - ((v - low) / (high - low)) * (h - 4 * ratio);
-      c.strokeStyle = 'rgba(255,255,255,.25)';
-      c.beginPath();
-      c.moveTo(0, y(0));
-      c.lineTo(w, y(0));
-      c.stroke();
-      for (const line of lines) {
-        c.strokeStyle = line.colour;
-        c.globalAlpha = line.faint ? 0.45 : 1;
-        c.lineWidth = 1.4 * ratio;
+      c.scale(ratio, ratio);
+      const x = (t) => LEFT + (t / end) * (wide - LEFT);
+      const y = (v) => tall - BELOW - ((v - low) / (high - low)) * (tall - BELOW - ABOVE);
+      c.font = '10px system-ui, sans-serif';
+      c.fillStyle = colour('--soft');
+      c.lineWidth = 1;
+      const line = (points) => { c.beginPath(); points.forEach(([u, v]) => c.lineTo(u, v)); c.stroke(); };
+      c.textBaseline = 'middle';
+      c.textAlign = 'right';
+      for (const { at, text } of ticks(low, high, 3)) {
+        c.strokeStyle = colour(at === 0 ? '--axis' : '--grid');
+        line([[LEFT, y(at)], [wide, y(at)]]);
+        c.fillText(text, LEFT - 5, Math.min(tall - BELOW, Math.max(ABOVE + 1, y(at))));
+      }
+      c.textBaseline = 'bottom';
+      plot.times = ticks(0, end, Math.max(2, Math.floor((wide - LEFT) / 44)));
+      plot.times.forEach(({ at, text }, k) => {
+        c.strokeStyle = colour('--grid');
+        line([[x(at), ABOVE], [x(at), tall - BELOW + 2]]);
+        const label = k === 0 ? `${text} s` : text;
+        c.textAlign = k === 0 ? 'left' : x(at) + 0.5 * c.measureText(label).width > wide ? 'right' : 'center';
+        c.fillText(label, c.textAlign === 'right' ? wide : x(at), tall);
+      });
+      for (const own of lines) {
+        c.strokeStyle = colour(own.colour);
+        c.globalAlpha = own.faint ? 0.45 : 1;
+        c.lineWidth = 1.4;
         c.beginPath();
-        const step = Math.max(1, Math.floor(line.times.length / (2 * w)));
-        for (let k = 0; k < line.times.length; k += step) {
-          const x = (line.times[k] / this.data.end) * w;
-          if (k === 0) c.moveTo(x, y(line.value(k)));
-          else c.lineTo(x, y(line.value(k)));
-        }
+        const step = Math.max(1, Math.floor(own.times.length / (2 * wide * ratio)));
+        for (let k = 0; k < own.times.length; k += step) c.lineTo(x(own.times[k]), y(own.value(k)));
         c.stroke();
       }
       c.globalAlpha = 1;
@@ -95,13 +126,13 @@ export class Plots {
   cursor(t, locate) {
     for (const plot of this.plots) {
       const { lines, cursor } = plot;
-      cursor.style.left = `${(100 * t) / this.data.end}%`;
+      cursor.style.left = `calc(${LEFT}px + (100% - ${LEFT}px) * ${t / this.data.end})`;
       const told = lines.filter((l) => !l.faint && l.times.length);
       plot.value.replaceChildren(...told.map((l) => {
         const span = document.createElement('span');
-        span.textContent = `${l.value(locate(l.times, t)[0]).toFixed(told.length > 1 ? 2 : 1)} `;
+        span.textContent = `${l.value(locate(l.times, t)[0]).toFixed(told.length > 1 ? 2 : 1).replace('-', '−')} `;
         span.title = l.name ?? '';
-        if (told.length > 1) span.style.color = l.colour;
+        if (told.length > 1) span.style.color = `var(${l.colour})`;
         return span;
       }));
     }

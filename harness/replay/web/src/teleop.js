@@ -42,12 +42,12 @@ function build(scene) {
   const [x, y, yaw] = scene.start;
   const run = {
     vehicle: scene.vehicle, wheel_count: wheels, colour: COLOURS[0], outcome: '', success: true, end: Infinity,
-    times: new Float32Array(1), signals: new Float32Array(6), ruts: new Float32Array(0), series: { lines: {}, curves: {} },
+    times: new Float32Array(1), signals: new Float32Array(6), series: { lines: {}, curves: {} },
     poses: new Float32Array([x, y, world.height(x, y) + unit, 0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)]),
     wheels: new Float32Array(WHEEL * wheels),
   };
   for (let w = 0; w < wheels; w += 1) run.wheels.set([0, 0, 0, 0, 1, 0, 0], WHEEL * w);
-  const vehicle = new Run(run, false, world, unit, 0.1 * scene.scale);
+  const vehicle = new Run(run, world, unit);
   three.add(vehicle.group);
   camera.far = 800 * unit;
   camera.near = 0.05 * unit;

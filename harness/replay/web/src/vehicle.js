@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { bodies, band } from './ground.js';
 import { Belt } from './belt.js';
+import { Links } from './links.js';
 import { locate, position, scale, signal } from './data.js';
 
 const WHEEL = 7; // hub, axis, angle
@@ -51,67 +52,34 @@ function label(text, colour, unit) {
   return sprite;
 }
 
-function ruts(run, height, resolution) {
-  const n = run.ruts.length / 5;
-  const vertices = new Float32Array(12 * n);
-  const colour = new Float32Array(16 * n);
-  const index = new Uint32Array(6 * n);
-  const half = 0.5 * resolution;
-  for (let k = 0; k < n; k += 1) {
-    const [, x, y, depth, raised] = run.ruts.subarray(5 * k, 5 * k + 5);
-    [[-half, -half], [half, -half], [half, half], [-half, half]].forEach(([u, v], i) => {
-      vertices.set([x + u, y + v, height(x + u, y + v) + 0.2 * resolution + 0.6 * Math.min(raised, 3 * resolution)], 12 * k + 3 * i);
-    });
-    // Ruts darken the ground, deep ones more; heaps brighten it.
-    const rut = depth >= raised;
-    const alpha = rut ? Math.min(0.62, 0.24 + 2.4 * depth) : Math.min(0.34, 0.12 + 1.5 * raised);
-    const shade = rut ? 0.015 : 0.9;
-    for (let i = 0; i < 4; i += 1) colour.set([shade, shade * 0.93, shade * 0.85, alpha], 16 * k + 4 * i);
-    index.set([0, 1, 2, 0, 2, 3].map((i) => 4 * k + i), 6 * k);
-  }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(vertices, 3));
-  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 4));
-  geometry.setIndex(new THREE.BufferAttribute(index, 1));
-  const mesh = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({
-    vertexColors: true, transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
-  }));
-  mesh.frustumCulled = false;
-  return mesh;
-}
-
 export class Run {
-  constructor(run, ghost, world, unit, resolution) {
-    Object.assign(this, { run, ghost, world, unit });
+  constructor(run, world, unit) {
+    Object.assign(this, { run, world, unit });
     this.group = new THREE.Group();
     this.body = new THREE.Group();
-    const paint = new THREE.MeshLambertMaterial({
-      color: run.colour, flatShading: true, transparent: ghost, opacity: ghost ? 0.4 : 1,
-    });
-    const hull = bodies(run.vehicle.parts, paint);
-    hull.castShadow = !ghost;
-    this.body.add(hull, new THREE.LineSegments(
-      new THREE.EdgesGeometry(hull.geometry, 12),
-      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true, opacity: ghost ? 0.25 : 0.55 }),
-    ));
-    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true, transparent: ghost, opacity: ghost ? 0.45 : 1 });
+    this.hull = bodies(run.vehicle.parts, new THREE.MeshLambertMaterial({ color: run.colour, flatShading: true }));
+    this.edges = new THREE.LineSegments(
+      new THREE.EdgesGeometry(this.hull.geometry, 12),
+      new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true }),
+    );
+    this.body.add(this.hull, this.edges);
+    const rubber = new THREE.MeshLambertMaterial({ vertexColors: true });
     const geometries = new Map();
     this.wheels = Array.from({ length: run.wheel_count }, (_, w) => {
       const [radius, width] = run.vehicle.wheels[w];
       const key = `${radius} ${width}`;
       // Between the rims of a belted wheel its guides run.
       if (!geometries.has(key)) geometries.set(key, wheelGeometry(radius, run.vehicle.belt ? 0.6 * width : width));
-      const mesh = new THREE.Mesh(geometries.get(key), rubber);
-      mesh.castShadow = !ghost;
-      return mesh;
+      return new THREE.Mesh(geometries.get(key), rubber);
     });
     this.body.add(...this.wheels);
-    this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side, ghost)) : [];
+    this.belts = run.vehicle.belt && run.wheel_count ? [0, 1].map((side) => new Belt(run, side)) : [];
     for (const belt of this.belts) this.body.add(belt.mesh);
+    this.axes = this.wheels.map(() => UP.clone());
+    this.links = this.wheels.length ? new Links(run.vehicle, unit) : null;
+    if (this.links) this.body.add(this.links.mesh);
     this.group.add(this.body);
     this.makeTrail();
-    this.ruts = ruts(run, world.height, resolution);
-    this.group.add(this.ruts);
     this.plans = Object.entries(run.series.lines).map(([name, steps]) => {
       const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 });
       const lines = new THREE.LineSegments(new THREE.BufferGeometry(), material);
@@ -124,6 +92,21 @@ export class Run {
     const [x, y, z] = position(run, last);
     this.flag.position.set(x, y, z + 3.4 * unit);
     this.group.add(this.flag);
+    this.look(false, false);
+  }
+
+  // Whether it is one of the runs that are not followed, and whether one sees the wheels and bars behind its hull.
+  look(ghost, through) {
+    const fade = (mesh, opacity) => {
+      Object.assign(mesh.material, { transparent: opacity < 1, opacity, depthWrite: opacity > 0.3, needsUpdate: true });
+      mesh.castShadow = !ghost;
+    };
+    fade(this.hull, through ? 0.22 : ghost ? 0.4 : 1);
+    this.edges.material.opacity = ghost ? 0.25 : 0.55;
+    for (const { mesh } of [...this.belts, ...(this.links ? [this.links] : [])]) fade(mesh, ghost ? 0.45 : 1);
+    for (const mesh of this.wheels) fade(mesh, ghost ? 0.45 : 1);
+    this.trail.material.opacity = ghost ? 0.6 : 0.95;
+    this.trail.renderOrder = ghost ? 1 : 2;
   }
 
   // A point of the trail about every tenth of a second, and the last.
@@ -137,9 +120,7 @@ export class Run {
     this.trailTimes = Float32Array.from(this.trailFrames, (k) => run.times[k]);
     const points = this.trailFrames.map((k) => [...position(run, k).subarray(0, 2)]);
     const colours = new Float32Array(6 * points.length);
-    this.trail = band(points, (this.ghost ? 0.25 : 0.4) * this.unit, 0.09 * this.unit, this.world.height, colours, {
-      transparent: true, opacity: this.ghost ? 0.6 : 0.95,
-    });
+    this.trail = band(points, 0.4 * this.unit, 0.09 * this.unit, this.world.height, colours, { transparent: true });
     this.group.add(this.trail);
   }
 
@@ -174,6 +155,7 @@ export class Run {
       const mix = (i) => a[i] + share * (b[i] - a[i]);
       mesh.position.set(mix(0), mix(1), mix(2));
       const axis = new THREE.Vector3(mix(3), mix(4), mix(5)).normalize();
+      this.axes[w].copy(axis);
       mesh.quaternion.setFromUnitVectors(UP, axis)
         .multiply(new THREE.Quaternion().setFromAxisAngle(UP, mix(6)));
     });
@@ -181,15 +163,9 @@ export class Run {
       const [a, b] = [k, next].map((i) => this.run.wheels[WHEEL * (n * i + w) + 6]);
       return a + share * (b - a);
     });
+    this.links?.show(this.wheels, this.axes);
     const [trail] = locate(this.trailTimes, t);
     this.trail.geometry.setDrawRange(0, t <= 0 ? 0 : 6 * trail);
-    let cells = 0;
-    const total = this.run.ruts.length / 5;
-    for (let low = 0, high = total; low < high;) {
-      const middle = (low + high) >> 1;
-      if (this.run.ruts[5 * middle] <= t) { low = middle + 1; cells = low; } else high = middle;
-    }
-    this.ruts.geometry.setDrawRange(0, 6 * cells);
     for (const plan of this.plans) this.showPlan(plan, t);
     this.flag.visible = t >= this.run.end - 1e-3;
   }

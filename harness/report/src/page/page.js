@@ -173,4 +173,11 @@
     w.addEventListener('click', () => show({ run: many ? w.dataset.run : '', text: w.dataset.world + '/' }));
   }
   filter();
+  // A replay leads back to its task.
+  const back = () => {
+    const task = new URLSearchParams(location.hash.slice(1)).get('task');
+    if (task) show({ text: task });
+  };
+  addEventListener('hashchange', back);
+  back();
 })();

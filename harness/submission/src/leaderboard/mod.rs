@@ -26,6 +26,8 @@ use crate::files::{self, MANIFEST, RUN, VERDICT};
 const DATA: &str = "leaderboard.json";
 /// Folder of the entries' pages.
 const ENTRIES: &str = "entries";
+/// The name of an entry's report in the entry's folder. Its replays are in the folder `replays` beside it.
+pub const REPORT: &str = files::REPORT;
 
 /// A function that makes pages of replays: of the tasks of an entry's run (read from its folder) into a folder, as
 /// `WORLD/TASK.html`. It returns the tasks that it made pages of.
@@ -66,7 +68,7 @@ pub fn build(
             }
             // Never the entrant's own page: it is made anew of his records.
             let report = Report::new(runs).page(&Beside { replays: made.clone(), ..Beside::default() });
-            files::write(&own.join("report.html"), report.as_bytes())?;
+            files::write(&own.join(REPORT), report.as_bytes())?;
             for name in [MANIFEST, VERDICT] {
                 files::write(&own.join(name), &files::read(&entry.dir.join(name), files::DOCUMENT)?)?;
             }
