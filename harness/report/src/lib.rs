@@ -5,12 +5,16 @@
 //! foreign: they reach the page as text and never as markup.
 
 mod compare;
+mod drawing;
 mod error;
+mod failures;
 mod figures;
+mod latex;
 mod headline;
 mod json;
 mod markdown;
 mod page;
+mod print;
 mod ranking;
 mod report;
 mod robustness;
@@ -23,6 +27,7 @@ mod verdict;
 pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
 pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
+pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::Report;
 pub use robustness::{Line, Point, Robustness};
