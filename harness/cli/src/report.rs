@@ -139,7 +139,8 @@ fn replays(
 }
 
 fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
-    std::fs::write(path, content).map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
+    std::fs::write(path, content)
+        .map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
 }
 
 fn failed(e: ReportError) -> CliError {

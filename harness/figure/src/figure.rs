@@ -42,7 +42,9 @@ pub struct Figure {
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
     /// The drawing is no SVG, or has no size.
-    #[error("figure `{title}` can't be read as SVG: {reason} (this is an error of the harness: please report it)")]
+    #[error(
+        "figure `{title}` can't be read as SVG: {reason} (this is an error of the harness: please report it)"
+    )]
     Svg {
         /// The figure's title.
         title: String,
@@ -50,7 +52,9 @@ pub enum FigureError {
         reason: String,
     },
     /// The PDF can't be made.
-    #[error("figure `{title}` can't be made a PDF: {reason} (this is an error of the harness: please report it)")]
+    #[error(
+        "figure `{title}` can't be made a PDF: {reason} (this is an error of the harness: please report it)"
+    )]
     Pdf {
         /// The figure's title.
         title: String,
@@ -58,7 +62,9 @@ pub enum FigureError {
         reason: String,
     },
     /// The picture would be too large, or can't be made.
-    #[error("figure `{title}` can't be made a PNG: {reason} (choose a smaller width, or fewer dots per inch)")]
+    #[error(
+        "figure `{title}` can't be made a PNG: {reason} (choose a smaller width, or fewer dots per inch)"
+    )]
     Png {
         /// The figure's title.
         title: String,
@@ -74,7 +80,8 @@ impl Figure {
     #[must_use]
     pub fn svg(&self) -> String {
         // All that occurs in the file, and what it writes otherwise; a few letters more than its texts have.
-        let characters: BTreeSet<char> = self.body.chars().chain("<>&'\"".chars()).filter(|c| !c.is_control()).collect();
+        let characters: BTreeSet<char> =
+            self.body.chars().chain("<>&'\"".chars()).filter(|c| !c.is_control()).collect();
         let mut fonts = String::new();
         for weight in Weight::ALL {
             if let Some(font) = web_font::part(weight, &characters) {
@@ -121,7 +128,9 @@ impl Figure {
         let size = Size::from_wh(width, height).ok_or_else(|| failed("it has no size"))?;
         let settings = PageSettings::from_wh(width, height).ok_or_else(|| failed("it has no size"))?;
         let mut document = Document::new();
-        document.set_metadata(Metadata::new().title(self.title.clone()).creator("Verti-Bench in Rust".to_owned()));
+        document.set_metadata(
+            Metadata::new().title(self.title.clone()).creator("Verti-Bench in Rust".to_owned()),
+        );
         let mut page = document.start_page_with(settings);
         let mut surface = page.surface();
         surface.draw_svg(&tree, size, SvgSettings::default()).ok_or_else(|| failed("it can't be drawn"))?;
@@ -153,7 +162,11 @@ impl Figure {
         let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
         let per_metre = (dpi / 0.0254).round() as u32;
-        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
+        encoder.set_pixel_dims(Some(png::PixelDimensions {
+            xppu: per_metre,
+            yppu: per_metre,
+            unit: png::Unit::Meter,
+        }));
         let mut writer = encoder.write_header().map_err(|e| failed(e.to_string()))?;
         writer.write_image_data(&dots).map_err(|e| failed(e.to_string()))?;
         writer.finish().map_err(|e| failed(e.to_string()))?;

@@ -15,7 +15,8 @@ pub fn print_style(rules: &[&str], sheets: &[&str]) -> String {
         for part in [*sheet, print] {
             let root = part.split_once(":root{").and_then(|(_, rest)| rest.split_once('}'));
             let declared = root.map_or("", |(declared, _)| declared).split(';');
-            values.extend(declared.filter_map(|d| d.trim().split_once(':')).map(|(k, v)| (k.trim(), v.trim())));
+            values
+                .extend(declared.filter_map(|d| d.trim().split_once(':')).map(|(k, v)| (k.trim(), v.trim())));
         }
     }
     let mut style = rules.concat();

@@ -79,7 +79,8 @@ pub(crate) struct Group<'a> {
 /// Of several runs each, of a single one all of it with its levels of elevation and its kinds of ground.
 pub(crate) fn groups(report: &Report) -> Vec<Group<'_>> {
     let runs = report.runs.runs.iter().zip(&report.figures).enumerate();
-    let whole = |run, name: &str, figures| Group { split: None, name: name.to_owned(), run, figures, whole: true };
+    let whole =
+        |run, name: &str, figures| Group { split: None, name: name.to_owned(), run, figures, whole: true };
     if report.runs.runs.len() > 1 {
         return runs.map(|(run, (r, f))| whole(run, &r.label, &f.all)).collect();
     }

@@ -94,7 +94,11 @@ impl Report {
         for title in self.title.iter().map(|t| one_line(t, 200)) {
             let _ = writeln!(s, "% {title}");
         }
-        let _ = writeln!(s, "% Verti-Bench in Rust, {}. Needs \\usepackage{{booktabs}}.", one_line(&self.runs.scope(), 200));
+        let _ = writeln!(
+            s,
+            "% Verti-Bench in Rust, {}. Needs \\usepackage{{booktabs}}.",
+            one_line(&self.runs.scope(), 200)
+        );
         notes.iter().for_each(|note| {
             let _ = writeln!(s, "% {note}");
         });
@@ -203,8 +207,13 @@ impl Report {
         if failures.is_empty() {
             return None;
         }
-        let mut s = self.latex_notes(&["Number of tasks that failed so, and their share of all tasks of the column."]);
-        let _ = write!(s, "\\begin{{tabular}}{{@{{}}l{}@{{}}}}\n\\toprule\nwhat stopped it", "r".repeat(groups.len()));
+        let mut s = self
+            .latex_notes(&["Number of tasks that failed so, and their share of all tasks of the column."]);
+        let _ = write!(
+            s,
+            "\\begin{{tabular}}{{@{{}}l{}@{{}}}}\n\\toprule\nwhat stopped it",
+            "r".repeat(groups.len())
+        );
         for g in &groups {
             let split = g.split.map_or_else(String::new, |split| format!("{}: ", split.name()));
             let _ = write!(s, " & {}", text(&(split + &g.name)));
@@ -242,7 +251,10 @@ mod tests {
     #[test]
     fn nothing_of_a_foreign_text_is_a_command() {
         assert_eq!(text(r"\input{x}"), r"\textbackslash{}input\{x\}");
-        assert_eq!(text("a_b & 50 % #1 $x$ ~^"), r"a\_b \& 50 \% \#1 \$x\$ \textasciitilde{}\textasciicircum{}");
+        assert_eq!(
+            text("a_b & 50 % #1 $x$ ~^"),
+            r"a\_b \& 50 \% \#1 \$x\$ \textasciitilde{}\textasciicircum{}"
+        );
         assert_eq!(text("[*] a--b <c>\n\u{202e}%d"), r"{[}{*}{]} a{-}{-}b \textless{}c\textgreater{} \%d");
     }
 }

@@ -308,7 +308,8 @@ impl Runs {
     /// The run of this directory, or the only one whose directory has this name.
     fn called(&self, name: &str) -> Option<usize> {
         let whole = self.runs.iter().position(|r| r.dir == Path::new(name));
-        let mut last = self.runs.iter().enumerate().filter(|(_, r)| r.dir.file_name().is_some_and(|n| n == name));
+        let mut last =
+            self.runs.iter().enumerate().filter(|(_, r)| r.dir.file_name().is_some_and(|n| n == name));
         whole.or_else(|| last.next().filter(|_| last.next().is_none()).map(|(k, _)| k))
     }
 

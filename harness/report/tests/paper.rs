@@ -64,7 +64,10 @@ fn there_is_a_figure_for_all_that_the_runs_have() {
     assert_eq!(files(&read(&runs[..1])), ["results", "causes"]);
     // Nothing fails, so there are no causes; in one world there are no intervals.
     let good = write(&dir.path().join("good"), &header("good", 4), tasks(1, |_, _| true));
-    assert_eq!((names(&read(&[good.clone()])), files(&read(&[good]))), (vec!["results", "distributions"], vec!["results"]));
+    assert_eq!(
+        (names(&read(&[good.clone()])), files(&read(&[good]))),
+        (vec!["results", "distributions"], vec!["results"])
+    );
     // Nothing succeeds, so there are no times.
     let bad = write(&dir.path().join("bad"), &header("bad", 12), tasks(3, |_, _| false));
     assert_eq!(names(&read(&[bad])), ["results", "distributions", "causes"]);
@@ -112,7 +115,9 @@ fn files_open_and_have_their_font_and_their_resolution() {
     for found in report.paper_figures(&paper()) {
         let pdf = found.figure.pdf().unwrap();
         let text = String::from_utf8_lossy(&pdf);
-        assert!(text.starts_with("%PDF-") && text.contains("/FontFile2 ") && text.contains("+LiberationSans/"));
+        assert!(
+            text.starts_with("%PDF-") && text.contains("/FontFile2 ") && text.contains("+LiberationSans/")
+        );
         let png = found.figure.png(300.0).unwrap();
         assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
         let width = u32::from_be_bytes(png[16..20].try_into().unwrap());
@@ -164,9 +169,19 @@ fn the_best_is_bold_only_if_the_test_says_so() {
     };
     // In nine worlds p is 2 · 2⁻⁹ = 0.0039; in three worlds it can't be below 0.25.
     let [results, comparison, causes] = &table(9)[..] else { panic!("three tables") };
-    assert!(results.contains("1 & good & 36 & \\textbf{75.0} [") && results.contains("2 & bad & 36 & 25.0 ["), "{results}");
-    assert!(comparison.contains("good $-$ bad & success, points & \\textbf{+50.00} & [") && comparison.contains("& 0.004 & better"));
-    assert!(results.contains("\\begin{tabular}{@{}rlrrrrr@{}}\n\\toprule\nrank & planner & tasks & success, \\% "), "{results}");
+    assert!(
+        results.contains("1 & good & 36 & \\textbf{75.0} [") && results.contains("2 & bad & 36 & 25.0 ["),
+        "{results}"
+    );
+    assert!(
+        comparison.contains("good $-$ bad & success, points & \\textbf{+50.00} & [")
+            && comparison.contains("& 0.004 & better")
+    );
+    assert!(
+        results
+            .contains("\\begin{tabular}{@{}rlrrrrr@{}}\n\\toprule\nrank & planner & tasks & success, \\% "),
+        "{results}"
+    );
     assert!(causes.contains("all failures & 27 (75.0\\,\\%) & 9 (25.0\\,\\%)"), "{causes}");
     let [results, comparison, _] = &table(3)[..] else { panic!("three tables") };
     assert!(!results.contains("\\textbf") && !comparison.contains("\\textbf"), "{results}{comparison}");

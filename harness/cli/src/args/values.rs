@@ -20,10 +20,9 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 pub(super) fn figure_width(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| positive(t).ok().filter(|v| *v <= 40.0);
     let (column, page) = text.split_once(',').unwrap_or((text, text));
-    number(column)
-        .zip(number(page))
-        .map(|(column, page)| [column, page])
-        .ok_or_else(|| "want inches up to 40, for a column and for the page, e.g. 3.5,7.16, or one for both, e.g. 5.5".into())
+    number(column).zip(number(page)).map(|(column, page)| [column, page]).ok_or_else(|| {
+        "want inches up to 40, for a column and for the page, e.g. 3.5,7.16, or one for both, e.g. 5.5".into()
+    })
 }
 
 pub(super) fn key_value(text: &str) -> Result<(String, String), String> {

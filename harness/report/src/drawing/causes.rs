@@ -8,7 +8,8 @@ use vb_page::{SERIES_COLOURS, escape, number};
 use super::series::{Entry, rows};
 use super::{Drawing, TEXT, fit, width};
 use crate::Report;
-use crate::failures::{Failure, failures, groups};
+use crate::failures::{Failure, Group, failures, groups};
+use crate::figures::Figures;
 
 /// Parts that have a colour of their own; those behind them are one.
 const PARTS: usize = SERIES_COLOURS - 1;
@@ -45,10 +46,8 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
         return None;
     }
     let share = |n: u64, tasks: u64| 100.0 * n as f64 / tasks.max(1) as f64;
-    let count = |part: &Part, figures| part.of.iter().map(|f| f.count(figures)).sum::<u64>();
-    let failed = |g: &crate::failures::Group<'_>| {
-        share(parts.iter().map(|p| count(p, g.figures)).sum(), g.figures.tasks)
-    };
+    let count = |part: &Part, figures: &Figures| part.of.iter().map(|f| f.count(figures)).sum::<u64>();
+    let failed = |g: &Group<'_>| share(parts.iter().map(|p| count(p, g.figures)).sum(), g.figures.tasks);
     let names: Vec<String> = groups
         .iter()
         .map(|g| match g.split {
@@ -56,7 +55,7 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
             None => g.name.clone(),
         })
         .collect();
-    let total = |g| format!("{}\u{2009}%", number(failed(g), 1));
+    let total = |g: &Group<'_>| format!("{}\u{2009}%", number(failed(g), 1));
     let widest = names.iter().map(|n| width(n, TEXT)).fold(0.0, f64::max);
     let left = 10.0 + widest.min(0.36 * wide);
     let ends = groups.iter().map(|g| width(&total(g), TEXT)).fold(0.0, f64::max);
@@ -105,7 +104,11 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
             );
             if x1 - x0 > 11.0 {
                 let (x, y) = (0.5 * (x0 + x1), y + 0.5 * row + 3.8);
-                let _ = write!(s, "<text class=\"letter\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>", letter(p));
+                let _ = write!(
+                    s,
+                    "<text class=\"letter\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>",
+                    letter(p)
+                );
             }
             s.push_str("</g>");
             from += n;
@@ -119,10 +122,15 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
         );
     }
     f.texts(&mut s, "% of the tasks", "");
-    let key: Vec<String> = parts.iter().enumerate().map(|(k, p)| format!("{}  {}", letter(k), p.name)).collect();
+    let key: Vec<String> =
+        parts.iter().enumerate().map(|(k, p)| format!("{}  {}", letter(k), p.name)).collect();
     let entries: Vec<Entry<'_>> = key.iter().map(|name| Entry { sign: 12.0, name }).collect();
     let swatch = |s: &mut String, part: usize, [x, y]: [f64; 2]| {
-        let _ = write!(s, "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"12\" height=\"12\"/>", y - 6.0);
+        let _ = write!(
+            s,
+            "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"12\" height=\"12\"/>",
+            y - 6.0
+        );
     };
     f.height += 6.0 + rows(&mut s, &entries, [8.0, f.height + 4.0], wide - 16.0, swatch);
     Some(Drawing::new("Why tasks fail", &f, s))

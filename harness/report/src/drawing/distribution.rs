@@ -33,7 +33,7 @@ impl Scale {
 }
 
 /// Values of each run in bins.
-pub(crate) struct Distribution {
+struct Distribution {
     scale: Scale,
     low: f64,
     width: f64,
@@ -45,7 +45,7 @@ pub(crate) struct Distribution {
 
 impl Distribution {
     /// Bins that hold the values of all runs but the far tails, which the outer bins take in; none without values.
-    pub(crate) fn new(values: &[Vec<f64>], scale: Scale) -> Option<Self> {
+    fn new(values: &[Vec<f64>], scale: Scale) -> Option<Self> {
         let sorted = |values: &mut dyn Iterator<Item = f64>| {
             let mut all: Vec<f64> = values.filter(|v| v.is_finite()).collect();
             all.sort_by(f64::total_cmp);
@@ -88,7 +88,7 @@ impl Distribution {
     }
 
     /// The rows below each other in this width, with their names if there are several.
-    pub(crate) fn draw(&self, title: &str, unit: &str, labels: &[&str], wide: f64) -> Drawing {
+    fn draw(&self, title: &str, unit: &str, labels: &[&str], wide: f64) -> Drawing {
         let top = self.fractions.iter().flatten().fold(1e-9_f64, |m, v| m.max(*v));
         let runs = self.fractions.len();
         let (name, bars) = match runs {
@@ -166,10 +166,22 @@ impl Quantity {
     pub(crate) const ALL: [Self; 8] = [
         Self { title: "Traversal time of successes", unit: "s", value: |r| r.succeeded().then_some(r.time) },
         Self { title: "Mean |roll| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.roll.mean) },
-        Self { title: "Mean |pitch| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.pitch.mean) },
+        Self {
+            title: "Mean |pitch| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.pitch.mean),
+        },
         Self { title: "Mean speed", unit: "m/s", value: |r| r.measures.map(|m| m.speed) },
-        Self { title: "Greatest |roll| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.roll.max) },
-        Self { title: "Greatest |pitch| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.pitch.max) },
+        Self {
+            title: "Greatest |roll| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.roll.max),
+        },
+        Self {
+            title: "Greatest |pitch| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.pitch.max),
+        },
         Self { title: "Way travelled", unit: "m", value: |r| r.measures.map(|m| m.distance) },
         Self {
             title: "Distance from the goal at the end of failures",

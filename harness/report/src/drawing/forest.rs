@@ -109,4 +109,3 @@ pub(crate) fn forest(
     f.texts(s, &fit(&format!("{unit} ({meaning})"), TEXT, wide), "");
     Some(Drawing::new(format!("Difference of {}", measure.name()), &f, body))
 }
-

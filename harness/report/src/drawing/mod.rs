@@ -13,7 +13,7 @@ mod robustness;
 pub(crate) mod series;
 
 pub(crate) use causes::causes;
-pub(crate) use distribution::{Distribution, Quantity, Scale, distribution};
+pub(crate) use distribution::{Quantity, Scale, distribution};
 pub(crate) use forest::forest;
 pub(crate) use levels::{Beside, level_frame, levels, panel, top};
 pub(crate) use profile::profile;
@@ -59,8 +59,11 @@ impl Drawing {
     /// The drawing as a figure of the page.
     pub(crate) fn show(&self, s: &mut String) {
         let title = escape(&self.title);
-        let note =
-            if self.note.is_empty() { String::new() } else { format!(" <small>{}</small>", escape(self.note)) };
+        let note = if self.note.is_empty() {
+            String::new()
+        } else {
+            format!(" <small>{}</small>", escape(self.note))
+        };
         let _ = write!(
             s,
             "<figure><figcaption>{title}{note}</figcaption><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{title}\">{}</svg></figure>",

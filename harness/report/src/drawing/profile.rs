@@ -61,4 +61,3 @@ pub(crate) fn profile(report: &Report, c: &Comparison, wide: f64) -> Option<Draw
     f.texts(s, "times the best planner's time", &format!("% of {} tasks", c.profile_tasks));
     Some(Drawing::new("Performance profile by traversal time", &f, body))
 }
-

@@ -37,7 +37,8 @@ pub(super) fn causes(s: &mut String, report: &Report) {
     }
     s.push_str("</tr></thead><tbody>");
     let share = |g: &Group<'_>, n: u64| 100.0 * n as f64 / g.figures.tasks.max(1) as f64;
-    let most = found.iter().flat_map(|f| groups.iter().map(|g| share(g, f.count(g.figures)))).fold(1e-9, f64::max);
+    let most =
+        found.iter().flat_map(|f| groups.iter().map(|g| share(g, f.count(g.figures)))).fold(1e-9, f64::max);
     for failure in &found {
         let title = escape(&failure.title());
         let colour = Outcome::ALL.iter().position(|o| *o == failure.outcome()).unwrap_or(0);

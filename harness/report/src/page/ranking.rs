@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use vb_page::{escape, grouped, p_value, signed};
 
 use super::sections::with_interval;
-use crate::drawing::series::{colour, marker, sample};
 use crate::compare::Difference;
+use crate::drawing::series::{colour, marker, sample};
 use crate::figures::{Estimate, Measure};
 use crate::ranking::Ranking;
 use crate::runs::one_line;

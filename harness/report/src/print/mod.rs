@@ -7,7 +7,8 @@ use vb_page::plot::Frame;
 
 use crate::Report;
 use crate::drawing::{
-    TEXT, Beside, Drawing, Quantity, Scale, causes, distribution, forest, level_frame, panel, profile, robustness, top,
+    Beside, Drawing, Quantity, Scale, TEXT, causes, distribution, forest, level_frame, panel, profile,
+    robustness, top,
 };
 use crate::figures::{Measure, Split};
 use sheet::Sheet;
@@ -132,7 +133,11 @@ impl Report {
         for (row, measure) in Measure::ALL.into_iter().enumerate() {
             let upper = sheet.y + (rows + between) * row as f64;
             let end = top(self, measure);
-            sheet.upright("axis", [13.0, upper + 0.5 * rows], &format!("{}, {}", measure.name(), measure.unit()));
+            sheet.upright(
+                "axis",
+                [13.0, upper + 0.5 * rows],
+                &format!("{}, {}", measure.name(), measure.unit()),
+            );
             for (column, split) in Split::ALL.into_iter().enumerate() {
                 let x = left + (wide + gap) * column as f64;
                 // A frame whose area lies there; margins are up to the edges of the sheet.
@@ -150,7 +155,9 @@ impl Report {
             }
         }
         sheet.y += (rows + between) * Measure::ALL.len() as f64 + 8.0;
-        sheet.finish(self.figure_title("Success, time, roll and pitch by elevation, terrain and obstacle density"))
+        sheet.finish(
+            self.figure_title("Success, time, roll and pitch by elevation, terrain and obstacle density"),
+        )
     }
 
     fn paper_comparison(&self, paper: &Paper) -> Option<Figure> {
