@@ -51,8 +51,12 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     if args.figures.as_deref() == Some(Path::new("-")) {
         return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
     }
-    let paper = || Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage);
-    let figures_in = args.figures.as_ref().map(|dir| Ok((dir, paper()?))).transpose()?;
+    let figures_in = match &args.figures {
+        Some(dir) => {
+            Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?))
+        }
+        None => None,
+    };
     for dir in args.out.iter().chain(&args.figures) {
         // What can't be written is said before all runs are read, not after.
         let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
