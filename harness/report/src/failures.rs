@@ -11,7 +11,7 @@ pub(crate) enum Failure {
     /// It rolled over or got stuck, by this.
     Cause(Cause),
     /// It rolled over or got stuck, and the record doesn't say by what: it is of an older version.
-    Unsaid,
+    Unsaid(Outcome),
     /// It ended so.
     Outcome(Outcome),
 }
@@ -21,7 +21,7 @@ impl Failure {
     pub(crate) fn title(self) -> String {
         match self {
             Self::Cause(cause) => cause.title().to_owned(),
-            Self::Unsaid => "rolled over or stuck, cause unknown".to_owned(),
+            Self::Unsaid(outcome) => format!("{}, cause unknown", Self::Outcome(outcome).title()),
             Self::Outcome(outcome) => outcome.name().replace('_', " "),
         }
     }
@@ -30,9 +30,10 @@ impl Failure {
     pub(crate) fn count(self, figures: &Figures) -> u64 {
         match self {
             Self::Cause(cause) => figures.caused(cause),
-            Self::Unsaid => {
-                let stopped = figures.count(Outcome::Rollover) + figures.count(Outcome::Stuck);
-                stopped.saturating_sub(figures.causes.iter().sum())
+            Self::Unsaid(outcome) => {
+                let of =
+                    Cause::ALL.iter().map(|cause| Self::Cause(*cause)).filter(|f| f.outcome() == outcome);
+                figures.count(outcome).saturating_sub(of.map(|f| f.count(figures)).sum())
             }
             Self::Outcome(outcome) => figures.count(outcome),
         }
@@ -42,8 +43,8 @@ impl Failure {
     pub(crate) fn outcome(self) -> Outcome {
         match self {
             Self::Cause(cause) if cause.name().starts_with("rollover") => Outcome::Rollover,
-            Self::Cause(_) | Self::Unsaid => Outcome::Stuck,
-            Self::Outcome(outcome) => outcome,
+            Self::Cause(_) => Outcome::Stuck,
+            Self::Unsaid(outcome) | Self::Outcome(outcome) => outcome,
         }
     }
 }
@@ -59,7 +60,8 @@ pub(crate) fn failures(report: &Report) -> Vec<Failure> {
         !matches!(o, Outcome::Success | Outcome::Rollover | Outcome::Stuck | Outcome::HostError)
     };
     let others = Outcome::ALL.into_iter().filter(other).map(Failure::Outcome);
-    causes.chain([Failure::Unsaid]).chain(others).filter(|f| total(*f) > 0).collect()
+    let unsaid = [Outcome::Rollover, Outcome::Stuck].map(Failure::Unsaid);
+    causes.chain(unsaid).chain(others).filter(|f| total(*f) > 0).collect()
 }
 
 /// Tasks over which failures are counted.

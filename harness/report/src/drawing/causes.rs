@@ -122,14 +122,16 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
         );
     }
     f.texts(&mut s, "% of the tasks", "");
-    let key: Vec<String> =
-        parts.iter().enumerate().map(|(k, p)| format!("{}  {}", letter(k), p.name)).collect();
-    let entries: Vec<Entry<'_>> = key.iter().map(|name| Entry { sign: 12.0, name }).collect();
+    let entries: Vec<Entry<'_>> = parts.iter().map(|p| Entry { sign: 14.0, name: &p.name }).collect();
     let swatch = |s: &mut String, part: usize, [x, y]: [f64; 2]| {
         let _ = write!(
             s,
-            "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"12\" height=\"12\"/>",
-            y - 6.0
+            "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"14\" height=\"14\"/><text class=\"letter\" x=\"{:.1}\" \
+             y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+            y - 7.0,
+            x + 7.0,
+            y + 3.6,
+            letter(part)
         );
     };
     f.height += 6.0 + rows(&mut s, &entries, [8.0, f.height + 4.0], wide - 16.0, swatch);

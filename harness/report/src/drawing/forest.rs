@@ -66,10 +66,10 @@ pub(crate) fn forest(
         let word = d.short();
         // Both names have the room that the word leaves them; who needs less leaves the rest to the other.
         let [x_name, y_name] = [*x, *y].map(|run| report.runs.runs[run].label.as_str());
-        let room = f.width - f.left - f.right - width(" − ", TEXT) - width(&word, 1.06 * TEXT) - 10.0;
-        let x_room = room - width(y_name, 1.06 * TEXT).min(0.5 * room);
-        let x_name = fit(x_name, 1.06 * TEXT, x_room);
-        let y_name = fit(y_name, 1.06 * TEXT, room - width(&x_name, 1.06 * TEXT));
+        let room = f.width - f.left - f.right - width(" − ", TEXT) - width(&word, TEXT) - 10.0;
+        let x_room = room - width(y_name, TEXT).min(0.5 * room);
+        let x_name = fit(x_name, TEXT, x_room);
+        let y_name = fit(y_name, TEXT, room - width(&x_name, TEXT));
         let _ = write!(
             s,
             "<text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\">{} − {}</text><text class=\"pair {class}\" x=\"{:.1}\" y=\"{y:.1}\" \

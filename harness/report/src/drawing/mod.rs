@@ -72,9 +72,12 @@ impl Drawing {
     }
 }
 
-/// Units that a text of this size takes on one line.
+/// How much wider than in the font of files a text may be: pages are shown in the machine's own font.
+const SLACK: f64 = 1.12;
+
+/// Units that a text of this size takes on one line, on the page too.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
-    size * text_width(text, Weight::Regular)
+    SLACK * size * text_width(text, Weight::Regular)
 }
 
 /// Foreign text on one line, cut with an ellipsis so that it takes so many units at most.
@@ -103,8 +106,8 @@ mod tests {
     #[test]
     fn names_are_cut_where_their_room_ends() {
         // Helvetica's a is 0.556 em wide, and its ellipsis 1 em.
-        assert_eq!(fit("aaaa", 10.0, 22.3), "aaaa");
-        assert_eq!(fit("aaaaa", 10.0, 22.3), "aa…");
+        assert_eq!(fit("aaaa", 10.0, 22.3 * SLACK), "aaaa");
+        assert_eq!(fit("aaaaa", 10.0, 22.3 * SLACK), "aa…");
         assert_eq!(fit("a\u{202e}\nb", 10.0, 100.0), "a b");
         assert_eq!(fit("abc", 10.0, 1.0), "…");
     }
