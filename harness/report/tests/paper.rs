@@ -168,7 +168,8 @@ fn the_best_is_bold_only_if_the_test_says_so() {
         report.latex().into_iter().map(|(_, t)| t).collect::<Vec<_>>()
     };
     // In nine worlds p is 2 · 2⁻⁹ = 0.0039; in three worlds it can't be below 0.25.
-    let [results, comparison, causes] = &table(9)[..] else { panic!("three tables") };
+    let tables = table(9);
+    let [results, comparison, causes] = &tables[..] else { panic!("three tables") };
     assert!(
         results.contains("1 & good & 36 & \\textbf{75.0} [") && results.contains("2 & bad & 36 & 25.0 ["),
         "{results}"
@@ -187,7 +188,7 @@ fn the_best_is_bold_only_if_the_test_says_so() {
     assert!(!results.contains("\\textbf") && !comparison.contains("\\textbf"), "{results}{comparison}");
     assert!(comparison.contains("& -- & too few worlds"), "{comparison}");
     // As many fields in each row.
-    for table in table(9) {
+    for table in tables {
         let rows: Vec<&str> = table.lines().filter(|l| l.ends_with("\\\\")).collect();
         let fields = |row: &str| row.replace("\\&", "").matches('&').count();
         assert!(rows.len() > 2 && rows.iter().all(|r| fields(r) == fields(rows[0])), "{table}");

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use common::{HOSTILE, header, record, tasks, write};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
-use vb_record::{DataHeader, RUN_SCHEMA, RunHeader, RunStore, StoreError};
+use vb_record::{DataHeader, RUN_SCHEMA, RunHeader, StoreError};
 use vb_report::{Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
 use vb_score::{Cause, Outcome, Rules, Summary, TaskRecord};
 use vb_world::Elevation;

@@ -106,6 +106,7 @@ pub(crate) fn forest(
         Measure::Time => ("s", "left: the one named first is faster"),
         Measure::Roll | Measure::Pitch => ("degrees", "left: the one named first tilts less"),
     };
-    f.texts(s, &fit(&format!("{unit} ({meaning})"), TEXT, wide), "");
+    let whole = format!("{unit} ({meaning})");
+    f.texts(s, if width(&whole, TEXT) <= wide { &whole } else { unit }, "");
     Some(Drawing::new(format!("Difference of {}", measure.name()), &f, body))
 }

@@ -13,6 +13,9 @@ use crate::drawing::{
 use crate::figures::{Measure, Split};
 use sheet::Sheet;
 
+/// Least width of one of two drawings beside each other, units.
+const COLUMN: f64 = 225.0;
+
 /// What a paper wants of its figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper {
@@ -163,7 +166,7 @@ impl Report {
     fn paper_comparison(&self, paper: &Paper) -> Option<Figure> {
         let (c, ranking) = self.comparison.as_ref().zip(self.ranking.as_ref())?;
         let mut sheet = self.sheet(paper, paper.page_in);
-        let columns = sheet.columns(280.0, 2);
+        let columns = sheet.columns(COLUMN, 2);
         let wide = sheet.share(columns);
         let of = |measure| forest(self, c, ranking, measure, wide);
         let drawings: Vec<Drawing> = Measure::ALL.into_iter().filter_map(of).collect();
@@ -197,7 +200,7 @@ impl Report {
             // Rows have no names then.
             sheet.y += 2.0;
         }
-        let columns = sheet.columns(280.0, 2);
+        let columns = sheet.columns(COLUMN, 2);
         let wide = sheet.share(columns);
         let of = |of| distribution(self, of, Scale::Linear, wide);
         let drawings: Vec<Drawing> = Quantity::ALL[..4].iter().filter_map(of).collect();
