@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_replay::Links;
-use vb_report::{Beside, MapLinks, Report, ReportError, Runs, write_csv, write_parquet};
+use vb_report::{Beside, MapLinks, Paper, Report, ReportError, Runs, write_csv, write_parquet};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
@@ -14,6 +14,8 @@ use crate::{output, suite};
 
 /// The report's file.
 const PAGE: &str = "index.html";
+/// Dots per inch of figures as PNG: what journals want of pictures.
+const DPI: f64 = 300.0;
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -49,12 +51,21 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
 
 /// Writes what is asked for, and returns it with the names of the files.
 pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError> {
-    if let Some(out) = &args.out {
-        // What can't be written is said before all runs are read, not after.
-        std::fs::create_dir_all(out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
+    if args.figures.as_deref() == Some(Path::new("-")) {
+        return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
     }
-    let runs = Runs::read(&args.runs).map_err(failed)?;
-    let report = Report::new(runs);
+    let figures_in = match &args.figures {
+        Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
+        None => None,
+    };
+    for dir in args.out.iter().chain(&args.figures) {
+        // What can't be written is said before all runs are read, not after.
+        let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
+        std::fs::create_dir_all(dir).map_err(failed)?;
+    }
+    let mut runs = Runs::read(&args.runs).map_err(failed)?;
+    runs.relabel(&args.labels).map_err(failed)?;
+    let report = Report::new(runs).titled(args.title.as_deref().unwrap_or_default());
     let mut files = Vec::new();
     if let Some(path) = &args.csv {
         write_csv(report.runs(), path).map_err(failed)?;
@@ -85,7 +96,31 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         write(&path, &page)?;
         files.push(path);
     }
+    if let Some((dir, paper)) = figures_in {
+        files.extend(figures(&report, &paper, dir)?);
+    }
     Ok((report, files))
+}
+
+/// Writes the figures and tables for a paper, and returns the names of their files.
+fn figures(report: &Report, paper: &Paper, dir: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let mut files = Vec::new();
+    let mut keep = |name: &str, ending: &str, bytes: &[u8]| {
+        let path = dir.join(format!("{name}.{ending}"));
+        write(&path, bytes)?;
+        files.push(path);
+        Ok::<(), CliError>(())
+    };
+    for found in report.paper_figures(paper) {
+        let figure = &found.figure;
+        keep(found.name, "svg", figure.svg().as_bytes())?;
+        keep(found.name, "pdf", &figure.pdf().map_err(CliError::output)?)?;
+        keep(found.name, "png", &figure.png(DPI).map_err(CliError::output)?)?;
+    }
+    for (name, table) in report.latex() {
+        keep(name, "tex", table.as_bytes())?;
+    }
+    Ok(files)
 }
 
 /// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html`, and returns their names.
@@ -155,14 +190,18 @@ fn maps(
     Ok(chosen)
 }
 
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    std::fs::write(path, text).map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
+fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
+    std::fs::write(path, content)
+        .map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
 }
 
 fn failed(e: ReportError) -> CliError {
     match e {
         ReportError::Write { .. } => CliError::output(e),
-        ReportError::Twice(_) | ReportError::NoRuns => CliError::usage(e),
+        ReportError::Twice(_)
+        | ReportError::NoRuns
+        | ReportError::Label { .. }
+        | ReportError::LabelTaken { .. } => CliError::usage(e),
         _ => CliError::input(e),
     }
 }

@@ -7,13 +7,18 @@ mod document;
 #[cfg(test)]
 mod palette;
 pub mod plot;
+mod print;
 mod text;
 
 pub use document::Page;
+pub use print::print_style;
 pub use text::{escape, grouped, json, number, p_value, signed};
 
 /// The style of pages of tables and plots, in light and dark.
-pub const TABLE_STYLE: &str = include_str!("tables.css");
+pub const TABLE_STYLE: &str = concat!(include_str!("tables.css"), include_str!("plots.css"));
+
+/// The part of [`TABLE_STYLE`] that plots need.
+pub const PLOT_STYLE: &str = include_str!("plots.css");
 
 /// Number of colours that [`TABLE_STYLE`] has for series: `--c0` and so on, with the classes `s0` (stroke), `f0` (fill) and `b0`
 /// (background). They are Okabe and Ito's hues (2008), moved so that they stand out in light and dark and stay apart for

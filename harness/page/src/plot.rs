@@ -87,20 +87,30 @@ impl Frame {
 
     /// Lines across with their values at the left.
     pub fn y_axis(&self, s: &mut String, wanted: f64) {
+        self.y_lines(s, wanted);
         let all = ticks(self.y[0], self.y[1], wanted);
         let n = digits(&all);
         for t in all {
+            let _ = write!(
+                s,
+                "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                self.left - 6.0,
+                self.sy(t) + 4.0,
+                number(t, n)
+            );
+        }
+    }
+
+    /// Lines across alone, for plots whose values stand beside a neighbour.
+    pub fn y_lines(&self, s: &mut String, wanted: f64) {
+        for t in ticks(self.y[0], self.y[1], wanted) {
             let y = self.sy(t);
             let class = if t == 0.0 { "grid origin" } else { "grid" };
             let _ = write!(
                 s,
-                "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text class=\"tick\" x=\"{:.1}\" \
-                 y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>",
                 self.left,
-                self.width - self.right,
-                self.left - 6.0,
-                y + 4.0,
-                number(t, n)
+                self.width - self.right
             );
         }
     }

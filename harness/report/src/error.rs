@@ -35,6 +35,22 @@ pub enum ReportError {
     /// No run was given.
     #[error("no run given (name the directory of one)")]
     NoRuns,
+    /// A label is of no run.
+    #[error("label `{given}`: no run of that name (write RUN=TEXT, where RUN is one of {})", .runs.join(", "))]
+    Label {
+        /// What was given.
+        given: String,
+        /// The directories of the runs.
+        runs: Vec<String>,
+    },
+    /// A label would be that of two runs, or a run would have two, or none.
+    #[error("label `{given}`: {reason}")]
+    LabelTaken {
+        /// What was given.
+        given: String,
+        /// What is wrong with it, and what to do.
+        reason: String,
+    },
     /// A file can't be written.
     #[error("cannot write {}: {source} (choose another place, or free some space)", .path.display())]
     Write {

@@ -5,13 +5,17 @@
 //! foreign: they reach the page as text and never as markup.
 
 mod compare;
+mod drawing;
 mod error;
+mod failures;
 mod figures;
 mod headline;
 mod json;
+mod latex;
 mod maps;
 mod markdown;
 mod page;
+mod print;
 mod ranking;
 mod report;
 mod robustness;
@@ -25,6 +29,7 @@ pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
 pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
 pub use maps::MapLinks;
+pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::{Beside, Report};
 pub use robustness::{Line, Point, Robustness};

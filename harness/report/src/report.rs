@@ -7,7 +7,7 @@ use crate::figures::RunFigures;
 use crate::page;
 use crate::ranking::Ranking;
 use crate::robustness::Robustness;
-use crate::runs::Runs;
+use crate::runs::{Runs, one_line};
 
 /// What lies beside a page, which leads to it.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +28,8 @@ pub struct Report {
     pub(crate) comparison: Option<Comparison>,
     pub(crate) ranking: Option<Ranking>,
     pub(crate) robustness: Option<Robustness>,
+    /// What it is called, if not by its runs.
+    pub(crate) title: Option<String>,
 }
 
 impl Report {
@@ -38,7 +40,14 @@ impl Report {
         let comparison = Comparison::new(&runs);
         let ranking = comparison.as_ref().map(|c| Ranking::new(&figures, c));
         let robustness = Robustness::new(&runs);
-        Self { runs, figures, comparison, ranking, robustness }
+        Self { runs, figures, comparison, ranking, robustness, title: None }
+    }
+
+    /// The same with a title: that of its page, and above its figures.
+    #[must_use]
+    pub fn titled(self, title: &str) -> Self {
+        let title = one_line(title, 200);
+        Self { title: Some(title).filter(|t| !t.is_empty()), ..self }
     }
 
     /// The runs.

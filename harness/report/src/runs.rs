@@ -11,6 +11,8 @@ use crate::ReportError;
 
 /// Tasks of a run for which the reason of a failure is kept.
 const NOTES: usize = 20_000;
+/// Characters of a run's name at most, if the user gives it.
+const LABEL_LENGTH: usize = 120;
 /// Characters of a reason that are kept.
 const NOTE_LENGTH: usize = 400;
 
@@ -266,6 +268,49 @@ impl Runs {
                 self.runs[k].label += &format!(" #{}", k + 1);
             }
         }
+    }
+
+    /// Calls runs by other names, each given as `RUN=TEXT`: `RUN` is the run's directory as it was given, or the last part of it.
+    ///
+    /// # Errors
+    /// If there is no such run, or if a name is empty, is that of another run, or is one of two for the same run.
+    pub fn relabel(&mut self, labels: &[String]) -> Result<(), ReportError> {
+        let mut named: BTreeMap<usize, String> = BTreeMap::new();
+        for given in labels {
+            let taken = |reason: String| ReportError::LabelTaken { given: given.clone(), reason };
+            let found = given.match_indices('=').find_map(|(at, _)| {
+                Some((self.called(&given[..at])?, one_line(&given[at + 1..], LABEL_LENGTH)))
+            });
+            let Some((run, label)) = found else {
+                let runs = self.runs.iter().map(|r| r.dir.display().to_string()).collect();
+                return Err(ReportError::Label { given: given.clone(), runs });
+            };
+            if label.is_empty() {
+                return Err(taken("it has no text (write RUN=TEXT)".into()));
+            }
+            if let Some(other) = named.insert(run, label) {
+                return Err(taken(format!("the run is called `{other}` already (name it once)")));
+            }
+        }
+        for (run, label) in &named {
+            self.runs[*run].label.clone_from(label);
+        }
+        for run in named.keys() {
+            let label = &self.runs[*run].label;
+            if let Some(other) = self.runs.iter().enumerate().find(|(k, r)| k != run && r.label == *label) {
+                let reason = format!("{} is called so too (choose another text)", other.1.dir.display());
+                return Err(ReportError::LabelTaken { given: label.clone(), reason });
+            }
+        }
+        Ok(())
+    }
+
+    /// The run of this directory, or the only one whose directory has this name.
+    fn called(&self, name: &str) -> Option<usize> {
+        let whole = self.runs.iter().position(|r| r.dir == Path::new(name));
+        let mut last =
+            self.runs.iter().enumerate().filter(|(_, r)| r.dir.file_name().is_some_and(|n| n == name));
+        whole.or_else(|| last.next().filter(|_| last.next().is_none()).map(|(k, _)| k))
     }
 
     /// The suite, with what was chosen of it where that is not all; if the runs differ in it, each says it by itself.

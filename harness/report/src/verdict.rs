@@ -1,5 +1,7 @@
 //! What a test of a difference says, as one of many.
 
+use vb_page::signed;
+
 use crate::compare::Difference;
 use crate::statistics::{holm, least_p, worlds_needed};
 
@@ -61,6 +63,31 @@ impl Verdict {
 }
 
 impl Difference {
+    /// The style class of what it says.
+    pub(crate) fn class(&self) -> &'static str {
+        match self.verdict {
+            Some(Verdict::Better) => "better",
+            Some(Verdict::Worse) => "worse",
+            _ => "open",
+        }
+    }
+
+    /// What is said of it, in two or three words.
+    pub(crate) fn short(&self) -> String {
+        match self.verdict {
+            Some(Verdict::TooFewWorlds { .. }) => "too few worlds".into(),
+            Some(Verdict::Uncorrected { .. }) => "not as one of many".into(),
+            _ => self.told(),
+        }
+    }
+
+    /// Its interval: `+3.0 to +12.0`.
+    pub(crate) fn interval(&self) -> String {
+        let v = |v: f64| signed(self.measure.shown(v), 2);
+        let found = self.difference.and_then(|e| e.interval);
+        found.map_or_else(|| "–".into(), |i| format!("{} to {}", v(i.low), v(i.high)))
+    }
+
     /// Its verdict as people read it, with the reason where there is none for certain.
     #[must_use]
     pub fn told(&self) -> String {

@@ -3,121 +3,22 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use common::{HOSTILE, header, record, tasks, write};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use vb_record::{
-    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, StoreError,
-    SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode,
+    DataHeader, PluginHeader, RUN_SCHEMA, RunHeader, RunStore, Sample, StoreError, TRACE_SCHEMA, Trace,
+    TraceMeta, TraceMode,
 };
 use vb_report::{Beside, MapLinks, Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
-use vb_score::{Cause, FuelUse, Metrics, Outcome, Rules, Summary, TaskRecord};
-use vb_world::{Density, Elevation, Heightfield, Pose2, Task, Terrain, TerrainClass, World};
-
-const HOSTILE: &str =
-    "</script><script>document.title='owned'</script><img src=x onerror=\"document.title='owned'\">";
-
-fn header(name: &str, tasks: u64) -> RunHeader {
-    RunHeader {
-        schema: RUN_SCHEMA,
-        harness_version: "0.1.0".into(),
-        harness_commit: "unknown".into(),
-        started_at: "2026-01-01T00:00:00Z".into(),
-        suite: SuiteHeader { name: "s".into(), hash: "aa".repeat(32), path: "tasks/s".into(), tasks: None },
-        selector: None,
-        shard: None,
-        tasks,
-        plugin: PluginHeader {
-            name: name.into(),
-            version: "1.0.0".into(),
-            sha256: "bb".repeat(32),
-            kind: "wasm".into(),
-            path: "p.wasm".into(),
-            control_period: Some(0.1),
-            eligible_for_ranking: true,
-            sensors: Vec::new(),
-            sandbox: None,
-        },
-        params: BTreeMap::new(),
-        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".repeat(32) },
-        soils: DataHeader { name: "default".into(), hash: "dd".repeat(32) },
-        perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
-        scale: 1.0,
-        seed: 0,
-        time_step: 0.001,
-        soil_resolution: 0.1,
-        sample_period: 0.01,
-        rules: RulesHeader { name: "paper".into(), hash: "ee".into(), profile: serde_json::json!({}) },
-        limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
-        trace: TraceMode::TenHz,
-        logs: LogMode::default(),
-    }
-}
-
-/// Task `t` of world `w`, which ends well if `success`.
-fn record(w: usize, t: usize, success: bool) -> TaskRecord {
-    let x = ((w * 7 + t * 3) % 11) as f64;
-    let outcome = if success { Outcome::Success } else { Outcome::Stuck };
-    TaskRecord {
-        task: format!("w{w:03}/t{t:02}"),
-        world: format!("w{w:03}"),
-        elevation: Elevation::ALL[w % 3],
-        terrain: Terrain::ALL[w / 3 % 3],
-        density: Density::ALL[w / 9 % 3],
-        outcome,
-        three_way: outcome.three_way(false),
-        reason: "because".into(),
-        cause: (!success).then_some(if t % 3 == 0 { Cause::HighCentred } else { Cause::SpinningOnSoil }),
-        evidence: String::new(),
-        fault: None,
-        time_s: 20.0 + x,
-        state_hash: "0123456789abcdef".into(),
-        sim_steps: 100,
-        planner_steps: 10,
-        clamped: 1,
-        fuel: Some(FuelUse::new(5, vec![1, 2, 3], 100, 100, 65536)),
-        metrics: Some(Metrics {
-            samples: 1000 + 100 * t as u64,
-            roll_mean_deg: x,
-            roll_variance_deg2: 1.0,
-            roll_max_deg: 3.0 * x,
-            roll_end_deg: -1.0,
-            pitch_mean_deg: 0.5 * x,
-            pitch_variance_deg2: 0.5,
-            pitch_max_deg: x,
-            distance_m: 100.0,
-            speed_mean_m_per_s: 4.0,
-            speed_max_m_per_s: 5.0,
-            throttle_effort_s: 1.0,
-            brake_effort_s: 0.0,
-            steering_effort_s: 1.0,
-            steering_rate_per_s: 0.1,
-            reverse_s: 0.0,
-            goal_distance_min_m: 5.0,
-            goal_distance_end_m: 6.0,
-        }),
-        log: Vec::new(),
-        backtrace: Vec::new(),
-    }
-}
-
-fn write(dir: &Path, header: &RunHeader, records: impl IntoIterator<Item = TaskRecord>) -> PathBuf {
-    let store = RunStore::create(dir, header).unwrap();
-    records.into_iter().for_each(|r| store.append(&r).unwrap());
-    dir.to_owned()
-}
-
-/// All tasks of `worlds` worlds of four tasks, of which those succeed that `success` says.
-fn tasks(worlds: usize, success: impl Fn(usize, usize) -> bool) -> Vec<TaskRecord> {
-    let mut all = Vec::new();
-    for w in 0..worlds {
-        all.extend((0..4).map(|t| record(w, t, success(w, t))));
-    }
-    all
-}
+use vb_score::{Cause, Outcome, Rules, Summary, TaskRecord};
+use vb_world::{Elevation, Heightfield, Pose2, Task, TerrainClass, World};
 
 #[test]
 fn figures_agree_with_those_of_the_summary() {

@@ -9,6 +9,7 @@ mod check;
 mod dataset;
 mod determinism;
 mod fail_fast;
+mod figures;
 mod full_disk;
 mod golden;
 mod hybrid;

@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::FormatArgs;
+use super::values::{figure_width, positive};
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct ReportArgs {
     /// Directories of runs of one suite; several are compared task by task
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
     /// Directory for the page, index.html
-    #[arg(long, value_name = "DIR", required_unless_present_any = ["markdown", "csv", "parquet"])]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["figures", "markdown", "csv", "parquet"])]
     pub(crate) out: Option<PathBuf>,
     /// Write the results as Markdown, for a paper or a pull request; - for stdout
     #[arg(long, value_name = "FILE")]
@@ -23,6 +24,21 @@ pub(crate) struct ReportArgs {
     /// Write every task of every run as Parquet
     #[arg(long, value_name = "FILE")]
     pub(crate) parquet: Option<PathBuf>,
+    /// Directory for figures of a paper as SVG, PDF and PNG, and for tables as LaTeX
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// What the page is called, and what stands above each figure; default: no title above figures
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
+    /// What a run is called everywhere; RUN is its directory, or the last part of it [may be repeated]
+    #[arg(long = "label", value_name = "RUN=TEXT")]
+    pub(crate) labels: Vec<String>,
+    /// Widths of figures in inches, in a column and across the page; or one for both
+    #[arg(long, value_name = "IN,IN", default_value = "3.5,7.16", value_parser = figure_width)]
+    pub(crate) figure_width: [f64; 2],
+    /// Size of texts in figures, points
+    #[arg(long, value_name = "PT", default_value_t = 8.0, value_parser = positive)]
+    pub(crate) figure_font: f64,
     /// Make replays of these tasks, e.g. w001/t03 or elevation=high, and link them from the page
     #[arg(long, value_name = "SELECTOR", requires = "out")]
     pub(crate) replays: Option<String>,

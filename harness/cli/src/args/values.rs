@@ -16,6 +16,15 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "want a number above 0".into())
 }
 
+/// Widths of figures in a column and across the page, inches; one for both where a page has one column.
+pub(super) fn figure_width(text: &str) -> Result<[f64; 2], String> {
+    let number = |t: &str| positive(t).ok().filter(|v| *v <= 40.0);
+    let (column, page) = text.split_once(',').unwrap_or((text, text));
+    number(column).zip(number(page)).map(|(column, page)| [column, page]).ok_or_else(|| {
+        "want inches up to 40, for a column and for the page, e.g. 3.5,7.16, or one for both, e.g. 5.5".into()
+    })
+}
+
 pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),

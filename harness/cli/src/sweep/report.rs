@@ -11,7 +11,7 @@ use vb_score::{Rules, Summary, TaskRecord};
 use vb_sweep::PlannedRun;
 
 use super::Sweep;
-use crate::args::{FormatArgs, ReplayData, ReportArgs, SweepArgs};
+use crate::args::{ReportArgs, SweepArgs};
 use crate::error::CliError;
 use crate::{merge, output, report as pages};
 
@@ -109,15 +109,5 @@ fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
 }
 
 fn page_of(runs: &[PathBuf], out: &Path) -> ReportArgs {
-    ReportArgs {
-        runs: runs.to_vec(),
-        out: Some(out.to_owned()),
-        markdown: None,
-        csv: None,
-        parquet: None,
-        replays: None,
-        maps: None,
-        data: ReplayData::default(),
-        format: FormatArgs::default(),
-    }
+    ReportArgs { runs: runs.to_vec(), out: Some(out.to_owned()), ..ReportArgs::default() }
 }

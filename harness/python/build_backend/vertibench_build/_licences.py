@@ -8,6 +8,8 @@ from pathlib import Path
 
 _PACKAGES = ("vb-harness", "vb-python")
 _NAMES = ("licen", "copying", "notice", "unlicense")
+# Of what our own crates contain and others made.
+_OTHERS = {"the font Liberation Sans": "harness/figure/fonts/LICENSE"}
 
 
 def text(root: Path) -> str:
@@ -28,6 +30,8 @@ def text(root: Path) -> str:
             if file.is_file() and file.name.lower().startswith(_NAMES):
                 terms = file.read_text(encoding="utf-8", errors="replace").replace("\r\n", "\n").strip()
                 of.setdefault(terms, []).append(name)
+    for what, file in _OTHERS.items():
+        of.setdefault((root / file).read_text(encoding="utf-8").strip(), []).append(what)
     parts = ["This package contains code of the following crates.\n\n" + "\n".join(listed)]
     parts += [", ".join(names) + "\n\n" + terms for terms, names in sorted(of.items(), key=lambda item: item[1])]
     return f"\n\n{'-' * 80}\n\n".join(parts) + "\n"

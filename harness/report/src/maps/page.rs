@@ -8,8 +8,9 @@ use vb_world::World;
 
 use super::{MapLinks, Way};
 use crate::Report;
+use crate::drawing::DRAWING_STYLE;
+use crate::drawing::series::{colour, marker, sample};
 use crate::page;
-use crate::page::series::{colour, marker, sample};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -45,7 +46,7 @@ pub(super) fn of_world(report: &Report, world: &World, ways: &[Way<'_>], links: 
     let title = format!("{} on {}", world.id, report.runs.scope());
     Page {
         title: &title,
-        styles: &[TABLE_STYLE, page::STYLE, vb_map::STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE, vb_map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,

@@ -2,16 +2,14 @@
 
 mod causes;
 mod comparison;
-mod distribution;
-mod figure;
 mod ranking;
 mod robustness;
 mod sections;
-pub(crate) mod series;
 mod tasks;
 
 use std::fmt::Write as _;
 
+use crate::drawing::{DRAWING_STYLE, levels};
 use crate::{Beside, Report};
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
@@ -21,9 +19,10 @@ pub(crate) const STYLE: &str = include_str!("page.css");
 /// The whole page.
 pub(crate) fn page(report: &Report, beside: &Beside) -> String {
     let first = &report.runs.runs[0].header;
-    let title = match &report.runs.runs[..] {
-        [one] => one.label.clone(),
-        many => format!("{} runs", many.len()),
+    let title = match (&report.title, &report.runs.runs[..]) {
+        (Some(title), _) => title.clone(),
+        (None, [one]) => one.label.clone(),
+        (None, many) => format!("{} runs", many.len()),
     };
     let tasks: u64 = report.figures.iter().map(|f| f.all.tasks).sum();
     let suite = report.runs.scope();
@@ -72,9 +71,10 @@ pub(crate) fn page(report: &Report, beside: &Beside) -> String {
             "overview" => sections::overview(&mut s, report),
             "figure" => {
                 sections::legend(&mut s, report);
-                figure::figure(&mut s, report);
+                s.push_str("<div class=\"paper\">");
+                levels(report).iter().for_each(|panel| panel.show(&mut s));
                 s.push_str(
-                    "<p class=\"about\">Bars are means, whiskers their 95 % intervals by the bootstrap over worlds: tasks of a world \
+                    "</div><p class=\"about\">Bars are means, whiskers their 95 % intervals by the bootstrap over worlds: tasks of a world \
                      are not independent. Time is that of successful tasks, angles are over all samples of all tasks, as the paper's \
                      figure has them.</p>",
                 );
@@ -93,7 +93,7 @@ pub(crate) fn page(report: &Report, beside: &Beside) -> String {
     }
     Page {
         title: &format!("{title} on {suite}"),
-        styles: &[TABLE_STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, STYLE],
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: &format!("{SORTED_TABLES}{SCRIPT}"),
         ..Page::default()

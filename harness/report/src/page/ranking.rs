@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use vb_page::{escape, grouped, p_value, signed};
 
 use super::sections::with_interval;
-use super::series::{colour, sample};
 use crate::compare::Difference;
+use crate::drawing::series::{colour, marker, sample};
 use crate::figures::{Estimate, Measure};
 use crate::ranking::Ranking;
 use crate::runs::one_line;
@@ -100,7 +100,7 @@ fn whisker(run: usize, e: Option<Estimate>) -> String {
         let _ =
             write!(s, "<path class=\"range s{}\" d=\"M{:.1} 8H{:.1}\"/>", colour(run), x(i.low), x(i.high));
     }
-    super::series::marker(&mut s, run, [x(e.mean), 8.0], 4.2, "");
+    marker(&mut s, run, [x(e.mean), 8.0], 4.2, "");
     s.push_str("</svg>");
     s
 }
@@ -193,12 +193,6 @@ pub(super) fn diff_button(x: usize, y: usize, count: u64) -> String {
         "<button type=\"button\" class=\"link\" data-does=\"{x}\" data-not=\"{y}\">{}</button>",
         grouped(count)
     )
-}
-
-/// The interval of a difference: `+3.0 to +12.0`.
-pub(super) fn interval(measure: Measure, e: Option<Estimate>) -> String {
-    let v = |v: f64| signed(measure.shown(v), 2);
-    e.and_then(|e| e.interval).map_or_else(|| "–".into(), |i| format!("{} to {}", v(i.low), v(i.high)))
 }
 
 #[cfg(test)]

@@ -2,26 +2,22 @@
 
 use std::fmt::Write as _;
 
-use vb_page::plot::Frame;
 use vb_page::{escape, grouped, number, p_value, signed};
 use vb_score::Outcome;
 
 use super::sections::with_interval;
-use super::series::{self, colour, line as line_class, marker};
 use crate::Report;
 use crate::compare::Difference;
+use crate::drawing::{robustness as curve, series};
 use crate::figures::{Estimate, Measure};
 use crate::robustness::Robustness;
 use crate::verdict::Verdict;
-
-/// How far the lines of planners stand apart, in distances between profiles.
-const APART: f64 = 0.05;
 
 pub(super) fn robustness(s: &mut String, report: &Report) {
     let Some(r) = &report.robustness else { return };
     series::legend(s, r.lines.iter().map(|line| line.label.as_str()));
     s.push_str("<div class=\"plots\">");
-    curve(s, report, r);
+    curve(report, r, 560.0).show(s);
     s.push_str("</div>");
     table(s, report, r);
     s.push_str(
@@ -29,54 +25,6 @@ pub(super) fn robustness(s: &mut String, report: &Report) {
          bootstrap over worlds. Differences are from the planner's first profile, paired by tasks; p: the \
          sign-flip test over worlds, after Holm's correction over this table.</p>",
     );
-}
-
-fn curve(s: &mut String, report: &Report, r: &Robustness) {
-    let last = (r.profiles.len() - 1) as f64;
-    let f = Frame {
-        width: 560.0,
-        height: 320.0,
-        left: 52.0,
-        right: 14.0,
-        top: 10.0,
-        bottom: 42.0,
-        x: [-0.35, last + 0.35],
-        y: [0.0, 100.0],
-    };
-    let title = "Success against the perception profile";
-    let _ = write!(s, "<figure><figcaption>{title}</figcaption>");
-    f.open(s, title);
-    f.y_axis(s, 5.0);
-    let names: Vec<(f64, String)> =
-        r.profiles.iter().enumerate().map(|(k, name)| (k as f64, escape(name))).collect();
-    f.x_ticks(s, &names);
-    let middle = (r.lines.len() as f64 - 1.0) / 2.0;
-    for (k, line) in r.lines.iter().enumerate() {
-        let aside = (k as f64 - middle) * APART;
-        let mut path = String::new();
-        let mut marks = String::new();
-        for point in &line.points {
-            let Some(e) = report.figures[point.run].all.mean(Measure::Success) else { continue };
-            let shown = |v: f64| Measure::Success.shown(v);
-            let (x, y) = (f.sx(point.profile as f64 + aside), f.sy(shown(e.mean)));
-            let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { "M" } else { "L" });
-            if let Some(i) = e.interval {
-                let _ = write!(
-                    marks,
-                    "<line class=\"range s{}\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>",
-                    colour(k),
-                    f.sy(shown(i.low)),
-                    f.sy(shown(i.high))
-                );
-            }
-            let title =
-                format!("{}, {}: {} %", line.label, r.profiles[point.profile], number(shown(e.mean), 1));
-            marker(&mut marks, k, [x, y], 4.4, &title);
-        }
-        let _ = write!(s, "<path class=\"{}\" d=\"{path}\"/>{marks}", line_class(k));
-    }
-    f.texts(s, "perception profile", "success, %");
-    s.push_str("</svg></figure>");
 }
 
 /// The corrected p-value, or that too few worlds differ for it to say anything.

@@ -1,9 +1,9 @@
 //! The sections of the page but figure, comparison and tasks.
 
-use super::distribution::{Distribution, Scale};
-use super::series::{self, sample};
+use crate::drawing::series::{self, sample};
+use crate::drawing::{PAGE_FIGURE, Quantity, Scale, distribution};
 use crate::figures::{Estimate, Measure};
-use crate::runs::{Row, Run};
+use crate::runs::Run;
 use crate::{Beside, Report};
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, number};
@@ -243,38 +243,10 @@ pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
     }
 }
 
-/// The distribution of a value of each task, a row a run; nothing where no task has it.
-fn distribution(
-    s: &mut String,
-    report: &Report,
-    title: &str,
-    unit: &str,
-    scale: Scale,
-    value: fn(&Row) -> Option<f64>,
-) {
-    let runs = &report.runs.runs;
-    let labels: Vec<String> = runs.iter().map(|r| r.label.clone()).collect();
-    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.counted().filter_map(value).collect()).collect();
-    if let Some(d) = Distribution::new(&values, scale) {
-        s.push_str(&d.draw(title, unit, &labels));
-    }
-}
-
 pub(super) fn distributions(s: &mut String, report: &Report) {
     s.push_str("<div class=\"plots\">");
-    let mut draw = |title: &str, unit: &str, value: fn(&Row) -> Option<f64>| {
-        distribution(s, report, title, unit, Scale::Linear, value);
-    };
-    draw("Traversal time of successes", "s", |r| r.succeeded().then_some(r.time));
-    draw("Mean |roll| of a task", "degrees", |r| r.measures.map(|m| m.roll.mean));
-    draw("Greatest |roll| of a task", "degrees", |r| r.measures.map(|m| m.roll.max));
-    draw("Mean |pitch| of a task", "degrees", |r| r.measures.map(|m| m.pitch.mean));
-    draw("Greatest |pitch| of a task", "degrees", |r| r.measures.map(|m| m.pitch.max));
-    draw("Mean speed", "m/s", |r| r.measures.map(|m| m.speed));
-    draw("Way travelled", "m", |r| r.measures.map(|m| m.distance));
-    draw("Distance from the goal at the end of failures", "m", |r| {
-        r.measures.filter(|_| !r.succeeded()).map(|m| m.goal_distance)
-    });
+    let drawn = Quantity::ALL.iter().filter_map(|of| distribution(report, of, Scale::Linear, PAGE_FIGURE));
+    drawn.for_each(|drawing| drawing.show(s));
     s.push_str("</div>");
 }
 
@@ -314,15 +286,16 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
         let _ = write!(s, "<td class=\"n\" data-v=\"{clamped}\">{}</td></tr>", grouped(clamped));
     }
     s.push_str("</tbody></table></div><div class=\"plots\">");
-    distribution(
-        s,
-        report,
-        "Fuel of a step, 99 % of a task's steps",
-        "units, logarithmic",
-        Scale::Logarithmic,
-        |r| r.fuel.map(|f| f.p99 as f64),
-    );
-    distribution(s, report, "Simulated time of a task", "s", Scale::Linear, |r| Some(r.time));
+    let fuel = Quantity {
+        title: "Fuel of a step, 99 % of a task's steps",
+        unit: "units, logarithmic",
+        value: |r| r.fuel.map(|f| f.p99 as f64),
+    };
+    let time = Quantity { title: "Simulated time of a task", unit: "s", value: |r| Some(r.time) };
+    let drawn = [(fuel, Scale::Logarithmic), (time, Scale::Linear)];
+    for drawing in drawn.iter().filter_map(|(of, scale)| distribution(report, of, *scale, PAGE_FIGURE)) {
+        drawing.show(s);
+    }
     s.push_str(
         "</div><p class=\"about\">Fuel is about one unit an instruction and the same on every machine; it is the time of a step that can \
          be compared. Seconds on the clock are not recorded: they differ from machine to machine.</p>",

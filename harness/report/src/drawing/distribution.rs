@@ -6,14 +6,16 @@ use vb_page::plot::Frame;
 use vb_page::{escape, number};
 
 use super::series::colour;
-use crate::runs::one_line;
+use super::{Drawing, TEXT, fit, width};
+use crate::Report;
+use crate::runs::Row;
 
 /// Number of bins.
 const BINS: usize = 40;
 
 /// What the axis counts in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scale {
+pub(crate) enum Scale {
     /// Equal steps.
     Linear,
     /// Equal factors, for what goes over several powers of ten; values of 0 or less count as 1.
@@ -31,7 +33,7 @@ impl Scale {
 }
 
 /// Values of each run in bins.
-pub(super) struct Distribution {
+struct Distribution {
     scale: Scale,
     low: f64,
     width: f64,
@@ -43,7 +45,7 @@ pub(super) struct Distribution {
 
 impl Distribution {
     /// Bins that hold the values of all runs but the far tails, which the outer bins take in; none without values.
-    pub(super) fn new(values: &[Vec<f64>], scale: Scale) -> Option<Self> {
+    fn new(values: &[Vec<f64>], scale: Scale) -> Option<Self> {
         let sorted = |values: &mut dyn Iterator<Item = f64>| {
             let mut all: Vec<f64> = values.filter(|v| v.is_finite()).collect();
             all.sort_by(f64::total_cmp);
@@ -85,8 +87,8 @@ impl Distribution {
         })
     }
 
-    /// The rows below each other, with their names if there are several.
-    pub(super) fn draw(&self, title: &str, unit: &str, labels: &[String]) -> String {
+    /// The rows below each other in this width, with their names if there are several.
+    fn draw(&self, title: &str, unit: &str, labels: &[&str], wide: f64) -> Drawing {
         let top = self.fractions.iter().flatten().fold(1e-9_f64, |m, v| m.max(*v));
         let runs = self.fractions.len();
         let (name, bars) = match runs {
@@ -96,7 +98,7 @@ impl Distribution {
         };
         let row = name + bars;
         let f = Frame {
-            width: 460.0,
+            width: wide,
             height: 6.0 + row * runs as f64 + 42.0,
             left: 18.0,
             right: 18.0,
@@ -105,10 +107,10 @@ impl Distribution {
             x: [self.low, self.low + self.width * BINS as f64],
             y: [0.0, 1.0],
         };
-        let mut s = format!("<figure><figcaption>{}</figcaption>", escape(title));
-        f.open(&mut s, title);
+        let mut s = String::new();
         match self.scale {
-            Scale::Linear => f.x_axis(&mut s, 6.0),
+            // About a value each 70 units.
+            Scale::Linear => f.x_axis(&mut s, (wide / 70.0).clamp(3.0, 6.0)),
             Scale::Logarithmic => f.x_ticks(&mut s, &powers(f.x)),
         }
         for (k, bins) in self.fractions.iter().enumerate() {
@@ -121,26 +123,24 @@ impl Distribution {
             }
             let _ = write!(d, "V{base:.1}Z");
             let tasks = if self.counts[k] == 1 { "task" } else { "tasks" };
-            let label = if runs > 1 { escape(&one_line(&labels[k], 44)) } else { String::new() };
+            let told = self.medians[k].map_or_else(|| "none".to_owned(), |m| format!("median {}", short(m)));
+            let room = f.width - f.left - f.right - width(&told, TEXT) - 8.0;
+            let label = if runs > 1 { escape(&fit(labels[k], TEXT, room)) } else { String::new() };
             let _ = write!(
                 s,
                 "<path class=\"curve s{c} f{c}\" d=\"{d}\"><title>{}: {} {tasks}</title></path><line class=\"base\" x1=\"{left:.1}\" \
                  x2=\"{:.1}\" y1=\"{base:.1}\" y2=\"{base:.1}\"/><text class=\"name\" x=\"{left:.1}\" y=\"{:.1}\">{label}</text>",
-                escape(&labels[k]),
+                escape(labels[k]),
                 self.counts[k],
                 f.width - f.right,
                 base - bars - 2.0,
                 c = colour(k),
                 left = f.left,
             );
-            let told = self.medians[k].map_or_else(
-                || "none".to_owned(),
-                |m| {
-                    let x = f.sx(self.scale.place(m));
-                    let _ = write!(s, "<path class=\"median\" d=\"M{x:.1} {base:.1}v{:.1}\"/>", 2.0 - bars);
-                    format!("median {}", short(m))
-                },
-            );
+            if let Some(m) = self.medians[k] {
+                let x = f.sx(self.scale.place(m));
+                let _ = write!(s, "<path class=\"median\" d=\"M{x:.1} {base:.1}v{:.1}\"/>", 2.0 - bars);
+            }
             let _ = write!(
                 s,
                 "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{told}</text>",
@@ -149,9 +149,54 @@ impl Distribution {
             );
         }
         f.texts(&mut s, &format!("{unit}; the highest bar is {} % of the tasks", number(100.0 * top, 0)), "");
-        s.push_str("</svg></figure>");
-        s
+        Drawing::new(title, &f, s)
     }
+}
+
+/// What a distribution is of.
+pub(crate) struct Quantity {
+    pub(crate) title: &'static str,
+    pub(crate) unit: &'static str,
+    /// The value of a task, if it has one.
+    pub(crate) value: fn(&Row) -> Option<f64>,
+}
+
+impl Quantity {
+    /// What all pages show, the first four in papers too.
+    pub(crate) const ALL: [Self; 8] = [
+        Self { title: "Traversal time of successes", unit: "s", value: |r| r.succeeded().then_some(r.time) },
+        Self { title: "Mean |roll| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.roll.mean) },
+        Self {
+            title: "Mean |pitch| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.pitch.mean),
+        },
+        Self { title: "Mean speed", unit: "m/s", value: |r| r.measures.map(|m| m.speed) },
+        Self {
+            title: "Greatest |roll| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.roll.max),
+        },
+        Self {
+            title: "Greatest |pitch| of a task",
+            unit: "degrees",
+            value: |r| r.measures.map(|m| m.pitch.max),
+        },
+        Self { title: "Way travelled", unit: "m", value: |r| r.measures.map(|m| m.distance) },
+        Self {
+            title: "Distance from the goal at the end of failures",
+            unit: "m",
+            value: |r| r.measures.filter(|_| !r.succeeded()).map(|m| m.goal_distance),
+        },
+    ];
+}
+
+/// The distribution of a quantity over the tasks of each run; none where no task has it.
+pub(crate) fn distribution(report: &Report, of: &Quantity, scale: Scale, wide: f64) -> Option<Drawing> {
+    let runs = &report.runs.runs;
+    let labels: Vec<&str> = runs.iter().map(|r| r.label.as_str()).collect();
+    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.counted().filter_map(of.value).collect()).collect();
+    Some(Distribution::new(&values, scale)?.draw(of.title, of.unit, &labels, wide))
 }
 
 /// A value in few characters: `12.3`, `45.6 k`, `7.8 M`.
@@ -200,7 +245,7 @@ mod tests {
         let h = Distribution::new(&[vec![1.0, 2.0, 2.0, 1e9], vec![f64::NAN]], Scale::Linear).unwrap();
         assert!((h.fractions[0].iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert_eq!(h.medians, [Some(2.0), None]);
-        let s = h.draw("a < b", "m", &["<script>".into(), "b".into()]);
+        let s = h.draw("a < b", "m", &["<script>", "b"], 460.0).body;
         assert!(s.contains("&lt;script&gt;") && !s.contains("<script") && !s.contains("NaN"), "{s}");
         assert!(Distribution::new(&[vec![], vec![]], Scale::Linear).is_none());
         assert!(Distribution::new(&[vec![3.0]], Scale::Linear).is_some());

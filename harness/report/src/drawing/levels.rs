@@ -1,26 +1,63 @@
 //! The paper's figure: success, time, roll and pitch by elevation level, kind of ground and obstacle density.
 
-use super::series::{colour, marker};
-use crate::Report;
-use crate::figures::{Estimate, Measure, Split};
 use std::fmt::Write as _;
+
 use vb_page::plot::Frame;
 use vb_page::{escape, number};
 
-/// The grid of panels: a row a measure, a column a split.
-pub(super) fn figure(s: &mut String, report: &Report) {
-    s.push_str("<div class=\"paper\">");
+use super::Drawing;
+use super::series::{colour, marker};
+use crate::Report;
+use crate::figures::{Estimate, Measure, Split};
+
+/// What stands beside the plot of a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Beside {
+    /// The values of the axis at its left.
+    pub(crate) values: bool,
+    /// The names of the levels below it.
+    pub(crate) levels: bool,
+}
+
+/// The panels, each by itself: a row a measure, a column a split.
+pub(crate) fn levels(report: &Report) -> Vec<Drawing> {
+    let mut panels = Vec::new();
     for measure in Measure::ALL {
-        let top = scale(report, measure);
         for split in Split::ALL {
-            panel(s, report, measure, split, top);
+            let area = Frame {
+                width: 360.0,
+                height: 190.0,
+                left: 46.0,
+                right: 8.0,
+                top: 12.0,
+                bottom: 26.0,
+                ..level_frame(split, top(report, measure))
+            };
+            let mut body = String::new();
+            panel(&mut body, report, measure, split, &area, Beside { values: true, levels: true });
+            let title = format!("{} by {}", measure.name(), split.name());
+            panels.push(Drawing { note: measure.unit(), ..Drawing::new(title, &area, body) });
         }
     }
-    s.push_str("</div>");
+    panels
+}
+
+/// The ranges of a panel whose axis ends at `top`, without a place yet.
+pub(crate) fn level_frame(split: Split, top: f64) -> Frame {
+    Frame {
+        width: 0.0,
+        height: 0.0,
+        left: 0.0,
+        right: 0.0,
+        top: 0.0,
+        bottom: 0.0,
+        x: [0.0, split.levels().len() as f64],
+        y: [0.0, top],
+    }
 }
 
 /// The end of a row's axis: the same for its panels, so that they can be compared.
-fn scale(report: &Report, measure: Measure) -> f64 {
+pub(crate) fn top(report: &Report, measure: Measure) -> f64 {
     if measure == Measure::Success {
         return 100.0;
     }
@@ -35,33 +72,32 @@ fn scale(report: &Report, measure: Measure) -> f64 {
     1.05 * ends.fold(greatest, f64::max).min(2.0 * greatest)
 }
 
-fn panel(s: &mut String, report: &Report, measure: Measure, split: Split, top: f64) {
+/// A panel in its frame.
+pub(crate) fn panel(
+    s: &mut String,
+    report: &Report,
+    measure: Measure,
+    split: Split,
+    f: &Frame,
+    beside: Beside,
+) {
     let runs = report.runs.runs.len();
-    let levels = split.levels();
-    let title = format!("{} by {}", measure.name(), split.name());
-    let f = Frame {
-        width: 360.0,
-        height: 190.0,
-        left: 46.0,
-        right: 8.0,
-        top: 12.0,
-        bottom: 26.0,
-        x: [0.0, levels.len() as f64],
-        y: [0.0, top],
-    };
-    let _ =
-        write!(s, "<figure><figcaption>{} <small>{}</small></figcaption>", escape(&title), measure.unit());
-    f.open(s, &title);
-    f.y_axis(s, 4.0);
+    if beside.values {
+        f.y_axis(s, 4.0);
+    } else {
+        f.y_lines(s, 4.0);
+    }
     // Bars of at most a quarter of a level's width, so that a single run is no wall.
     let bar = (0.8 / runs as f64).min(0.26);
-    for (l, level) in levels.iter().enumerate() {
+    for (l, level) in split.levels().into_iter().enumerate() {
         let x = f.sx(l as f64 + 0.5);
-        let _ = write!(
-            s,
-            "<text class=\"level\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{level}</text>",
-            f.height - f.bottom + 17.0
-        );
+        if beside.levels {
+            let _ = write!(
+                s,
+                "<text class=\"level\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{level}</text>",
+                f.height - f.bottom + 17.0
+            );
+        }
         for (r, own) in report.figures.iter().enumerate() {
             let Some((_, figures)) =
                 own.splits.get(split as usize).and_then(|levels| levels.get(l)).filter(|(_, f)| f.tasks > 0)
@@ -118,7 +154,7 @@ fn panel(s: &mut String, report: &Report, measure: Measure, split: Split, top: f
     let base = f.sy(0.0);
     let _ = write!(
         s,
-        "<line class=\"base\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{base:.1}\" y2=\"{base:.1}\"/></svg></figure>",
+        "<line class=\"base\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{base:.1}\" y2=\"{base:.1}\"/>",
         f.left,
         f.width - f.right
     );

@@ -1,4 +1,4 @@
-//! How a run looks everywhere on the page: its colour, its dashes and its marker.
+//! How a run looks everywhere on the page and in files: its colour, its dashes and its marker.
 //!
 //! They go by the order in which the runs are given. Colours repeat after eight runs, dashes and markers after five, so no two
 //! of forty runs look the same, and who sees no colours has the shapes. What the colours are is in `vb_page::TABLE_STYLE`, whose test holds
@@ -7,6 +7,8 @@
 use std::fmt::Write as _;
 
 use vb_page::{SERIES_COLOURS, escape};
+
+use super::{TEXT, fit, width};
 
 /// Number of dash patterns that the page's style has, and of markers below.
 const SHAPES: usize = 5;
@@ -51,15 +53,65 @@ pub(crate) fn marker(s: &mut String, run: usize, [x, y]: [f64; 2], radius: f64, 
     }
 }
 
-/// A piece of a run's line with its marker, for legends and beside names.
+/// Units that [`draw_sample`] takes across.
+const SAMPLE: f64 = 34.0;
+
+/// A piece of a run's line with its marker, from `x` on and at the height `y`.
+fn draw_sample(s: &mut String, run: usize, [x, y]: [f64; 2]) {
+    let _ = write!(s, "<path class=\"{}\" d=\"M{:.1} {y:.1}h{:.1}\"/>", line(run), x + 1.0, SAMPLE - 2.0);
+    marker(s, run, [x + 0.5 * SAMPLE, y], 4.4, "");
+}
+
+/// The same as a picture of the page, for legends and beside names.
 pub(crate) fn sample(run: usize) -> String {
     let mut s = format!(
-        "<svg class=\"sample\" viewBox=\"0 0 34 12\" aria-hidden=\"true\" data-sample=\"{run}\"><path class=\"{}\" d=\"M1 6H33\"/>",
-        line(run)
+        "<svg class=\"sample\" viewBox=\"0 0 {SAMPLE} 12\" aria-hidden=\"true\" data-sample=\"{run}\">"
     );
-    marker(&mut s, run, [17.0, 6.0], 4.4, "");
+    draw_sample(&mut s, run, [0.0, 6.0]);
     s.push_str("</svg>");
     s
+}
+
+/// What stands in a row of a key: how wide its sign is, and its name.
+pub(crate) struct Entry<'a> {
+    pub(crate) sign: f64,
+    pub(crate) name: &'a str,
+}
+
+/// Signs with their names behind each other from `at` on, in as many rows as the width needs; `sign` draws the sign of an entry
+/// whose left end and middle are given. Returns the height of the rows.
+pub(crate) fn rows(
+    s: &mut String,
+    entries: &[Entry<'_>],
+    at: [f64; 2],
+    most: f64,
+    sign: impl Fn(&mut String, usize, [f64; 2]),
+) -> f64 {
+    let (row, gap, between) = (17.0, 6.0, 16.0);
+    let [mut x, mut y] = at;
+    for (k, entry) in entries.iter().enumerate() {
+        let name = fit(entry.name, TEXT, most - entry.sign - gap);
+        let all = entry.sign + gap + width(&name, TEXT);
+        if x > at[0] && x + all > at[0] + most {
+            (x, y) = (at[0], y + row);
+        }
+        sign(s, k, [x, y + 0.5 * row]);
+        let _ = write!(
+            s,
+            "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+            x + entry.sign + gap,
+            y + 0.5 * row + 4.2,
+            escape(&name)
+        );
+        x += all + between;
+    }
+    if entries.is_empty() { 0.0 } else { y + row - at[1] }
+}
+
+/// A legend as a part of a drawing; returns its height.
+pub(crate) fn draw_legend(s: &mut String, labels: &[&str], at: [f64; 2], most: f64) -> f64 {
+    let entries: Vec<Entry<'_>> = labels.iter().map(|name| Entry { sign: SAMPLE, name }).collect();
+    rows(s, &entries, at, most, draw_sample)
 }
 
 /// Names with their samples.

@@ -1,0 +1,12 @@
+//! Figures for papers: a drawing with its style and its font as an SVG, a PDF and a PNG file that need nothing else.
+//!
+//! A [`Figure`] is drawn once, as SVG whose styles are classes, and the other formats are made from it: PDF by krilla, PNG by
+//! resvg. The font is Liberation Sans, which has the widths of Helvetica and Arial, as journals want them; its licence (SIL OFL
+//! 1.1) lies beside it. The same figure always gives the same bytes: nothing holds a date, or an identifier that is drawn.
+
+mod figure;
+mod font;
+mod web_font;
+
+pub use figure::{Figure, FigureError};
+pub use font::{Weight, text_width};
