@@ -86,9 +86,9 @@ impl Figure {
         for weight in Weight::ALL {
             if let Some(font) = web_font::part(weight, &characters) {
                 let data = base64::engine::general_purpose::STANDARD.encode(font);
-                let _ = write!(
+                let _ = writeln!(
                     fonts,
-                    "@font-face{{font-family:\"{EMBEDDED}\";font-weight:{};src:url(\"data:font/ttf;base64,{data}\") format(\"truetype\")}}\n",
+                    "@font-face{{font-family:\"{EMBEDDED}\";font-weight:{};src:url(\"data:font/ttf;base64,{data}\") format(\"truetype\")}}",
                     weight.number()
                 );
             }

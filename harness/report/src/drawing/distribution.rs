@@ -94,7 +94,8 @@ impl Distribution {
         let (name, bars) = match runs {
             1 => (18.0, 150.0),
             2..=4 => (18.0, 40.0),
-            _ => (17.0, 22.0),
+            5..=8 => (17.0, 22.0),
+            _ => (16.0, 18.0),
         };
         let row = name + bars;
         let f = Frame {

@@ -102,7 +102,7 @@ pub(crate) fn forest(
         marker(s, *x, [f.sx(shown(e.mean)), at], 4.2, &told);
     }
     let (unit, meaning) = match measure {
-        Measure::Success => ("percentage points", "right: the one named first succeeds more"),
+        Measure::Success => ("points", "right: the one named first succeeds more"),
         Measure::Time => ("s", "left: the one named first is faster"),
         Measure::Roll | Measure::Pitch => ("degrees", "left: the one named first tilts less"),
     };
