@@ -39,6 +39,19 @@ fn letter(part: usize) -> char {
     char::from(b'a' + (part % 26) as u8)
 }
 
+/// A part's letter with its middle at (x, y), on a ground of its own, since no letter is legible on all colours.
+fn sign(s: &mut String, part: usize, [x, y]: [f64; 2]) {
+    let _ = write!(
+        s,
+        "<rect class=\"ground\" x=\"{:.1}\" y=\"{:.1}\" width=\"10\" height=\"11\" rx=\"2\"/><text class=\"letter\" x=\"{x:.1}\" \
+         y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+        x - 5.0,
+        y - 5.5,
+        y + 3.4,
+        letter(part)
+    );
+}
+
 /// The bars; none if no task failed.
 pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
     let (parts, groups) = (parts(report), groups(report));
@@ -102,13 +115,8 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
                 x1 - x0,
                 row - 6.0,
             );
-            if x1 - x0 > 11.0 {
-                let (x, y) = (0.5 * (x0 + x1), y + 0.5 * row + 3.8);
-                let _ = write!(
-                    s,
-                    "<text class=\"letter\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>",
-                    letter(p)
-                );
+            if x1 - x0 > 14.0 {
+                sign(&mut s, p, [0.5 * (x0 + x1), y + 0.5 * row]);
             }
             s.push_str("</g>");
             from += n;
@@ -122,17 +130,14 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
         );
     }
     f.texts(&mut s, "% of the tasks", "");
-    let entries: Vec<Entry<'_>> = parts.iter().map(|p| Entry { sign: 14.0, name: &p.name }).collect();
+    let entries: Vec<Entry<'_>> = parts.iter().map(|p| Entry { sign: 22.0, name: &p.name }).collect();
     let swatch = |s: &mut String, part: usize, [x, y]: [f64; 2]| {
         let _ = write!(
             s,
-            "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"14\" height=\"14\"/><text class=\"letter\" x=\"{:.1}\" \
-             y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            y - 7.0,
-            x + 7.0,
-            y + 3.6,
-            letter(part)
+            "<rect class=\"part f{part}\" x=\"{x:.1}\" y=\"{:.1}\" width=\"22\" height=\"15\"/>",
+            y - 7.5
         );
+        sign(s, part, [x + 11.0, y]);
     };
     f.height += 6.0 + rows(&mut s, &entries, [8.0, f.height + 4.0], wide - 16.0, swatch);
     Some(Drawing::new("Why tasks fail", &f, s))
