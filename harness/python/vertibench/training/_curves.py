@@ -43,11 +43,21 @@ def curves(sources: list[Path], out: Path) -> str:
     out.write_text(_picture(points), encoding="utf-8")
     told = []
     for name, at in sorted(points.items()):
-        steps = max(at)
-        mean, low, high = _interval(list(at[steps].values()))
-        seeds = f"[{low:.1f}, {high:.1f}] over {len(at[steps])} seeds" if len(at[steps]) > 1 else "with one seed"
-        told.append(f"{name}: {mean:.1f} % {seeds} at {steps:,} steps")
+        # Where all seeds have come, and where the longest run ended.
+        ends = dict.fromkeys([max(steps for steps, values in at.items() if len(values) == _seeds(at)), max(at)])
+        told.append(f"{name}: " + "; ".join(_told(steps, list(at[steps].values())) for steps in ends))
     return "\n".join([*told, f"{out} and {out.with_suffix('.csv')}"])
+
+
+def _seeds(at: dict[int, dict[int, float]]) -> int:
+    """How many seeds a planner has where it has most."""
+    return max(len(values) for values in at.values())
+
+
+def _told(steps: int, values: list[float]) -> str:
+    mean, low, high = _interval(values)
+    seeds = f"[{low:.1f}, {high:.1f}] over {len(values)} seeds" if len(values) > 1 else "with one seed"
+    return f"{mean:.1f} % {seeds} at {steps:,} steps"
 
 
 def _run(run: Path) -> list[tuple[str, int, int, float]]:
@@ -111,13 +121,23 @@ def _picture(points: Points) -> str:
     )
     labels: list[tuple[float, str, str]] = []
     for (name, at), colour in zip(sorted(points.items()), _COLOURS * 9):
-        band = [(steps, *_interval(list(values.values()))) for steps, values in sorted(at.items())]
-        if any(len(values) > 1 for values in at.values()):
-            edge = [f"{x(s)},{y(hi)}" for s, _, _, hi in band] + [f"{x(s)},{y(lo)}" for s, _, lo, _ in reversed(band)]
+        seeds = _seeds(at)
+        # Means over other seeds are no curve: beyond the steps that all seeds have come to, each seed is a thin line of its own.
+        whole = [(steps, *_interval(list(values.values()))) for steps, values in sorted(at.items()) if len(values) == seeds]
+        if seeds > 1:
+            edge = [f"{x(s)},{y(hi)}" for s, _, _, hi in whole] + [f"{x(s)},{y(lo)}" for s, _, lo, _ in reversed(whole)]
             parts.append(f'<polygon points="{" ".join(edge)}" fill="{colour}" fill-opacity="0.18"/>')
-        line = " ".join(f"{x(s)},{y(m)}" for s, m, _, _ in band)
-        parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        labels.append((y(band[-1][1]), f"{name} {band[-1][1]:.0f} %", colour))
+        line = " ".join(f"{x(s)},{y(m)}" for s, m, _, _ in whole)
+        parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2.5"/>')
+        last = whole[-1]
+        for seed in sorted({seed for values in at.values() for seed in values}):
+            beyond = [(steps, values[seed]) for steps, values in sorted(at.items()) if seed in values and steps >= last[0]]
+            if len(beyond) > 1:
+                line = " ".join(f"{x(s)},{y(v)}" for s, v in beyond)
+                parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-dasharray="5 3"/>')
+        end = max(at)
+        mean = statistics.fmean(at[end].values())
+        labels.append((y(mean), f"{name} {mean:.0f} %", colour))
     below = 0.0
     for at_y, text, colour in sorted(labels):
         below = max(at_y + 4, below + 16)
