@@ -76,7 +76,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         files.push(path.clone());
     }
     if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {
-        write(path, &report.markdown())?;
+        write(path, report.markdown())?;
         files.push(path.clone());
     }
     if let Some(out) = &args.out {
@@ -143,7 +143,7 @@ fn replays(
             std::fs::create_dir_all(folder)
                 .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
         }
-        write(&path, &vb_replay::page(&replay, &links))?;
+        write(&path, vb_replay::page(&replay, &links))?;
         made.insert(task.clone());
     }
     Ok(made)
