@@ -65,7 +65,7 @@ fn there_is_a_figure_for_all_that_the_runs_have() {
     // Nothing fails, so there are no causes; in one world there are no intervals.
     let good = write(&dir.path().join("good"), &header("good", 4), tasks(1, |_, _| true));
     assert_eq!(
-        (names(&read(&[good.clone()])), files(&read(&[good]))),
+        (names(&read(std::slice::from_ref(&good))), files(&read(&[good]))),
         (vec!["results", "distributions"], vec!["results"])
     );
     // Nothing succeeds, so there are no times.

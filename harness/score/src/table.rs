@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn columns_are_parted_so_that_each_part_with_the_names_is_within_the_width() {
-        assert_eq!(parts(&[10, 5, 5, 5], None), [1..4]);
+        assert_eq!(parts(&[10, 5, 5, 5], None), vec![1..4; 1]);
         // 10 + 2 + 5 + 2 + 5 = 24.
         assert_eq!(parts(&[10, 5, 5, 5], Some(24)), [1..3, 3..4]);
         assert_eq!(parts(&[10, 5, 5, 5], Some(23)), [1..2, 2..3, 3..4]);

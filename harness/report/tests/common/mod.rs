@@ -64,7 +64,11 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
         outcome,
         three_way: outcome.three_way(false),
         reason: "because".into(),
-        cause: (!success).then_some(if t % 3 == 0 { Cause::HighCentred } else { Cause::SpinningOnSoil }),
+        cause: (!success).then_some(if t.is_multiple_of(3) {
+            Cause::HighCentred
+        } else {
+            Cause::SpinningOnSoil
+        }),
         evidence: String::new(),
         fault: None,
         time_s: 20.0 + x,
