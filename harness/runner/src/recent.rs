@@ -59,7 +59,12 @@ impl Recent {
     }
 
     /// Why a trial failed; none if it did not roll over or get stuck.
-    pub(crate) fn diagnose(&self, score: &TaskScore, body: &Body, world: &World) -> Option<Diagnosis> {
+    pub(crate) fn diagnose(
+        &self,
+        score: &TaskScore,
+        vehicle: &VehicleModel,
+        world: &World,
+    ) -> Option<Diagnosis> {
         let rolled_over = match score.outcome {
             Outcome::Rollover => true,
             Outcome::Stuck => false,
@@ -72,12 +77,12 @@ impl Recent {
         } else {
             self.moments.iter().cloned().collect()
         };
-        Some(diagnose(&moments, body, site, rolled_over))
+        Some(diagnose(&moments, &body(vehicle, world.scale), site, rolled_over))
     }
 }
 
 /// A vehicle as judgements know it.
-pub(crate) fn body(model: &VehicleModel, scale: f64) -> Body {
+fn body(model: &VehicleModel, scale: f64) -> Body {
     let (spec, reach) = (model.spec(), Reach::of(model));
     Body {
         mass: spec.total_mass(),

@@ -15,7 +15,6 @@ use vb_world::{Task, World};
 
 use crate::driver::{Driver, Metered, Witness};
 use crate::episode::{Episode, Ledger};
-use crate::recent::body;
 
 /// The time between the samples that rules and metrics see, s.
 pub const SAMPLE_PERIOD: f64 = 0.01;
@@ -177,7 +176,7 @@ impl Trial<'_> {
                 None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
             },
         };
-        let diagnosis = ledger.recent.diagnose(&score, &body(self.vehicle, self.world.scale), self.world);
+        let diagnosis = ledger.recent.diagnose(&score, self.vehicle, self.world);
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
         let fuel = trail.metered.map(|m| {
