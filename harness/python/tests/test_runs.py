@@ -292,7 +292,8 @@ def test_a_run_that_goes_on_is_read_as_far_as_it_got(driven, tmp_path):
     assert vertibench.Run(tmp_path / "r").tasks == (json.loads(content[:first])["task"],)
     file.unlink()
     run = vertibench.Run(tmp_path / "r")
-    assert run.tasks == () and run.results("dict")["task"] == [] and len(run.results("arrow").column_names) == 49
+    assert run.tasks == () and run.results("dict")["task"] == []
+    assert run.results("arrow").column_names == vertibench.results(driven / "slow", "arrow").column_names
     with pytest.raises(vertibench.RunError, match="no task w001/t00 among its 0 finished tasks"):
         run.record("w001/t00")
 

@@ -17,7 +17,7 @@ try:
 except ImportError:
     raise MissingPackageError("pyarrow", "results and trajectories as frames") from None
 
-_TEXTS = ("task", "world", "elevation", "terrain", "density", "outcome", "three_way", "reason", "fault", "state_hash")
+_TEXTS = "task world elevation terrain density outcome three_way reason cause evidence fault".split()
 _COUNTS = ("sim_steps", "planner_steps", "clamped")
 _METRICS = (
     "samples roll_mean_deg roll_variance_deg2 roll_max_deg roll_end_deg pitch_mean_deg pitch_variance_deg2 pitch_max_deg "
@@ -46,8 +46,9 @@ def results(run: Run | str | PathLike[str], frame: str = "pandas") -> Any:
     The columns are the fields of tasks.jsonl (docs/results.md, docs/scoring.md) under the names that
     `vb-harness report --csv` gives them, and then what was run:
 
-    * `task`, `world`, `elevation`, `terrain`, `density`, `outcome`, `three_way`, `reason`, `fault` (missing without an
-      error), `time_s` (simulated time at the end, s), `state_hash`, `sim_steps`, `planner_steps`, `clamped`;
+    * `task`, `world`, `elevation`, `terrain`, `density`, `outcome`, `three_way`, `reason`, `cause` and `evidence` (what the
+      vehicle was up against; missing where it neither rolled over nor got stuck), `fault` (missing without an error),
+      `time_s` (simulated time at the end, s), `state_hash`, `sim_steps`, `planner_steps`, `clamped`;
     * the metrics, with units in their names: `roll_mean_deg`, `distance_m`, `speed_mean_m_per_s`, …; missing where a task
       ended before its first sample;
     * the planner's fuel, `fuel_total`, `fuel_p99_step`, …, and `memory_bytes`; missing for native planners and commands;
@@ -78,7 +79,7 @@ def _results(run: Run) -> pa.Table:
                 run.path / "tasks.jsonl", f"{name} is of a wrong type in some record", "restore the file"
             ) from None
 
-    columns = {name: column(None, name, pa.string()) for name in _TEXTS[:-1]}
+    columns = {name: column(None, name, pa.string()) for name in _TEXTS}
     columns["time_s"] = column(None, "time_s", pa.float64())
     columns["state_hash"] = column(None, "state_hash", pa.string())
     columns |= {name: column(None, name, pa.int64()) for name in _COUNTS}
