@@ -5,6 +5,7 @@ mod check;
 mod dataset;
 mod dispatch;
 mod error;
+mod film;
 mod inspect;
 mod leaderboard;
 mod merge;

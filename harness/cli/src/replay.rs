@@ -21,18 +21,31 @@ use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
 use crate::error::CliError;
-use crate::{output, places};
+use crate::{film, output, places};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Replay { task: &'a str, exact: Vec<bool>, page: Option<&'a Path>, mcap: Option<&'a Path> },
+    Replay {
+        task: &'a str,
+        exact: Vec<bool>,
+        page: Option<&'a Path>,
+        mcap: Option<&'a Path>,
+        video: Option<&'a Path>,
+        png: Option<&'a Path>,
+    },
 }
 
 pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
+    film::check(&args.film)?;
     let runs = Runs::read(&args.runs).map_err(CliError::input)?;
     let tasks = BTreeSet::from([args.task.clone()]);
-    let senses = Senses { sensors: args.sensors.as_deref(), perception: args.perception.as_deref() };
+    let filmed = args.film.video.is_some() || args.film.png.is_some();
+    // Sensors are shown by the page and by the file for Foxglove.
+    let seen = args.out.is_some() || args.mcap.is_some() || !filmed;
+    let none = [String::from("none")];
+    let sensors = if seen { args.sensors.as_deref() } else { Some(&none[..]) };
+    let senses = Senses { sensors, perception: args.perception.as_deref() };
     let mut player = Player::new(&runs, &args.data, senses, &tasks)?;
     let replay = player.replay(&args.task)?.ok_or_else(|| {
         // A single task that some run lacks is a mistake; of many it is one that isn't done yet.
@@ -55,13 +68,16 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     if let Some(path) = &args.mcap {
         write_mcap(&replay, path).map_err(CliError::output)?;
     }
-    let page_file = match (&args.out, &args.mcap) {
-        (Some(path), _) => {
+    if filmed {
+        film::write(&replay, &args.film, args.format.get())?;
+    }
+    let page_file = match &args.out {
+        Some(path) => {
             write(path, &page(&replay, &Links::default()))?;
             Some(path.clone())
         }
-        (None, Some(_)) => None,
-        (None, None) => {
+        None if args.mcap.is_some() || filmed => None,
+        None => {
             let path = temporary(&page(&replay, &Links::default()))?;
             open(&path);
             Some(path)
@@ -74,10 +90,12 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
             exact,
             page: page_file.as_deref(),
             mcap: args.mcap.as_deref(),
+            video: args.film.video.as_deref(),
+            png: args.film.png.as_deref(),
         });
         return Ok(());
     }
-    for path in page_file.iter().chain(&args.mcap) {
+    for path in page_file.iter().chain(&args.mcap).chain(&args.film.video).chain(&args.film.png) {
         output::note(&format!("wrote {}", path.display()));
     }
     Ok(())

@@ -2,11 +2,13 @@
 //!
 //! A [`Figure`] is drawn once, as SVG whose styles are classes, and the other formats are made from it: PDF by krilla, PNG by
 //! resvg. The font is Liberation Sans, which has the widths of Helvetica and Arial, as journals want them; its licence (SIL OFL
-//! 1.1) lies beside it. The same figure always gives the same bytes: nothing holds a date, or an identifier that is drawn.
+//! 1.1) lies beside it. An [`Overlay`] is a drawing with the same font that is laid over a picture. The same figure always gives the same bytes: nothing holds a date, or an identifier that is drawn.
 
 mod figure;
 mod font;
+mod overlay;
 mod web_font;
 
 pub use figure::{Figure, FigureError};
 pub use font::{Weight, text_width};
+pub use overlay::Overlay;

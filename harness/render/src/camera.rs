@@ -17,6 +17,17 @@ pub enum View {
         /// world.
         window: Option<f64>,
     },
+    /// From a place of one's own, level, with the opening of [`View::Chase`].
+    From(Sight),
+}
+
+/// A place to look from, and what is looked at; the one must not be straight above the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// The place of the eye in the world, m.
+    pub eye: [f64; 3],
+    /// The point in the middle of the picture, m.
+    pub at: [f64; 3],
 }
 
 /// The opening of the chase camera from top to bottom, degrees.
@@ -134,14 +145,13 @@ impl Camera {
     }
 }
 
-/// The camera behind a vehicle with its middle here and of this length, m.
-pub(crate) fn chase(
-    world: &World,
-    middle: &V3,
-    attitude: &UnitQuaternion<f64>,
-    length: f64,
-    samples: [usize; 2],
-) -> Camera {
+/// The camera that looks along a line of sight, for a vehicle of this length, m.
+pub(crate) fn along(sight: &Sight, length: f64, samples: [usize; 2]) -> Camera {
+    Camera::looking(sight.eye.into(), sight.at.into(), radians(OPENING), NEAR * length, samples)
+}
+
+/// The line of sight from behind a vehicle with its middle here and of this length, m.
+pub(crate) fn chase(world: &World, middle: &V3, attitude: &UnitQuaternion<f64>, length: f64) -> Sight {
     let nose = attitude * V3::x();
     let flat = hypot(nose.x, nose.y);
     // A vehicle on its nose or tail heads where its roof or floor looks.
@@ -162,7 +172,7 @@ pub(crate) fn chase(
             eye.z = eye.z.max(target.z + (needed - target.z) / share);
         }
     }
-    Camera::looking(eye, at, radians(OPENING), NEAR * length, samples)
+    Sight { eye: eye.into(), at: at.into() }
 }
 
 /// The height of ground and obstacles within `reach` of a place, or more, m.
@@ -276,7 +286,7 @@ mod tests {
                 stream.uniform(-3.2, 3.2),
             );
             let middle = V3::new(x, y, field.height(x, y) + 1.0);
-            let eye = chase(&world, &middle, &turn, length, [640, 480]).eye;
+            let eye = V3::from(chase(&world, &middle, &turn, length).eye);
             let inside = |v: f64| v.clamp(-32.0, 32.0);
             let ground = field.height(inside(eye.x), inside(eye.y));
             assert!(eye.z >= ground + CLEAR * length - 1e-9, "{eye:?} {ground}");
@@ -293,7 +303,7 @@ mod tests {
         let world =
             World::uniform("w", Heightfield::new(n, n, 1.0, heights), vb_world::TerrainClass::Rock, 0.5);
         let middle = V3::new(0.0, 0.0, 1.0);
-        let eye = chase(&world, &middle, &UnitQuaternion::identity(), length, [640, 480]).eye;
+        let eye = V3::from(chase(&world, &middle, &UnitQuaternion::identity(), length).eye);
         // The wall is at x = -6, the eye at x = -10.8.
         let sight = middle.z + (eye.z - middle.z) * 6.0 / -eye.x;
         assert!(eye.x < -10.0 && sight > 4.0, "{eye:?} {sight}");
@@ -301,7 +311,7 @@ mod tests {
         let heights = (0..n * n).map(|i| if i == 32 * n + 20 { 20.0 } else { 0.0 }).collect();
         let field = Heightfield::new(n, n, 1.0, heights);
         let world = World::uniform("w", field, vb_world::TerrainClass::Rock, 0.5);
-        let eye = chase(&world, &middle, &UnitQuaternion::identity(), length, [640, 480]).eye;
+        let eye = V3::from(chase(&world, &middle, &UnitQuaternion::identity(), length).eye);
         assert!(eye.x < -10.8 && eye.z >= 20.0 + CLEAR * length, "{eye:?}");
     }
 }

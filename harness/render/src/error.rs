@@ -20,6 +20,9 @@ pub enum RenderError {
         /// The side asked for, m.
         f64,
     ),
+    /// The line of sight has no direction, or is vertical.
+    #[error("a line of sight that is vertical or isn't finite has no picture")]
+    Sight,
     /// The vehicle's place or attitude is not a finite number.
     #[error("a vehicle at a pose that isn't finite can't be drawn")]
     Pose,

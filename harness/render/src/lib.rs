@@ -1,7 +1,7 @@
 //! What a world with a vehicle in it looks like, as a picture in red, green and blue, computed without a GPU.
 //!
 //! A [`Painter`] prepares what stays as it is in a trial: the colours of the ground with light and shadow, the solids of
-//! obstacles and vehicle. [`Painter::picture`] then draws a [`Moment`] in one of two [`View`]s. The same arguments give
+//! obstacles and vehicle. [`Painter::picture`] then draws a [`Moment`] as seen by a [`View`]. The same arguments give
 //! the same bytes on every machine.
 //!
 //! A picture is made in two steps. Triangles are drawn on a canvas (`canvas`) of 2 × 2 samples a pixel, which keeps for
@@ -22,7 +22,7 @@ mod texture;
 mod tracks;
 mod vehicle;
 
-pub use camera::View;
+pub use camera::{Sight, View};
 pub use error::RenderError;
 pub use painter::{Change, Moment, Painter, Size};
 

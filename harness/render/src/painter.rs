@@ -1,6 +1,6 @@
 //! What draws pictures.
 
-use crate::camera::{Lens, View, chase, top_down};
+use crate::camera::{Lens, Sight, View, along, chase, top_down};
 use crate::canvas::Canvas;
 use crate::develop::{Grain, Look};
 use crate::error::RenderError;
@@ -13,7 +13,7 @@ use crate::vehicle::Vehicle;
 use crate::{Colour, V3};
 use nalgebra::UnitQuaternion;
 use std::sync::Arc;
-use vb_math::atan2;
+use vb_math::{atan2, hypot};
 use vb_sim::VehicleState;
 use vb_vehicle::VehicleModel;
 use vb_world::{Obstacle, ObstacleKind, World};
@@ -134,12 +134,19 @@ impl Painter {
         }
     }
 
+    /// The line of sight of [`View::Chase`] for a vehicle in this state, from which a film makes a camera that moves smoothly.
+    #[must_use]
+    pub fn chase(&self, state: &VehicleState) -> Sight {
+        chase(&self.world, &self.vehicle.middle(state), &state.attitude, self.vehicle.length())
+    }
+
     /// The picture of a moment: red, green and blue in sRGB of each pixel, a byte each, row by row from the top and from
     /// left to right within a row. Points of path, trail and goal that are not finite are left out.
     ///
     /// # Errors
     /// Returns [`RenderError::Size`] if a side has no pixels or more than [`Size::MAX`], [`RenderError::Window`] if the
-    /// window of [`View::Top`] is not a positive number, and [`RenderError::Pose`] if the vehicle's position or attitude
+    /// window of [`View::Top`] is not a positive number, [`RenderError::Sight`] if the line of sight of [`View::From`] is
+    /// vertical or not finite, and [`RenderError::Pose`] if the vehicle's position or attitude
     /// is not finite.
     pub fn picture(&self, view: View, size: Size, moment: &Moment<'_>) -> Result<Vec<u8>, RenderError> {
         size.check()?;
@@ -148,6 +155,11 @@ impl Painter {
         {
             return Err(RenderError::Window(side));
         }
+        if let View::From(Sight { eye, at }) = view
+            && !(eye.iter().chain(&at).all(|v| v.is_finite()) && hypot(eye[0] - at[0], eye[1] - at[1]) > 0.0)
+        {
+            return Err(RenderError::Sight);
+        }
         let state = moment.state;
         if !state.position.iter().chain(state.attitude.coords.iter()).all(|v| v.is_finite()) {
             return Err(RenderError::Pose);
@@ -155,12 +167,13 @@ impl Painter {
         let samples = [size.width, size.height].map(|n| SAMPLES * n as usize);
         let (field, unit, length) = (&self.world.heightfield, self.world.scale, self.vehicle.length());
         let camera = match view {
-            View::Chase => chase(&self.world, &self.vehicle.middle(state), &state.attitude, length, samples),
+            View::Chase => along(&self.chase(state), length, samples),
+            View::From(sight) => along(&sight, length, samples),
             View::Top { window } => top_down(field, self.range, &state.position, window, samples),
         };
         let mut canvas = Canvas::new(camera);
         self.ground.draw(&mut canvas, field);
-        if view == View::Chase {
+        if matches!(camera.lens, Lens::Pinhole { .. }) {
             Ground::surround(&mut canvas, field, unit);
         }
         for body in self.obstacles.iter().filter(|b| !camera.misses(&b.centre, b.radius)) {

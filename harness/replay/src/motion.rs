@@ -33,6 +33,8 @@ pub struct WheelFrame {
     pub axis: [f64; 3],
     /// The angle that it has turned since the start, rad.
     pub angle: f64,
+    /// The suspension travel from the design position, m, positive in compression.
+    pub travel: f64,
 }
 
 /// What the ground and a wheel do to each other at one instant.
@@ -84,6 +86,8 @@ pub struct Motion {
     pub repeat: Repeat,
     /// The vehicle's state and commands, frame by frame.
     pub frames: Vec<Sample>,
+    /// The steering of each frame after the rate limit, in [-1, 1], positive to the left; from samples, the command.
+    pub steering: Vec<f64>,
     /// Number of wheels.
     pub wheels: usize,
     /// `frames.len() * wheels` entries: the wheels of the first frame, those of the second, …
@@ -135,6 +139,7 @@ impl Motion {
         let mut motion = Self {
             repeat: Repeat::Exact,
             frames: Vec::new(),
+            steering: Vec::new(),
             wheels: 2 * setting.vehicle.axles().len(),
             wheel_frames: Vec::new(),
             contacts: Vec::new(),
@@ -171,6 +176,7 @@ impl Motion {
             if k % every == 0 || k == samples {
                 let travels: Vec<f64> = state.wheels.iter().map(|w| w.deflection).collect();
                 motion.push(sample(&state, controls), setting.vehicle, &travels, &angles, state.steering);
+                motion.steering.push(state.steering);
                 motion.push_contacts(&state, setting);
             }
             if k % LOOK_AT_RUTS == 0 || k == samples {
@@ -188,6 +194,7 @@ impl Motion {
         let mut motion = Self {
             repeat: Repeat::Samples,
             frames: Vec::with_capacity(trace.samples.len()),
+            steering: trace.samples.iter().map(|s| s.steering).collect(),
             wheels,
             wheel_frames: Vec::with_capacity(trace.samples.len() * wheels),
             contacts: Vec::new(),
@@ -227,6 +234,7 @@ impl Motion {
                     hub: hub.into(),
                     axis: axis.into(),
                     angle: angles[2 * a + i],
+                    travel: own[i],
                 });
             }
         }
@@ -272,7 +280,8 @@ impl Motion {
 }
 
 /// The attitude of a sample: body axes to world axes.
-pub(crate) fn attitude(s: &Sample) -> UnitQuaternion<f64> {
+#[must_use]
+pub fn attitude(s: &Sample) -> UnitQuaternion<f64> {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     about(Vector3::z_axis(), s.yaw) * about(Vector3::y_axis(), s.pitch) * about(Vector3::x_axis(), s.roll)
 }

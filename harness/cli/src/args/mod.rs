@@ -22,7 +22,7 @@ pub(crate) use dataset::{
     FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs, TeleopArgs,
 };
 pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
-pub(crate) use results::{ReplayArgs, ReplayData, ReportArgs};
+pub(crate) use results::{CameraName, FilmArgs, ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};

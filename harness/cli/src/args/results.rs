@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::FormatArgs;
-use super::values::{figure_width, positive};
+use super::values::{figure_width, frame_size, not_negative, positive};
 
 #[derive(Debug, Default, Args)]
 pub(crate) struct ReportArgs {
@@ -65,6 +65,54 @@ pub(crate) struct ReplayData {
     pub(crate) soils: Option<String>,
 }
 
+/// From where a film is shot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CameraName {
+    /// From behind the vehicle.
+    #[default]
+    Chase,
+    /// From above the vehicle, north up.
+    Top,
+    /// The whole world from above, north up.
+    Map,
+}
+
+/// Pictures and videos of a task, several runs beside each other.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Video and picture")]
+pub(crate) struct FilmArgs {
+    /// Write a video, and no page unless --out is given: a .gif, or by ffmpeg a .mp4 or .webm
+    #[arg(long, value_name = "FILE")]
+    pub(crate) video: Option<PathBuf>,
+    /// Write a picture of one moment (--at), and no page unless --out is given
+    #[arg(long, value_name = "FILE")]
+    pub(crate) png: Option<PathBuf>,
+    /// From where it is seen; default: chase
+    #[arg(long, value_enum)]
+    pub(crate) camera: Option<CameraName>,
+    /// Columns and rows of pixels, e.g. 1920x1080; default: 640x360 for .gif, else 1280x720
+    #[arg(long, value_name = "WxH", value_parser = frame_size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// For --png: the moment, s; default: the end of the longest run
+    #[arg(long, value_name = "S", value_parser = not_negative, requires = "png")]
+    pub(crate) at: Option<f64>,
+    /// For --video: the first moment, s; default: the start
+    #[arg(long, value_name = "S", value_parser = not_negative, requires = "video")]
+    pub(crate) from: Option<f64>,
+    /// For --video: the last moment, s; default: the end of the longest run
+    #[arg(long, value_name = "S", value_parser = not_negative, requires = "video")]
+    pub(crate) to: Option<f64>,
+    /// For --video: how fast it plays, e.g. 4 for four times as fast as it was driven; default: 1
+    #[arg(long, value_name = "FACTOR", value_parser = positive, requires = "video")]
+    pub(crate) speed: Option<f64>,
+    /// For --video: frames a second; default: 20 for .gif, else 30
+    #[arg(long, value_name = "N", value_parser = positive, requires = "video")]
+    pub(crate) fps: Option<f64>,
+    /// Leave out what is written over the pictures: planner, time, speed, outcome
+    #[arg(long)]
+    pub(crate) no_captions: bool,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
     /// Directories of runs of one suite; the first is followed, others are ghosts
@@ -86,6 +134,8 @@ pub(crate) struct ReplayArgs {
     /// Write an MCAP file with Foxglove's schemas, and no page unless --out is given
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) film: FilmArgs,
     #[command(flatten)]
     pub(crate) data: ReplayData,
     #[command(flatten)]

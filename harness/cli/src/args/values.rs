@@ -16,6 +16,20 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "want a number above 0".into())
 }
 
+/// A number that isn't below 0.
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
+    value.ok_or_else(|| "want a number that is not below 0".into())
+}
+
+/// Columns and rows of pixels.
+pub(super) fn frame_size(text: &str) -> Result<[u32; 2], String> {
+    let side = |t: &str| t.parse::<u32>().ok().filter(|n| (64..=vb_render::Size::MAX).contains(n));
+    let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| side(w).zip(side(h)));
+    let wanted = || format!("want columns and rows of 64 to {} pixels, e.g. 1280x720", vb_render::Size::MAX);
+    sides.map(|(w, h)| [w, h]).ok_or_else(wanted)
+}
+
 /// Widths of figures in a column and across the page, inches; one for both where a page has one column.
 pub(super) fn figure_width(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| positive(t).ok().filter(|v| *v <= 40.0);

@@ -1,0 +1,91 @@
+//! The pictures and videos of `vb-harness replay`.
+
+use std::io::IsTerminal as _;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use vb_film::{Camera, Course, Film, FilmError, Schedule, Style, VideoFormat, write_picture, write_video};
+use vb_render::Size;
+use vb_replay::Replay;
+
+use crate::args::{CameraName, FilmArgs, JobsArgs, MessageFormat};
+use crate::error::CliError;
+
+impl From<CameraName> for Camera {
+    fn from(name: CameraName) -> Self {
+        match name {
+            CameraName::Chase => Self::Chase,
+            CameraName::Top => Self::Top,
+            CameraName::Map => Self::Map,
+        }
+    }
+}
+
+/// What an error of a film is to the user: one of the command line, of the machine's, or of the files'.
+fn failed(e: FilmError) -> CliError {
+    match e {
+        FilmError::Encoder { .. } | FilmError::Write { .. } => CliError::output(e),
+        FilmError::Run { .. } | FilmError::Picture { .. } | FilmError::Caption(_) => CliError::input(e),
+        _ => CliError::usage(e),
+    }
+}
+
+/// The size of frames, and how many there are in a second of a video in a format.
+fn sizes(args: &FilmArgs, format: VideoFormat) -> (Size, f64) {
+    let (fps, size) = format.usual();
+    let size = args.size.map_or(size, |[width, height]| Size { width, height });
+    (size, args.fps.unwrap_or(fps))
+}
+
+/// Fails before anything is read if what is asked for can't be had.
+pub(crate) fn check(args: &FilmArgs) -> Result<(), CliError> {
+    if args.video.is_none() && args.png.is_none() {
+        let given = [
+            ("--camera", args.camera.is_some()),
+            ("--size", args.size.is_some()),
+            ("--no-captions", args.no_captions),
+        ];
+        return match given.iter().find(|(_, given)| *given) {
+            Some((option, _)) => Err(CliError::usage(format!(
+                "{option} is of videos and pictures (add --video FILE or --png FILE)"
+            ))),
+            None => Ok(()),
+        };
+    }
+    if let Some(path) = &args.video {
+        let format = VideoFormat::of(path).map_err(failed)?;
+        let (size, fps) = sizes(args, format);
+        format.check(size, fps).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// Writes the video, the picture or both.
+pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> Result<(), CliError> {
+    let style =
+        |size| Style { camera: args.camera.unwrap_or_default().into(), size, captions: !args.no_captions };
+    if let Some(path) = &args.video {
+        let (size, fps) = sizes(args, VideoFormat::of(path).map_err(failed)?);
+        let film = Film::new(replay, style(size)).map_err(failed)?;
+        let course = Course { from: args.from, to: args.to, speed: args.speed.unwrap_or(1.0), fps };
+        let schedule = Schedule::new(course, film.end()).map_err(failed)?;
+        let bar = if format == MessageFormat::Human && std::io::stderr().is_terminal() {
+            ProgressBar::new(schedule.times.len() as u64)
+        } else {
+            ProgressBar::hidden()
+        };
+        if let Ok(look) = ProgressStyle::with_template("{wide_bar} {pos}/{len} frames, {eta} left") {
+            bar.set_style(look);
+        }
+        let threads = JobsArgs::default().get();
+        let written =
+            write_video(&film, &schedule, path, threads, &mut |drawn| bar.set_position(drawn as u64));
+        bar.finish_and_clear();
+        written.map_err(failed)?;
+    }
+    if let Some(path) = &args.png {
+        let size = args.size.map_or(VideoFormat::Mp4.usual().1, |[width, height]| Size { width, height });
+        let film = Film::new(replay, style(size)).map_err(failed)?;
+        write_picture(&film, args.at.unwrap_or(film.end()), path).map_err(failed)?;
+    }
+    Ok(())
+}

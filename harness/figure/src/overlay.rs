@@ -1,0 +1,83 @@
+//! A drawing that is laid over a picture.
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree};
+
+use crate::figure::FigureError;
+use crate::font::{FAMILY, database};
+
+/// A drawing on clear ground, such as the caption of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlay {
+    pixels: Pixmap,
+}
+
+impl Overlay {
+    /// Draws SVG elements, whose unit is a pixel, on clear ground of so many columns and rows. `style` is a style sheet of simple
+    /// selectors; texts are in Liberation Sans.
+    ///
+    /// # Errors
+    /// Returns an error if `body` is no SVG, or if there are no pixels.
+    pub fn new(style: &str, body: &str, [width, height]: [u32; 2]) -> Result<Self, FigureError> {
+        let failed = |reason: String| FigureError::Svg { title: "caption".to_owned(), reason };
+        let document = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"><style>text{{font-family:\"{FAMILY}\"}}{style}</style>\
+             {body}</svg>"
+        );
+        let options = Options { fontdb: database(), font_family: FAMILY.to_owned(), ..Options::default() };
+        let tree = Tree::from_str(&document, &options).map_err(|e| failed(e.to_string()))?;
+        let mut pixels = Pixmap::new(width, height).ok_or_else(|| failed("it has no size".to_owned()))?;
+        resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
+        Ok(Self { pixels })
+    }
+
+    /// Lays the drawing over a picture of rows of red, green and blue from the top, `columns` pixels wide, with its upper left corner
+    /// at (x, y). What reaches beyond the picture is left out.
+    pub fn lay_over(&self, picture: &mut [u8], columns: usize, [x, y]: [usize; 2]) {
+        let own = self.pixels.width() as usize;
+        let rows = picture.chunks_exact_mut(3 * columns.max(1)).skip(y);
+        for (row, source) in rows.zip(self.pixels.pixels().chunks_exact(own)) {
+            for (dot, over) in row.chunks_exact_mut(3).skip(x).zip(source) {
+                // Colours of the drawing are multiplied by their opacity already.
+                let rest = 255 - u32::from(over.alpha());
+                for (under, own) in dot.iter_mut().zip([over.red(), over.green(), over.blue()]) {
+                    let sum = u32::from(own) + (u32::from(*under) * rest + 127) / 255;
+                    *under = sum.min(255) as u8;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opacity_mixes_drawing_and_picture() {
+        // Two columns of white at 50 and 100 %, one that stays clear.
+        let body = "<rect width=\"1\" height=\"1\" class=\"w\" opacity=\"0.5\"/><rect x=\"1\" width=\"1\" height=\"1\" class=\"w\"/>";
+        let overlay = Overlay::new(".w{fill:#fff}", body, [3, 1]).unwrap();
+        let mut picture = vec![100; 2 * 4 * 3];
+        overlay.lay_over(&mut picture, 4, [1, 1]);
+        assert_eq!(picture[..15], [100; 15], "above and left of it nothing changes");
+        // (100 + 255) / 2, and white.
+        assert!(picture[15..18].iter().all(|v| (177..=178).contains(v)), "{:?}", &picture[15..18]);
+        assert_eq!(picture[18..], [255, 255, 255, 100, 100, 100]);
+        // Beyond the edges it is cut off.
+        overlay.lay_over(&mut picture, 4, [3, 1]);
+        overlay.lay_over(&mut picture, 4, [9, 9]);
+    }
+
+    #[test]
+    fn texts_are_drawn_without_fonts_of_the_machine() {
+        let overlay =
+            Overlay::new("text{fill:#000;font-size:20px}", "<text x=\"2\" y=\"20\">Il</text>", [40, 26]).unwrap();
+        let mut picture = vec![255; 40 * 26 * 3];
+        overlay.lay_over(&mut picture, 40, [0, 0]);
+        let dark = picture.chunks(3).filter(|p| p[0] < 128).count();
+        // Two strokes about 14 pixels high and 2 wide.
+        assert!((40..=90).contains(&dark), "{dark}");
+        assert!(Overlay::new("", "<text", [4, 4]).is_err() && Overlay::new("", "", [0, 4]).is_err());
+    }
+}
