@@ -72,7 +72,8 @@ mod tests {
     #[test]
     fn texts_are_drawn_without_fonts_of_the_machine() {
         let overlay =
-            Overlay::new("text{fill:#000;font-size:20px}", "<text x=\"2\" y=\"20\">Il</text>", [40, 26]).unwrap();
+            Overlay::new("text{fill:#000;font-size:20px}", "<text x=\"2\" y=\"20\">Il</text>", [40, 26])
+                .unwrap();
         let mut picture = vec![255; 40 * 26 * 3];
         overlay.lay_over(&mut picture, 40, [0, 0]);
         let dark = picture.chunks(3).filter(|p| p[0] < 128).count();

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use vb_figure::{FigureError, Overlay, Weight, text_width};
-use vb_page::escape;
+use vb_page::{escape, number};
 use vb_render::Size;
 
 /// Rows of a panel for one row of a letter's em, and the least and the greatest size of letters, pixels.
@@ -43,12 +43,6 @@ fn cut(text: &str, weight: Weight, width: f64) -> String {
     format!("{}…", kept.trim_end())
 }
 
-/// A whole number of degrees; none of them is a negative zero.
-fn whole(degrees: f64) -> String {
-    let rounded = degrees.round() + 0.0;
-    format!("{rounded:.0}°").replace('-', "−")
-}
-
 /// Draws lines of text, each bold or not and of a class, on a dark ground in a corner of a panel.
 fn lines(lines: &[(String, Weight, &str)], size: Size, top: bool) -> Result<Overlay, FigureError> {
     let [width, height] = [size.width, size.height].map(f64::from);
@@ -79,15 +73,13 @@ fn lines(lines: &[(String, Weight, &str)], size: Size, top: bool) -> Result<Over
 pub(crate) fn of_run(said: &Said<'_>, size: Size) -> Result<Overlay, FigureError> {
     let time = format!("{:.1} s", said.time);
     let second = match said.ended {
-        Some((how, good)) => {
-            (format!("{how} after {time}"), Weight::Bold, if good { "good" } else { "bad" })
-        }
+        Some((how, good)) => (format!("{how} after {time}"), Weight::Bold, if good { "good" } else { "bad" }),
         None => {
             let text = format!(
-                "{time} · {:.1} m/s · roll {} · pitch {}",
+                "{time} · {:.1} m/s · roll {}° · pitch {}°",
                 said.speed,
-                whole(said.roll),
-                whole(said.pitch)
+                number(said.roll, 0),
+                number(said.pitch, 0)
             );
             (text, Weight::Regular, "")
         }
@@ -110,11 +102,6 @@ mod tests {
         let short = cut("a planner with a very long name", Weight::Bold, 8.0);
         assert!(short.ends_with('…') && short.starts_with("a plan"), "{short}");
         assert!(text_width(&short, Weight::Bold) <= 8.0);
-    }
-
-    #[test]
-    fn angles_have_a_minus_and_no_negative_zero() {
-        assert_eq!([12.4, -0.3, -7.6].map(whole), ["12°", "0°", "−8°"]);
     }
 
     #[test]

@@ -18,7 +18,9 @@ pub enum FilmError {
         most: usize,
     },
     /// The frame is too small for so many panels.
-    #[error("a frame of {width}x{height} pixels is too small for {runs} runs (each needs {least} pixels across and down; choose a larger --size)")]
+    #[error(
+        "a frame of {width}x{height} pixels is too small for {runs} runs (each needs {least} pixels across and down; choose a larger --size)"
+    )]
     Small {
         /// The number of columns of pixels.
         width: u32,
@@ -50,7 +52,9 @@ pub enum FilmError {
         most: f64,
     },
     /// A video of so many frames that something was surely mistaken.
-    #[error("a video of {frames} frames is too long (most are {most}: choose fewer --fps, a higher --speed, or --from and --to)")]
+    #[error(
+        "a video of {frames} frames is too long (most are {most}: choose fewer --fps, a higher --speed, or --from and --to)"
+    )]
     Long {
         /// The number of frames.
         frames: u64,
@@ -64,7 +68,9 @@ pub enum FilmError {
         path: PathBuf,
     },
     /// Sides that the encoder can't take.
-    #[error("{format} files have an even number of columns and rows, and {width}x{height} is not (choose another --size, or .gif)")]
+    #[error(
+        "{format} files have an even number of columns and rows, and {width}x{height} is not (choose another --size, or .gif)"
+    )]
     Odd {
         /// The name of the format.
         format: &'static str,
@@ -74,7 +80,9 @@ pub enum FilmError {
         height: u32,
     },
     /// There is no ffmpeg.
-    #[error("{format} files are made by ffmpeg, which is not on the PATH (install it, e.g. `apt-get install ffmpeg`, or write a .gif)")]
+    #[error(
+        "{format} files are made by ffmpeg, which is not on the PATH (install it, e.g. `apt-get install ffmpeg`, or write a .gif)"
+    )]
     NoEncoder {
         /// The name of the format.
         format: &'static str,

@@ -48,7 +48,16 @@ impl Encoder {
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let part = path.with_file_name(format!(".{name}.part"));
         let mut command = Command::new(PROGRAM);
-        command.args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"]);
+        command.args([
+            "-hide_banner",
+            "-loglevel",
+            "error",
+            "-y",
+            "-f",
+            "rawvideo",
+            "-pixel_format",
+            "rgb24",
+        ]);
         command.args(["-video_size", &format!("{}x{}", size.width, size.height)]);
         command.args(["-framerate", &fps.to_string(), "-i", "pipe:0", "-an"]);
         // No version and no time in the file.
@@ -88,7 +97,9 @@ impl Encoder {
         let status = self.child.wait().map_err(|e| failed(e.to_string()))?;
         let said = self.said.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
         let result = if status.success() {
-            drawn.and_then(|()| std::fs::rename(&self.part, &self.path).map_err(|e| cannot_write(&self.path, &e)))
+            drawn.and_then(|()| {
+                std::fs::rename(&self.part, &self.path).map_err(|e| cannot_write(&self.path, &e))
+            })
         } else {
             let last = said.lines().rev().find(|l| !l.trim().is_empty());
             Err(failed(last.map_or_else(|| status.to_string(), |l| l.trim().to_owned())))

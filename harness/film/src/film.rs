@@ -53,7 +53,9 @@ impl Film {
             }
             let spec = &*run.vehicle;
             if run.motion.wheels != 2 * spec.axles.len() {
-                return Err(wrong("its vehicle has other wheels than the trace (name the run's with --vehicle)"));
+                return Err(wrong(
+                    "its vehicle has other wheels than the trace (name the run's with --vehicle)",
+                ));
             }
             let painter = match painters.iter().find(|(of, _)| *of == spec) {
                 Some((_, painter)) => painter.clone(),
@@ -109,7 +111,8 @@ impl Film {
             let picture = panel
                 .picture(&self.stage, time, size)
                 .map_err(|source| FilmError::Picture { task: self.task.clone(), source })?;
-            for (row, source) in frame.chunks_exact_mut(3 * columns).skip(y).zip(picture.chunks_exact(width)) {
+            for (row, source) in frame.chunks_exact_mut(3 * columns).skip(y).zip(picture.chunks_exact(width))
+            {
                 row[3 * x..3 * x + width].copy_from_slice(source);
             }
             if self.style.captions {

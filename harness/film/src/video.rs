@@ -128,7 +128,8 @@ pub fn write_video(
         return gif_file::write(film, schedule, path, threads, told);
     }
     let mut encoder = ffmpeg::Encoder::start(format, film.size(), schedule.fps, path)?;
-    let drawn = in_order(&schedule.times, threads, told, |_, time| film.frame(time), |frame| encoder.take(&frame));
+    let drawn =
+        in_order(&schedule.times, threads, told, |_, time| film.frame(time), |frame| encoder.take(&frame));
     encoder.finish(drawn)
 }
 

@@ -1,9 +1,12 @@
 //! Text in pages.
 
-/// Text that is safe in HTML and SVG, between tags and in quoted attributes.
+/// Text that is safe in HTML and SVG, between tags and in quoted attributes. Characters that XML can't hold (XML 1.0, production 2)
+/// become the replacement character: a file of SVG with one of them would be none.
 #[must_use]
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
+    let held = |c: char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
+    text.replace(|c| !held(c), "\u{fffd}")
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
@@ -64,6 +67,12 @@ mod tests {
         assert!(!text.contains('<') && !text.contains('\u{2028}'), "{text}");
         let back: Vec<String> = serde_json::from_str(&text).unwrap();
         assert_eq!(back[0], "</script><script>alert(1)</script>");
+    }
+
+    #[test]
+    fn text_is_escaped_and_has_no_character_that_xml_lacks() {
+        assert_eq!(escape("a<b & \"c\"\n\t'd'>"), "a&lt;b &amp; &quot;c&quot;\n\t&#39;d&#39;&gt;");
+        assert_eq!(escape("\0\u{1}é\u{1b}[0m\u{ffff}"), "\u{fffd}\u{fffd}é\u{fffd}[0m\u{fffd}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod dataset;
 mod determinism;
 mod fail_fast;
 mod figures;
+mod films;
 mod full_disk;
 mod golden;
 mod hybrid;
