@@ -5,6 +5,7 @@ mod convergence;
 mod examples;
 mod fuzz;
 mod models;
+mod pictures;
 mod plugins;
 mod prove;
 mod run;
@@ -40,6 +41,7 @@ Tasks:
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
+  pictures              Drive the small suite with four planners, and make the README's pictures anew (needs Chromium)
   prove SUITE           Let the expert and Ibex drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         ["compare-chrono", "--all"] => compare::compare_chrono(true),
         ["suites"] => build_harness().and_then(|()| suites::write()),
         ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
+        ["pictures"] => pictures::pictures(),
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["abi"] => abi(),
         ["models"] => models::models(),
