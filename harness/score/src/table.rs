@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use vb_record::{planner_with_params, suite_with_selection};
 
-use crate::{Group, Outcome, Summary};
+use crate::{Cause, Group, Outcome, Summary};
 
 const COLUMNS: [&str; 11] = [
     "",
@@ -151,8 +151,7 @@ fn wrapped(text: &str, width: Option<usize>) -> String {
 
 /// How often each cause stopped the vehicle, the most frequent first.
 fn by_cause(g: &Group) -> Vec<String> {
-    let mut causes: Vec<_> = g.causes.iter().collect();
-    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(**n), **cause));
+    let causes = Cause::by_frequency(|cause| g.causes.get(&cause).copied().unwrap_or(0));
     causes.iter().map(|(cause, n)| format!("{n} {}", cause.title())).collect()
 }
 

@@ -116,9 +116,7 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
         let _ = write!(s, "<div><dt>{name}</dt><dd>{}</dd></div>", grouped(e.figures.count(*outcome)));
     }
     s.push_str("</dl>");
-    let mut causes: Vec<(Cause, u64)> =
-        Cause::ALL.iter().map(|c| (*c, e.figures.caused(*c))).filter(|(_, n)| *n > 0).collect();
-    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+    let causes = Cause::by_frequency(|cause| e.figures.caused(cause));
     if !causes.is_empty() {
         s.push_str("<h3>What stopped it</h3><dl class=\"figures\">");
         for (cause, n) in causes {

@@ -191,10 +191,9 @@ fn details(e: &Entry) -> String {
         })
         .collect();
     parts.push(format!("rollover {} %", share(Outcome::Rollover)));
-    let most = Cause::ALL.iter().max_by_key(|c| (f.caused(**c), std::cmp::Reverse(**c)));
-    let most = most.filter(|c| f.caused(**c) > 0);
-    let why = most.map_or_else(String::new, |c| {
-        format!(" (most often {}: {} %)", c.title(), percent(f.caused(*c) as f64 / f.tasks.max(1) as f64))
+    let most = Cause::by_frequency(|cause| f.caused(cause));
+    let why = most.first().map_or_else(String::new, |(cause, n)| {
+        format!(" (most often {}: {} %)", cause.title(), percent(*n as f64 / f.tasks.max(1) as f64))
     });
     parts.push(format!("stuck {} %{why}", share(Outcome::Stuck)));
     let other = f.tasks
