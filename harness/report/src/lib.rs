@@ -27,8 +27,8 @@ mod verdict;
 
 pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
-pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
-pub use maps::MapLinks;
+pub use figures::{Estimate, Figures, Measure, RunFigures, Split, heat};
+pub use maps::{MAP_SIDE, MapLinks, THUMBNAIL_STYLE, WorldMap};
 pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::{Beside, Report};
