@@ -39,7 +39,8 @@ fn cell(e: Option<Estimate>, measure: Measure, write: fn(f64, usize) -> String) 
     }
 }
 
-fn mean(e: Option<Estimate>, measure: Measure) -> String {
+/// The same with the signs of values.
+pub(crate) fn mean(e: Option<Estimate>, measure: Measure) -> String {
     cell(e, measure, number)
 }
 
@@ -116,7 +117,7 @@ impl Report {
     }
 
     /// A line for each run: by rank if there are several, with what ended its tasks.
-    fn markdown_results(&self, s: &mut String) {
+    pub(crate) fn markdown_results(&self, s: &mut String) {
         let ranked = self.ranking.is_some();
         let (head, line) = if ranked { ("| rank ", "|--:") } else { ("", "") };
         let _ = write!(

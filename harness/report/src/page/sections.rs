@@ -68,7 +68,7 @@ pub(super) fn legend(s: &mut String, report: &Report) {
 }
 
 /// A mean with its interval: `25.1 [24.0, 26.3]`.
-pub(super) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
+pub(crate) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
     let Some(e) = e else { return "–".into() };
     let v = |v: f64| number(measure.shown(v), 1);
     match e.interval {
