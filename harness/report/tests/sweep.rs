@@ -14,7 +14,7 @@ use vb_score::{Rules, Summary};
 
 /// A run of eight worlds of four tasks, of which the first `done` of each succeed.
 fn row(dir: &Path, planner: &str, vehicle: &str, seed: u64, done: usize) -> SweepRow {
-    let run = format!("{}--{}--{seed}", planner.len(), vehicle.len());
+    let run = format!("{}--{}--{seed}", planner.len(), vehicle.bytes().map(usize::from).sum::<usize>());
     let header = RunHeader {
         vehicle: DataHeader { name: vehicle.into(), hash: "cc".repeat(32) },
         seed,
