@@ -8,11 +8,12 @@ use vb_replay::Links;
 use vb_report::Runs;
 use vb_submission::SubmissionError;
 use vb_submission::leaderboard::{self, Entry};
+use vb_world::Suite;
 
 use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
 use crate::output;
-use crate::replay::{Player, Senses};
+use crate::replay::{Player, Senses, suite_of};
 use crate::submission::failed;
 
 impl LeaderboardCommand {
@@ -31,17 +32,7 @@ enum Message<'a> {
 }
 
 pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
-    let mut make = |entry: &Entry, runs: &Runs, out: &Path| -> Result<BTreeSet<String>, SubmissionError> {
-        match replays(entry, runs, out) {
-            Ok(made) => Ok(made),
-            // The site stands without them, where a suite isn't at hand for instance.
-            Err(e) => {
-                output::note(&format!("entry {}: no replays: {e}", entry.id));
-                Ok(BTreeSet::new())
-            }
-        }
-    };
-    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut make).map_err(failed)?;
+    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown).map_err(failed)?;
     let entries = site.boards.iter().map(|b| b.entries.len()).sum();
     match args.format.get() {
         MessageFormat::Json => {
@@ -55,6 +46,28 @@ pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
         }
     }
     Ok(())
+}
+
+/// Suites and replays by what comes with the harness. The site stands without them, where a suite isn't at hand for instance.
+struct Shown;
+
+impl leaderboard::Source for Shown {
+    fn suite(&mut self, entry: &Entry, runs: &Runs) -> Option<Suite> {
+        let found = suite_of(&runs.runs[0].header, None);
+        found.map_err(|e| output::note(&format!("entry {}: no maps: {e}", entry.id))).ok()
+    }
+
+    fn replays(
+        &mut self,
+        entry: &Entry,
+        runs: &Runs,
+        out: &Path,
+    ) -> Result<BTreeSet<String>, SubmissionError> {
+        Ok(replays(entry, runs, out).unwrap_or_else(|e| {
+            output::note(&format!("entry {}: no replays: {e}", entry.id));
+            BTreeSet::new()
+        }))
+    }
 }
 
 fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, CliError> {

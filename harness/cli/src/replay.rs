@@ -306,16 +306,22 @@ pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suit
         None => {
             let named = places::catalog().suites().unwrap_or_default();
             let named = named.into_iter().filter(|p| p.file_name().is_some_and(|n| *n == *header.suite.name));
-            std::iter::once(PathBuf::from(&header.suite.path)).chain(named).collect()
+            // A submission doesn't say where its suite was.
+            let own = Some(PathBuf::from(&header.suite.path)).filter(|p| !p.as_os_str().is_empty());
+            own.into_iter().chain(named).collect()
         }
     };
     let opened = places.iter().filter_map(|p| Suite::open(p).ok());
     opened.into_iter().find(|s| s.hash() == header.suite.hash).ok_or_else(|| {
+        let looked: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
+        let place = match looked.is_empty() {
+            true => "among those that come with the harness".to_owned(),
+            false => format!("at {}", looked.join(" nor at ")),
+        };
         CliError::input(format!(
-            "suite {} of the run (hash {}) is not at {} (name its folder with --suite)",
+            "suite {} of the run (hash {}) is not {place} (name its folder with --suite)",
             header.suite.name,
             header.suite.hash.get(..12).unwrap_or(&header.suite.hash),
-            places.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(" nor at ")
         ))
     })
 }

@@ -180,11 +180,13 @@ fn maps(
         let scale = first.header.scale;
         let world = if scale == 1.0 { world } else { world.scaled(scale) };
         let links = MapLinks {
+            pages: vec![("Report", "../index.html#worlds")],
             previous: k.checked_sub(1).map(|k| order[k].as_str()),
             next: order.get(k + 1).map(|w| w.as_str()),
             replays: replays.clone(),
+            pictures: None,
         };
-        let page = report.map(&world, &links).map_err(failed)?;
+        let page = report.map(&world).map_err(failed)?.page(&links);
         write(&folder.join(format!("{id}.html")), &page)?;
     }
     Ok(chosen)

@@ -1,6 +1,6 @@
 //! A world as SVG in metres: pictures of the ground, footprints, paths, starts and goals.
 
-use crate::picture::Pictures;
+use crate::picture::Sources;
 use std::fmt::Write as _;
 use vb_math::{hypot, sin_cos};
 use vb_page::escape;
@@ -9,9 +9,10 @@ use vb_world::{ObstacleKind, Task, World};
 /// How far waypoints may lie from the drawn line, m: less than one sees.
 const FLAT: f64 = 0.02;
 
-/// A world's map, north up, with SVG in metres `over` its tasks. y is turned, since SVG counts downwards.
+/// A world's map, north up, with SVG in metres `over` its tasks. y is turned, since SVG counts downwards. The ground is shown by
+/// `pictures`.
 #[must_use]
-pub fn map(world: &World, pictures: &Pictures, over: &str) -> String {
+pub fn map(world: &World, pictures: &Sources, over: &str) -> String {
     let (x, y) = (world.heightfield.half_x(), world.heightfield.half_y());
     // Sizes of signs in metres on the original's worlds, and in proportion on others.
     let unit = x.max(y) / 64.0;
@@ -26,22 +27,19 @@ pub fn map(world: &World, pictures: &Pictures, over: &str) -> String {
         2.0 * y,
         escape(&world.id),
     );
-    let mut image = |class: &str, uri: &str| {
+    for (layer, source) in pictures.each() {
+        let kind = if layer == "shade" { "" } else { "layer " };
         let _ = write!(
             s,
-            "<image class=\"{class}\" x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\" preserveAspectRatio=\"none\" \
-             href=\"{uri}\"/>",
+            "<image class=\"{kind}{layer}\" x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\" preserveAspectRatio=\"none\" \
+             href=\"{}\"/>",
             -x,
             -y,
             2.0 * x,
             2.0 * y,
+            escape(source),
         );
-    };
-    image("shade", &pictures.shade);
-    image("layer classes", &pictures.classes);
-    image("layer heights", &pictures.heights);
-    image("layer slopes", &pictures.slopes);
-    image("layer friction", &pictures.friction);
+    }
     obstacles(&mut s, world);
     s.push_str("<g class=\"tasks\">");
     // Lines first: no path runs over the sign of a start.

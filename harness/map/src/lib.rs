@@ -7,8 +7,8 @@ mod picture;
 
 pub use drawing::{line, map, simplified};
 pub use picture::{
-    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, Pictures, SLOPES, SPREADS, STEEP, nodes_of_a_metre,
-    on_scale, pictures,
+    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, LAYERS, Pictures, SLOPES, SPREADS, STEEP, Sources,
+    nodes_of_a_metre, on_scale, pictures, thumbnail,
 };
 
 /// The style of maps. The element around one, or the body, has the ground that is shown in its attribute `data-ground`:

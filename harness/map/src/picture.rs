@@ -43,19 +43,35 @@ pub fn on_scale(scale: &[Colour], at: f64) -> Colour {
     })
 }
 
-/// The pictures of a world as data URIs of PNG, north up.
+/// The pictures of a world's ground: the relief in grey, and what is laid over it. That is the class of each patch, heights about
+/// the mean, slopes over 1 m up to [`STEEP`], or the friction of each patch, transparent where the ground yields.
+pub const LAYERS: [&str; 5] = ["shade", "classes", "heights", "slopes", "friction"];
+
+/// The pictures of a world as PNG, north up, in the order of [`LAYERS`].
 #[derive(Clone, Debug)]
-pub struct Pictures {
-    /// The relief in grey.
-    pub shade: String,
-    /// The class of each patch.
-    pub classes: String,
-    /// Heights about the mean.
-    pub heights: String,
-    /// Slopes over 1 m, to [`STEEP`].
-    pub slopes: String,
-    /// Friction of each patch; transparent where the ground yields.
-    pub friction: String,
+pub struct Pictures(pub [Vec<u8>; LAYERS.len()]);
+
+/// Where a page has the pictures of a world from, in the order of [`LAYERS`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sources([String; LAYERS.len()]);
+
+impl Sources {
+    /// In the page itself.
+    #[must_use]
+    pub fn inline(pictures: &Pictures) -> Self {
+        Self(pictures.0.each_ref().map(|png| format!("data:image/png;base64,{}", STANDARD.encode(png))))
+    }
+
+    /// In files beside the page, whose addresses begin with `prefix` and end with the layer: `PREFIX-shade.png`.
+    #[must_use]
+    pub fn files(prefix: &str) -> Self {
+        Self(LAYERS.map(|layer| format!("{prefix}-{layer}.png")))
+    }
+
+    /// Each layer with its address.
+    pub(crate) fn each(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        LAYERS.into_iter().zip(self.0.iter().map(String::as_str))
+    }
 }
 
 /// Makes a world's pictures: the relief with at most `side` pixels along the longer side, layers with half of that.
@@ -87,13 +103,40 @@ pub fn pictures(world: &World, side: usize) -> Pictures {
     };
     let mut grips = palette(&GRIPS);
     grips.push([255; 3]);
-    Pictures {
-        shade: uri(&relief.grey(shade)),
-        classes: uri(&patches.indexed(&TerrainClass::ALL.map(TerrainClass::colour), None, class)),
-        heights: uri(&layer.indexed(&palette(&HEIGHTS), None, |x, y| step(height(x, y)))),
-        slopes: uri(&layer.indexed(&palette(&SLOPES), None, |x, y| step(slope(x, y)))),
-        friction: uri(&patches.indexed(&grips, Some(STEPS as u8), grip)),
-    }
+    Pictures([
+        relief.grey(shade),
+        patches.indexed(&TerrainClass::ALL.map(TerrainClass::colour), None, class),
+        layer.indexed(&palette(&HEIGHTS), None, |x, y| step(height(x, y))),
+        layer.indexed(&palette(&SLOPES), None, |x, y| step(slope(x, y))),
+        patches.indexed(&grips, Some(STEPS as u8), grip),
+    ])
+}
+
+/// Greys of a thumbnail.
+const GREYS: usize = 24;
+
+/// A small picture of a world as PNG, with `side` pixels along the longer side, north up: the relief in the colours of the classes.
+#[must_use]
+pub fn thumbnail(world: &World, side: usize) -> Vec<u8> {
+    let h = &world.heightfield;
+    let frame = Frame::new(h, side);
+    // A pixel is wider than the distance between nodes: its slope is that over its own width.
+    let wide = (2.0 * h.half_x().max(h.half_y()) / side.max(1) as f64 / h.resolution()).ceil() as usize;
+    let gradients = gradients(h, wide.div_ceil(2).max(1));
+    let shade = |x, y| f64::from(brightness(interpolate(h, &gradients, x, y))) / 255.0;
+    let tinted = |class: TerrainClass| {
+        let tint = class.colour().map(f64::from);
+        (0..GREYS).map(move |grey| {
+            let light = grey as f64 / (GREYS - 1) as f64;
+            tint.map(|c| (c * light).round() as u8)
+        })
+    };
+    let palette: Vec<Colour> = TerrainClass::ALL.into_iter().flat_map(tinted).collect();
+    frame.indexed(&palette, None, |x, y| {
+        let class = usize::from(world.semantics.class_at(x, y).label());
+        let grey = (shade(x, y) * (GREYS - 1) as f64).round() as usize;
+        (class * GREYS + grey).min(palette.len() - 1) as u8
+    })
 }
 
 /// The mean and the standard deviation of values.
@@ -173,10 +216,6 @@ impl Frame {
     }
 }
 
-fn uri(png: &[u8]) -> String {
-    format!("data:image/png;base64,{}", STANDARD.encode(png))
-}
-
 /// Gradient at every node by differences over `k` nodes to each side, as far as there are so many.
 fn gradients(h: &Heightfield, k: usize) -> Vec<[f64; 2]> {
     let mut out = Vec::with_capacity(h.rows() * h.cols());
@@ -244,7 +283,7 @@ mod tests {
             friction: vec![0.5, 0.0],
             soil: vb_world::SoilLevels::default(),
         };
-        let png = STANDARD.decode(&pictures(&world, 64).classes["data:image/png;base64,".len()..]).unwrap();
+        let Pictures([_, png, ..]) = pictures(&world, 64);
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut data = vec![0; 2];
         let info = reader.next_frame(&mut data).unwrap();

@@ -5,8 +5,8 @@ use sha2::{Digest as _, Sha256};
 
 use crate::escape;
 
-/// A page of one file. A policy in it lets the browser run no script but its own, load nothing from elsewhere, and send
-/// nothing away, whatever foreign texts the page holds.
+/// A page, which is one file unless it says that something lies beside it. A policy in it lets the browser run no script but its
+/// own, load nothing from elsewhere, and send nothing away, whatever foreign texts the page holds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Page<'a> {
     /// The title, as text.
@@ -23,6 +23,8 @@ pub struct Page<'a> {
     pub script: &'a str,
     /// Whether the script makes images of its own (`blob:`).
     pub makes_images: bool,
+    /// Whether images lie in files beside the page.
+    pub images_beside: bool,
     /// Whether the script speaks with the server that the page comes from.
     pub connects: bool,
 }
@@ -33,7 +35,10 @@ impl Page<'_> {
     pub fn html(&self) -> String {
         let title = escape(self.title);
         let styles = self.styles.concat();
-        let images = if self.makes_images { "data: blob:" } else { "data:" };
+        let mut images = String::from("data:");
+        for (wanted, source) in [(self.makes_images, " blob:"), (self.images_beside, " 'self'")] {
+            images.push_str(if wanted { source } else { "" });
+        }
         let (mut policy, mut scripts) = (String::new(), String::new());
         if let Some(data) = self.data {
             let data = crate::json(data);

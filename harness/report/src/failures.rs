@@ -53,8 +53,7 @@ impl Failure {
 /// the harness or the machine failed is none.
 pub(crate) fn failures(report: &Report) -> Vec<Failure> {
     let total = |f: Failure| report.figures.iter().map(|own| f.count(&own.all)).sum::<u64>();
-    let mut causes: Vec<(Cause, u64)> = Cause::ALL.iter().map(|c| (*c, total(Failure::Cause(*c)))).collect();
-    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+    let causes = Cause::by_frequency(|cause| total(Failure::Cause(cause)));
     let causes = causes.into_iter().map(|(cause, _)| Failure::Cause(cause));
     let other = |o: &Outcome| {
         !matches!(o, Outcome::Success | Outcome::Rollover | Outcome::Stuck | Outcome::HostError)

@@ -99,6 +99,13 @@ impl Estimate {
     }
 }
 
+/// The step of the colour scale of shares, 0 to 5 (the classes `h0` to `h5` of [`vb_page::TABLE_STYLE`]), for so many of all
+/// tasks.
+#[must_use]
+pub fn heat((done, all): (u64, u64)) -> usize {
+    (done as f64 / all.max(1) as f64 * 5.999) as usize
+}
+
 /// Figures over some tasks of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {

@@ -27,13 +27,13 @@ mod verdict;
 
 pub use compare::{Comparison, Difference, Pair};
 pub use error::ReportError;
-pub use figures::{Estimate, Figures, Measure, RunFigures, Split};
-pub use maps::MapLinks;
+pub use figures::{Estimate, Figures, Measure, RunFigures, Split, heat};
+pub use maps::{MAP_SIDE, MapLinks, THUMBNAIL_STYLE, WorldMap};
 pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::{Beside, Report};
 pub use robustness::{Line, Point, Robustness};
 pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
-pub use sweep::{SweepRow, sweep_csv, sweep_markdown, sweep_page};
+pub use sweep::{Sweep, SweepRow};
 pub use table::{write_csv, write_parquet};
 pub use verdict::{LEVEL, Verdict};

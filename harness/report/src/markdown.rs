@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use vb_score::{Cause, Outcome};
+use vb_score::Outcome;
 
+use crate::failures::{Failure, failures};
 use crate::figures::{Estimate, Measure};
 use crate::ranking::{Place, Ranking};
 use crate::verdict::Verdict;
@@ -38,7 +39,8 @@ fn cell(e: Option<Estimate>, measure: Measure, write: fn(f64, usize) -> String) 
     }
 }
 
-fn mean(e: Option<Estimate>, measure: Measure) -> String {
+/// The same with the signs of values.
+pub(crate) fn mean(e: Option<Estimate>, measure: Measure) -> String {
     cell(e, measure, number)
 }
 
@@ -99,24 +101,23 @@ impl Report {
 
     /// What stopped the vehicles, if the records say it.
     fn markdown_causes(&self, s: &mut String) {
-        let of = |cause: Cause| self.figures.iter().map(move |f| f.all.caused(cause));
-        let mut found: Vec<(Cause, u64)> =
-            Cause::ALL.iter().map(|c| (*c, of(*c).sum())).filter(|(_, n)| *n > 0).collect();
+        let mut found = failures(self);
+        found.retain(|f| matches!(f, Failure::Cause(_)));
         if found.is_empty() {
             return;
         }
-        found.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
         let labels: Vec<String> = self.runs.runs.iter().map(|r| text(&r.label)).collect();
         let line = vec!["--:"; labels.len()].join("|");
         let _ = write!(s, "\n| tasks that ended | {} |\n|:--|{line}|\n", labels.join(" | "));
-        for (cause, _) in found {
-            let counts: Vec<String> = of(cause).map(|n| n.to_string()).collect();
-            let _ = writeln!(s, "| {} | {} |", cause.title(), counts.join(" | "));
+        for failure in found {
+            let counts: Vec<String> =
+                self.figures.iter().map(|f| failure.count(&f.all).to_string()).collect();
+            let _ = writeln!(s, "| {} | {} |", failure.title(), counts.join(" | "));
         }
     }
 
     /// A line for each run: by rank if there are several, with what ended its tasks.
-    fn markdown_results(&self, s: &mut String) {
+    pub(crate) fn markdown_results(&self, s: &mut String) {
         let ranked = self.ranking.is_some();
         let (head, line) = if ranked { ("| rank ", "|--:") } else { ("", "") };
         let _ = write!(

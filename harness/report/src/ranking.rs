@@ -61,6 +61,12 @@ impl Ranking {
         Self { places }
     }
 
+    /// That of a run alone.
+    #[must_use]
+    pub fn alone() -> Self {
+        Self { places: vec![Place { run: 0, rank: 1, last: 1, ties: Vec::new() }] }
+    }
+
     /// The pairs of runs of which each takes a line, as (`x`, `y`) of the difference `x` − `y`: all with all, later runs less
     /// earlier ones; of more than six runs, each less the first of the ranking.
     #[must_use]

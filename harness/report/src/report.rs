@@ -1,6 +1,7 @@
 //! Everything that is told of some runs.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use crate::compare::Comparison;
 use crate::figures::RunFigures;
@@ -48,6 +49,15 @@ impl Report {
     pub fn titled(self, title: &str) -> Self {
         let title = one_line(title, 200);
         Self { title: Some(title).filter(|t| !t.is_empty()), ..self }
+    }
+
+    /// The same with its runs in this directory: pages name it for commands.
+    #[must_use]
+    pub fn placed(mut self, dir: &Path) -> Self {
+        for run in &mut self.runs.runs {
+            run.dir = dir.to_owned();
+        }
+        self
     }
 
     /// The runs.

@@ -305,6 +305,28 @@ impl Runs {
         Ok(())
     }
 
+    /// The runs of each planner as one, in the order of the first of each: each task with each seed is a task of its own, and runs of
+    /// one planner differ in the seed alone. `planners` says what the planner of each run is called.
+    pub(crate) fn pooled(self, planners: &[&str]) -> Self {
+        let mut pooled: Vec<Run> = Vec::new();
+        for (mut run, planner) in self.runs.into_iter().zip(planners) {
+            for row in &mut run.rows {
+                row.task = format!("{} {}", row.task, run.header.seed).into_boxed_str();
+            }
+            match pooled.iter_mut().find(|known| known.label == *planner) {
+                Some(known) => known.rows.append(&mut run.rows),
+                None => {
+                    (*planner).clone_into(&mut run.label);
+                    pooled.push(run);
+                }
+            }
+        }
+        for run in &mut pooled {
+            run.rows.sort_by(|a, b| a.task.cmp(&b.task));
+        }
+        Self { runs: pooled, worlds: self.worlds }
+    }
+
     /// The run of this directory, or the only one whose directory has this name.
     fn called(&self, name: &str) -> Option<usize> {
         let whole = self.runs.iter().position(|r| r.dir == Path::new(name));

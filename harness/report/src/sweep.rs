@@ -1,19 +1,31 @@
-//! Many runs of one plan in one table.
+//! Many runs of one plan: planners in the settings in which they were run, with all seeds of a planner together.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
-use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, number};
-use vb_score::{Group, Outcome, Summary};
+use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
+use vb_score::{Group, Outcome, Summary, TableRow, table};
 
-use crate::markdown::text;
+use crate::drawing::DRAWING_STYLE;
+use crate::drawing::series::sample;
+use crate::figures::{Figures, Measure};
+use crate::markdown::{mean, text};
+use crate::page;
+use crate::page::ranking::whisker;
+use crate::page::sections::with_interval;
+use crate::ranking::Ranking;
+use crate::runs::one_line;
 use crate::table::no_formula;
+use crate::{Report, ReportError, Runs};
 
 /// A run of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepRow {
     /// The name of the run.
     pub run: String,
+    /// Its directory.
+    pub dir: PathBuf,
     /// What its planner is called in the sweep, with its parameters.
     pub planner: String,
     /// The name of the vehicle.
@@ -30,7 +42,7 @@ impl SweepRow {
     /// What a planner can be compared with others under: vehicle and perception profile.
     #[must_use]
     pub fn setting(&self) -> String {
-        format!("{}--{}", self.vehicle, self.perception)
+        setting(&self.vehicle, &self.perception)
     }
 
     fn success(&self) -> Option<f64> {
@@ -38,91 +50,269 @@ impl SweepRow {
     }
 }
 
-/// The runs of one planner in one setting.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cell {
-    /// Mean over the seeds, and the least and the greatest, percent.
-    mean: f64,
-    least: f64,
-    greatest: f64,
-    seeds: usize,
+fn setting(vehicle: &str, perception: &str) -> String {
+    format!("{vehicle}--{perception}")
 }
 
-impl Cell {
-    fn of(values: &[f64]) -> Option<Self> {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let (least, greatest) =
-            (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
-        Some(Self { mean, least, greatest, seeds: values.len() })
+/// The planners in one setting.
+struct Setting {
+    vehicle: String,
+    perception: String,
+    /// Each planner's runs as one.
+    report: Report,
+    /// Of each of these its number in the order of the plan.
+    planners: Vec<usize>,
+    /// Of each of these the least and the greatest success over the seeds, percent, if there are several.
+    seeds: Vec<Option<[f64; 2]>>,
+}
+
+impl Setting {
+    fn name(&self) -> String {
+        one_line(&format!("{}, {}", self.vehicle, self.perception), 120)
     }
 
-    fn text(self) -> String {
-        let v = |v| number(v, 1);
-        if self.seeds < 2 {
-            return v(self.mean);
-        }
-        format!("{} [{}, {}]", v(self.mean), v(self.least), v(self.greatest))
+    /// The figures of a planner by its number in the plan, and the range over its seeds.
+    fn of(&self, planner: usize) -> Option<(&Figures, Option<[f64; 2]>)> {
+        let k = self.planners.iter().position(|p| *p == planner)?;
+        Some((&self.report.figures()[k].all, self.seeds[k]))
+    }
+
+    fn ranking(&self) -> Ranking {
+        self.report.ranking().cloned().unwrap_or_else(Ranking::alone)
     }
 }
 
-/// Planners by settings, in the order of the plan.
-struct Pivot<'a> {
-    planners: Vec<&'a str>,
-    settings: Vec<(&'a str, &'a str)>,
-    cells: BTreeMap<(&'a str, (&'a str, &'a str)), Cell>,
+/// The runs of a sweep that are done.
+pub struct Sweep {
+    name: String,
+    rows: Vec<SweepRow>,
+    /// In the order of the plan, by which they look.
+    planners: Vec<String>,
+    settings: Vec<Setting>,
 }
 
-impl<'a> Pivot<'a> {
-    fn new(rows: &'a [SweepRow]) -> Self {
-        let mut values: BTreeMap<_, Vec<f64>> = BTreeMap::new();
-        let (mut planners, mut settings) = (Vec::new(), Vec::new());
-        let (mut known_planners, mut known_settings) = (BTreeSet::new(), BTreeSet::new());
-        for row in rows {
-            let setting = (row.vehicle.as_str(), row.perception.as_str());
-            if known_planners.insert(row.planner.as_str()) {
-                planners.push(row.planner.as_str());
+impl Sweep {
+    /// Reads the runs, in the order of the plan, setting by setting, and computes all figures.
+    ///
+    /// # Errors
+    /// Returns an error if a run can't be read, or if runs are of several suites.
+    pub fn new(name: &str, rows: Vec<SweepRow>) -> Result<Self, ReportError> {
+        let mut planners: Vec<String> = Vec::new();
+        let mut named: Vec<(&str, &str)> = Vec::new();
+        let (mut known, mut known_settings) = (BTreeSet::new(), BTreeSet::new());
+        for row in &rows {
+            if known.insert(&row.planner) {
+                planners.push(row.planner.clone());
             }
-            if known_settings.insert(setting) {
-                settings.push(setting);
+            if known_settings.insert(row.setting()) {
+                named.push((&row.vehicle, &row.perception));
             }
-            values.entry((row.planner.as_str(), setting)).or_default().extend(row.success());
         }
-        let cells = values.into_iter().filter_map(|(key, values)| Some((key, Cell::of(&values)?))).collect();
-        Self { planners, settings, cells }
+        let mut settings = Vec::with_capacity(named.len());
+        for (vehicle, perception) in named {
+            let own: Vec<&SweepRow> = rows
+                .iter()
+                .filter(|r| (r.vehicle.as_str(), r.perception.as_str()) == (vehicle, perception))
+                .collect();
+            let dirs: Vec<PathBuf> = own.iter().map(|r| r.dir.clone()).collect();
+            let of: Vec<&str> = own.iter().map(|r| r.planner.as_str()).collect();
+            let report = Report::new(Runs::read(&dirs)?.pooled(&of));
+            let runs = &report.runs().runs;
+            let number = |label: &str| planners.iter().position(|p| p == label).unwrap_or(0);
+            let seeds = |label: &str| {
+                let rates: Vec<f64> =
+                    own.iter().filter(|r| r.planner == label).filter_map(|r| r.success()).collect();
+                let least = rates.iter().copied().reduce(f64::min)?;
+                let greatest = rates.iter().copied().reduce(f64::max)?;
+                (rates.len() > 1).then_some([least, greatest])
+            };
+            settings.push(Setting {
+                vehicle: vehicle.to_owned(),
+                perception: perception.to_owned(),
+                planners: runs.iter().map(|r| number(&r.label)).collect(),
+                seeds: runs.iter().map(|r| seeds(&r.label)).collect(),
+                report,
+            });
+        }
+        Ok(Self { name: name.to_owned(), rows, planners, settings })
     }
 
-    fn seeds(&self) -> usize {
-        self.cells.values().map(|c| c.seeds).max().unwrap_or(0)
+    /// The runs.
+    #[must_use]
+    pub fn rows(&self) -> &[SweepRow] {
+        &self.rows
     }
 
+    /// What the tables hold.
     fn about(&self) -> String {
-        let seeds = match self.seeds() {
+        let seeds = self.rows.iter().map(|r| r.seed).collect::<BTreeSet<_>>().len();
+        let seeds = match seeds {
             0 | 1 => String::new(),
-            n => format!("; mean [least, greatest] over {n} seeds"),
+            n => format!(
+                " Tasks of all {n} seeds are together; in parentheses the least and the greatest success of a seed."
+            ),
         };
-        format!("Success in percent of the tasks, by vehicle and perception profile{seeds}.")
+        format!(
+            "Success in percent of the tasks, by vehicle and perception profile. In brackets 95 % intervals, bootstrap over worlds.{seeds}"
+        )
+    }
+
+    /// Who wins in each setting, in a sentence each; nothing of settings with one planner.
+    #[must_use]
+    pub fn headlines(&self) -> Vec<String> {
+        let told = |s: &Setting| Some(format!("{}: {}", s.name(), s.report.headline()?));
+        self.settings.iter().filter_map(told).collect()
+    }
+
+    /// The results as tables of plain text, one a setting and a row a planner, as that of a run: [`table`].
+    #[must_use]
+    pub fn table(&self, width: Option<usize>) -> String {
+        let tables = self.settings.iter().map(|s| {
+            let rows = s.report.runs().runs.iter().zip(s.report.figures()).map(|(run, f)| {
+                let success = f.all.mean(Measure::Success);
+                TableRow {
+                    name: one_line(&run.label, 120),
+                    tasks: f.all.tasks,
+                    success: success.map_or(0.0, |e| e.mean),
+                    interval: success.and_then(|e| e.interval).map(|i| [i.low, i.high]),
+                    means: [Measure::Time, Measure::Roll, Measure::Pitch].map(|m| Some(f.all.mean(m)?.mean)),
+                    outcomes: f.all.outcomes,
+                }
+            });
+            table(&s.name(), &rows.collect::<Vec<_>>(), width)
+        });
+        tables.collect::<Vec<_>>().join("\n")
+    }
+
+    /// Success of each planner in each setting, and the results of each setting by rank, as GitHub-flavoured Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut s = format!("| {} |", text(&self.name));
+        for setting in &self.settings {
+            let _ = write!(s, " {} |", text(&setting.name()));
+        }
+        let _ = writeln!(s, "\n|:--|{}", "--:|".repeat(self.settings.len()));
+        for (k, planner) in self.planners.iter().enumerate() {
+            let _ = write!(s, "| {} |", text(planner));
+            for setting in &self.settings {
+                let cell = setting.of(k).map_or_else(
+                    || "–".to_owned(),
+                    |(figures, seeds)| {
+                        mean(figures.mean(Measure::Success), Measure::Success) + &over_seeds(seeds)
+                    },
+                );
+                let _ = write!(s, " {cell} |");
+            }
+            s.push('\n');
+        }
+        let _ = writeln!(s, "\n{}", self.about());
+        for setting in &self.settings {
+            let _ = writeln!(s, "\n## {}\n", text(&setting.name()));
+            if let Some(told) = setting.report.headline() {
+                let _ = writeln!(s, "{}\n", text(&told));
+            }
+            setting.report.markdown_results(&mut s);
+        }
+        s
+    }
+
+    /// The same as a page, with a link to the page of each setting in `compared` (`SETTING/index.html`).
+    #[must_use]
+    pub fn page(&self, compared: &[&str]) -> String {
+        let mut head = format!("<h1>{}", escape(&one_line(&self.name, 120)));
+        if let Some(first) = self.settings.first() {
+            let _ = write!(head, " <small>on {}</small>", escape(&first.report.runs().scope()));
+        }
+        let _ = write!(
+            head,
+            "</h1><p class=\"meta\">{} runs of {} planners in {} settings; <a href=\"runs.csv\">all runs as CSV</a>; Verti-Bench in Rust \
+             {}</p><nav><a href=\"#success\">Success</a>",
+            grouped(self.rows.len() as u64),
+            self.planners.len(),
+            self.settings.len(),
+            env!("CARGO_PKG_VERSION"),
+        );
+        for (k, setting) in self.settings.iter().enumerate() {
+            let _ = write!(head, "<a href=\"#setting-{k}\">{}</a>", escape(&setting.name()));
+        }
+        head.push_str("</nav>");
+        let mut s = String::from("<section id=\"success\"><h2>Success</h2>");
+        self.pivot(&mut s);
+        s.push_str("</section>");
+        for (k, setting) in self.settings.iter().enumerate() {
+            let _ = write!(s, "<section id=\"setting-{k}\"><h2>{}</h2>", escape(&setting.name()));
+            if let Some(told) = setting.report.headline() {
+                let _ = write!(s, "<p class=\"lead\">{}</p>", escape(&told));
+            }
+            page::ranking::table(&mut s, &setting.report, &setting.ranking(), &setting.planners);
+            let name = self::setting(&setting.vehicle, &setting.perception);
+            if compared.contains(&name.as_str()) {
+                let _ = write!(
+                    s,
+                    "<p class=\"about\"><a href=\"{}/index.html\">All runs of this setting, compared task by task</a></p>",
+                    escape(&name)
+                );
+            }
+            s.push_str("</section>");
+        }
+        Page {
+            title: &self.name,
+            styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE],
+            body: &format!("<header>{head}</header><main>{s}</main>"),
+            script: SORTED_TABLES,
+            ..Page::default()
+        }
+        .html()
+    }
+
+    /// Planners by settings.
+    fn pivot(&self, s: &mut String) {
+        s.push_str("<div class=\"scroll\"><table class=\"sortable ranking\"><thead><tr><th>planner</th>");
+        for (k, setting) in self.settings.iter().enumerate() {
+            let _ =
+                write!(s, "<th class=\"n\"><a href=\"#setting-{k}\">{}</a></th>", escape(&setting.name()));
+        }
+        s.push_str("</tr></thead><tbody>");
+        for (k, planner) in self.planners.iter().enumerate() {
+            let _ = write!(s, "<tr><th>{}{}</th>", sample(k), escape(planner));
+            for setting in &self.settings {
+                let Some((figures, seeds)) = setting.of(k) else {
+                    s.push_str("<td class=\"n\" data-v=\"-1\">–</td>");
+                    continue;
+                };
+                let success = figures.mean(Measure::Success);
+                let _ = write!(
+                    s,
+                    "<td class=\"n whisker-cell\" data-v=\"{}\">{}<small>{}</small>{}</td>",
+                    success.map_or(-1.0, |e| e.mean),
+                    with_interval(success, Measure::Success),
+                    over_seeds(seeds),
+                    whisker(k, success),
+                );
+            }
+            s.push_str("</tr>");
+        }
+        let _ = write!(
+            s,
+            "</tbody></table></div><p class=\"about\">{} A click on a column's head sorts by it.</p>",
+            escape(&self.about())
+        );
+    }
+
+    /// A line for each run, as CSV with a header.
+    ///
+    /// # Errors
+    /// Returns an error of the writer.
+    pub fn csv(&self) -> Result<String, csv::Error> {
+        csv_of(&self.rows)
     }
 }
 
-/// Success of each planner in each setting, as GitHub-flavoured Markdown.
-#[must_use]
-pub fn sweep_markdown(name: &str, rows: &[SweepRow]) -> String {
-    let pivot = Pivot::new(rows);
-    let mut s = format!("| {} |", text(name));
-    for (vehicle, perception) in &pivot.settings {
-        let _ = write!(s, " {}, {} |", text(vehicle), text(perception));
-    }
-    let _ = writeln!(s, "\n|:--|{}", "--:|".repeat(pivot.settings.len()));
-    for planner in &pivot.planners {
-        let _ = write!(s, "| {} |", text(planner));
-        for setting in &pivot.settings {
-            let cell = pivot.cells.get(&(*planner, *setting)).map_or_else(|| "–".to_owned(), |c| c.text());
-            let _ = write!(s, " {cell} |");
-        }
-        s.push('\n');
-    }
-    let _ = writeln!(s, "\n{}", pivot.about());
-    s
+/// The least and the greatest success of a seed, behind a mean.
+fn over_seeds(seeds: Option<[f64; 2]>) -> String {
+    seeds.map_or_else(String::new, |[least, greatest]| {
+        format!(" ({} to {})", number(least, 1), number(greatest, 1))
+    })
 }
 
 /// The columns of a run's figures with their values.
@@ -157,11 +347,7 @@ fn columns(row: &SweepRow) -> Vec<(String, String)> {
     columns
 }
 
-/// A line for each run, as CSV with a header.
-///
-/// # Errors
-/// Returns an error of the writer.
-pub fn sweep_csv(rows: &[SweepRow]) -> Result<String, csv::Error> {
+fn csv_of(rows: &[SweepRow]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (k, row) in rows.iter().enumerate() {
         let columns = columns(row);
@@ -172,118 +358,4 @@ pub fn sweep_csv(rows: &[SweepRow]) -> Result<String, csv::Error> {
     }
     let bytes = writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// The same as a page, with a link to the page of each setting in `compared` (`SETTING/index.html`).
-#[must_use]
-pub fn sweep_page(name: &str, rows: &[SweepRow], compared: &[&str]) -> String {
-    let pivot = Pivot::new(rows);
-    let mut body = format!(
-        "<main><h1>{}</h1><p>{}</p><div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>planner",
-        escape(name),
-        escape(&pivot.about())
-    );
-    for (vehicle, perception) in &pivot.settings {
-        let (setting, label) =
-            (format!("{vehicle}--{perception}"), escape(&format!("{vehicle}, {perception}")));
-        let _ = match compared.contains(&setting.as_str()) {
-            true => write!(body, "<th class=\"n\"><a href=\"{}/index.html\">{label}</a>", escape(&setting)),
-            false => write!(body, "<th class=\"n\">{label}"),
-        };
-    }
-    body.push_str("</tr></thead><tbody>");
-    for planner in &pivot.planners {
-        let _ = write!(body, "<tr><th>{}", escape(planner));
-        for setting in &pivot.settings {
-            let _ = match pivot.cells.get(&(*planner, *setting)) {
-                Some(cell) => write!(body, "<td class=\"n\" data-v=\"{}\">{}", cell.mean, cell.text()),
-                None => write!(body, "<td class=\"n\" data-v=\"-1\">–"),
-            };
-        }
-        body.push_str("</tr>");
-    }
-    body.push_str("</tbody></table></div><p class=\"about\">A click on a column's head sorts by it");
-    if !compared.is_empty() {
-        body.push_str("; a link leads to the comparison of its planners");
-    }
-    body.push_str(". <a href=\"runs.csv\">All runs as CSV</a>.</p></main>");
-    Page { title: name, styles: &[TABLE_STYLE], body: &body, script: SORTED_TABLES, ..Page::default() }.html()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(planner: &str, vehicle: &str, seed: u64, success: u64) -> SweepRow {
-        let group = serde_json::json!({
-            "tasks": 10, "outcomes": {"success": success, "stuck": 10 - success}, "three_way": {},
-            "success_rate": success as f64 / 10.0, "clamped": 0,
-        });
-        let summary = serde_json::json!({
-            "schema": 3, "harness_version": "0.2.0", "suite": "s", "suite_hash": "", "planner": planner, "plugin_sha256": "aa",
-            "vehicle": vehicle, "scale": 1.0, "seed": seed, "rules": "paper", "rules_hash": "", "planned": 10, "undecided": [],
-            "all": group, "elevation": {}, "terrain": {}, "density": {}, "world": {},
-        });
-        SweepRow {
-            run: format!("{planner}--{vehicle}--oracle--{seed}"),
-            planner: planner.to_owned(),
-            vehicle: vehicle.to_owned(),
-            perception: "oracle".to_owned(),
-            seed,
-            summary: serde_json::from_value(summary).unwrap(),
-        }
-    }
-
-    fn rows() -> Vec<SweepRow> {
-        vec![
-            row("pid,speed=3", "hmmwv", 0, 4),
-            row("pid,speed=3", "hmmwv", 1, 5),
-            row("=<b>", "gator", 0, 10),
-        ]
-    }
-
-    #[test]
-    fn a_cell_has_the_mean_and_the_range_over_seeds_and_what_was_not_driven_is_a_dash() {
-        let markdown = sweep_markdown("mine", &rows());
-        assert!(
-            markdown.starts_with("| mine | hmmwv, oracle | gator, oracle |\n|:--|--:|--:|\n"),
-            "{markdown}"
-        );
-        assert!(markdown.contains("| pid,speed=3 | 45.0 [40.0, 50.0] | – |"), "{markdown}");
-        assert!(markdown.contains("| =&lt;b&gt; | – | 100.0 |"), "{markdown}");
-        assert!(markdown.contains("mean [least, greatest] over 2 seeds"));
-    }
-
-    #[test]
-    fn a_page_sorts_and_links_and_its_texts_are_no_markup() {
-        let page = sweep_page("mine", &rows(), &["hmmwv--oracle"]);
-        assert!(
-            page.contains("<a href=\"hmmwv--oracle/index.html\">hmmwv, oracle</a>")
-                && !page.contains("gator--oracle/")
-        );
-        assert!(
-            page.contains("data-v=\"45\">45.0 [40.0, 50.0]")
-                && page.contains("&lt;b&gt;")
-                && !page.contains("<b>")
-        );
-    }
-
-    #[test]
-    fn a_table_has_a_line_for_each_run_and_no_formulas() {
-        let csv = sweep_csv(&rows()).unwrap();
-        let lines: Vec<&str> = csv.lines().collect();
-        assert!(lines[0].starts_with("run,planner,vehicle,perception,seed,tasks,success_rate,"), "{csv}");
-        assert!(
-            lines[1].starts_with("pid,speed=3--hmmwv")
-                || lines[1]
-                    .starts_with("\"pid,speed=3--hmmwv--oracle--0\",\"pid,speed=3\",hmmwv,oracle,0,10,0.4,"),
-            "{csv}"
-        );
-        assert_eq!(lines.len(), 4);
-        assert!(lines[3].starts_with("'=<b>--gator--oracle--0,'=<b>,gator,oracle,0,10,1,"), "{csv}");
-        assert!(
-            lines[0].contains(",success,rollover,stuck,timeout,") && !lines[0].contains("host_error"),
-            "{csv}"
-        );
-    }
 }

@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 use common::{HOSTILE, header, record, tasks, write};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use vb_map::Sources;
 use vb_record::{
     DataHeader, PluginHeader, RUN_SCHEMA, RunHeader, RunStore, Sample, StoreError, TRACE_SCHEMA, Trace,
     TraceMeta, TraceMode,
@@ -137,15 +138,42 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
         at
     };
     let runs = Runs::read(&[run("good", true), run("<script>bad", false)]).unwrap();
-    let links = MapLinks { previous: None, next: Some("w007"), replays: ["w000/t00".to_owned()].into() };
-    let page = Report::new(runs).map(&world, &links).unwrap();
+    let links = MapLinks {
+        pages: vec![("<b>", "../index.html")],
+        next: Some("w007"),
+        replays: ["w000/t00".to_owned()].into(),
+        ..MapLinks::default()
+    };
+    let report = Report::new(runs);
+    let map = report.map(&world).unwrap();
+    let page = map.page(&links);
     // A straight way has two points, y turned; only the failure has an end, which is where it stopped.
     assert_eq!(page.matches("d=\"M0.00 -3.00L20.00 -3.00\"><title>good").count(), 1, "{page}");
     assert_eq!(page.matches("d=\"M0.00 -3.00L12.50 -3.00\"><title>&lt;script&gt;bad").count(), 1);
-    assert_eq!(page.matches("<circle class=\"end").count(), 1);
+    assert_eq!(page.matches("<circle class=\"end e").count(), 1);
     assert!(page.contains("<circle class=\"end e2\" cx=\"12.50\" cy=\"-3.00\""));
     assert!(page.contains("high-centred") && !page.contains("<script>bad"));
-    assert!(page.contains("kept no trace"));
+    // Without a trace the outcome stands at the goal, (20, 3), one run's to the north and the other's to the south of it: by 3.4
+    // units of a 64th of the half side, 32 m.
+    assert!(page.contains("no trace of them was kept"));
+    assert!(page.contains("<circle class=\"end unplaced e0\" cx=\"20.00\" cy=\"-4.70\""), "{page}");
+    assert!(page.contains("<circle class=\"end unplaced e2\" cx=\"20.00\" cy=\"-1.30\""));
+    assert!(page.contains("<a href=\"../index.html\">&lt;b&gt;</a>") && page.contains("data:image/png"));
+    // With pictures in files beside it the page has none, and may load them.
+    let beside = map.page(&MapLinks { pictures: Some(Sources::files("../x/w000")), ..links });
+    assert!(beside.contains("href=\"../x/w000-shade.png\"") && !beside.contains("data:image/png"));
+    assert!(beside.contains("img-src data: 'self'") && !page.contains("img-src data: 'self'"));
+    // Small, the way that is known has a dot, and the others have rings.
+    let small = map.thumbnail("w000.png", "<i>");
+    assert_eq!(
+        (small.matches("end known").count(), small.matches("class=\"end e").count()),
+        (2, 2),
+        "{small}"
+    );
+    assert!(
+        small.contains("aria-label=\"&lt;i&gt;\"")
+            && small.contains("class=\"end known e2\" cx=\"12.5\" cy=\"-3.0\"")
+    );
     assert!(
         page.contains("href=\"../replays/w000/t00.html\"")
             && page.contains("rel=\"next\" href=\"w007.html\"")

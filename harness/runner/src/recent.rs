@@ -89,7 +89,7 @@ fn body(model: &VehicleModel, scale: f64) -> Body {
         front: reach.high[0],
         rear: -reach.low[0],
         half_width: reach.high[1].max(-reach.low[1]),
-        wheels: hubs(model),
+        wheels: hubs(model).concat(),
         wheel_radius: spec.axles.first().map_or(0.0, |axle| spec.tyre_of(axle).radius()),
         scale,
     }

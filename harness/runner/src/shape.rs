@@ -52,26 +52,15 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
     let reach = Reach::of(model);
     let [length, width] = [reach.high[0] - reach.low[0], 2.0 * reach.high[1].max(-reach.low[1])];
     let height = state.position.z + reach.high[2];
-    let mut hubs = Vec::new();
-    for (axle, solved) in spec.axles.iter().zip(model.axles()) {
-        let at = |command: f64, side: Side| solved.wheel(side, [0.0; 2], command);
-        let angle = |side: Side| {
-            let axis = at(1.0, side).axis;
-            atan2(-axis.x, axis.y)
-        };
-        let (left, right) = (at(0.0, Side::Left).hub, at(0.0, Side::Right).hub);
-        hubs.push((
-            axle.position[0] + left.x,
-            left.y - right.y,
-            0.5 * (angle(Side::Left) + angle(Side::Right)),
-        ));
-    }
+    // How far ahead each axle's wheels are, and how far apart.
+    let axles: Vec<[f64; 2]> =
+        hubs(model).iter().map(|[left, right]| [left[0], left[1] - right[1]]).collect();
     let mass = spec.total_mass();
     let max_reverse_speed = backwards(&standing)?;
     let ground_clearance = if lowest.is_finite() { state.position.z + lowest } else { 0.0 };
     if spec.tracks.is_some() {
-        let (first, last) = (hubs[1], hubs[hubs.len() - 2]);
-        let wheelbase = first.0 - last.0;
+        let (first, last) = (axles[1], axles[axles.len() - 2]);
+        let wheelbase = first[0] - last[0];
         let curvature = |command: f64| skid_steer(&standing, command);
         return Ok(StaticShape {
             length,
@@ -79,34 +68,35 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
             height,
             ground_clearance,
             wheelbase,
-            track: first.1,
+            track: first[1],
             max_steer_angle: atan2(curvature(SMALL_COMMAND)? / SMALL_COMMAND * wheelbase, 1.0),
             min_turn_radius: 1.0 / curvature(1.0)?,
             max_reverse_speed,
             mass,
         });
     }
-    let (first, last) = (hubs[0], hubs[hubs.len() - 1]);
+    let (first, last) = (axles[0], axles[axles.len() - 1]);
+    let steered = steering_angle(model);
     // Two axles: the line of the rear one, half a wheelbase behind the reference point. More: the middle of those that
     // are not steered.
     let fixed: Vec<f64> =
-        spec.axles.iter().zip(&hubs).filter(|(a, _)| a.steering.is_none()).map(|(_, h)| h.0).collect();
-    let [base, ahead] = if hubs.len() > 2 && !fixed.is_empty() {
+        spec.axles.iter().zip(&axles).filter(|(a, _)| a.steering.is_none()).map(|(_, h)| h[0]).collect();
+    let [base, ahead] = if axles.len() > 2 && !fixed.is_empty() {
         let line = fixed.iter().sum::<f64>() / fixed.len() as f64;
-        [first.0 - line, line.abs()]
+        [first[0] - line, line.abs()]
     } else {
-        [first.0 - last.0, 0.5 * (first.0 - last.0)]
+        [first[0] - last[0], 0.5 * (first[0] - last[0])]
     };
     // The turning circle of the reference point, which lies between the axles, without slip.
-    let rear = base / tan(first.2);
+    let rear = base / tan(steered);
     Ok(StaticShape {
         length,
         width,
         height,
         ground_clearance,
-        wheelbase: first.0 - last.0,
-        track: first.1,
-        max_steer_angle: first.2,
+        wheelbase: first[0] - last[0],
+        track: first[1],
+        max_steer_angle: steered,
         min_turn_radius: (rear * rear + ahead * ahead).sqrt(),
         max_reverse_speed,
         mass,
@@ -140,11 +130,21 @@ fn backwards(standing: &Simulation) -> Result<f64, SimError> {
     Ok((-sim.state().velocity.x).max(0.0))
 }
 
-/// The centres of the wheels in the chassis frame at the design position, straight ahead, front to back, left before right, m.
-pub(crate) fn hubs(model: &VehicleModel) -> Vec<[f64; 3]> {
+/// The mean angle of the first axle's wheels at steering command 1, rad; 0 without an axle.
+fn steering_angle(model: &VehicleModel) -> f64 {
+    let Some(first) = model.axles().first() else { return 0.0 };
+    let angle = |side: Side| {
+        let axis = first.wheel(side, [0.0; 2], 1.0).axis;
+        atan2(-axis.x, axis.y)
+    };
+    0.5 * (angle(Side::Left) + angle(Side::Right))
+}
+
+/// The centres of each axle's left and right wheel in the chassis frame at the design position, straight ahead, front to back, m.
+pub(crate) fn hubs(model: &VehicleModel) -> Vec<[[f64; 3]; 2]> {
     let axles = model.spec().axles.iter().zip(model.axles());
     axles
-        .flat_map(|(axle, solved)| {
+        .map(|(axle, solved)| {
             [Side::Left, Side::Right].map(|side| {
                 let hub = solved.wheel(side, [0.0; 2], 0.0).hub;
                 [0, 1, 2].map(|k| axle.position[k] + hub[k])

@@ -30,3 +30,4 @@ pub use stats::{
     success_interval, wilson,
 };
 pub use summary::{Group, SUMMARY_SCHEMA, Summary};
+pub use table::{TableRow, table};

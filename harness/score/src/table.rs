@@ -1,14 +1,14 @@
-//! A summary as text for the terminal.
+//! Results as text for the terminal.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 
 use vb_record::{planner_with_params, suite_with_selection};
 
-use crate::{Group, Outcome, Summary};
+use crate::{Cause, Group, Outcome, Summary};
 
-const COLUMNS: [&str; 11] = [
-    "",
+/// The heads of the columns of figures.
+const COLUMNS: [&str; 10] = [
     "tasks",
     "success % (95 % CI)",
     "time s",
@@ -26,33 +26,15 @@ impl Summary {
     /// than `width` columns, it is parted into tables below each other, and texts are wrapped.
     #[must_use]
     pub fn table(&self, width: Option<usize>) -> String {
-        let mut rows = vec![COLUMNS.map(str::to_owned)];
+        let mut rows = Vec::new();
         if let Some(all) = &self.all {
-            rows.push(row("all", all));
+            rows.push(TableRow::new("all".to_owned(), all));
         }
-        rows.extend(self.elevation.iter().map(|(level, g)| row(&format!("elevation {}", level.name()), g)));
-        rows.extend(self.terrain.iter().map(|(level, g)| row(&format!("terrain {}", level.name()), g)));
-        rows.extend(self.density.iter().map(|(level, g)| row(&format!("density {}", level.name()), g)));
-        let widths: Vec<usize> = (0..COLUMNS.len())
-            .map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0))
-            .collect();
-        let mut table = String::new();
-        for (k, part) in parts(&widths, width).into_iter().enumerate() {
-            if k > 0 {
-                table.push('\n');
-            }
-            for cells in &rows {
-                let pad = |c: usize| " ".repeat(widths[c] - cells[c].chars().count());
-                // Names to the left, figures to the right.
-                let mut line = format!("{}{}", cells[0], pad(0));
-                for c in part.clone() {
-                    line += &format!("  {}{}", pad(c), cells[c]);
-                }
-                table += line.trim_end();
-                table.push('\n');
-            }
-        }
-        table + &wrapped(&self.notes(), width)
+        let row = |split: &str, level: &str, g| TableRow::new(format!("{split} {level}"), g);
+        rows.extend(self.elevation.iter().map(|(level, g)| row("elevation", level.name(), g)));
+        rows.extend(self.terrain.iter().map(|(level, g)| row("terrain", level.name(), g)));
+        rows.extend(self.density.iter().map(|(level, g)| row("density", level.name(), g)));
+        table("", &rows, width) + &wrapped(&self.notes(), width)
     }
 
     /// What is told below the table, line by line.
@@ -151,33 +133,95 @@ fn wrapped(text: &str, width: Option<usize>) -> String {
 
 /// How often each cause stopped the vehicle, the most frequent first.
 fn by_cause(g: &Group) -> Vec<String> {
-    let mut causes: Vec<_> = g.causes.iter().collect();
-    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(**n), **cause));
+    let causes = Cause::by_frequency(|cause| g.causes.get(&cause).copied().unwrap_or(0));
     causes.iter().map(|(cause, n)| format!("{n} {}", cause.title())).collect()
 }
 
-fn row(name: &str, g: &Group) -> [String; COLUMNS.len()] {
-    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.1}"));
-    let count = |outcome| g.outcomes.get(&outcome).copied().unwrap_or(0);
-    let percent = |rate: f64| 100.0 * rate;
-    [
-        name.to_owned(),
-        g.tasks.to_string(),
-        match (g.success_low, g.success_high) {
-            (Some(low), Some(high)) => {
-                format!("{:.1} ({:.1}-{:.1})", percent(g.success_rate), percent(low), percent(high))
+/// A row of [`table`]: figures over some tasks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableRow {
+    /// What stands in front.
+    pub name: String,
+    /// The number of tasks.
+    pub tasks: u64,
+    /// The success rate, in [0, 1].
+    pub success: f64,
+    /// The 95 % interval of the rate, if there is one.
+    pub interval: Option<[f64; 2]>,
+    /// The means of the traversal time of successes, s, and of |roll| and |pitch| over all samples, degrees.
+    pub means: [Option<f64>; 3],
+    /// The number of tasks by outcome, in the order of [`Outcome::ALL`].
+    pub outcomes: [u64; Outcome::ALL.len()],
+}
+
+impl TableRow {
+    fn new(name: String, g: &Group) -> Self {
+        Self {
+            name,
+            tasks: g.tasks,
+            success: g.success_rate,
+            interval: g.success_low.zip(g.success_high).map(|(low, high)| [low, high]),
+            means: [g.time_mean_s, g.roll_mean_deg, g.pitch_mean_deg],
+            outcomes: Outcome::ALL.map(|outcome| g.outcomes.get(&outcome).copied().unwrap_or(0)),
+        }
+    }
+
+    /// The figures as they are shown.
+    fn cells(&self) -> [String; COLUMNS.len()] {
+        let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.1}"));
+        let count = |wanted| {
+            Outcome::ALL.iter().zip(self.outcomes).find(|(o, _)| **o == wanted).map_or(0, |(_, n)| n)
+        };
+        let percent = |rate: f64| 100.0 * rate;
+        let [time, roll, pitch] = self.means.map(number);
+        [
+            self.tasks.to_string(),
+            match self.interval {
+                Some([low, high]) => {
+                    format!("{:.1} ({:.1}-{:.1})", percent(self.success), percent(low), percent(high))
+                }
+                None => format!("{:.1}", percent(self.success)),
+            },
+            time,
+            roll,
+            pitch,
+            count(Outcome::Rollover).to_string(),
+            count(Outcome::Stuck).to_string(),
+            count(Outcome::Timeout).to_string(),
+            count(Outcome::OutOfBounds).to_string(),
+            (count(Outcome::PlannerError) + count(Outcome::SimError)).to_string(),
+        ]
+    }
+}
+
+/// Rows of figures as plain text under their heads, `head` over the names. Where that is wider than `width` columns, it is parted
+/// into tables below each other.
+#[must_use]
+pub fn table(head: &str, rows: &[TableRow], width: Option<usize>) -> String {
+    let line = |name: &str, cells: [String; COLUMNS.len()]| -> Vec<String> {
+        std::iter::once(name.to_owned()).chain(cells).collect()
+    };
+    let mut lines = vec![line(head, COLUMNS.map(str::to_owned))];
+    lines.extend(rows.iter().map(|row| line(&row.name, row.cells())));
+    let widths: Vec<usize> =
+        (0..=COLUMNS.len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
+    let mut table = String::new();
+    for (k, part) in parts(&widths, width).into_iter().enumerate() {
+        if k > 0 {
+            table.push('\n');
+        }
+        for cells in &lines {
+            let pad = |c: usize| " ".repeat(widths[c] - cells[c].chars().count());
+            // Names to the left, figures to the right.
+            let mut line = format!("{}{}", cells[0], pad(0));
+            for c in part.clone() {
+                line += &format!("  {}{}", pad(c), cells[c]);
             }
-            _ => format!("{:.1}", percent(g.success_rate)),
-        },
-        number(g.time_mean_s),
-        number(g.roll_mean_deg),
-        number(g.pitch_mean_deg),
-        count(Outcome::Rollover).to_string(),
-        count(Outcome::Stuck).to_string(),
-        count(Outcome::Timeout).to_string(),
-        count(Outcome::OutOfBounds).to_string(),
-        (count(Outcome::PlannerError) + count(Outcome::SimError)).to_string(),
-    ]
+            table += line.trim_end();
+            table.push('\n');
+        }
+    }
+    table
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Replays in a real browser. Without Chromium the tests say so and pass.
 
+use std::path::PathBuf;
+
 use serde_json::Value;
 use vb_tests::{Bench, Browser, pid};
 
@@ -16,6 +18,17 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 fn number(browser: &mut Browser, what: &str) -> f64 {
     browser.eval(what).as_f64().unwrap_or_else(|| panic!("no number: {what}"))
+}
+
+/// A replay of one task on soft ground, driven at 5 and at 3 m/s: wheels leave ruts.
+/// The page lies in the folder that is given with it, and stays as long as that.
+fn fast_and_slow() -> (Bench, PathBuf) {
+    let bench = Bench::new();
+    run(&bench, "a", "5", "w007/t02");
+    run(&bench, "b", "3", "w007/t02");
+    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
+    let page = bench.path("replay.html");
+    (bench, page)
 }
 
 #[test]
@@ -55,12 +68,8 @@ fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
 #[test]
 fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
     let Some(mut browser) = Browser::start(1280, 800) else { return };
-    let bench = Bench::new();
-    // Deformable ground, so that there are ruts.
-    run(&bench, "a", "5", "w007/t02");
-    run(&bench, "b", "3", "w007/t02");
-    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
-    browser.open(&bench.path("replay.html"));
+    let (bench, page) = fast_and_slow();
+    browser.open(&page);
     assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w007/t02");
     assert_eq!(browser.eval("document.querySelectorAll('#runs li').length"), 2);
     let position = "JSON.stringify(replay.position())";
@@ -115,11 +124,7 @@ fn a_replay_moves_the_vehicle_with_the_slider_and_plays() {
 #[test]
 fn the_top_view_of_a_replay_is_a_map_and_the_address_says_what_is_seen() {
     let Some(mut browser) = Browser::start(1280, 800) else { return };
-    let bench = Bench::new();
-    run(&bench, "a", "5", "w007/t02");
-    run(&bench, "b", "3", "w007/t02");
-    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
-    let page = bench.path("replay.html");
+    let (_bench, page) = fast_and_slow();
     browser.open_at(&page, "#t=12.5&run=2&view=top&at=3,-4&span=30");
     let seen = "[replay.time, replay.followed, replay.map().span, ...replay.map().at.slice(0, 2)]";
     let near =
@@ -254,11 +259,8 @@ fn a_replay_digs_its_ruts_and_its_links_follow_the_wheels() {
 #[test]
 fn all_of_a_replay_is_reached_by_keys_that_a_question_mark_lists() {
     let Some(mut browser) = Browser::start(1280, 800) else { return };
-    let bench = Bench::new();
-    run(&bench, "a", "5", "w007/t02");
-    run(&bench, "b", "3", "w007/t02");
-    bench.ok(&["replay", "a", "b", "--task", "w007/t02", "--out", "replay.html"]);
-    browser.open(&bench.path("replay.html"));
+    let (_bench, page) = fast_and_slow();
+    browser.open(&page);
     browser.press("?");
     assert_eq!(browser.eval("document.querySelector('#help').open"), true);
     let listed =

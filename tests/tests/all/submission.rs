@@ -336,13 +336,41 @@ fn a_leaderboard_is_ranked_filtered_fits_a_phone_and_leads_to_replays() {
     for link in links.as_array().expect("a list").iter().filter_map(Value::as_str) {
         assert!(mini.path("site/entries/pursuit").join(link).is_file(), "{link} leads nowhere");
     }
+    // A small map leads to the large one, whose pictures lie beside the page; from there to the replay, and from a row of the report
+    // to the map.
+    assert_eq!(browser.eval("document.querySelectorAll('.maps .thumbnail').length"), 2);
+    let picture = |of: &str| {
+        format!(
+            "(() => {{ const i = new Image(); i.src = document.querySelector({of:?}).href.baseVal; return i.decode().then(() => \
+             i.naturalWidth); }})()"
+        )
+    };
+    assert_eq!(browser.eval(&picture(".thumbnail image")), 128);
+    browser.open_at(&mini.path("site/entries/pursuit/maps/w001.html"), "#t00");
+    assert_eq!(browser.eval("document.querySelector('tr.on th').textContent"), "t00");
+    assert!(browser.eval(&picture("image.shade")).as_f64().is_some_and(|w| w > 256.0));
+    assert_eq!(
+        browser.eval("document.querySelectorAll('.ways .way').length"),
+        1,
+        "one task of it has a trace"
+    );
+    assert_eq!(browser.eval("document.querySelectorAll('.ways .unplaced').length"), 9);
+    let links =
+        browser.eval("[...document.querySelectorAll('a')].map(a => a.getAttribute('href').split('#')[0])");
+    for link in links.as_array().expect("a list").iter().filter_map(Value::as_str) {
+        assert!(mini.path("site/entries/pursuit/maps").join(link).is_file(), "{link} leads nowhere");
+    }
+    assert!(links.to_string().contains("../replays/w001/t00.html"), "{links}");
     browser.open(&mini.path("site/entries/pursuit/replays/w001/t00.html"));
     assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w001/t00");
     browser.open(&mini.path("site/entries/pursuit/report.html"));
     assert_eq!(browser.eval("document.querySelectorAll('#browser tbody tr').length"), 20);
+    assert_eq!(browser.eval("document.querySelectorAll('#browser a[href^=\"maps/w00\"]').length"), 20);
 
     // What entrants write is text, wherever it is.
-    for page in ["index.html", "entries/pid/index.html", "entries/pid/report.html"] {
+    for page in
+        ["index.html", "entries/pid/index.html", "entries/pid/report.html", "entries/pid/maps/w002.html"]
+    {
         browser.open(&mini.path("site").join(page));
         browser.eval("new Promise(done => setTimeout(done, 200))");
         assert_ne!(browser.eval("document.title"), "owned", "{page}");
@@ -353,7 +381,12 @@ fn a_leaderboard_is_ranked_filtered_fits_a_phone_and_leads_to_replays() {
 
     // Nothing sticks out of a phone's screen, whatever texts there are.
     let Some(mut phone) = Browser::start(390, 844) else { return };
-    for page in ["index.html", "entries/pid/index.html", "entries/pursuit/index.html"] {
+    for page in [
+        "index.html",
+        "entries/pid/index.html",
+        "entries/pursuit/index.html",
+        "entries/pursuit/maps/w001.html",
+    ] {
         phone.open(&mini.path("site").join(page));
         phone.phone(390, 844);
         let width = phone.eval("document.documentElement.scrollWidth").as_f64().expect("a width");

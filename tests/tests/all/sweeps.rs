@@ -68,7 +68,17 @@ fn a_sweep_is_driven_told_of_and_compared() {
     bench.ok(&own);
     assert_eq!(files(&bench, &format!("one/runs/{name}")), files(&bench, "own"));
 
-    bench.ok(&sweep("report", &["--out", "one"]));
+    let told = bench.ok(&sweep("report", &["--out", "one"]));
+    // A table a setting, as `run` shows it, over the tasks of both seeds.
+    for head in ["hmmwv, oracle ", "hmmwv, onboard "] {
+        let line = told.lines().find(|line| line.starts_with(head)).unwrap();
+        assert!(line.contains("tasks  success % (95 % CI)  time s"), "{told}");
+    }
+    assert_eq!(
+        told.lines().filter(|line| line.starts_with("mine ") && line.contains(" 8 ")).count(),
+        2,
+        "{told}"
+    );
     let csv = fs::read_to_string(bench.path("one/report/runs.csv")).unwrap();
     assert_eq!(csv.lines().count(), 13);
     let markdown = fs::read_to_string(bench.path("one/report/sweep.md")).unwrap();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_record::RunReader;
-use vb_report::{SweepRow, sweep_csv, sweep_markdown, sweep_page};
+use vb_report::SweepRow;
 use vb_runner::shards_in;
 use vb_score::{Rules, Summary, TaskRecord};
 use vb_sweep::PlannedRun;
@@ -46,11 +46,11 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
         files.push(out.join(setting).join("index.html"));
         compared.push(setting.as_str());
     }
-    let name = &sweep.spec.name;
+    let told = vb_report::Sweep::new(&sweep.spec.name, rows).map_err(CliError::input)?;
     let texts = [
-        ("runs.csv", sweep_csv(&rows).map_err(CliError::internal)?),
-        ("sweep.md", sweep_markdown(name, &rows)),
-        ("index.html", sweep_page(name, &rows, &compared)),
+        ("runs.csv", told.csv().map_err(CliError::internal)?),
+        ("sweep.md", told.markdown()),
+        ("index.html", told.page(&compared)),
     ];
     for (file, text) in texts {
         let path = out.join(file);
@@ -59,9 +59,10 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
         files.push(path);
     }
     if args.format.is_json() {
-        output::json(&Message::SweepReport { runs: rows.len(), missing: &missing, files: &files });
+        output::json(&Message::SweepReport { runs: told.rows().len(), missing: &missing, files: &files });
     } else {
-        output::text(&sweep_markdown(name, &rows));
+        output::text(&vb_host::printable(&told.table(output::width())));
+        told.headlines().iter().for_each(|line| output::note(line));
         files.iter().for_each(|file| output::note(&format!("wrote {}", file.display())));
     }
     match missing.first() {
@@ -100,6 +101,7 @@ fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
         .map_err(|e| CliError::input(format!("{}: rules.profile: {e}", dir.join("run.json").display())))?;
     Ok(SweepRow {
         run: planned.name.clone(),
+        dir: dir.to_owned(),
         planner: planned.planner.clone(),
         vehicle: run.header().vehicle.name.clone(),
         perception: run.header().perception.name.clone(),

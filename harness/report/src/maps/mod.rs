@@ -1,27 +1,39 @@
 //! Maps: each world with the ways of all runs, and where and why they ended.
 
 mod page;
+mod thumbnail;
 
 use std::collections::BTreeSet;
 
+use vb_map::Sources;
 use vb_record::RunReader;
 use vb_world::World;
 
 use crate::runs::Row;
 use crate::{Report, ReportError};
 
+/// The style of [`WorldMap::thumbnail`], beside [`vb_page::TABLE_STYLE`].
+pub const THUMBNAIL_STYLE: &str = include_str!("thumbnail.css");
+
+/// The number of pixels along the longer side of the ground's picture on a map.
+pub const MAP_SIDE: usize = 640;
+
 /// The greatest distance of a sample from the line that is drawn, m at scale 1: a fifth of a vehicle's width.
 const FLAT: f64 = 0.1;
 
-/// What lies beside a map: it is `maps/WORLD.html`, the report `index.html`, and a replay `replays/WORLD/TASK.html`.
+/// What lies beside a map, which is `maps/WORLD.html`; a replay is `replays/WORLD/TASK.html`.
 #[derive(Clone, Debug, Default)]
 pub struct MapLinks<'a> {
+    /// The pages that lead to the map: what each is called, and where it lies, relative to the map.
+    pub pages: Vec<(&'a str, &'a str)>,
     /// The world before this one of which there is a map.
     pub previous: Option<&'a str>,
     /// The world after it.
     pub next: Option<&'a str>,
     /// The tasks of which there is a replay.
     pub replays: BTreeSet<String>,
+    /// Where the pictures of the ground lie; in the page itself if it isn't said.
+    pub pictures: Option<Sources>,
 }
 
 /// The way of a task in a run.
@@ -31,14 +43,30 @@ struct Way<'a> {
     row: &'a Row,
     /// The places from the start to the end, x and y, m; none if the run kept no trace of it.
     points: Vec<[f64; 2]>,
+    /// The goal of the task, m; none if the world has no such task.
+    goal: Option<[f64; 2]>,
+}
+
+impl Way<'_> {
+    /// Where its outcome is shown, m: where it ended, or else, which is `false`, at the goal.
+    fn end(&self) -> Option<([f64; 2], bool)> {
+        self.points.last().map(|p| (*p, true)).or_else(|| self.goal.map(|p| (p, false)))
+    }
+}
+
+/// A world with what runs did in it.
+pub struct WorldMap<'a> {
+    report: &'a Report,
+    world: &'a World,
+    ways: Vec<Way<'a>>,
 }
 
 impl Report {
-    /// A page with the map of a world, scaled as the runs had it, and on it the ways of all runs.
+    /// The map of a world, scaled as the runs had it, with the ways of all runs.
     ///
     /// # Errors
     /// Returns an error if a trace can't be read.
-    pub fn map(&self, world: &World, links: &MapLinks<'_>) -> Result<String, ReportError> {
+    pub fn map<'a>(&'a self, world: &'a World) -> Result<WorldMap<'a>, ReportError> {
         let prefix = format!("{}/", world.id);
         let mut ways = Vec::new();
         for (run, own) in self.runs.runs.iter().enumerate() {
@@ -51,9 +79,26 @@ impl Report {
                 } else {
                     Vec::new()
                 };
-                ways.push(Way { run, row, points });
+                let goal = row.task.strip_prefix(&prefix).and_then(|id| world.task(id)).map(|t| t.goal);
+                ways.push(Way { run, row, points, goal });
             }
         }
-        Ok(page::of_world(self, world, &ways, links))
+        Ok(WorldMap { report: self, world, ways })
+    }
+}
+
+impl WorldMap<'_> {
+    /// The map as a page.
+    #[must_use]
+    pub fn page(&self, links: &MapLinks<'_>) -> String {
+        page::of_world(self, links)
+    }
+
+    /// The map as a small picture, an element `svg` with the ends of all ways in the colours of the outcomes: filled where they
+    /// are known, rings at the goals of tasks without a trace. `ground` is where the picture of [`vb_map::thumbnail`] lies,
+    /// relative to the page, and `label` is told instead of it.
+    #[must_use]
+    pub fn thumbnail(&self, ground: &str, label: &str) -> String {
+        thumbnail::of_world(self, ground, label)
     }
 }

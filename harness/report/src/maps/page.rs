@@ -6,7 +6,9 @@ use vb_page::{Page, TABLE_STYLE, escape, number};
 use vb_score::Outcome;
 use vb_world::World;
 
-use super::{MapLinks, Way};
+use vb_map::Sources;
+
+use super::{MAP_SIDE, MapLinks, Way, WorldMap};
 use crate::Report;
 use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::{colour, marker, sample};
@@ -15,19 +17,19 @@ use crate::page;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The number of pixels along the longer side of the ground's picture.
-const SIDE: usize = 640;
-
-pub(super) fn of_world(report: &Report, world: &World, ways: &[Way<'_>], links: &MapLinks<'_>) -> String {
+pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
+    let WorldMap { report, world, ways } = map;
     let name = escape(&world.id);
     let mut head = format!(
-        "<h1>{name} <small>{} relief, {} ground, {} obstacles</small></h1><p class=\"meta\">{}</p><nav>\
-         <a href=\"../index.html#worlds\">Report</a>",
+        "<h1>{name} <small>{} relief, {} ground, {} obstacles</small></h1><p class=\"meta\">{}</p><nav>",
         world.elevation.name(),
         world.terrain.name(),
         world.density.name(),
         escape(&report.runs.scope()),
     );
+    for (text, href) in &links.pages {
+        let _ = write!(head, "<a href=\"{}\">{}</a>", escape(href), escape(text));
+    }
     for (link, rel, text) in [(links.previous, "prev", "previous world"), (links.next, "next", "next world")]
     {
         if let Some(other) = link {
@@ -37,8 +39,11 @@ pub(super) fn of_world(report: &Report, world: &World, ways: &[Way<'_>], links: 
     }
     head.push_str("</nav>");
     let mut s = String::from("<div class=\"view\"><div class=\"stage\">");
-    let pictures = vb_map::pictures(world, SIDE);
-    s.push_str(&vb_map::map(world, &pictures, &drawn(report, world, ways)));
+    let drawn = drawn(report, world, ways);
+    s.push_str(&match &links.pictures {
+        Some(beside) => vb_map::map(world, beside, &drawn),
+        None => vb_map::map(world, &Sources::inline(&vb_map::pictures(world, MAP_SIDE)), &drawn),
+    });
     s.push_str("</div><div class=\"side\">");
     controls(&mut s, report);
     table(&mut s, report, world, ways, links);
@@ -50,6 +55,7 @@ pub(super) fn of_world(report: &Report, world: &World, ways: &[Way<'_>], links: 
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,
+        images_beside: links.pictures.is_some(),
         ..Page::default()
     }
     .html()
@@ -84,20 +90,42 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
         );
     }
     for w in ways {
-        let Some([x, y]) = w.points.last().copied().filter(|_| !w.row.succeeded()) else { continue };
+        // Where a way leads to is seen; of others the outcome stands at the goal, success or not.
+        let Some(([x, y], known)) = w.end().filter(|(_, known)| !(*known && w.row.succeeded())) else {
+            continue;
+        };
+        let alone = report.runs.runs.len() == 1;
+        // A ring around the sign of the goal, or one of several beside it, each with the marker of its run.
+        let (at, radius) = match known || alone {
+            true => ([x, -y], if known { 2.1 } else { 2.9 }),
+            false => (beside([x, -y], w.run, report.runs.runs.len(), unit), 2.1),
+        };
         open(&mut s, w);
         let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
+        let title = told(report, w);
         let _ = write!(
             s,
-            "<circle class=\"end e{outcome}\" cx=\"{x:.2}\" cy=\"{:.2}\" r=\"{:.2}\"/>",
-            -y,
-            2.1 * unit
+            "<circle class=\"end{} e{outcome}\" cx=\"{:.2}\" cy=\"{:.2}\" r=\"{:.2}\"><title>{}</title></circle>",
+            if known { "" } else { " unplaced" },
+            at[0],
+            at[1],
+            radius * unit,
+            escape(&title)
         );
-        marker(&mut s, w.run, [x, -y], 1.3 * unit, &told(report, w));
+        if known || !alone {
+            marker(&mut s, w.run, at, 1.3 * unit, &title);
+        }
         s.push_str("</g>");
     }
     s.push_str("</g>");
     s
+}
+
+/// A place at a goal (in SVG, y downwards) for one of several runs: their rings lie around it, so that none covers another.
+fn beside([x, y]: [f64; 2], run: usize, runs: usize, unit: f64) -> [f64; 2] {
+    let (sin, cos) = vb_math::sin_cos(std::f64::consts::TAU * run as f64 / runs as f64);
+    let away = 3.4 * unit;
+    [x + away * sin, y - away * cos]
 }
 
 fn points(way: &[[f64; 2]]) -> String {
@@ -113,7 +141,11 @@ fn told(report: &Report, w: &Way<'_>) -> String {
     let outcome = w.row.outcome.name().replace('_', " ");
     let note = if w.row.note.is_empty() { String::new() } else { format!(": {}", w.row.note) };
     let label = &report.runs.runs[w.run].label;
-    format!("{label}, {}: {outcome} after {} s{note}", w.row.task, number(w.row.time, 1))
+    let place = match (w.points.is_empty(), w.row.measures) {
+        (true, Some(m)) => format!(", {} m from the goal", number(m.goal_distance, 1)),
+        _ => String::new(),
+    };
+    format!("{label}, {}: {outcome} after {} s{place}{note}", w.row.task, number(w.row.time, 1))
 }
 
 fn controls(s: &mut String, report: &Report) {
@@ -176,7 +208,10 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     }
     s.push_str("</tbody></table></div>");
     if untraced {
-        s.push_str("<p class=\"about\">Some tasks have no way on the map: their run kept no trace (run with --trace 10hz).</p>");
+        s.push_str(
+            "<p class=\"about\">Some tasks have no way on the map, since no trace of them was kept (run with --trace 10hz) or carried along (a \
+             submission has those of a few tasks). A dashed ring at the goal has their outcome, and tells how far away they ended.</p>",
+        );
     }
     s.push_str(
         "<p class=\"about\">A ring is where a way ended before the goal, in the colour of the outcome; within it is the run's marker. White \

@@ -2,9 +2,9 @@
 
 mod causes;
 mod comparison;
-mod ranking;
+pub(crate) mod ranking;
 mod robustness;
-mod sections;
+pub(crate) mod sections;
 mod tasks;
 
 use std::fmt::Write as _;

@@ -27,7 +27,8 @@ pub(super) fn headline(s: &mut String, report: &Report) {
 
 pub(super) fn ranking(s: &mut String, report: &Report) {
     let (Some(c), Some(ranking)) = (&report.comparison, &report.ranking) else { return };
-    table(s, report, ranking);
+    let looks: Vec<usize> = (0..report.runs.runs.len()).collect();
+    table(s, report, ranking, &looks);
     s.push_str(
         "<p class=\"about\">Rank: one more than the number of planners that succeed in more tasks for certain; a range has the ranks that are \
          possible. Success decides who wins; time, roll and pitch are secondary.</p>",
@@ -47,7 +48,8 @@ fn letter(position: usize) -> String {
     if position < 26 { one(position) } else { one(position / 26 - 1) + &one(position) }
 }
 
-fn table(s: &mut String, report: &Report, ranking: &Ranking) {
+/// The ranking as a table; each run looks as the one of this number does elsewhere on the page.
+pub(crate) fn table(s: &mut String, report: &Report, ranking: &Ranking, looks: &[usize]) {
     s.push_str(
         "<div class=\"scroll\"><table class=\"sortable ranking\"><thead><tr><th></th><th class=\"n\">rank</th><th>planner</th><th \
          class=\"n\">success % (95 %)</th><th class=\"fixed\"></th><th>not told from</th><th class=\"n\">tasks</th><th class=\"n\">time, s</th><th \
@@ -65,11 +67,11 @@ fn table(s: &mut String, report: &Report, ranking: &Ranking) {
             letter(k),
             p.rank,
             p.told(),
-            sample(p.run),
+            sample(looks[p.run]),
             escape(&report.runs.runs[p.run].label),
             success.map_or(-1.0, |e| e.mean),
             with_interval(success, Measure::Success),
-            whisker(p.run, success),
+            whisker(looks[p.run], success),
             if ties.is_empty() { "–".into() } else { ties.join(" ") },
             all.tasks,
             grouped(all.tasks),
@@ -89,7 +91,7 @@ fn table(s: &mut String, report: &Report, ranking: &Ranking) {
 }
 
 /// A rate and its interval on a line from 0 to 100 %.
-fn whisker(run: usize, e: Option<Estimate>) -> String {
+pub(crate) fn whisker(run: usize, e: Option<Estimate>) -> String {
     let Some(e) = e else { return String::new() };
     let x = |v: f64| 150.0 * v.clamp(0.0, 1.0);
     let mut s = String::from(

@@ -2,7 +2,7 @@
 
 use crate::drawing::series::{self, sample};
 use crate::drawing::{PAGE_FIGURE, Quantity, Scale, distribution};
-use crate::figures::{Estimate, Measure};
+use crate::figures::{Estimate, Measure, heat};
 use crate::runs::Run;
 use crate::{Beside, Report};
 use std::fmt::Write as _;
@@ -68,7 +68,7 @@ pub(super) fn legend(s: &mut String, report: &Report) {
 }
 
 /// A mean with its interval: `25.1 [24.0, 26.3]`.
-pub(super) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
+pub(crate) fn with_interval(e: Option<Estimate>, measure: Measure) -> String {
     let Some(e) = e else { return "–".into() };
     let v = |v: f64| number(measure.shown(v), 1);
     match e.interval {
@@ -206,13 +206,12 @@ pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
                         if !here || *all == 0 {
                             continue;
                         }
-                        let fraction = *done as f64 / *all as f64;
                         let name = escape(&w.name);
                         let _ = write!(
                             s,
                             "<button type=\"button\" class=\"w h{} {}\" data-world=\"{name}\" data-run=\"{k}\" title=\"{name}, {}: {done} of \
                              {all} tasks\">{done}</button>",
-                            (fraction * 5.999) as u32,
+                            heat((*done, *all)),
                             density.name(),
                             density.name()
                         );

@@ -87,6 +87,18 @@ causes! {
     Other = "other", "other";
 }
 
+impl Cause {
+    /// The causes with how often each was one, which `count` says: the most frequent first, those alike in the order of
+    /// tables, and without those that were none.
+    #[must_use]
+    pub fn by_frequency(count: impl Fn(Self) -> u64) -> Vec<(Self, u64)> {
+        let mut found: Vec<(Self, u64)> =
+            Self::ALL.iter().map(|cause| (*cause, count(*cause))).filter(|(_, n)| *n > 0).collect();
+        found.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+        found
+    }
+}
+
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
@@ -154,6 +166,17 @@ pub fn diagnose(moments: &[Moment], body: &Body, site: Site<'_>, rolled_over: bo
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_most_frequent_cause_is_first_and_one_that_was_none_is_left_out() {
+        let count = |cause| match cause {
+            Cause::Other | Cause::HighCentred => 2,
+            Cause::TooSteep => 5,
+            _ => 0,
+        };
+        let expected = [(Cause::TooSteep, 5), (Cause::HighCentred, 2), (Cause::Other, 2)];
+        assert_eq!(Cause::by_frequency(count), expected);
+    }
 
     #[test]
     fn names_are_those_of_files() {

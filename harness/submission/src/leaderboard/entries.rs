@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vb_report::{Figures, Measure, RunFigures, Runs, Split};
+use vb_report::{Figures, Measure, RunFigures, Runs, Split, WorldLabels};
 
 use crate::SubmissionError;
 use crate::check::Submission;
@@ -27,6 +27,8 @@ pub struct Entry {
     pub figures: Figures,
     /// The success rate by elevation level, from low to high, in [0, 1]; levels without tasks are left out.
     pub levels: Vec<(&'static str, f64)>,
+    /// The worlds by their names, each with the number of tasks that were done and of all that count.
+    pub worlds: Vec<(WorldLabels, (u64, u64))>,
     /// The fuel of the most costly step of all tasks as a share of the limit; `None` for planners that aren't metered.
     pub fuel: Option<f64>,
     /// The scores on the hidden suite, if the owner had the entry evaluated.
@@ -77,6 +79,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
         by_elevation.iter().filter_map(|(name, f)| Some((*name, f.mean(Measure::Success)?.mean))).collect();
     let used = runs.runs[0].counted().filter_map(|row| row.fuel);
     let fuel = used.map(|f| f.max_share).reduce(f64::max);
+    let worlds = runs.worlds.iter().cloned().zip(figures.worlds.iter().copied()).collect();
     let figures = figures.all;
     let holdout = match dir.join(HOLDOUT) {
         path if path.exists() => {
@@ -104,6 +107,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
         verification,
         figures,
         levels,
+        worlds,
         fuel,
         holdout,
     })

@@ -4,13 +4,20 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use vb_page::{Page, TABLE_STYLE, escape, grouped, number};
-use vb_report::{Measure, one_line};
+use vb_report::{Measure, THUMBNAIL_STYLE, one_line};
 use vb_score::{Cause, Outcome};
 
-use super::index_page::{STYLE, whisker};
+use super::index_page::{STYLE, strip, whisker};
 use super::rank::{Board, Ranked};
+use super::worlds::Maps;
 
-pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<String>) -> String {
+pub(super) fn page(
+    title: &str,
+    board: &Board,
+    r: &Ranked,
+    replays: &BTreeSet<String>,
+    maps: &Maps,
+) -> String {
     let (e, m) = (&r.entry, &r.entry.manifest);
     let text = |t: &str, most| escape(&one_line(t, most));
     let name = text(&m.run.plugin.name, 60);
@@ -26,6 +33,7 @@ pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<St
         text(&m.run.plugin.version, 30),
         text(title, 60),
     );
+    head.push_str("<a href=\"#worlds\">Worlds</a>");
     if !replays.is_empty() {
         head.push_str("<a href=\"#replays\">Replays</a>");
     }
@@ -36,6 +44,7 @@ pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<St
         let _ = write!(s, "<p class=\"note\">{}</p>", text(note, 500));
     }
     results(&mut s, board, r);
+    worlds(&mut s, r, maps);
     if !replays.is_empty() {
         s.push_str("<section id=\"replays\"><h2>Replays</h2><ul class=\"replays\">");
         for task in replays {
@@ -48,8 +57,9 @@ pub(super) fn page(title: &str, board: &Board, r: &Ranked, replays: &BTreeSet<St
     let page_title = format!("{} – {}", one_line(&e.manifest.run.plugin.name, 60), one_line(title, 60));
     Page {
         title: &page_title,
-        styles: &[TABLE_STYLE, STYLE],
+        styles: &[TABLE_STYLE, THUMBNAIL_STYLE, STYLE],
         body: &format!("<header>{head}</header><main>{s}</main>"),
+        images_beside: true,
         ..Page::default()
     }
     .html()
@@ -116,15 +126,52 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
         let _ = write!(s, "<div><dt>{name}</dt><dd>{}</dd></div>", grouped(e.figures.count(*outcome)));
     }
     s.push_str("</dl>");
-    let mut causes: Vec<(Cause, u64)> =
-        Cause::ALL.iter().map(|c| (*c, e.figures.caused(*c))).filter(|(_, n)| *n > 0).collect();
-    causes.sort_by_key(|(cause, n)| (std::cmp::Reverse(*n), *cause));
+    let causes = Cause::by_frequency(|cause| e.figures.caused(cause));
     if !causes.is_empty() {
         s.push_str("<h3>What stopped it</h3><dl class=\"figures\">");
         for (cause, n) in causes {
             let _ = write!(s, "<div><dt>{}</dt><dd>{}</dd></div>", escape(cause.title()), grouped(n));
         }
         s.push_str("</dl>");
+    }
+    s.push_str("</section>");
+}
+
+/// The worlds as small maps, or why there are none.
+fn worlds(s: &mut String, r: &Ranked, maps: &Maps) {
+    let _ = write!(s, "<section id=\"worlds\"><h2>Worlds</h2>{}", strip(&r.entry, 12));
+    s.push_str(
+        "<p class=\"about\">A square a world, in the colour of the share of its tasks that were done, from none (brown) to all (green); a \
+         row an elevation level, the lowest first.</p>",
+    );
+    match maps {
+        Maps::Made(made) => {
+            s.push_str("<ul class=\"maps\">");
+            for m in made {
+                let _ = write!(
+                    s,
+                    "<li><a href=\"maps/{0}.html\">{1}<span>{0} <small>{2}/{3}</small></span></a></li>",
+                    escape(&m.world),
+                    m.thumbnail,
+                    m.done.0,
+                    m.done.1
+                );
+            }
+            s.push_str("</ul><p class=\"key outcomes\">");
+            for (k, outcome) in Outcome::ALL.iter().enumerate().filter(|(_, o)| r.entry.figures.count(**o) > 0) {
+                let _ = write!(s, "<span><i class=\"swatch o{k}\"></i>{}</span>", outcome.name().replace('_', " "));
+            }
+            s.push_str(
+                "</p><p class=\"about\">A click shows a world's map with the tasks' ways and ends. A dot is where a task ended; a ring at \
+                 the goal is the outcome of a task whose trace the submission doesn't carry.</p>",
+            );
+        }
+        Maps::Hidden => s.push_str(
+            "<p class=\"about\">There are neither maps nor replays: the suite is hidden, and its worlds are its owner's alone.</p>",
+        ),
+        Maps::Missing => s.push_str(
+            "<p class=\"about\">There are no maps: the worlds of this suite were not at hand when the page was made.</p>",
+        ),
     }
     s.push_str("</section>");
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_record::planner_with_params;
-use vb_report::{Estimate, Measure, one_line};
+use vb_report::{Estimate, Measure, Split, heat, one_line};
 use vb_score::{Cause, Outcome};
 
 use super::entries::Entry;
@@ -13,6 +13,9 @@ use crate::division::Division;
 
 pub(super) const STYLE: &str = include_str!("site.css");
 const SCRIPT: &str = include_str!("site.js");
+
+/// Pixels from one square of a row's strip of worlds to the next.
+const SQUARE: usize = 6;
 
 /// What stands behind the figures of a division.
 fn about(division: Division) -> &'static str {
@@ -62,6 +65,7 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
          by the bootstrap over worlds, since tasks of a world are not independent. An entry shares the rank of the best one above \
          it (marked =) as long as the sign-flip test over worlds, paired by tasks, does not tell them apart: nobody can say which is better. \
          Where all entries of a board have scores on the owner's hidden suite, order and ties are by those and their intervals. \
+         A small square is a world, from brown (no task done) to green (all done), with low ground above and high ground below. \
          Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
          or versions of the harness are on boards of their own.</p></section>",
     );
@@ -130,12 +134,13 @@ fn row(s: &mut String, r: &Ranked, holdout: bool, several: bool) {
     let _ = write!(
         s,
         "<tr><td class=\"n rank\" data-v=\"{rank}\">{rank}{}</td><td><a href=\"entries/{id}/index.html\">{}</a> <small>{}</small><br>\
-         <small class=\"who\">{}{}</small><small class=\"details\">{}</small></td>{}<td class=\"plot\">{}</td>",
+         <small class=\"who\">{}{}</small>{}<small class=\"details\">{}</small></td>{}<td class=\"plot\">{}</td>",
         if r.tied { "<small>=</small>" } else { "" },
         escape(&one_line(&e.manifest.run.plugin.name, 60)),
         escape(&planner_with_params(&one_line(&e.manifest.run.plugin.version, 30), &params)),
         escape(&one_line(&e.manifest.entrant.name, 80)),
         links(e),
+        strip(e, SQUARE),
         details(e),
         mean(Measure::Success),
         whisker(success),
@@ -191,10 +196,9 @@ fn details(e: &Entry) -> String {
         })
         .collect();
     parts.push(format!("rollover {} %", share(Outcome::Rollover)));
-    let most = Cause::ALL.iter().max_by_key(|c| (f.caused(**c), std::cmp::Reverse(**c)));
-    let most = most.filter(|c| f.caused(**c) > 0);
-    let why = most.map_or_else(String::new, |c| {
-        format!(" (most often {}: {} %)", c.title(), percent(f.caused(*c) as f64 / f.tasks.max(1) as f64))
+    let most = Cause::by_frequency(|cause| f.caused(cause));
+    let why = most.first().map_or_else(String::new, |(cause, n)| {
+        format!(" (most often {}: {} %)", cause.title(), percent(*n as f64 / f.tasks.max(1) as f64))
     });
     parts.push(format!("stuck {} %{why}", share(Outcome::Stuck)));
     let other = f.tasks
@@ -227,6 +231,51 @@ fn cell(measure: Measure, e: Option<Estimate>) -> String {
         format!("<br><small class=\"interval\">{} to {}</small>", v(i.low), v(i.high))
     });
     format!("<td class=\"n\" data-v=\"{}\">{}{interval}</td>", measure.shown(e.mean), v(e.mean))
+}
+
+/// A square a world, `side` pixels apart, in the colour of the share of its tasks that were done; a row an elevation level, the
+/// lowest first.
+pub(super) fn strip(e: &Entry, side: usize) -> String {
+    let rows: Vec<Vec<_>> = Split::Elevation
+        .levels()
+        .into_iter()
+        .map(|level| {
+            let mut row: Vec<_> =
+                e.worlds.iter().filter(|(w, _)| Split::Elevation.level(w) == level).collect();
+            row.sort_by_key(|(w, _)| (w.terrain, w.density, &w.name));
+            row
+        })
+        .filter(|row| !row.is_empty())
+        .collect();
+    let longest = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut s = format!(
+        "<svg class=\"strip\" viewBox=\"0 0 {w} {h}\" style=\"width:{w}px\" role=\"img\" aria-label=\"{} of {} worlds with all tasks done\">",
+        e.worlds.iter().filter(|(_, (done, all))| done == all).count(),
+        e.worlds.len(),
+        w = longest * side,
+        h = rows.len() * side,
+    );
+    for (y, row) in rows.iter().enumerate() {
+        for (x, (w, done)) in row.iter().enumerate() {
+            let _ = write!(
+                s,
+                "<rect class=\"q{}\" x=\"{}\" y=\"{}\" width=\"{d}\" height=\"{d}\"><title>{}, {} relief, {} ground, {} obstacles: {} of {} \
+                 tasks</title></rect>",
+                heat(*done),
+                x * side,
+                y * side,
+                escape(&one_line(&w.name, 60)),
+                w.elevation.name(),
+                w.terrain.name(),
+                w.density.name(),
+                done.0,
+                done.1,
+                d = side - 1,
+            );
+        }
+    }
+    s.push_str("</svg>");
+    s
 }
 
 /// A rate and its interval on a line from 0 to 100 %.

@@ -8,16 +8,19 @@ mod entries;
 mod entry_page;
 mod index_page;
 mod rank;
+mod worlds;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use vb_report::{Beside, Report, Runs};
+use vb_world::Suite;
 
 pub use data::LEADERBOARD_SCHEMA;
 pub use entries::Entry;
 pub use rank::{Board, Ranked};
+use worlds::{Maps, Painter};
 
 use crate::SubmissionError;
 use crate::files::{self, MANIFEST, RUN, VERDICT};
@@ -29,9 +32,22 @@ const ENTRIES: &str = "entries";
 /// The name of an entry's report in the entry's folder. Its replays are in the folder `replays` beside it.
 pub const REPORT: &str = files::REPORT;
 
-/// A function that makes pages of replays: of the tasks of an entry's run (read from its folder) into a folder, as
-/// `WORLD/TASK.html`. It returns the tasks that it made pages of.
-pub type ReplayMaker<'a> = dyn FnMut(&Entry, &Runs, &Path) -> Result<BTreeSet<String>, SubmissionError> + 'a;
+/// What a site is made of beside submissions. It isn't asked for entries on a hidden suite.
+pub trait Source {
+    /// The suite of an entry, if its worlds are at hand. The run is that of the entry, read from its folder.
+    fn suite(&mut self, entry: &Entry, runs: &Runs) -> Option<Suite>;
+
+    /// Makes pages of replays of an entry's run into a folder, as `WORLD/TASK.html`, and returns the tasks that it made pages of.
+    ///
+    /// # Errors
+    /// Returns an error if no site can be made because of it; what just can't be shown is left out.
+    fn replays(
+        &mut self,
+        entry: &Entry,
+        runs: &Runs,
+        out: &Path,
+    ) -> Result<BTreeSet<String>, SubmissionError>;
+}
 
 /// The site that was built.
 #[derive(Clone, Debug)]
@@ -43,36 +59,44 @@ pub struct Site {
 }
 
 /// Builds the site of the submissions in `dir`, which has a folder for each, in `out`. That must be empty or hold such
-/// a site, which is replaced. `title` is the name of the site.
+/// a site, which is replaced. `title` is the name of the site. Of entries on a suite on which an entry has scores of an evaluation
+/// there are neither maps nor replays: the suite is hidden, and its worlds stay so.
 ///
 /// # Errors
 /// Returns an error if a folder holds no verified submission, a plugin was submitted twice under the same conditions,
 /// or something can't be read or written. Nothing is written before all entries were looked at.
-pub fn build(
-    dir: &Path,
-    out: &Path,
-    title: &str,
-    replays: &mut ReplayMaker<'_>,
-) -> Result<Site, SubmissionError> {
+pub fn build(dir: &Path, out: &Path, title: &str, source: &mut dyn Source) -> Result<Site, SubmissionError> {
     let entries = entries::read(dir)?;
     let boards = rank::boards(entries)?;
     clear(out)?;
+    let hidden = worlds::hidden(&boards);
+    let mut painter = Painter::new(out, title);
     for board in &boards {
         for ranked in &board.entries {
             let entry = &ranked.entry;
             let own = out.join(ENTRIES).join(&entry.id);
-            let mut runs = Runs::read(&[entry.dir.join(RUN)])?;
-            let made = replays(entry, &runs, &own.join("replays"))?;
-            for run in &mut runs.runs {
-                run.dir = RUN.into();
-            }
+            let runs = Runs::read(&[entry.dir.join(RUN)])?;
+            let secret = hidden.contains(&entry.manifest.run.suite.name);
+            let replays = match secret {
+                true => BTreeSet::new(),
+                false => source.replays(entry, &runs, &own.join("replays"))?,
+            };
+            let suite = if secret { None } else { source.suite(entry, &runs) };
+            let report = Report::new(runs);
+            let maps = match &suite {
+                _ if secret => Maps::Hidden,
+                Some(suite) => painter.maps(entry, suite, &report, &replays, &own)?,
+                None => Maps::Missing,
+            };
+            // Where the submission lies is the owner's affair.
+            let report = report.placed(Path::new(RUN));
             // Never the entrant's own page: it is made anew of his records.
-            let report = Report::new(runs).page(&Beside { replays: made.clone(), ..Beside::default() });
-            files::write(&own.join(REPORT), report.as_bytes())?;
+            let beside = Beside { replays: replays.clone(), maps: maps.names(), files: Vec::new() };
+            files::write(&own.join(REPORT), report.page(&beside).as_bytes())?;
             for name in [MANIFEST, VERDICT] {
                 files::write(&own.join(name), &files::read(&entry.dir.join(name), files::DOCUMENT)?)?;
             }
-            let page = entry_page::page(title, board, ranked, &made);
+            let page = entry_page::page(title, board, ranked, &replays, &maps);
             files::write(&own.join("index.html"), page.as_bytes())?;
         }
     }
@@ -95,5 +119,5 @@ fn clear(out: &Path) -> Result<(), SubmissionError> {
     if entries.exists() {
         fs::remove_dir_all(&entries).map_err(SubmissionError::write(&entries))?;
     }
-    Ok(())
+    worlds::clear(out)
 }

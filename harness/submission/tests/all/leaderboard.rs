@@ -9,8 +9,10 @@ use std::path::Path;
 
 use crate::common::{Bench, bench, sha256};
 use serde_json::{Value, json};
-use vb_submission::leaderboard::{self, Site};
+use vb_report::Runs;
+use vb_submission::leaderboard::{self, Entry, Site};
 use vb_submission::{Scores, SubmissionError};
+use vb_world::Suite;
 
 const HOSTILE: &str = "</script><script>document.title='owned'</script><img src=x onerror=alert(1)>";
 
@@ -63,7 +65,38 @@ fn spread(records: &mut Vec<Value>) {
 }
 
 fn build(b: &Bench, dir: &str, out: &str) -> Result<Site, SubmissionError> {
-    leaderboard::build(&b.path(dir), &b.path(out), "A board", &mut |_, _, _| Ok(BTreeSet::new()))
+    leaderboard::build(&b.path(dir), &b.path(out), "A board", &mut Shelf::default())
+}
+
+/// Suites that are at hand, and the entries that were asked about.
+#[derive(Default)]
+struct Shelf {
+    suite: Option<Suite>,
+    asked: Vec<String>,
+}
+
+impl leaderboard::Source for Shelf {
+    fn suite(&mut self, entry: &Entry, _: &Runs) -> Option<Suite> {
+        self.asked.push(entry.id.clone());
+        self.suite.clone()
+    }
+
+    fn replays(&mut self, entry: &Entry, _: &Runs, _: &Path) -> Result<BTreeSet<String>, SubmissionError> {
+        self.asked.push(entry.id.clone());
+        Ok(BTreeSet::new())
+    }
+}
+
+/// Scores of an entry on a hidden suite, as its owner puts them beside.
+fn holdout(b: &Bench, dir: &str, id: &str, suite: &str, success: f64, interval: [f64; 2]) {
+    let run = &b.json(&format!("{dir}/{id}/submission.json"))["run"];
+    let scores = json!({
+        "schema": 1, "harness_version": "0.1.0", "suite": suite, "suite_version": "1", "planner": id,
+        "planner_version": "1", "plugin_sha256": run["plugin"]["sha256"], "vehicle": "hmmwv", "rules": "paper",
+        "tasks": 100, "outcomes": {}, "success_percent": success, "success_interval_percent": interval,
+        "time_mean_s": 30.0, "roll_mean_deg": 1.0, "pitch_mean_deg": 1.0,
+    });
+    fs::write(b.path(dir).join(id).join("holdout.json"), scores.to_string()).unwrap();
 }
 
 fn board(b: &Bench, out: &str) -> Value {
@@ -123,14 +156,7 @@ fn ties_share_a_rank_and_certain_differences_part() {
 fn entries_that_all_have_scores_on_the_hidden_suite_are_ranked_by_them() {
     let b = bench();
     let scores = |id: &str, suite: &str, success: f64, interval: [f64; 2]| {
-        let run = &b.json(&format!("hold/{id}/submission.json"))["run"];
-        let scores = json!({
-            "schema": 1, "harness_version": "0.1.0", "suite": suite, "suite_version": "1", "planner": id,
-            "planner_version": "1", "plugin_sha256": run["plugin"]["sha256"], "vehicle": "hmmwv", "rules": "paper",
-            "tasks": 100, "outcomes": {}, "success_percent": success, "success_interval_percent": interval,
-            "time_mean_s": 30.0, "roll_mean_deg": 1.0, "pitch_mean_deg": 1.0,
-        });
-        fs::write(b.path("hold").join(id).join("holdout.json"), scores.to_string()).unwrap();
+        holdout(b, "hold", id, suite, success, interval);
     };
     // By heart: all public tasks, hardly a hidden one.
     accept(b, "hold", "by-heart", |m, _| planner(m, "by-heart"));
@@ -159,6 +185,87 @@ fn entries_that_all_have_scores_on_the_hidden_suite_are_ranked_by_them() {
     assert_eq!(entries, expected.map(|(id, rank, tied)| (id.to_owned(), rank, tied)));
     let page = fs::read_to_string(b.path("hold-site-3/index.html")).unwrap();
     assert!(page.contains("ranked by the hidden suite"), "{page}");
+}
+
+#[test]
+fn an_entry_has_a_map_of_each_world_whose_pictures_all_entries_share() {
+    let b = bench();
+    for (id, failed) in [("good", false), ("bad", true)] {
+        accept(b, "maps", id, |m, r| {
+            planner(m, id);
+            if failed {
+                r.iter_mut().for_each(fail);
+            }
+        });
+    }
+    let mut shelf = Shelf { suite: Some(b.suite.clone()), asked: Vec::new() };
+    leaderboard::build(&b.path("maps"), &b.path("maps-site"), "<b>", &mut shelf).unwrap();
+    let read = |page: &str| fs::read_to_string(b.path("maps-site").join(page)).unwrap();
+    let folders: Vec<_> = fs::read_dir(b.path("maps-site/worlds")).unwrap().collect();
+    assert_eq!(folders.len(), 1, "one suite");
+    let pictures = folders[0].as_ref().unwrap().path();
+    // Five layers and a small one of each of two worlds, whatever the number of entries.
+    assert_eq!(fs::read_dir(&pictures).unwrap().count(), 12);
+    // The honest submission carries the trace of its first success alone: one way is there, and of the others the outcome.
+    let map = read("entries/bad/maps/w001.html");
+    assert_eq!(
+        (map.matches("class=\"way ").count(), map.matches("end unplaced e2").count()),
+        (1, 1),
+        "{map}"
+    );
+    assert_eq!(map.matches("<circle class=\"end e2\"").count(), 1, "where that way ended");
+    assert_eq!(read("entries/good/maps/w002.html").matches("end unplaced e0").count(), 2);
+    assert!(
+        map.contains("<a href=\"../../../index.html\">&lt;b&gt;</a><a href=\"../index.html#worlds\">bad</a>")
+    );
+    let shown = format!("../../../worlds/{}/w001-shade.png", pictures.file_name().unwrap().to_str().unwrap());
+    assert!(map.contains(&shown) && !map.contains("data:image"));
+    let page = read("entries/bad/index.html");
+    assert!(page.contains("href=\"maps/w001.html\"") && page.contains("<small>0/2</small>"), "{page}");
+    assert_eq!(page.matches("<svg class=\"thumbnail\"").count(), 2);
+    // From a task's row to its map.
+    assert!(read("entries/good/report.html").contains("[\"w001\",\"low\",\"rigid\",\"sparse\",1]"));
+    // A square a world, the one with nothing done brown and the other green.
+    let index = read("index.html");
+    assert_eq!((index.matches("class=\"q0\"").count(), index.matches("class=\"q5\"").count()), (2, 2));
+}
+
+#[test]
+fn a_hidden_suite_has_neither_maps_nor_replays_wherever_its_scores_are() {
+    let b = bench();
+    for id in ["scored", "other"] {
+        accept(b, "secret", id, |m, _| planner(m, id));
+    }
+    // One entry has scores on `tiny`, so nobody's drives on it may be shown.
+    holdout(b, "secret", "scored", "tiny", 5.0, [2.0, 9.0]);
+    let mut shelf = Shelf { suite: Some(b.suite.clone()), asked: Vec::new() };
+    leaderboard::build(&b.path("secret"), &b.path("secret-site"), "A board", &mut shelf).unwrap();
+    assert!(shelf.asked.is_empty(), "{:?}", shelf.asked);
+    assert!(!b.path("secret-site/worlds").exists());
+    for id in ["scored", "other"] {
+        let own = b.path("secret-site/entries").join(id);
+        assert!(!own.join("maps").exists() && !own.join("replays").exists());
+        let page = fs::read_to_string(own.join("index.html")).unwrap();
+        assert!(page.contains("the suite is hidden") && !page.contains("<image"), "{page}");
+        assert!(!fs::read_to_string(own.join("report.html")).unwrap().contains("\"sparse\",1]"));
+    }
+}
+
+#[test]
+fn a_page_says_that_the_worlds_were_not_at_hand_also_where_they_are_damaged() {
+    let b = bench();
+    accept(b, "without", "one", |m, _| planner(m, "one"));
+    build(b, "without", "without-site").unwrap();
+    let page = |out: &str| fs::read_to_string(b.path(out).join("entries/one/index.html")).unwrap();
+    assert!(page("without-site").contains("were not at hand"));
+    let suite = crate::common::suite(&b.path("broken"), [0.9, 0.4]);
+    for file in fs::read_dir(b.path("broken/worlds/w002")).unwrap() {
+        fs::write(file.unwrap().path(), "x").unwrap();
+    }
+    let mut shelf = Shelf { suite: Some(suite), asked: Vec::new() };
+    leaderboard::build(&b.path("without"), &b.path("broken-site"), "A board", &mut shelf).unwrap();
+    assert!(page("broken-site").contains("were not at hand"));
+    assert!(!b.path("broken-site/entries/one/maps").exists());
 }
 
 #[test]

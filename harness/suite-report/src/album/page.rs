@@ -4,7 +4,9 @@ use super::plot::{Curve, plot};
 use crate::statistics::tables::EMPTY;
 use crate::statistics::{Histogram, Relief, SuiteStatistics, Summary, Table, WorldStatistics};
 use std::fmt::Write as _;
-use vb_map::{Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, map, pictures};
+use vb_map::{
+    Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, SLOPES, SPREADS, STEEP, Sources, map, pictures,
+};
 use vb_page::{Page, escape, number};
 use vb_world::{Density, Elevation, Terrain, TerrainClass, World};
 
@@ -33,7 +35,7 @@ pub(super) fn card(world: &World, w: &WorldStatistics, side: usize) -> String {
         w.slopes.p95,
         w.height_std,
         detour.unwrap_or(0.0),
-        map(world, &pictures(world, side), ""),
+        map(world, &Sources::inline(&pictures(world, side)), ""),
         labels(w),
         e = w.elevation.name(),
         t = w.terrain.name(),
