@@ -76,7 +76,7 @@ pub(crate) enum Command {
     Score(ScoreArgs),
     /// Make a page, and tables, of one or more runs
     Report(ReportArgs),
-    /// Show a task of one or more runs in three dimensions, in the browser
+    /// Show a task of one or more runs in three dimensions in the browser, or film it
     Replay(ReplayArgs),
     /// Make, check, merge and split datasets for those who learn from data
     #[command(subcommand)]

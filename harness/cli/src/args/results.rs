@@ -135,9 +135,10 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) film: FilmArgs,
-    #[command(flatten)]
     pub(crate) data: ReplayData,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
+    // The last, since its heading is over all that follows.
+    #[command(flatten)]
+    pub(crate) film: FilmArgs,
 }
