@@ -57,12 +57,12 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     }
     let page_file = match (&args.out, &args.mcap) {
         (Some(path), _) => {
-            write(path, &page(&replay, &Links::default()))?;
+            write(path, &page(&replay, &Links::default(), None))?;
             Some(path.clone())
         }
         (None, Some(_)) => None,
         (None, None) => {
-            let path = temporary(&page(&replay, &Links::default()))?;
+            let path = temporary(&page(&replay, &Links::default(), None))?;
             open(&path);
             Some(path)
         }
