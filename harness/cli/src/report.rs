@@ -186,7 +186,8 @@ fn maps(
         let scale = first.header.scale;
         let world = if scale == 1.0 { world } else { world.scaled(scale) };
         let links = MapLinks {
-            pages: vec![("Report", "../index.html#worlds")],
+            report: "../index.html",
+            above: Vec::new(),
             previous: k.checked_sub(1).map(|k| order[k].as_str()),
             next: order.get(k + 1).map(|w| w.as_str()),
             replays: replays.clone(),
