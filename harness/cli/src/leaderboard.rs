@@ -32,7 +32,8 @@ enum Message<'a> {
 }
 
 pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
-    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown).map_err(failed)?;
+    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown { site: &args.out })
+        .map_err(failed)?;
     let entries = site.boards.iter().map(|b| b.entries.len()).sum();
     match args.format.get() {
         MessageFormat::Json => {
@@ -49,9 +50,12 @@ pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
 }
 
 /// Suites and replays by what comes with the harness. The site stands without them, where a suite isn't at hand for instance.
-struct Shown;
+struct Shown<'a> {
+    /// The folder of the site, which has the script of all replays.
+    site: &'a Path,
+}
 
-impl leaderboard::Source for Shown {
+impl leaderboard::Source for Shown<'_> {
     fn suite(&mut self, entry: &Entry, runs: &Runs) -> Option<Suite> {
         let found = suite_of(&runs.runs[0].header, None);
         found.map_err(|e| output::note(&format!("entry {}: no maps: {e}", entry.id))).ok()
@@ -63,14 +67,14 @@ impl leaderboard::Source for Shown {
         runs: &Runs,
         out: &Path,
     ) -> Result<BTreeSet<String>, SubmissionError> {
-        Ok(replays(entry, runs, out).unwrap_or_else(|e| {
+        Ok(replays(entry, runs, out, self.site).unwrap_or_else(|e| {
             output::note(&format!("entry {}: no replays: {e}", entry.id));
             BTreeSet::new()
         }))
     }
 }
 
-fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, CliError> {
+fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeSet<String>, CliError> {
     let tasks: BTreeSet<String> = entry.manifest.replays.iter().cloned().collect();
     let mut made = BTreeSet::new();
     if tasks.is_empty() {
@@ -78,14 +82,18 @@ fn replays(entry: &Entry, runs: &Runs, out: &Path) -> Result<BTreeSet<String>, C
     }
     let mut player = Player::new(runs, &ReplayData::default(), Senses::default(), &tasks)?;
     let tasks = player.done(&tasks);
+    let write = |path: &Path, text: &str| {
+        let written =
+            path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(path, text));
+        written.map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
+    };
+    write(&site.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+    // From entries/ENTRY/replays/WORLD/TASK.html.
+    let script = format!("../../../../{}", vb_replay::SCRIPT_FILE);
     for (task, links) in tasks.iter().zip(Links::of_report(leaderboard::REPORT, &tasks)) {
         let Some(replay) = player.replay(task)? else { continue };
         let path = out.join(format!("{task}.html"));
-        let written = path
-            .parent()
-            .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::write(&path, vb_replay::page(&replay, &links)));
-        written.map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))?;
+        write(&path, &vb_replay::page(&replay, &links, Some(&script)))?;
         made.insert(task.clone());
     }
     Ok(made)

@@ -73,12 +73,12 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     }
     let page_file = match &args.out {
         Some(path) => {
-            write(path, &page(&replay, &Links::default()))?;
+            write(path, &page(&replay, &Links::default(), None))?;
             Some(path.clone())
         }
         None if args.mcap.is_some() || filmed => None,
         None => {
-            let path = temporary(&page(&replay, &Links::default()))?;
+            let path = temporary(&page(&replay, &Links::default(), None))?;
             open(&path);
             Some(path)
         }

@@ -123,7 +123,8 @@ fn figures(report: &Report, paper: &Paper, dir: &Path) -> Result<Vec<PathBuf>, C
     Ok(files)
 }
 
-/// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html`, and returns their names.
+/// Makes replays of the chosen tasks that all runs have done, as `replays/WORLD/TASK.html` with the
+/// script of all beside them, and returns their names.
 fn replays(
     report: &Report,
     args: &ReportArgs,
@@ -136,14 +137,19 @@ fn replays(
     let mut player = Player::new(report.runs(), &args.data, Senses::default(), &chosen)?;
     let mut made = BTreeSet::new();
     let tasks = player.done(&chosen);
+    let folder = out.join("replays");
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| CliError::output(format!("cannot write {}: {e}", folder.display())))?;
+    write(&folder.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+    let script = format!("../{}", vb_replay::SCRIPT_FILE);
     for (task, links) in tasks.iter().zip(Links::of_report(PAGE, &tasks)) {
         let Some(replay) = player.replay(task)? else { continue };
-        let path = out.join("replays").join(format!("{task}.html"));
+        let path = folder.join(format!("{task}.html"));
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
         }
-        write(&path, vb_replay::page(&replay, &links))?;
+        write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
         made.insert(task.clone());
     }
     Ok(made)
@@ -180,7 +186,8 @@ fn maps(
         let scale = first.header.scale;
         let world = if scale == 1.0 { world } else { world.scaled(scale) };
         let links = MapLinks {
-            pages: vec![("Report", "../index.html#worlds")],
+            report: "../index.html",
+            above: Vec::new(),
             previous: k.checked_sub(1).map(|k| order[k].as_str()),
             next: order.get(k + 1).map(|w| w.as_str()),
             replays: replays.clone(),

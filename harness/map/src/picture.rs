@@ -292,6 +292,28 @@ mod tests {
     }
 
     #[test]
+    fn a_thumbnail_has_the_colour_of_each_class_as_bright_as_level_ground_is() {
+        let mut world = World::uniform("w001", Heightfield::flat(9, 5, 1.0, 0.0), TerrainClass::Clay, 0.5);
+        world.semantics = vb_world::Semantics {
+            rows: 2,
+            cols: 1,
+            patch: 4.0,
+            classes: vec![TerrainClass::Rock, TerrainClass::Snow],
+            friction: vec![0.5, 0.0],
+            soil: vb_world::SoilLevels::default(),
+        };
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(thumbnail(&world, 2)));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut data = vec![0; 6];
+        let info = reader.next_frame(&mut data).unwrap();
+        assert_eq!((info.height, info.width), (2, 1));
+        // Level ground has 200 of 255, which is 18.04 of 23 greys, and so 18.
+        let lit = |class: TerrainClass| class.colour().map(|c| (f64::from(c) * 18.0 / 23.0).round() as u8);
+        assert_eq!(data, [lit(TerrainClass::Snow), lit(TerrainClass::Rock)].concat());
+    }
+
+    #[test]
     fn a_scale_passes_through_its_colours() {
         assert_eq!(on_scale(&SLOPES, 0.0), SLOPES[0]);
         assert_eq!(on_scale(&SLOPES, 0.25), SLOPES[1]);

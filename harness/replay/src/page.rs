@@ -46,18 +46,36 @@ impl Links {
     }
 }
 
-/// The page: one file that needs nothing else, no network either. Texts of planners are data for its script, which sets
-/// them as text; no other script is run. `links` lead to other pages.
+/// The script of all replays, for a file that lies beside pages.
 #[must_use]
-pub fn page(replay: &Replay, links: &Links) -> String {
+pub fn script() -> &'static str {
+    SCRIPT
+}
+
+/// What the file of [`script`] is called.
+pub const SCRIPT_FILE: &str = "replay.js";
+
+/// What a page shows whose script isn't where it should be; the script takes it away.
+const ALONE: &str = "<p id=\"alone\">This page needs the file replay.js, which was written with it and isn't where it was. Copy the \
+                     folder as a whole, or make a page of one file: vb-harness replay RUN --task TASK --out FILE.</p>";
+
+/// The page. It needs no network. Texts of planners are data for its script, which sets them as text; no other script is run. `links`
+/// lead to other pages. `script_at` is the address of a file with [`script`], relative to the page; without it the page is one file
+/// that needs nothing else.
+#[must_use]
+pub fn page(replay: &Replay, links: &Links, script_at: Option<&str>) -> String {
     let mut data = replay.json();
     data["links"] = json!(links);
     Page {
         title: &format!("{}/{} on {}", replay.world.id, replay.task.id, replay.suite),
         styles: &[STYLE],
-        body: BODY,
+        body: &match script_at {
+            Some(_) => format!("{ALONE}{BODY}"),
+            None => BODY.to_owned(),
+        },
         data: Some(&data),
         script: SCRIPT,
+        script_at,
         makes_images: true,
         ..Page::default()
     }

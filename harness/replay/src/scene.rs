@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use nalgebra::{Rotation3, Vector3};
 use rapier3d_f64::parry;
 use serde_json::{Value, json};
@@ -15,6 +13,7 @@ use crate::debug::PlannerSeries;
 use crate::facts::facts;
 use crate::linkage::carriers;
 use crate::motion::{Motion, Repeat, Rut, attitude};
+use crate::packed::packed;
 use crate::sensed::Sensed;
 
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
@@ -115,18 +114,6 @@ fn round(v: f64, per_unit: f64) -> f64 {
     (v * per_unit).round() / per_unit
 }
 
-/// Numbers as base64 of little-endian 16-bit integers, in units of `unit`; beyond their range the last one.
-fn words(values: impl Iterator<Item = f64>, unit: f64) -> String {
-    let bytes: Vec<u8> = values.flat_map(|v| ((v / unit).round() as i16).to_le_bytes()).collect();
-    STANDARD.encode(bytes)
-}
-
-/// Numbers as base64 of little-endian f32, which a browser reads at once.
-fn floats(values: impl Iterator<Item = f64>) -> String {
-    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
-    STANDARD.encode(bytes)
-}
-
 /// The ground thinned to what is drawn: rows, columns, resolution (m) along x and y, heights.
 pub(crate) fn ground(world: &World) -> (usize, usize, [f64; 2], Vec<f64>) {
     let h = &world.heightfield;
@@ -171,7 +158,7 @@ impl Replay {
                 "cols": cols,
                 "resolution": resolution,
                 "half": [h.half_x(), h.half_y()],
-                "heights": floats(heights.into_iter()),
+                "heights": packed(heights.into_iter().map(|z| [z]), [LENGTH * world.scale.min(1.0)]),
             },
             "semantics": {
                 "rows": s.rows,
@@ -229,54 +216,60 @@ const RUT: f64 = 1e-3;
 fn ruts(m: &Motion, world: &World) -> Value {
     let side = m.soil_resolution;
     let half = [world.heightfield.half_x(), world.heightfield.half_y()];
-    let mut steps: Vec<(f64, usize)> = Vec::new();
+    let mut steps: Vec<[f64; 2]> = Vec::new();
     for rut in &m.ruts {
         match steps.last_mut() {
-            Some((time, count)) if *time == rut.time => *count += 1,
-            _ => steps.push((rut.time, 1)),
+            Some([time, count]) if *time == rut.time => *count += 1.0,
+            _ => steps.push([rut.time, 1.0]),
         }
     }
-    let cells = |axis: usize| words(m.ruts.iter().map(|r| (r.at[axis] + half[axis]) / side - 0.5), 1.0);
-    json!({
-        "side": side,
-        "unit": RUT,
-        "steps": steps.iter().map(|(time, count)| json!([round(*time, 1e3), count])).collect::<Vec<_>>(),
-        "x": cells(0),
-        "y": cells(1),
-        "changes": words(m.ruts.iter().map(Rut::change), RUT),
-    })
+    let cell = |rut: &Rut, axis: usize| (rut.at[axis] + half[axis]) / side - 0.5;
+    let ruts = m.ruts.iter().map(|r| [cell(r, 0), cell(r, 1), r.change()]);
+    json!({"side": side, "steps": packed(steps.into_iter(), [TIME, 1.0]), "cells": packed(ruts, [1.0, 1.0, RUT])})
 }
 
 /// Units of what wheels and ground do to each other on the page: the share of the weight, the slip, the depth in m.
 const CONTACT: [f64; 3] = [1e-3, 1e-2, 1e-4];
+/// Unit of places on the page, m at scale 1; less than one sees.
+const LENGTH: f64 = 2e-4;
+/// Unit of the parts of quaternions and of unit vectors: a millimetre at the end of 50 m.
+const DIRECTION: f64 = 2e-5;
+/// Unit of the wheels' angles, rad.
+const ANGLE: f64 = 1e-3;
+/// Unit of times, s.
+const TIME: f64 = 1e-4;
+/// Units of speed (m/s), of roll and pitch (degrees), and of the commands.
+const SIGNALS: [f64; 6] = [1e-3, 1e-2, 1e-2, 1e-3, 1e-3, 1e-3];
 
 fn run(run: &ReplayRun, world: &World) -> Value {
     let m = &run.motion;
     let r = &run.record;
-    let poses = m.frames.iter().flat_map(|f| {
+    let length = LENGTH * world.scale.min(1.0);
+    let poses = m.frames.iter().map(|f| {
         let q = attitude(f);
         [f.x, f.y, f.z, q.i, q.j, q.k, q.w]
     });
-    let signals = m.frames.iter().flat_map(|f| {
+    let signals = m.frames.iter().map(|f| {
         let speed = (f.vx * f.vx + f.vy * f.vy + f.vz * f.vz).sqrt();
         let degrees = vb_math::angle::degrees;
         [speed, degrees(f.roll), degrees(f.pitch), f.steering, f.throttle, f.brake]
     });
-    let wheels = m.wheel_frames.iter().flat_map(|w| {
-        let ([a, b, c], [d, e, f]) = (w.hub, w.axis);
-        [a, b, c, d, e, f, w.angle]
-    });
+    // Each wheel by itself: it departs little from where it just was, but much from the others.
+    let wheel = |k: usize| {
+        let frames = m.wheel_frames.iter().skip(k).step_by(m.wheels.max(1)).map(|w| {
+            let ([a, b, c], [d, e, f]) = (w.hub, w.axis);
+            [a, b, c, d, e, f, w.angle]
+        });
+        packed(frames, [length, length, length, DIRECTION, DIRECTION, DIRECTION, ANGLE])
+    };
+    let wheels: Vec<Value> = (0..m.wheels).map(wheel).collect();
     let spec = &run.vehicle;
     let weight = spec.total_mass() * GRAVITY;
-    let [load, slip, depth] = CONTACT;
-    let contact = (!m.contacts.is_empty()).then(|| {
-        json!({
-            "units": CONTACT,
-            "loads": words(m.contacts.iter().map(|c| c.load / weight), load),
-            "slips": words(m.contacts.iter().map(|c| c.slip), slip),
-            "depths": words(m.contacts.iter().map(|c| c.sinkage), depth),
-        })
-    });
+    let contact = |k: usize| {
+        let frames = m.contacts.iter().skip(k).step_by(m.wheels.max(1));
+        packed(frames.map(|c| [c.load / weight, c.slip, c.sinkage]), CONTACT)
+    };
+    let contact: Option<Vec<Value>> = (!m.contacts.is_empty()).then(|| (0..m.wheels).map(contact).collect());
     json!({
         "label": run.label,
         "outcome": r.outcome.name().replace('_', " "),
@@ -286,11 +279,11 @@ fn run(run: &ReplayRun, world: &World) -> Value {
         "log": r.log,
         "time": r.time_s,
         "exact": m.repeat == Repeat::Exact,
-        "times": floats(m.frames.iter().map(|f| f.time)),
-        "poses": floats(poses),
-        "signals": floats(signals),
+        "times": packed(m.frames.iter().map(|f| [f.time]), [TIME]),
+        "poses": packed(poses, [length, length, length, DIRECTION, DIRECTION, DIRECTION, DIRECTION]),
+        "signals": packed(signals, SIGNALS),
         "wheel_count": m.wheels,
-        "wheels": floats(wheels),
+        "wheels": wheels,
         "ruts": ruts(m, world),
         "contact": contact,
         "vehicle": vehicle(spec),

@@ -286,7 +286,7 @@ fn data_of(page: &str) -> serde_json::Value {
 
 #[test]
 fn a_page_says_with_what_was_driven_and_by_which_rule_it_ended() {
-    let data = data_of(&page(&Drive::new(TraceMode::TenHz).replay("pid"), &Links::default()));
+    let data = data_of(&page(&Drive::new(TraceMode::TenHz).replay("pid"), &Links::default(), None));
     let facts = data["runs"][0]["facts"].as_array().unwrap();
     let said = |term: &str| facts.iter().find(|f| f[0] == term).map(|f| f[1].as_str().unwrap());
     assert_eq!(said("outcome"), Some("stuck"));
@@ -348,10 +348,20 @@ fn samples_alone_place_the_wheels_where_the_simulation_has_them() {
 fn no_text_of_a_planner_becomes_markup() {
     let link = Some(Link { name: HOSTILE.into(), href: HOSTILE.into() });
     let links = Links { report: link.clone(), previous: link.clone(), next: link };
-    let page = page(&Drive::new(TraceMode::TenHz).replay(HOSTILE), &links);
+    let replay = Drive::new(TraceMode::TenHz).replay(HOSTILE);
+    let beside = page(&replay, &links, Some("../replay.js"));
+    let page = page(&replay, &links, None);
     assert_eq!(page.matches("<script").count(), 2, "its own");
     assert_eq!(page.matches("</script").count(), 2);
     assert!(!page.contains("<img") && page.contains("script-src 'sha256-"));
+    // With its script beside it: the data, and the address.
+    assert_eq!((beside.matches("<script").count(), beside.matches("</script").count()), (2, 2));
+    assert!(
+        !beside.contains("<img")
+            && beside.contains("script-src 'nonce-")
+            && beside.contains("src=\"../replay.js\"")
+    );
+    assert!(beside.contains("id=\"alone\"") && beside.len() + vb_replay::script().len() / 2 < page.len());
     assert!(!page.contains("http://") || page.matches("src=\"http").count() == 0, "no network");
 }
 
@@ -372,6 +382,7 @@ fn the_bundle_is_made_of_the_sources_beside_it() {
     let told = bundle.lines().next().unwrap();
     assert_eq!(told, format!("/* sources {hash} */"), "run `npm ci && npm run build` in harness/replay/web");
     assert!(bundle.contains("The MIT License") && bundle.contains("three.js authors"));
+    assert!(bundle.contains("fflate - fast JavaScript compression/decompression"));
 }
 
 #[test]
@@ -517,7 +528,7 @@ fn a_page_of_many_scans_stays_small() {
         );
     }
     replay.runs[0].sensed = sensed;
-    let page = page(&replay, &Links::default());
+    let page = page(&replay, &Links::default(), None);
     assert!(page.len() < 16 << 20, "{}", page.len());
     assert!(page.contains("\"scans_of\":6000"));
 }

@@ -9,6 +9,8 @@ const hash = createHash('sha256');
 for (const file of sources) hash.update(readFileSync(`src/${file}`));
 hash.update(readFileSync('package-lock.json'));
 const licence = readFileSync('node_modules/three/LICENSE', 'utf8').trim();
+// What comes with three.js of others has its own head.
+const inflate = readFileSync('node_modules/three/examples/jsm/libs/fflate.module.js', 'utf8').match(/^\/\*!\n([^]*?)\*\//)[1].trim();
 
 // The page of a replay, and the one in which a person drives.
 for (const [entry, file] of [['main', 'replay'], ['teleop', 'teleop']]) {
@@ -23,6 +25,6 @@ for (const [entry, file] of [['main', 'replay'], ['teleop', 'teleop']]) {
   });
   // No end of a script element in the text.
   const text = result.outputFiles[0].text.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
-  const head = `/* sources ${hash.copy().digest('hex')} */\n/*! three.js\n${licence}\n*/\n`;
+  const head = `/* sources ${hash.copy().digest('hex')} */\n/*! three.js\n${licence}\n\n${inflate}\n*/\n`;
   writeFileSync(`../assets/${file}.min.js`, head + text);
 }

@@ -139,7 +139,8 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
     };
     let runs = Runs::read(&[run("good", true), run("<script>bad", false)]).unwrap();
     let links = MapLinks {
-        pages: vec![("<b>", "../index.html")],
+        above: vec![("<b>", "../../index.html")],
+        report: "../index.html",
         next: Some("w007"),
         replays: ["w000/t00".to_owned()].into(),
         ..MapLinks::default()
@@ -158,7 +159,14 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
     assert!(page.contains("no trace of them was kept"));
     assert!(page.contains("<circle class=\"end unplaced e0\" cx=\"20.00\" cy=\"-4.70\""), "{page}");
     assert!(page.contains("<circle class=\"end unplaced e2\" cx=\"20.00\" cy=\"-1.30\""));
-    assert!(page.contains("<a href=\"../index.html\">&lt;b&gt;</a>") && page.contains("data:image/png"));
+    assert!(
+        page.contains(
+            "<a href=\"../../index.html\">&lt;b&gt;</a><a href=\"../index.html#worlds\">Report</a>"
+        ) && page.contains("data:image/png")
+    );
+    assert!(
+        page.contains("<th><a href=\"../index.html#task=w000/t00\" title=\"in the report\">t00</a></th>")
+    );
     // With pictures in files beside it the page has none, and may load them.
     let beside = map.page(&MapLinks { pictures: Some(Sources::files("../x/w000")), ..links });
     assert!(beside.contains("href=\"../x/w000-shade.png\"") && !beside.contains("data:image/png"));

@@ -1,5 +1,6 @@
 //! Replays in a real browser. Without Chromium the tests say so and pass.
 
+use std::fs;
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -378,7 +379,13 @@ fn replays_of_a_report_lead_to_their_neighbours_and_back_to_the_row() {
     assert_eq!(browser.eval("document.querySelector('#task').textContent"), "w001/t00");
     assert_eq!(browser.errors(), [] as [String; 0]);
 
-    // One that is made alone leads nowhere.
+    // Pages of a report have one script; a page that was parted from it says what it needs, and one by itself has all it needs.
+    assert!(bench.path("page/replays/replay.js").is_file());
+    fs::rename(bench.path("page/replays/replay.js"), bench.path("replay.js")).unwrap();
+    browser.open(&bench.path("page/replays/w001/t02.html"));
+    let told = browser.eval("document.querySelector('#alone').textContent");
+    assert!(told.as_str().is_some_and(|t| t.contains("needs the file replay.js")), "{told}");
+    // That leads nowhere.
     bench.ok(&["replay", "a", "--task", "w001/t01", "--out", "alone.html"]);
     browser.open(&bench.path("alone.html"));
     assert_eq!(browser.eval("document.querySelector('#links').hidden"), true);

@@ -99,6 +99,9 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
     };
     create(&out)?;
     let chosen = examples(&dataset, args.clips);
+    if vehicle.is_some() && !chosen.is_empty() {
+        write(&out.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+    }
     let (mut figures, mut clips) = (Figures::default(), Vec::new());
     for (index, episode) in dataset.episodes().enumerate() {
         let episode = episode.map_err(|e| failure(&e))?;
@@ -111,7 +114,10 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         if let Some(vehicle) = &vehicle {
             let name = file(index, "html");
             let clip = clip(&dataset, index, &episode, &world, vehicle);
-            write(&out.join(&name), &vb_replay::page(&clip, &links(&chosen, index)))?;
+            write(
+                &out.join(&name),
+                &vb_replay::page(&clip, &links(&chosen, index), Some(vb_replay::SCRIPT_FILE)),
+            )?;
             replay = Some(name);
         }
         clips.push(Clip::new(&dataset, index, &episode, &world, replay));

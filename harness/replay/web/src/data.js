@@ -1,4 +1,5 @@
 // What the page shows, as the harness wrote it.
+import { unpack, unpackEach } from './packed.js';
 
 export const floats = (text) => {
   const binary = atob(text);
@@ -7,31 +8,28 @@ export const floats = (text) => {
   return new Float32Array(bytes.buffer);
 };
 
-const integers = (text) => {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  return new Int16Array(bytes.buffer);
-};
-
 // What the wheels and the ground do to each other, if it is known: the share of the weight, the slip, the depth in m.
 function contact(told) {
   if (!told) return null;
-  const [load, slip, depth] = [told.loads, told.slips, told.depths].map(integers);
-  const at = (values, unit) => (k) => values[k] * unit;
-  return { load: at(load, told.units[0]), slip: at(slip, told.units[1]), depth: at(depth, told.units[2]) };
+  const values = unpackEach(told);
+  const at = (which) => (k) => values[3 * k + which];
+  return { load: at(0), slip: at(1), depth: at(2) };
 }
 
 // The cells of the ground that yielded, in the order of time: when, where, and by how much the ground is higher there, m.
 function ruts(told) {
-  const [x, y, changes] = [told.x, told.y, told.changes].map(integers);
-  const times = new Float32Array(x.length);
+  const cells = unpack(told.cells);
+  const count = cells.length / 3;
+  const [x, y, change] = [0, 1, 2].map((which) => Float32Array.from({ length: count }, (_, k) => cells[3 * k + which]));
+  const times = new Float32Array(count);
   let [from, deepest] = [0, 0];
-  for (const [time, count] of told.steps) {
-    times.fill(time, from, from + count);
-    from += count;
+  const steps = unpack(told.steps);
+  for (let k = 0; k < steps.length; k += 2) {
+    times.fill(steps[k], from, from + steps[k + 1]);
+    from += steps[k + 1];
   }
-  const change = Float32Array.from(changes, (v) => v * told.unit);
   for (const v of change) deepest = Math.max(deepest, -v);
-  return { count: x.length, side: told.side, times, x, y, change, deepest };
+  return { count, side: told.side, times, x, y, change, deepest };
 }
 
 export const COLOURS = ['#2a6fb3', '#d07a1d', '#2c8c5a', '#8057b8', '#c0412b', '#168a92', '#8a6636', '#b94888'];
@@ -40,10 +38,11 @@ const POSE = 7; // x, y, z, quaternion
 
 export function read() {
   const data = JSON.parse(document.getElementById('data').textContent);
-  data.ground.z = floats(data.ground.heights);
+  data.ground.z = unpack(data.ground.heights);
   data.runs.forEach((run, k) => {
     run.colour = COLOURS[k % COLOURS.length];
-    for (const key of ['times', 'poses', 'signals', 'wheels']) run[key] = floats(run[key]);
+    for (const key of ['times', 'poses', 'signals']) run[key] = unpack(run[key]);
+    run.wheels = unpackEach(run.wheels);
     run.contact = contact(run.contact);
     run.ruts = ruts(run.ruts);
     run.end = run.times[run.times.length - 1];

@@ -10,6 +10,8 @@ import { WheelPanel } from './wheels.js';
 
 const $ = (id) => document.getElementById(id);
 const begun = performance.now();
+// What a page tells whose script isn't beside it.
+$('alone')?.remove();
 const data = read();
 const canvas = $('view');
 const context = contextOf(canvas);

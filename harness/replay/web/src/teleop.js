@@ -1,6 +1,7 @@
 // A person drives: the page shows where the vehicle is, and sends what the person does.
 import * as THREE from 'three';
-import { COLOURS, floats } from './data.js';
+import { COLOURS } from './data.js';
+import { unpack } from './packed.js';
 import { world as makeWorld } from './ground.js';
 import { Run } from './vehicle.js';
 
@@ -23,7 +24,7 @@ let frames = 0;
 
 // The scene of a task: world and vehicle, as in a replay.
 function build(scene) {
-  scene.ground.z = floats(scene.ground.heights);
+  scene.ground.z = unpack(scene.ground.heights);
   const unit = scene.vehicle.length / 4.67;
   const three = new THREE.Scene();
   three.background = new THREE.Color(0xb9cad6);

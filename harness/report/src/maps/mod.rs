@@ -24,8 +24,10 @@ const FLAT: f64 = 0.1;
 /// What lies beside a map, which is `maps/WORLD.html`; a replay is `replays/WORLD/TASK.html`.
 #[derive(Clone, Debug, Default)]
 pub struct MapLinks<'a> {
-    /// The pages that lead to the map: what each is called, and where it lies, relative to the map.
-    pub pages: Vec<(&'a str, &'a str)>,
+    /// Pages above the report: what each is called, and where it lies, relative to the map.
+    pub above: Vec<(&'a str, &'a str)>,
+    /// The address of the report, relative to the map.
+    pub report: &'a str,
     /// The world before this one of which there is a map.
     pub previous: Option<&'a str>,
     /// The world after it.

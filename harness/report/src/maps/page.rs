@@ -27,9 +27,10 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
         world.density.name(),
         escape(&report.runs.scope()),
     );
-    for (text, href) in &links.pages {
+    for (text, href) in &links.above {
         let _ = write!(head, "<a href=\"{}\">{}</a>", escape(href), escape(text));
     }
+    let _ = write!(head, "<a href=\"{}#worlds\">Report</a>", escape(links.report));
     for (link, rel, text) in [(links.previous, "prev", "previous world"), (links.next, "next", "next world")]
     {
         if let Some(other) = link {
@@ -68,7 +69,8 @@ fn short<'a>(task: &'a str, world: &World) -> &'a str {
 
 /// Ways first, and over all of them the places where they ended.
 fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
-    let unit = world.heightfield.half_x().max(world.heightfield.half_y()) / 64.0;
+    let half = [world.heightfield.half_x(), world.heightfield.half_y()];
+    let unit = half[0].max(half[1]) / 64.0;
     let mut s = String::from("<g class=\"ways\">");
     let open = |s: &mut String, w: &Way<'_>| {
         let _ = write!(
@@ -98,7 +100,7 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
         // A ring around the sign of the goal, or one of several beside it, each with the marker of its run.
         let (at, radius) = match known || alone {
             true => ([x, -y], if known { 2.1 } else { 2.9 }),
-            false => (beside([x, -y], w.run, report.runs.runs.len(), unit), 2.1),
+            false => (beside([x, -y], w.run, report.runs.runs.len(), half), 2.1),
         };
         open(&mut s, w);
         let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
@@ -121,11 +123,17 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
     s
 }
 
-/// A place at a goal (in SVG, y downwards) for one of several runs: their rings lie around it, so that none covers another.
-fn beside([x, y]: [f64; 2], run: usize, runs: usize, unit: f64) -> [f64; 2] {
+/// A place at a goal (in SVG, y downwards) for one of several runs: their rings lie around it, so that none covers another, and
+/// within the map, whose half extent is `half`.
+fn beside([x, y]: [f64; 2], run: usize, runs: usize, half: [f64; 2]) -> [f64; 2] {
+    let unit = half[0].max(half[1]) / 64.0;
     let (sin, cos) = vb_math::sin_cos(std::f64::consts::TAU * run as f64 / runs as f64);
     let away = 3.4 * unit;
-    [x + away * sin, y - away * cos]
+    let within = |v: f64, half: f64| {
+        let most = (half - 2.4 * unit).max(0.0);
+        v.clamp(-most, most)
+    };
+    [within(x + away * sin, half[0]), within(y - away * cos, half[1])]
 }
 
 fn points(way: &[[f64; 2]]) -> String {
@@ -178,7 +186,12 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     for task in &world.tasks {
         let full = format!("{}/{}", world.id, task.id);
         let id = escape(&task.id);
-        let _ = write!(s, "<tr data-task=\"{id}\" tabindex=\"0\"><th>{id}</th>");
+        let _ = write!(
+            s,
+            "<tr data-task=\"{id}\" tabindex=\"0\"><th><a href=\"{}#task={}\" title=\"in the report\">{id}</a></th>",
+            escape(links.report),
+            escape(&full)
+        );
         for run in 0..report.runs.runs.len() {
             let Some(w) = ways.iter().find(|w| w.run == run && *w.row.task == *full) else {
                 s.push_str("<td>–</td>");
@@ -215,6 +228,6 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     }
     s.push_str(
         "<p class=\"about\">A ring is where a way ended before the goal, in the colour of the outcome; within it is the run's marker. White \
-         lines are the tasks' global paths. A click on a task shows its ways alone; ← and → go to the world before and after.</p>",
+         lines are the tasks' global paths. A click on a task's row shows its ways alone, one on its name leads to it in the report; ← and → go to the world before and after.</p>",
     );
 }

@@ -113,7 +113,7 @@ impl<'a> Painter<'a> {
         let scale = entry.manifest.run.scale;
         let planner = vb_report::one_line(&entry.manifest.run.plugin.name, 60);
         let title = vb_report::one_line(self.title, 60);
-        let to_report = format!("../{REPORT}#worlds");
+        let to_report = format!("../{REPORT}");
         let mut made = Vec::with_capacity(worlds.len());
         for (k, id) in worlds.iter().enumerate() {
             let Ok(world) = suite.load_world(id) else {
@@ -130,11 +130,8 @@ impl<'a> Painter<'a> {
             let pictures = self.paint(suite, &world)?;
             let map = report.map(&world)?;
             let links = MapLinks {
-                pages: vec![
-                    (&title, "../../../index.html"),
-                    (&planner, "../index.html#worlds"),
-                    ("Report", &to_report),
-                ],
+                above: vec![(&title, "../../../index.html"), (&planner, "../index.html#worlds")],
+                report: &to_report,
                 previous: k.checked_sub(1).map(|k| worlds[k]),
                 next: worlds.get(k + 1).copied(),
                 replays: replays.clone(),
