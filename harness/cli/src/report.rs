@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use vb_figure::Figure;
 use vb_replay::Links;
 use vb_report::{Beside, MapLinks, Paper, Report, ReportError, Runs, write_csv, write_parquet};
+use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
@@ -54,6 +56,9 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     if args.figures.as_deref() == Some(Path::new("-")) {
         return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
     }
+    if args.maps.is_some() && args.out.is_none() && args.figures.is_none() {
+        return Err(CliError::usage("--maps: maps are pages or figures (add --out DIR or --figures DIR)"));
+    }
     let figures_in = match &args.figures {
         Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
         None => None,
@@ -97,13 +102,13 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         files.push(path);
     }
     if let Some((dir, paper)) = figures_in {
-        files.extend(figures(&report, &paper, dir)?);
+        files.extend(figures(&report, args, &paper, dir)?);
     }
     Ok((report, files))
 }
 
 /// Writes the figures and tables for a paper, and returns the names of their files.
-fn figures(report: &Report, paper: &Paper, dir: &Path) -> Result<Vec<PathBuf>, CliError> {
+fn figures(report: &Report, args: &ReportArgs, paper: &Paper, dir: &Path) -> Result<Vec<PathBuf>, CliError> {
     let mut files = Vec::new();
     let mut keep = |name: &str, ending: &str, bytes: &[u8]| {
         let path = dir.join(format!("{name}.{ending}"));
@@ -111,11 +116,19 @@ fn figures(report: &Report, paper: &Paper, dir: &Path) -> Result<Vec<PathBuf>, C
         files.push(path);
         Ok::<(), CliError>(())
     };
-    for found in report.paper_figures(paper) {
-        let figure = &found.figure;
-        keep(found.name, "svg", figure.svg().as_bytes())?;
-        keep(found.name, "pdf", &figure.pdf().map_err(CliError::output)?)?;
-        keep(found.name, "png", &figure.png(DPI).map_err(CliError::output)?)?;
+    let mut figures: Vec<(String, Figure)> =
+        report.paper_figures(paper).into_iter().map(|f| (f.name.to_owned(), f.figure)).collect();
+    if let Some(selector) = &args.maps {
+        let worlds = Worlds::of(report, args, selector)?;
+        for id in &worlds.ids {
+            let world = worlds.load(id)?;
+            figures.push((format!("map-{id}"), report.map(&world).map_err(failed)?.paper_figure(paper)));
+        }
+    }
+    for (name, figure) in &figures {
+        keep(name, "svg", figure.svg().as_bytes())?;
+        keep(name, "pdf", &figure.pdf().map_err(CliError::output)?)?;
+        keep(name, "png", &figure.png(DPI).map_err(CliError::output)?)?;
     }
     for (name, table) in report.latex() {
         keep(name, "tex", table.as_bytes())?;
@@ -155,6 +168,41 @@ fn replays(
     Ok(made)
 }
 
+/// The worlds of which maps are made.
+struct Worlds {
+    suite: Suite,
+    /// The scale at which the runs had them.
+    scale: f64,
+    /// Their names, in order.
+    ids: Vec<String>,
+}
+
+impl Worlds {
+    /// The worlds of the chosen tasks of which a run has done one.
+    fn of(report: &Report, args: &ReportArgs, selector: &str) -> Result<Self, CliError> {
+        let runs = &report.runs().runs;
+        let first = &runs[0];
+        if let Some(other) = runs.iter().find(|r| r.header.scale != first.header.scale) {
+            return Err(CliError::usage(format!(
+                "--maps: runs {} and {} have worlds of different scale, which are on no common map (report them one by one)",
+                first.dir.display(),
+                other.dir.display()
+            )));
+        }
+        let suite = suite_of(&first.header, args.data.suite.as_deref())?;
+        let done: BTreeSet<&str> = report.runs().worlds.iter().map(|w| w.name.as_str()).collect();
+        let chosen = suite::select(&suite, Some(selector))?;
+        let ids: BTreeSet<String> =
+            chosen.into_iter().map(|t| t.world).filter(|w| done.contains(w.as_str())).collect();
+        Ok(Self { suite, scale: first.header.scale, ids: ids.into_iter().collect() })
+    }
+
+    fn load(&self, id: &str) -> Result<World, CliError> {
+        let world = self.suite.load_world(id).map_err(CliError::input)?;
+        Ok(if self.scale == 1.0 { world } else { world.scaled(self.scale) })
+    }
+}
+
 /// Makes maps of the worlds of the chosen tasks that a run has done, as `maps/WORLD.html`, and returns their names.
 fn maps(
     report: &Report,
@@ -163,40 +211,23 @@ fn maps(
     replays: &BTreeSet<String>,
     out: &Path,
 ) -> Result<BTreeSet<String>, CliError> {
-    let runs = &report.runs().runs;
-    let first = &runs[0];
-    if let Some(other) = runs.iter().find(|r| r.header.scale != first.header.scale) {
-        return Err(CliError::usage(format!(
-            "--maps: runs {} and {} have worlds of different scale, which are on no common map (report them one by one)",
-            first.dir.display(),
-            other.dir.display()
-        )));
-    }
-    let suite = suite_of(&first.header, args.data.suite.as_deref())?;
-    let done: BTreeSet<&str> = report.runs().worlds.iter().map(|w| w.name.as_str()).collect();
-    let chosen = suite::select(&suite, Some(selector))?;
-    let chosen: BTreeSet<String> =
-        chosen.into_iter().map(|t| t.world).filter(|w| done.contains(w.as_str())).collect();
-    let order: Vec<&String> = chosen.iter().collect();
+    let worlds = Worlds::of(report, args, selector)?;
     let folder = out.join("maps");
     std::fs::create_dir_all(&folder)
         .map_err(|e| CliError::output(format!("cannot write {}: {e}", folder.display())))?;
-    for (k, id) in order.iter().enumerate() {
-        let world = suite.load_world(id).map_err(CliError::input)?;
-        let scale = first.header.scale;
-        let world = if scale == 1.0 { world } else { world.scaled(scale) };
+    for (k, id) in worlds.ids.iter().enumerate() {
         let links = MapLinks {
             report: "../index.html",
             above: Vec::new(),
-            previous: k.checked_sub(1).map(|k| order[k].as_str()),
-            next: order.get(k + 1).map(|w| w.as_str()),
+            previous: k.checked_sub(1).map(|k| worlds.ids[k].as_str()),
+            next: worlds.ids.get(k + 1).map(String::as_str),
             replays: replays.clone(),
             pictures: None,
         };
-        let page = report.map(&world).map_err(failed)?.page(&links);
+        let page = report.map(&worlds.load(id)?).map_err(failed)?.page(&links);
         write(&folder.join(format!("{id}.html")), &page)?;
     }
-    Ok(chosen)
+    Ok(worlds.ids.into_iter().collect())
 }
 
 fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {

@@ -112,16 +112,22 @@ fn within(value: f64, limit: f64) -> f64 {
     value.clamp(-limit, limit)
 }
 
-fn scale_bar(s: &mut String, x: f64, y: f64, unit: f64) {
-    // A round length of about a sixth of the side.
+/// A round length of about a sixth of the side of a map with this half extent, m.
+#[must_use]
+pub fn bar_length(half: f64) -> f64 {
     let mut length = 1e-3;
     let steps = [2.0, 2.5, 2.0];
     for step in steps.iter().cycle() {
-        if length * step > x / 3.0 {
+        if length * step > half / 3.0 {
             break;
         }
         length *= step;
     }
+    length
+}
+
+fn scale_bar(s: &mut String, x: f64, y: f64, unit: f64) {
+    let length = bar_length(x);
     let (left, base) = (-x + 4.0 * unit, y - 4.0 * unit);
     let _ = write!(
         s,
@@ -178,6 +184,15 @@ pub fn simplified(path: &[[f64; 2]], flat: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bar_has_a_round_length() {
+        let lengths = [64.0, 32.0, 6.0].map(bar_length);
+        // At most a third of the half extent: of 1, 2 and 5 times a power of ten the longest.
+        for (length, wanted) in lengths.iter().zip([20.0, 10.0, 2.0]) {
+            assert!((length - wanted).abs() < 1e-9, "{length} {wanted}");
+        }
+    }
 
     #[test]
     fn a_drawn_path_has_its_corners_and_nothing_between() {

@@ -5,7 +5,7 @@
 mod drawing;
 mod picture;
 
-pub use drawing::{line, map, simplified};
+pub use drawing::{bar_length, line, map, simplified};
 pub use picture::{
     Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, LAYERS, Pictures, SLOPES, SPREADS, STEEP, Sources,
     nodes_of_a_metre, on_scale, pictures, thumbnail,

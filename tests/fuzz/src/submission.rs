@@ -1,9 +1,11 @@
 //! Submissions, as the owner of a leaderboard takes them from strangers.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use vb_submission::{Submission, leaderboard};
+use vb_report::Runs;
+use vb_submission::{Submission, SubmissionError, leaderboard};
+use vb_world::Suite;
 
 use crate::site::Site;
 
@@ -26,6 +28,24 @@ fn site() -> Site {
     Site::new().with(files.to_vec())
 }
 
+/// Where no suite is at hand.
+struct NoSuite;
+
+impl leaderboard::Source for NoSuite {
+    fn suite(&mut self, _: &leaderboard::Entry, _: &Runs) -> Option<Suite> {
+        None
+    }
+
+    fn replays(
+        &mut self,
+        _: &leaderboard::Entry,
+        _: &Runs,
+        _: &Path,
+    ) -> Result<BTreeSet<String>, SubmissionError> {
+        Ok(BTreeSet::new())
+    }
+}
+
 pub(crate) fn run(data: &[u8]) {
     thread_local!(static SITE: Site = site());
     SITE.with(|site| {
@@ -35,7 +55,7 @@ pub(crate) fn run(data: &[u8]) {
                 let _ = (manifest.rules(), manifest.limits(), manifest.entrant.check());
             }
             let out = dir.join("site");
-            let _ = leaderboard::build(&dir.join("entries"), &out, "t", &mut |_, _, _| Ok(BTreeSet::new()));
+            let _ = leaderboard::build(&dir.join("entries"), &out, "t", &mut NoSuite);
         });
     });
 }

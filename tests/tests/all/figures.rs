@@ -16,6 +16,42 @@ fn run(bench: &Bench, out: &str, speed: &str) {
     bench.ok(&["--plugin", plugin, "--suite", "smoke", "--param", speed, "--tasks", tasks, "--out", out]);
 }
 
+#[test]
+fn maps_are_figures_too() {
+    let bench = Bench::new();
+    run(&bench, "fast", "speed=5");
+    run(&bench, "slow", "speed=3");
+    bench.ok(&[
+        "report",
+        "fast",
+        "slow",
+        "--figures",
+        "f",
+        "--maps",
+        "w001/t00,w003",
+        "--label",
+        "fast=Swift",
+    ]);
+    for world in ["w001", "w003"] {
+        let file = |ending: &str| fs::read(bench.path(format!("f/map-{world}.{ending}"))).expect("a map");
+        let svg = String::from_utf8(file("svg")).expect("text");
+        // The ground is in the file, and each run has its legend; w001 has ways of two tasks of two runs.
+        assert!(svg.contains("href=\"data:image/png;base64,") && svg.contains(">Swift</text>"));
+        let ways = svg.matches("way\" d=\"").count();
+        assert_eq!(ways, if world == "w001" { 4 } else { 2 }, "{world}");
+        let pdf = file("pdf");
+        let has = |what: &str| pdf.windows(what.len()).any(|w| w == what.as_bytes());
+        assert!(
+            has("/Subtype/Image") && has("/FontFile2"),
+            "the ground as a picture, the texts with their font"
+        );
+        assert_eq!(file("png")[1..4], *b"PNG");
+    }
+    assert!(!bench.path("f/map-w002.svg").exists(), "its tasks were not selected");
+    let told = bench.run(&["report", "fast", "--csv", "t.csv", "--maps", "w001"]).error(USAGE);
+    assert!(told.contains("--maps: maps are pages or figures (add --out DIR or --figures DIR)"), "{told}");
+}
+
 /// What a PDF says, where poppler is installed.
 fn read(program: &str, args: &[&str]) -> Option<String> {
     let done = Command::new(program).args(args).output().ok()?;

@@ -42,8 +42,9 @@ pub(crate) struct ReportArgs {
     /// Make replays of these tasks, e.g. w001/t03 or elevation=high, and link them from the page
     #[arg(long, value_name = "SELECTOR", requires = "out")]
     pub(crate) replays: Option<String>,
-    /// Make maps of the worlds of these tasks, e.g. w001 or elevation=high, with all ways and where and why they ended
-    #[arg(long, value_name = "SELECTOR", requires = "out")]
+    /// Make maps of the worlds of these tasks, e.g. w001 or elevation=high, with all ways and where and why they ended: as pages
+    /// for --out, as figures for --figures
+    #[arg(long, value_name = "SELECTOR")]
     pub(crate) maps: Option<String>,
     #[command(flatten)]
     pub(crate) data: ReplayData,

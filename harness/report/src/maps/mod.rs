@@ -39,19 +39,19 @@ pub struct MapLinks<'a> {
 }
 
 /// The way of a task in a run.
-struct Way<'a> {
+pub(crate) struct Way<'a> {
     /// The index of the run.
-    run: usize,
-    row: &'a Row,
+    pub(crate) run: usize,
+    pub(crate) row: &'a Row,
     /// The places from the start to the end, x and y, m; none if the run kept no trace of it.
-    points: Vec<[f64; 2]>,
+    pub(crate) points: Vec<[f64; 2]>,
     /// The goal of the task, m; none if the world has no such task.
     goal: Option<[f64; 2]>,
 }
 
 impl Way<'_> {
     /// Where its outcome is shown, m: where it ended, or else, which is `false`, at the goal.
-    fn end(&self) -> Option<([f64; 2], bool)> {
+    pub(crate) fn end(&self) -> Option<([f64; 2], bool)> {
         self.points.last().map(|p| (*p, true)).or_else(|| self.goal.map(|p| (p, false)))
     }
 }
@@ -90,6 +90,18 @@ impl Report {
 }
 
 impl WorldMap<'_> {
+    pub(crate) fn report(&self) -> &Report {
+        self.report
+    }
+
+    pub(crate) fn world(&self) -> &World {
+        self.world
+    }
+
+    pub(crate) fn ways(&self) -> &[Way<'_>] {
+        &self.ways
+    }
+
     /// The map as a page.
     #[must_use]
     pub fn page(&self, links: &MapLinks<'_>) -> String {

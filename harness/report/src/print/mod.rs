@@ -1,5 +1,6 @@
 //! Figures for a paper: drawings of the report, laid out in the width of a column or a page.
 
+mod map;
 mod sheet;
 
 use vb_figure::Figure;
