@@ -73,9 +73,7 @@ mod tests {
     fn a_submission_of_layout_1_is_listed_on_a_leaderboard() {
         let site = site();
         let dir = site.path();
-        let built = leaderboard::build(&dir.join("entries"), &dir.join("site"), "t", &mut |_, _, _| {
-            Ok(BTreeSet::new())
-        });
+        let built = leaderboard::build(&dir.join("entries"), &dir.join("site"), "t", &mut NoSuite);
         let boards = built.expect("a site").boards;
         assert_eq!(boards.len(), 1);
         assert_eq!(boards[0].entries.len(), 1);
