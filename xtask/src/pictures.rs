@@ -57,9 +57,9 @@ pub(crate) fn pictures() -> Result<(), Failure> {
 /// The upper part of a leaderboard of these runs.
 fn leaderboard(runs: &[std::path::PathBuf], dir: &Path, out: &Path) -> Result<(), Failure> {
     let (accepted, site) = (dir.join("accepted"), dir.join("site"));
+    std::fs::create_dir_all(&accepted).map_err(|e| failed("make", &accepted, &e))?;
     for (name, folder) in PLANNERS.iter().zip(runs) {
         let (plugin, entry) = (plugin(name), accepted.join(name));
-        std::fs::create_dir_all(&accepted).map_err(|e| failed("make", &accepted, &e))?;
         harness(|c| {
             c.arg("submit").arg("--plugin").arg(&plugin).arg("--run").arg(folder).arg("--out").arg(&entry)
         })?;

@@ -82,18 +82,15 @@ fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeS
     }
     let mut player = Player::new(runs, &ReplayData::default(), Senses::default(), &tasks)?;
     let tasks = player.done(&tasks);
-    let write = |path: &Path, text: &str| {
-        let written =
-            path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(path, text));
-        written.map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
-    };
-    write(&site.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+    output::create_dir(site)?;
+    output::write(&site.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
     // From entries/ENTRY/replays/WORLD/TASK.html.
     let script = format!("../../../../{}", vb_replay::SCRIPT_FILE);
     for (task, links) in tasks.iter().zip(Links::of_report(leaderboard::REPORT, &tasks)) {
         let Some(replay) = player.replay(task)? else { continue };
         let path = out.join(format!("{task}.html"));
-        write(&path, &vb_replay::page(&replay, &links, Some(&script)))?;
+        path.parent().map_or(Ok(()), output::create_dir)?;
+        output::write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
         made.insert(task.clone());
     }
     Ok(made)

@@ -1,7 +1,8 @@
-//! Writing to stdout and stderr. A reader that went away is no error: results are on disk. Any other failure of stdout is one –
+//! Writing to stdout, stderr and files. A reader that went away is no error: results are on disk. Any other failure of stdout is one –
 //! whoever sends results to a file must not believe that they are there – and the program ends with it.
 
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 use std::sync::OnceLock;
 
 use serde::Serialize;
@@ -61,6 +62,21 @@ pub(crate) fn json<T: Serialize>(value: &T) {
         Ok(line) => text(&(line + "\n")),
         Err(e) => note(&format!("cannot encode a message: {e}")),
     }
+}
+
+/// Writes a file.
+pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
+    std::fs::write(path, content).map_err(|e| unwritten(path, &e))
+}
+
+/// Makes a folder, and those that it is in.
+pub(crate) fn create_dir(path: &Path) -> Result<(), CliError> {
+    std::fs::create_dir_all(path).map_err(|e| unwritten(path, &e))
+}
+
+/// Why a file or a folder isn't there.
+fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
+    CliError::output(format!("cannot write {}: {e}", path.display()))
 }
 
 /// A line to stderr.

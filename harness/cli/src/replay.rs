@@ -73,7 +73,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     }
     let page_file = match &args.out {
         Some(path) => {
-            write(path, &page(&replay, &Links::default(), None))?;
+            output::write(path, page(&replay, &Links::default(), None))?;
             Some(path.clone())
         }
         None if args.mcap.is_some() || filmed => None,
@@ -99,10 +99,6 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         output::note(&format!("wrote {}", path.display()));
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    std::fs::write(path, text).map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
 }
 
 /// A page in the folder for temporary files, which stays: the browser reads it after we are gone.

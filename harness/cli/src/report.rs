@@ -81,7 +81,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         files.push(path.clone());
     }
     if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {
-        write(path, report.markdown())?;
+        output::write(path, report.markdown())?;
         files.push(path.clone());
     }
     if let Some(out) = &args.out {
@@ -98,7 +98,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         };
         let page = report.page(&Beside { replays, maps, files: beside });
         let path = out.join(PAGE);
-        write(&path, &page)?;
+        output::write(&path, &page)?;
         files.push(path);
     }
     if let Some((dir, paper)) = figures_in {
@@ -112,7 +112,7 @@ fn figures(report: &Report, args: &ReportArgs, paper: &Paper, dir: &Path) -> Res
     let mut files = Vec::new();
     let mut keep = |name: &str, ending: &str, bytes: &[u8]| {
         let path = dir.join(format!("{name}.{ending}"));
-        write(&path, bytes)?;
+        output::write(&path, bytes)?;
         files.push(path);
         Ok::<(), CliError>(())
     };
@@ -151,9 +151,8 @@ fn replays(
     let mut made = BTreeSet::new();
     let tasks = player.done(&chosen);
     let folder = out.join("replays");
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| CliError::output(format!("cannot write {}: {e}", folder.display())))?;
-    write(&folder.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+    output::create_dir(&folder)?;
+    output::write(&folder.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
     let script = format!("../{}", vb_replay::SCRIPT_FILE);
     for (task, links) in tasks.iter().zip(Links::of_report(PAGE, &tasks)) {
         let Some(replay) = player.replay(task)? else { continue };
@@ -162,7 +161,7 @@ fn replays(
             std::fs::create_dir_all(folder)
                 .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
         }
-        write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
+        output::write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
         made.insert(task.clone());
     }
     Ok(made)
@@ -213,8 +212,7 @@ fn maps(
 ) -> Result<BTreeSet<String>, CliError> {
     let worlds = Worlds::of(report, args, selector)?;
     let folder = out.join("maps");
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| CliError::output(format!("cannot write {}: {e}", folder.display())))?;
+    output::create_dir(&folder)?;
     for (k, id) in worlds.ids.iter().enumerate() {
         let links = MapLinks {
             report: "../index.html",
@@ -225,14 +223,9 @@ fn maps(
             pictures: None,
         };
         let page = report.map(&worlds.load(id)?).map_err(failed)?.page(&links);
-        write(&folder.join(format!("{id}.html")), &page)?;
+        output::write(&folder.join(format!("{id}.html")), &page)?;
     }
     Ok(worlds.ids.into_iter().collect())
-}
-
-fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
-    std::fs::write(path, content)
-        .map_err(|e| CliError::output(format!("cannot write {}: {e}", path.display())))
 }
 
 fn failed(e: ReportError) -> CliError {

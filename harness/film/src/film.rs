@@ -69,12 +69,15 @@ impl Film {
             };
             panels.push(Panel::new(run, &replay.world, painter, spec.length, style.camera));
         }
-        let title = match (style.captions, replay.runs.first()) {
-            (true, Some(first)) => {
-                let text = format!("{} {task} · {}", replay.suite, first.vehicle.name);
-                Some(caption::of_film(&text, layout.panel)?)
+        let title = if style.captions {
+            let mut text = format!("{} {task}", replay.suite);
+            // The vehicle, where all runs have the same.
+            if let [(spec, _)] = painters[..] {
+                text += &format!(" · {}", spec.name);
             }
-            _ => None,
+            Some(caption::of_film(&text, layout.panel)?)
+        } else {
+            None
         };
         let stage = Stage {
             goal: replay.task.goal,

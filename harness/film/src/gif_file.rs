@@ -76,12 +76,16 @@ pub(crate) fn write(
     let failed = |e: &dyn std::fmt::Display| cannot_write(path, e);
     let [width, height] = [size.width, size.height].map(|n| n as u16);
     let n = schedule.times.len();
+    let samples = SAMPLES.min(n);
+    let sampled: Vec<f64> =
+        (0..samples).map(|k| schedule.times[k * (n - 1) / (samples - 1).max(1)]).collect();
     let mut pixels = Vec::new();
-    for k in 0..SAMPLES.min(n) {
-        let frame = film.frame(schedule.times[k * (n - 1) / (SAMPLES - 1).max(1)])?;
-        // As many of all frames as one has, at most; every pixel of the sample is one of the frame's.
+    let draw = |_, time| film.frame(time);
+    in_order(&sampled, threads, &mut |_| {}, draw, |frame| {
+        // About as many of all frames as one has.
         pixels.extend(frame.chunks_exact(3).step_by(SAMPLES - 1).flatten());
-    }
+        Ok(())
+    })?;
     let palette = Palette::of(&pixels);
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, width, height, &palette.rgb).map_err(|e| failed(&e))?;

@@ -8,7 +8,7 @@ mod picture;
 pub use drawing::{bar_length, line, map, simplified};
 pub use picture::{
     Colour, EXAGGERATION, FRICTION, GRIPS, HEIGHTS, LAYERS, Pictures, SLOPES, SPREADS, STEEP, Sources,
-    nodes_of_a_metre, on_scale, pictures, thumbnail,
+    data_uri, ground, nodes_of_a_metre, on_scale, pictures,
 };
 
 /// The style of maps. The element around one, or the body, has the ground that is shown in its attribute `data-ground`:

@@ -59,7 +59,7 @@ impl Sources {
     /// In the page itself.
     #[must_use]
     pub fn inline(pictures: &Pictures) -> Self {
-        Self(pictures.0.each_ref().map(|png| format!("data:image/png;base64,{}", STANDARD.encode(png))))
+        Self(pictures.0.each_ref().map(|png| data_uri(png)))
     }
 
     /// In files beside the page, whose addresses begin with `prefix` and end with the layer: `PREFIX-shade.png`.
@@ -72,6 +72,12 @@ impl Sources {
     pub(crate) fn each(&self) -> impl Iterator<Item = (&'static str, &str)> {
         LAYERS.into_iter().zip(self.0.iter().map(String::as_str))
     }
+}
+
+/// A picture in PNG as the address of itself.
+#[must_use]
+pub fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 
 /// Makes a world's pictures: the relief with at most `side` pixels along the longer side, layers with half of that.
@@ -112,12 +118,12 @@ pub fn pictures(world: &World, side: usize) -> Pictures {
     ])
 }
 
-/// Greys of a thumbnail.
+/// Greys of the ground in one picture.
 const GREYS: usize = 24;
 
-/// A small picture of a world as PNG, with `side` pixels along the longer side, north up: the relief in the colours of the classes.
+/// The ground in one picture as PNG, with `side` pixels along the longer side, north up: the relief in the colours of the classes.
 #[must_use]
-pub fn thumbnail(world: &World, side: usize) -> Vec<u8> {
+pub fn ground(world: &World, side: usize) -> Vec<u8> {
     let h = &world.heightfield;
     let frame = Frame::new(h, side);
     // A pixel is wider than the distance between nodes: its slope is that over its own width.
@@ -272,8 +278,8 @@ mod tests {
         assert!(brightness([-3.0, 3.0]) > 0, "what the sun does not reach has light from the sky");
     }
 
-    #[test]
-    fn pictures_have_the_north_in_their_first_row_and_the_west_in_their_first_column() {
+    /// Rock in the south, and snow in the north.
+    fn two_patches() -> World {
         let mut world = World::uniform("w001", Heightfield::flat(9, 5, 1.0, 0.0), TerrainClass::Clay, 0.5);
         world.semantics = vb_world::Semantics {
             rows: 2,
@@ -283,7 +289,12 @@ mod tests {
             friction: vec![0.5, 0.0],
             soil: vb_world::SoilLevels::default(),
         };
-        let Pictures([_, png, ..]) = pictures(&world, 64);
+        world
+    }
+
+    #[test]
+    fn pictures_have_the_north_in_their_first_row_and_the_west_in_their_first_column() {
+        let Pictures([_, png, ..]) = pictures(&two_patches(), 64);
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut data = vec![0; 2];
         let info = reader.next_frame(&mut data).unwrap();
@@ -292,17 +303,8 @@ mod tests {
     }
 
     #[test]
-    fn a_thumbnail_has_the_colour_of_each_class_as_bright_as_level_ground_is() {
-        let mut world = World::uniform("w001", Heightfield::flat(9, 5, 1.0, 0.0), TerrainClass::Clay, 0.5);
-        world.semantics = vb_world::Semantics {
-            rows: 2,
-            cols: 1,
-            patch: 4.0,
-            classes: vec![TerrainClass::Rock, TerrainClass::Snow],
-            friction: vec![0.5, 0.0],
-            soil: vb_world::SoilLevels::default(),
-        };
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(thumbnail(&world, 2)));
+    fn the_ground_has_the_colour_of_each_class_as_bright_as_level_ground_is() {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(ground(&two_patches(), 2)));
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info().unwrap();
         let mut data = vec![0; 6];

@@ -131,9 +131,7 @@ impl Figures {
         let mut tasks = 0;
         for row in rows.filter(|r| r.counts()) {
             tasks += 1;
-            if let Some(k) = Outcome::ALL.iter().position(|o| *o == row.outcome) {
-                outcomes[k] += 1;
-            }
+            outcomes[row.outcome.index()] += 1;
             if let Some(k) = Cause::ALL.iter().position(|c| Some(*c) == row.cause) {
                 causes[k] += 1;
             }
@@ -169,7 +167,7 @@ impl Figures {
     /// How many tasks ended so.
     #[must_use]
     pub fn count(&self, outcome: Outcome) -> u64 {
-        Outcome::ALL.iter().position(|o| *o == outcome).map_or(0, |k| self.outcomes[k])
+        self.outcomes[outcome.index()]
     }
 }
 

@@ -39,6 +39,12 @@ impl Outcome {
         Self::HostError,
     ];
 
+    /// The place of the outcome in [`Self::ALL`], by which pages choose its colour.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
     /// The name of the outcome in files.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -120,6 +126,11 @@ impl Fault {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_index_is_the_place_among_all() {
+        assert_eq!(Outcome::ALL.map(Outcome::index), [0, 1, 2, 3, 4, 5, 6, 7]);
+    }
 
     #[test]
     fn names_in_files_and_in_text_agree() {

@@ -169,9 +169,7 @@ impl TableRow {
     /// The figures as they are shown.
     fn cells(&self) -> [String; COLUMNS.len()] {
         let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.1}"));
-        let count = |wanted| {
-            Outcome::ALL.iter().zip(self.outcomes).find(|(o, _)| **o == wanted).map_or(0, |(_, n)| n)
-        };
+        let count = |outcome: Outcome| self.outcomes[outcome.index()];
         let percent = |rate: f64| 100.0 * rate;
         let [time, roll, pitch] = self.means.map(number);
         [

@@ -97,10 +97,10 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
             })?
             .keep(),
     };
-    create(&out)?;
+    output::create_dir(&out)?;
     let chosen = examples(&dataset, args.clips);
     if vehicle.is_some() && !chosen.is_empty() {
-        write(&out.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
+        output::write(&out.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
     }
     let (mut figures, mut clips) = (Figures::default(), Vec::new());
     for (index, episode) in dataset.episodes().enumerate() {
@@ -114,9 +114,9 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         if let Some(vehicle) = &vehicle {
             let name = file(index, "html");
             let clip = clip(&dataset, index, &episode, &world, vehicle);
-            write(
+            output::write(
                 &out.join(&name),
-                &vb_replay::page(&clip, &links(&chosen, index), Some(vb_replay::SCRIPT_FILE)),
+                vb_replay::page(&clip, &links(&chosen, index), Some(vb_replay::SCRIPT_FILE)),
             )?;
             replay = Some(name);
         }
@@ -125,7 +125,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
     let hash = dataset.hash().map_err(|e| failure(&e))?;
     let overview = Overview { header: dataset.header(), hash: &hash, figures: &figures, clips: &clips };
     let index = out.join("index.html");
-    write(&index, &overview.html())?;
+    output::write(&index, overview.html())?;
     if args.format.is_json() {
         let (episodes, clips) = (figures.episodes, clips.len());
         output::json(&json!({"event": "shown", "page": index, "episodes": episodes, "clips": clips}));
@@ -151,7 +151,7 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
     let all = vec![0..=count.saturating_sub(1)];
     let ranges = if args.episodes.is_empty() { &all } else { &args.episodes };
     let chosen: BTreeSet<usize> = ranges.iter().cloned().flatten().collect();
-    create(&args.out)?;
+    output::create_dir(&args.out)?;
     let mut files: Vec<PathBuf> = Vec::new();
     for (index, episode) in chosen.iter().zip(dataset.select(chosen.iter().copied())) {
         let episode = episode.map_err(|e| failure(&e))?;
@@ -167,16 +167,4 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
         output::note(&format!("wrote {} files to {}", files.len(), args.out.display()));
     }
     Ok(())
-}
-
-fn create(dir: &Path) -> Result<(), CliError> {
-    std::fs::create_dir_all(dir).map_err(|e| unwritten(dir, &e))
-}
-
-fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
-    CliError::output(format!("cannot write {}: {e}", path.display()))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    std::fs::write(path, text).map_err(|e| unwritten(path, &e))
 }

@@ -58,9 +58,9 @@ impl Way<'_> {
 
 /// A world with what runs did in it.
 pub struct WorldMap<'a> {
-    report: &'a Report,
-    world: &'a World,
-    ways: Vec<Way<'a>>,
+    pub(crate) report: &'a Report,
+    pub(crate) world: &'a World,
+    pub(crate) ways: Vec<Way<'a>>,
 }
 
 impl Report {
@@ -90,18 +90,6 @@ impl Report {
 }
 
 impl WorldMap<'_> {
-    pub(crate) fn report(&self) -> &Report {
-        self.report
-    }
-
-    pub(crate) fn world(&self) -> &World {
-        self.world
-    }
-
-    pub(crate) fn ways(&self) -> &[Way<'_>] {
-        &self.ways
-    }
-
     /// The map as a page.
     #[must_use]
     pub fn page(&self, links: &MapLinks<'_>) -> String {
@@ -109,7 +97,7 @@ impl WorldMap<'_> {
     }
 
     /// The map as a small picture, an element `svg` with the ends of all ways in the colours of the outcomes: filled where they
-    /// are known, rings at the goals of tasks without a trace. `ground` is where the picture of [`vb_map::thumbnail`] lies,
+    /// are known, rings at the goals of tasks without a trace. `ground` is where the picture of [`vb_map::ground`] lies,
     /// relative to the page, and `label` is told instead of it.
     #[must_use]
     pub fn thumbnail(&self, ground: &str, label: &str) -> String {

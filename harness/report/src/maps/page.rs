@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use vb_page::{Page, TABLE_STYLE, escape, number};
-use vb_score::Outcome;
 use vb_world::World;
 
 use vb_map::Sources;
@@ -103,7 +102,7 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
             false => (beside([x, -y], w.run, report.runs.runs.len(), half), 2.1),
         };
         open(&mut s, w);
-        let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
+        let outcome = w.row.outcome.index();
         let title = told(report, w);
         let _ = write!(
             s,
@@ -198,7 +197,7 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
                 continue;
             };
             untraced |= w.points.is_empty();
-            let outcome = Outcome::ALL.iter().position(|o| *o == w.row.outcome).unwrap_or(0);
+            let outcome = w.row.outcome.index();
             let why =
                 w.row.cause.map_or_else(|| w.row.outcome.name().replace('_', " "), |c| c.title().to_owned());
             let _ = write!(

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use vb_page::escape;
-use vb_score::Outcome;
 
 use super::WorldMap;
 
@@ -28,7 +27,7 @@ pub(super) fn of_world(map: &WorldMap<'_>, ground: &str, label: &str) -> String 
     for failed in [false, true] {
         for way in map.ways.iter().filter(|w| w.row.succeeded() != failed) {
             let Some(([x, y], known)) = way.end() else { continue };
-            let outcome = Outcome::ALL.iter().position(|o| *o == way.row.outcome).unwrap_or(0);
+            let outcome = way.row.outcome.index();
             let known = if known { " known" } else { "" };
             let _ = write!(
                 s,

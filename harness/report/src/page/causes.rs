@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use vb_page::{escape, grouped, number};
-use vb_score::Outcome;
 
 use crate::Report;
 use crate::drawing::series::sample;
@@ -41,7 +40,7 @@ pub(super) fn causes(s: &mut String, report: &Report) {
         found.iter().flat_map(|f| groups.iter().map(|g| share(g, f.count(g.figures)))).fold(1e-9, f64::max);
     for failure in &found {
         let title = escape(&failure.title());
-        let colour = Outcome::ALL.iter().position(|o| *o == failure.outcome()).unwrap_or(0);
+        let colour = failure.outcome().index();
         let _ = write!(s, "<tr><th><i class=\"swatch o{colour}\"></i>{title}</th>");
         for g in &groups {
             let n = failure.count(g.figures);

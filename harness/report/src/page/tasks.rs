@@ -38,7 +38,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     let runs: Vec<Value> =
         report.runs.runs.iter().map(|r| json!([r.label, r.dir.display().to_string()])).collect();
     let outcomes: Vec<String> = Outcome::ALL.map(label).into();
-    let uncounted = Outcome::ALL.iter().position(|o| *o == Outcome::HostError);
+    let uncounted = Outcome::HostError.index();
     let causes: Vec<Value> = Cause::ALL.iter().map(|c| json!([c.name(), c.title()])).collect();
     let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "causes": causes, "uncounted": uncounted,
                       "rows": rows});
@@ -69,7 +69,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
 
 /// A task as the script reads it.
 fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
-    let outcome = Outcome::ALL.iter().position(|o| *o == r.outcome).unwrap_or(0);
+    let outcome = r.outcome.index();
     let round = |v: f64| (v * 100.0).round() / 100.0;
     let m = r.measures;
     let of = |f: fn(&crate::runs::Measures) -> f64| m.as_ref().map(|m| round(f(m)));

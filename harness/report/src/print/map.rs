@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use vb_figure::Figure;
 use vb_page::escape;
 use vb_score::Outcome;
@@ -22,19 +20,19 @@ impl WorldMap<'_> {
     /// colour of the outcome where one ended without success, or at the goal if the run kept no trace of it.
     #[must_use]
     pub fn paper_figure(&self, paper: &Paper) -> Figure {
-        let report = self.report();
+        let report = self.report;
         let mut sheet = report.sheet(paper, paper.column_in);
         if report.runs.runs.len() > 1 {
             sheet.legend(&report.paper_labels(), 2.0);
         }
         outcomes(self, &mut sheet);
         self.draw(&mut sheet);
-        let world = self.world();
+        let world = self.world;
         sheet.finish(report.figure_title(&format!("The ways on {}", world.id)))
     }
 
     fn draw(&self, sheet: &mut Sheet) {
-        let world = self.world();
+        let world = self.world;
         let half = [world.heightfield.half_x(), world.heightfield.half_y()];
         let scale = sheet.width / (2.0 * half[0]);
         let (width, height) = (sheet.width, 2.0 * half[1] * scale);
@@ -49,11 +47,11 @@ impl WorldMap<'_> {
             d
         };
         let s = &mut sheet.body;
-        let ground = STANDARD.encode(vb_map::thumbnail(world, GROUND));
+        let ground = vb_map::data_uri(&vb_map::ground(world, GROUND));
         let _ = write!(
             s,
             "<image x=\"0\" y=\"{upper:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" preserveAspectRatio=\"none\" \
-             href=\"data:image/png;base64,{ground}\"/>"
+             href=\"{ground}\"/>"
         );
         let outlines: String = world.obstacles.iter().map(|o| line(&o.footprint()) + "Z").collect();
         if !outlines.is_empty() {
@@ -62,7 +60,7 @@ impl WorldMap<'_> {
         for task in &world.tasks {
             let _ = write!(s, "<path class=\"plan\" d=\"{}\"/>", line(&task.path));
         }
-        for way in self.ways().iter().filter(|w| w.points.len() > 1) {
+        for way in self.ways.iter().filter(|w| w.points.len() > 1) {
             let d = line(&way.points);
             let _ = write!(
                 s,
@@ -78,7 +76,7 @@ impl WorldMap<'_> {
             );
         }
         // Failures over everything else: they are what one looks for.
-        for way in self.ways().iter().filter(|w| !w.row.succeeded()) {
+        for way in self.ways.iter().filter(|w| !w.row.succeeded()) {
             let Some((end, _)) = way.end() else { continue };
             let at = place(end);
             ring(s, way.row.outcome, at);
@@ -107,17 +105,12 @@ impl WorldMap<'_> {
 /// A ring in the colour of an outcome.
 fn ring(s: &mut String, outcome: Outcome, [x, y]: [f64; 2]) {
     let _ =
-        write!(s, "<circle class=\"ended e{}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{RING}\"/>", number(outcome));
-}
-
-/// The number of an outcome's colour.
-fn number(outcome: Outcome) -> usize {
-    Outcome::ALL.iter().position(|o| *o == outcome).unwrap_or(0)
+        write!(s, "<circle class=\"ended e{}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{RING}\"/>", outcome.index());
 }
 
 /// What the rings mean, of outcomes that are on the map.
 fn outcomes(map: &WorldMap<'_>, sheet: &mut Sheet) {
-    let there = |o: &Outcome| *o != Outcome::Success && map.ways().iter().any(|w| w.row.outcome == *o);
+    let there = |o: &Outcome| *o != Outcome::Success && map.ways.iter().any(|w| w.row.outcome == *o);
     let found: Vec<(Outcome, String)> =
         Outcome::ALL.into_iter().filter(there).map(|o| (o, o.name().replace('_', " "))).collect();
     let entries: Vec<series::Entry<'_>> =

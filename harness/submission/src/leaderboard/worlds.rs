@@ -92,7 +92,7 @@ impl<'a> Painter<'a> {
             for (layer, png) in LAYERS.iter().zip(&vb_map::pictures(world, MAP_SIDE).0) {
                 write(layer, png)?;
             }
-            write("small", &vb_map::thumbnail(world, SMALL_SIDE))?;
+            write("small", &vb_map::ground(world, SMALL_SIDE))?;
         }
         Ok(name)
     }
