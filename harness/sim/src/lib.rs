@@ -30,3 +30,10 @@ pub use state::{Controls, Gear, VehicleState, WheelState};
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;
 pub(crate) type Quat = nalgebra::UnitQuaternion<f64>;
+
+/// The unit normal of a surface that rises by `dzdx` and `dzdy` a metre along x and y.
+#[inline]
+pub(crate) fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
+    let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();
+    V3::new(-dzdx * inv, -dzdy * inv, inv)
+}

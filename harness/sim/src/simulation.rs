@@ -6,10 +6,10 @@ use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
 use crate::state::{Controls, VehicleState};
-use crate::{Quat, V3};
+use crate::{Quat, V3, normal_of};
 use std::sync::Arc;
 use vb_math::atan;
-use vb_vehicle::VehicleModel;
+use vb_vehicle::{MAX_WHEELS, VehicleModel};
 use vb_world::{Pose2, World};
 
 /// The settings by which a simulation is stepped.
@@ -56,6 +56,9 @@ const DEEPEST: f64 = 1.5;
 const LOOK_AROUND: u64 = 16;
 /// Vertical part of the vehicle's up direction below which it lies on its side or roof.
 const LYING: f64 = 0.5;
+/// Cosine of the angle between a wheel's axle and the ground's normal from which on the wheel leans against the ground
+/// rather than stands on it.
+const LEANING: f64 = 0.7;
 /// How near the hull comes to ground or obstacles at full scale before rapier is asked, m: beyond the 0.02 m at which it
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
@@ -192,13 +195,18 @@ impl Simulation {
 
     /// Tells the hull what is below it.
     fn pass_over_soil(&mut self) {
+        if !self.chassis.passes_soil() || self.soil.is_empty() {
+            return;
+        }
         let body = self.vehicle.body();
-        let upright = (body.q * V3::z()).z > LYING;
-        self.chassis.pass_over(
-            self.soil.soil_at(body.x.x, body.x.y).is_some(),
-            !self.soil.is_empty(),
-            upright,
-        );
+        let mut stand = [false; MAX_WHEELS];
+        if (body.q * V3::z()).z > LYING {
+            for (stands, (hub, axis)) in stand.iter_mut().zip(self.vehicle.hubs()) {
+                let under = self.world.heightfield.at(hub.x, hub.y);
+                *stands = normal_of([under.dzdx, under.dzdy]).dot(&axis).abs() < LEANING;
+            }
+        }
+        self.chassis.pass_over(self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
     }
 
     /// Whether neither wheels nor hull touch anything.

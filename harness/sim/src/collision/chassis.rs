@@ -6,7 +6,7 @@ use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightFieldFlags};
 use rapier3d_f64::parry::utils::Array2;
 use rapier3d_f64::prelude::*;
-use vb_vehicle::VehicleSpec;
+use vb_vehicle::{MAX_WHEELS, VehicleSpec};
 use vb_world::{Heightfield, World};
 
 /// The chassis as rapier sees it: one body with the hull, among the ground and the obstacles.
@@ -29,17 +29,17 @@ pub(crate) struct ChassisContacts {
     looks: Looks,
 }
 
-/// Which parts pass through the ground.
+/// Which parts pass through the ground: the hull, and the faces of each wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Passing {
     hull: bool,
-    faces: bool,
+    faces: [bool; MAX_WHEELS],
 }
 
 impl Passing {
     /// Whether a part does, of which the first `hull` are the hull's.
     fn is(self, part: usize, hull: usize) -> bool {
-        if part < hull { self.hull } else { self.faces }
+        if part < hull { self.hull } else { self.faces[part - hull] }
     }
 }
 
@@ -166,11 +166,16 @@ impl ChassisContacts {
         Self { physics, body, ground, parts, hull, passes_soil, passing, low, high, bound, looks }
     }
 
-    /// Takes note of whether there is soil below the hull, which may not stop it, and of whether the world has `soils` at
-    /// all: the wheels' faces then meet the ground only if the vehicle isn't `upright`, since wheels that stand in soil have
-    /// forces of their own wherever the middle of the hull is.
-    pub(crate) fn pass_over(&mut self, soil: bool, soils: bool, upright: bool) {
-        let passing = Passing { hull: self.passes_soil && soil, faces: self.passes_soil && soils && upright };
+    /// Whether soil doesn't stop the hull, so that [`Self::pass_over`] has to be told of it.
+    pub(crate) fn passes_soil(&self) -> bool {
+        self.passes_soil
+    }
+
+    /// Takes note of whether there is soil below the hull, which doesn't stop it, and of which wheels `stand` on the ground
+    /// under them. Their faces don't meet the ground, since a wheel that stands in soil has forces of its own wherever the
+    /// middle of the hull is; those of one that leans against a bank do, as nothing else holds it there.
+    pub(crate) fn pass_over(&mut self, soil: bool, stand: [bool; MAX_WHEELS]) {
+        let passing = Passing { hull: soil, faces: stand };
         if passing == self.passing {
             return;
         }

@@ -14,6 +14,11 @@ use crate::{M3, V3};
 const DEEPENING: [f64; 2] = [2.0, 0.5];
 /// How fast it may deepen under a wheel at rest, in radii of the wheel, 1/s.
 const CREEP: f64 = 0.1;
+/// Cosine of the angle between a wheel's axle and a contact's normal from which on the wheel lies on its flank.
+const FLANK: f64 = 0.9;
+/// How fast a wheel on its flank may leave the ground before its contact has to become as much less, in radii of the
+/// wheel, 1/s: faster than it comes out of a hollow by its own springs.
+const THROW: f64 = 8.0;
 
 /// What acts on a wheel in a step, world axes.
 #[derive(Clone, Copy, Default)]
@@ -167,15 +172,17 @@ impl WheelMotion {
     /// Heights and radii tell how deep a wheel is, but not how it got there. Where a wheel lies on its flank in a hollow,
     /// or stands with one side in a wall, what counts as its lowest point may change from one side to the other, and a wheel
     /// that was suddenly half a metre deep would throw the vehicle with energy that nothing supplied. It is let out slowly
-    /// instead.
+    /// instead. A small wheel on its flank that moves about in a hollow may even so be found as deep at each step as it has
+    /// just been thrown out: from some speed on, the depth becomes less as the wheel leaves.
     pub(super) fn held(&self, contact: &Contact, before: &mut f64, radius: f64, dt: f64) -> Contact {
         let turning = self.rotation - self.axis * self.spin;
         let velocity = self.velocity + turning.cross(&(contact.point - self.hub));
         let approach = -velocity.dot(&contact.normal);
         let passing = (velocity + contact.normal * approach).norm();
-        let most =
-            *before + dt * (DEEPENING[0] * approach.max(0.0) + DEEPENING[1] * passing + CREEP * radius);
-        *before = contact.depth.min(most);
+        let thrown = approach < -THROW * radius && self.axis.dot(&contact.normal).abs() > FLANK;
+        let along = if thrown { approach } else { DEEPENING[0] * approach.max(0.0) };
+        let deepest = *before + dt * (along + DEEPENING[1] * passing + CREEP * radius);
+        *before = contact.depth.min(deepest.max(0.0));
         Contact { depth: *before, ..*contact }
     }
 }

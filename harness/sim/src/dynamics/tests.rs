@@ -416,4 +416,13 @@ fn a_contact_deepens_as_the_wheel_approaches_and_not_from_nowhere() {
     assert!(moving(V3::zeros()).held(&at(0.5), &mut depth, 0.4, dt).depth < 0.0102);
     // What shrinks isn't held.
     assert_eq!(moving(V3::zeros()).held(&at(0.003), &mut depth, 0.4, dt).depth, 0.003);
+    // On its flank it isn't thrown any faster by being found as deep in another place, and never pulled.
+    let flank = WheelMotion { axis: V3::z(), rotation: V3::zeros(), ..moving(V3::new(0.0, 0.0, 4.0)) };
+    let mut depth = 0.01;
+    let held = flank.held(&at(0.01), &mut depth, 0.4, dt).depth;
+    assert!((0.006..0.00605).contains(&held), "{held}");
+    for _ in 0..10 {
+        flank.held(&at(0.01), &mut depth, 0.4, dt);
+    }
+    assert_eq!(depth, 0.0);
 }

@@ -387,3 +387,24 @@ fn a_hull_that_passes_soil_is_not_held_by_it_but_a_vehicle_that_lies_on_its_side
         assert!(sim.state().position.z > 0.0, "{roll}: {}", sim.state().position.z);
     }
 }
+
+#[test]
+fn soil_holds_a_wheel_that_leans_against_a_bank_though_it_lets_the_hull_through() {
+    // A trench along the vehicle with banks of 60°, one of which meets the flanks of the wheels when it has rolled.
+    let mut vehicle = hmmwv();
+    vehicle.chassis.hull_passes_soil = true;
+    vehicle.chassis.wheel_faces = true;
+    let (rows, cols, slope) = (81, 81, vb_math::tan(PI / 3.0));
+    let height = |i: usize| slope * 0.5 * (i / cols).abs_diff(rows / 2) as f64;
+    let trench = Heightfield::new(rows, cols, 0.5, (0..rows * cols).map(height).collect());
+    let world = soil_world(trench, TerrainClass::Sand);
+    let at = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let start = Simulation::new(world.clone(), &model(vehicle), &soils(), at, SimOptions::default()).unwrap();
+    for roll in [-0.7, -0.5, 0.5, 0.7] {
+        let mut sim = start.clone();
+        sim.overturn(roll, 2.0);
+        sim.advance(controls(0.0, 0.0, 1.0), 4000).expect("it stays simulated");
+        let p = sim.state().position;
+        assert!(p.z > world.heightfield.height(p.x, p.y), "{roll}: {p}");
+    }
+}

@@ -12,7 +12,7 @@ mod transport;
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
 use crate::tyre::WheelMotion;
-use crate::{M3, V3};
+use crate::{M3, V3, normal_of};
 use fearless_simd::{Level, Simd, dispatch};
 use press::Sum;
 use shape::Shape;
@@ -368,12 +368,6 @@ impl<const N: usize> Footprint<N> {
             }
         }
     }
-}
-
-#[inline]
-fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {
-    let inv = 1.0 / (1.0 + dzdx * dzdx + dzdy * dzdy).sqrt();
-    V3::new(-dzdx * inv, -dzdy * inv, inv)
 }
 
 #[cfg(test)]

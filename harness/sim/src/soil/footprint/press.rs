@@ -2,9 +2,9 @@
 
 use super::super::ground::{SoilGround, Under};
 use super::super::law::{Soil, each};
-use super::{FIRST, Footprint, Frame, LANES, Row, Stations, normal_of};
-use crate::V3;
+use super::{FIRST, Footprint, Frame, LANES, Row, Stations};
 use crate::tyre::WheelMotion;
+use crate::{V3, normal_of};
 use fearless_simd::{Simd, f64x4, prelude::*};
 use vb_world::Heightfield;
 
