@@ -56,9 +56,8 @@ const DEEPEST: f64 = 1.5;
 const LOOK_AROUND: u64 = 16;
 /// Vertical part of the vehicle's up direction below which it lies on its side or roof.
 const LYING: f64 = 0.5;
-/// Cosine of the angle between a wheel's axle and the ground's normal from which on the wheel leans against the ground
-/// rather than stands on it.
-const LEANING: f64 = 0.7;
+/// How near the middle of a wheel's face comes to the ground on which the wheel stands, in radii of the wheel.
+const FACE_NEAR: f64 = 0.1;
 /// How near the hull comes to ground or obstacles at full scale before rapier is asked, m: beyond the 0.02 m at which it
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
@@ -201,9 +200,12 @@ impl Simulation {
         let body = self.vehicle.body();
         let mut stand = [false; MAX_WHEELS];
         if (body.q * V3::z()).z > LYING {
-            for (stands, (hub, axis)) in stand.iter_mut().zip(self.vehicle.hubs()) {
+            let wheels = self.vehicle.hubs().zip(self.vehicle.envelopes());
+            for (stands, ((hub, axis), envelope)) in stand.iter_mut().zip(wheels) {
                 let under = self.world.heightfield.at(hub.x, hub.y);
-                *stands = normal_of([under.dzdx, under.dzdy]).dot(&axis).abs() < LEANING;
+                let normal = normal_of([under.dzdx, under.dzdy]);
+                let face = (hub.z - under.z) * normal.z - envelope.half_width() * axis.dot(&normal).abs();
+                *stands = face > FACE_NEAR * envelope.radius();
             }
         }
         self.chassis.pass_over(self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);

@@ -166,6 +166,10 @@ impl Envelope {
         self.radius
     }
 
+    pub(crate) fn half_width(&self) -> f64 {
+        self.strip * 3.0_f64.sqrt()
+    }
+
     /// The contact of a wheel with its centre at `hub` (m, world frame) and the axle direction `axis` (a unit vector to
     /// the left); `None` if it doesn't touch.
     #[must_use]
