@@ -185,6 +185,7 @@ fn entries_that_all_have_scores_on_the_hidden_suite_are_ranked_by_them() {
     assert_eq!(entries, expected.map(|(id, rank, tied)| (id.to_owned(), rank, tied)));
     let page = fs::read_to_string(b.path("hold-site-3/index.html")).unwrap();
     assert!(page.contains("ranked by the hidden suite"), "{page}");
+    assert!(page.contains("as long as the two 95 % intervals overlap"));
 }
 
 #[test]
