@@ -66,7 +66,7 @@ fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
         replay.obstacles().flat().filter((_, k) => k % 3 === axis); return [Math.min(...all), Math.max(...all)]; })]";
     let extent = numbers(&browser.eval(extent));
     // Obstacles are where the suite has them: the same outline from above, to half a unit of 0.2 mm and what f32 holds of 64 m.
-    let suite = vb_world::Suite::open(&root().join("tasks/smoke")).expect("the suite");
+    let suite = vb_world::Suite::open(root().join("tasks/smoke")).expect("the suite");
     let world = suite.load_world("w001").expect("a world");
     let outline: Vec<[f64; 2]> = world.obstacles.iter().flat_map(vb_world::Obstacle::footprint).collect();
     for (axis, seen) in extent[2..].chunks(2).enumerate() {
