@@ -299,7 +299,6 @@ window.replay = {
       cells: map.visible ? (map.children[0]?.geometry.attributes.position.count ?? 0) / 6 : 0,
       depth: !$('depth').hidden,
       labels: stage.senses[followed].labels,
-      estimate: stage.senses[followed].estimate.visible,
     };
   },
   height: (x, y) => stage.world.height(x, y),
