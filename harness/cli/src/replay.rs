@@ -243,7 +243,7 @@ impl Player {
             Some(world) if world.id == world_id => world.clone(),
             _ => {
                 let world = self.suite.load_world(world_id).map_err(CliError::input)?;
-                Arc::new(if scale == 1.0 { world } else { world.scaled(scale) })
+                Arc::new(world.at_scale(scale))
             }
         };
         self.world = Some(world.clone());

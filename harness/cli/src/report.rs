@@ -197,8 +197,7 @@ impl Worlds {
     }
 
     fn load(&self, id: &str) -> Result<World, CliError> {
-        let world = self.suite.load_world(id).map_err(CliError::input)?;
-        Ok(if self.scale == 1.0 { world } else { world.scaled(self.scale) })
+        Ok(self.suite.load_world(id).map_err(CliError::input)?.at_scale(self.scale))
     }
 }
 

@@ -79,11 +79,19 @@ impl Mesh {
         }
         self
     }
+}
 
-    fn json(&self) -> Value {
-        let points: Vec<f64> = self.points.iter().flatten().map(|v| round(*v, 1e3)).collect();
-        json!([points, self.triangles.concat()])
-    }
+/// Meshes for the page, as `unpackMeshes` of `web/src/packed.js` reads them: of each the numbers of its points and triangles, and one
+/// after the other the points, to the nearest multiple of `unit` (m), and the triangles, as numbers of the mesh's own points.
+fn meshes<'a>(all: impl Iterator<Item = &'a Mesh> + Clone, unit: f64) -> Value {
+    let counts = all.clone().map(|m| [m.points.len() as f64, m.triangles.len() as f64]);
+    let points = all.clone().flat_map(|m| m.points.iter().copied());
+    let triangles = all.flat_map(|m| m.triangles.iter().map(|t| t.map(f64::from)));
+    json!({
+        "counts": packed(counts, [1.0; 2]),
+        "points": packed(points, [unit; 3]),
+        "triangles": packed(triangles, [1.0; 3]),
+    })
 }
 
 /// An obstacle where it stands.
@@ -148,6 +156,9 @@ impl Replay {
             .collect();
         let task = &self.task;
         let point = |p: &[f64; 2]| [round(p[0], 1e3), round(p[1], 1e3)];
+        let length = unit_of_length(world);
+        let obstacles = obstacles(world);
+        let bodies = |trunk: bool| meshes(obstacles.iter().filter(|o| o.0 == trunk).map(|o| &o.1), length);
         json!({
             "suite": self.suite,
             "task": format!("{}/{}", world.id, task.id),
@@ -158,7 +169,7 @@ impl Replay {
                 "cols": cols,
                 "resolution": resolution,
                 "half": [h.half_x(), h.half_y()],
-                "heights": packed(heights.into_iter().map(|z| [z]), [LENGTH * world.scale.min(1.0)]),
+                "heights": packed(heights.into_iter().map(|z| [z]), [length]),
             },
             "semantics": {
                 "rows": s.rows,
@@ -167,10 +178,8 @@ impl Replay {
                 "labels": s.classes.iter().map(|c| char::from(b'0' + c.label())).collect::<String>(),
                 "classes": classes,
             },
-            "obstacles": obstacles(world)
-                .iter()
-                .map(|(trunk, mesh)| json!([u8::from(*trunk), mesh.json()]))
-                .collect::<Vec<_>>(),
+            "stones": bodies(false),
+            "trunks": bodies(true),
             "start": [task.start.x, task.start.y, task.start.yaw],
             "goal": task.goal,
             "radius": self.goal_radius,
@@ -180,10 +189,10 @@ impl Replay {
     }
 }
 
-fn vehicle(spec: &VehicleSpec) -> Value {
+fn vehicle(spec: &VehicleSpec, unit: f64) -> Value {
     json!({
         "name": spec.name,
-        "parts": parts(spec).iter().map(Mesh::json).collect::<Vec<_>>(),
+        "parts": meshes(parts(spec).iter(), unit),
         "wheels": spec.wheel_sizes(),
         "axles": spec.axles.iter().map(|a| &a.name).collect::<Vec<_>>(),
         "carriers": carriers(spec),
@@ -202,9 +211,9 @@ pub fn live_scene(
     spec: &VehicleSpec,
 ) -> Value {
     let (world, task) = (world.clone(), task.clone());
-    let goal_radius = Some(goal_radius);
+    let (goal_radius, unit) = (Some(goal_radius), unit_of_length(&world));
     let mut scene = Replay { world, task, suite: suite.to_owned(), goal_radius, runs: Vec::new() }.json();
-    scene["vehicle"] = vehicle(spec);
+    scene["vehicle"] = vehicle(spec, unit);
     scene
 }
 
@@ -232,6 +241,10 @@ fn ruts(m: &Motion, world: &World) -> Value {
 const CONTACT: [f64; 3] = [1e-3, 1e-2, 1e-4];
 /// Unit of places on the page, m at scale 1; less than one sees.
 const LENGTH: f64 = 2e-4;
+/// The same in a world of any scale: finer where all is smaller.
+fn unit_of_length(world: &World) -> f64 {
+    LENGTH * world.scale.min(1.0)
+}
 /// Unit of the parts of quaternions and of unit vectors: a millimetre at the end of 50 m.
 const DIRECTION: f64 = 2e-5;
 /// Unit of the wheels' angles, rad.
@@ -244,7 +257,7 @@ const SIGNALS: [f64; 6] = [1e-3, 1e-2, 1e-2, 1e-3, 1e-3, 1e-3];
 fn run(run: &ReplayRun, world: &World) -> Value {
     let m = &run.motion;
     let r = &run.record;
-    let length = LENGTH * world.scale.min(1.0);
+    let length = unit_of_length(world);
     let poses = m.frames.iter().map(|f| {
         let q = attitude(f);
         [f.x, f.y, f.z, q.i, q.j, q.k, q.w]
@@ -286,8 +299,29 @@ fn run(run: &ReplayRun, world: &World) -> Value {
         "wheels": wheels,
         "ruts": ruts(m, world),
         "contact": contact,
-        "vehicle": vehicle(spec),
+        "vehicle": vehicle(spec, length),
         "series": run.series.json(),
         "sensed": run.sensed.json(&m.frames),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_told_one_after_the_other_with_their_own_corners() {
+        let tetrahedron = |at: f64| {
+            let points = [[at, 0.0, 0.0], [at + 1.0, 0.0, 0.0], [at, 1.0, 0.0], [at, 0.0, 1.000_04]];
+            Mesh { points: points.to_vec(), triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] }
+        };
+        let told = meshes([tetrahedron(0.0), tetrahedron(5.0)].iter(), 1e-3);
+        assert_eq!(told["counts"], packed([[4.0, 4.0]; 2].into_iter(), [1.0; 2]));
+        let corners = [[0.0, 2.0, 1.0], [0.0, 1.0, 3.0], [1.0, 2.0, 3.0], [2.0, 0.0, 3.0]].repeat(2);
+        assert_eq!(told["triangles"], packed(corners.into_iter(), [1.0; 3]));
+        // To the millimetre that was asked for.
+        let points =
+            [0.0, 5.0].map(|at| [[at, 0.0, 0.0], [at + 1.0, 0.0, 0.0], [at, 1.0, 0.0], [at, 0.0, 1.0]]);
+        assert_eq!(told["points"], packed(points.concat().into_iter(), [1e-3; 3]));
+    }
 }

@@ -42,6 +42,8 @@ pub struct Measures {
     pub speed: f64,
     /// Distance from the goal in the end, m.
     pub goal_distance: f64,
+    /// Where it ended, x and y, m; records of versions before 0.2 don't say it.
+    pub end: Option<[f64; 2]>,
     /// Sum of the steering command's changes over time, 1/s.
     pub steering_rate: f64,
 }
@@ -393,6 +395,7 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
         distance: m.distance_m,
         speed: m.speed_mean_m_per_s,
         goal_distance: m.goal_distance_end_m,
+        end: m.end(),
         steering_rate: m.steering_rate_per_s,
     });
     let fuel = r.fuel.map(|f| Fuel {

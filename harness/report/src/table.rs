@@ -77,6 +77,7 @@ fn columns<'a, T>(
         let cell = match m.value {
             Reader::Count(read) => Cell::Count(of.map(read)),
             Reader::Number(read) => Cell::Number(of.map(read)),
+            Reader::Optional(read) => Cell::Number(of.and_then(read)),
         };
         (m.name, cell)
     })

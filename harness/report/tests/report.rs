@@ -116,7 +116,7 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
         ..header("x", 2)
     };
     let mut world = World::uniform("w000", Heightfield::flat(33, 33, 2.0, 0.0), TerrainClass::Gravel, 0.5);
-    world.tasks = ["t00", "t01"]
+    world.tasks = ["t00", "t01", "t02"]
         .map(|id| Task {
             id: id.into(),
             start: Pose2 { x: 0.0, y: 3.0, yaw: 0.0 },
@@ -127,9 +127,12 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
     let run = |label: &str, success: bool| {
         let at = dir.path().join(label.len().to_string());
         let store = RunStore::create(&at, &hostile(label)).unwrap();
-        for t in 0..2 {
-            let record = record(0, t, success);
-            // The second task of a run kept no trace.
+        for t in 0..3 {
+            let mut record = record(0, t, success);
+            // The first task of a run alone kept its trace, and of the others the last says where it ended.
+            if let Some(m) = record.metrics.as_mut().filter(|_| t == 2) {
+                (m.end_x_m, m.end_y_m) = (Some(if success { 18.0 } else { -7.5 }), Some(4.0));
+            }
             if t == 0 {
                 store.write_trace(&trace(&record.task, if success { 20.0 } else { 12.5 })).unwrap();
             }
@@ -148,13 +151,16 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
     let report = Report::new(runs);
     let map = report.map(&world).unwrap();
     let page = map.page(&links);
-    // A straight way has two points, y turned; only the failure has an end, which is where it stopped.
+    // A straight way has two points, y turned; of the two that are drawn only the failure's has an end, which is where it stopped.
     assert_eq!(page.matches("d=\"M0.00 -3.00L20.00 -3.00\"><title>good").count(), 1, "{page}");
     assert_eq!(page.matches("d=\"M0.00 -3.00L12.50 -3.00\"><title>&lt;script&gt;bad").count(), 1);
-    assert_eq!(page.matches("<circle class=\"end e").count(), 1);
+    assert_eq!(page.matches("<circle class=\"end e").count(), 3);
     assert!(page.contains("<circle class=\"end e2\" cx=\"12.50\" cy=\"-3.00\""));
     assert!(page.contains("high-centred") && !page.contains("<script>bad"));
-    // Without a trace the outcome stands at the goal, (20, 3), one run's to the north and the other's to the south of it: by 3.4
+    // Without a trace the outcome stands where the record says that it ended, a success, too, since no way leads there.
+    assert!(page.contains("<circle class=\"end e0\" cx=\"18.00\" cy=\"-4.00\""), "{page}");
+    assert!(page.contains("<circle class=\"end e2\" cx=\"-7.50\" cy=\"-4.00\""));
+    // Where no record says it, it stands at the goal, (20, 3), one run's to the north and the other's to the south of it: by 3.4
     // units of a 64th of the half side, 32 m.
     assert!(page.contains("no trace of them was kept"));
     assert!(page.contains("<circle class=\"end unplaced e0\" cx=\"20.00\" cy=\"-4.70\""), "{page}");
@@ -175,7 +181,7 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
     let small = map.thumbnail("w000.png", "<i>");
     assert_eq!(
         (small.matches("end known").count(), small.matches("class=\"end e").count()),
-        (2, 2),
+        (4, 2),
         "{small}"
     );
     assert!(
@@ -453,6 +459,9 @@ fn tables_hold_every_task_with_its_figures_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
     let mut records = tasks(2, |w, _| w == 0);
     records[0].time_s = 1.0 / 3.0;
+    if let Some(m) = &mut records[0].metrics {
+        m.end_x_m = Some(-1.0 / 7.0);
+    }
     records[1].metrics = None;
     records[1].fuel = None;
     records[2].reason = "=HYPERLINK(\"x\")".into();
@@ -468,7 +477,9 @@ fn tables_hold_every_task_with_its_figures_to_the_bit() {
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 8);
     assert_eq!(rows[0][at("time_s")].parse::<f64>().unwrap(), 1.0 / 3.0);
+    assert_eq!(rows[0][at("end_x_m")].parse::<f64>().unwrap(), -1.0 / 7.0);
     assert_eq!((&rows[1][at("roll_mean_deg")], &rows[1][at("fuel_total")]), ("", ""));
+    assert_eq!(&rows[2][at("end_x_m")], "", "an older record doesn't say where it ended");
     assert_eq!(&rows[2][at("reason")], "'=HYPERLINK(\"x\")", "no formula for a spreadsheet");
 
     let file = SerializedFileReader::new(fs::File::open(&parquet_path).unwrap()).unwrap();
@@ -481,6 +492,7 @@ fn tables_hold_every_task_with_its_figures_to_the_bit() {
     assert_eq!(rows[0].len(), columns.len(), "the same columns");
     assert_eq!(rows[0]["time_s"].parse::<f64>().unwrap(), 1.0 / 3.0);
     assert_eq!(rows[1]["roll_mean_deg"], "null");
+    assert_eq!((rows[0]["end_x_m"].parse::<f64>().unwrap(), &*rows[2]["end_x_m"]), (-1.0 / 7.0, "null"));
     assert_eq!(rows[7]["task"], "\"w001/t03\"");
 }
 

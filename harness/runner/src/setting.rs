@@ -33,7 +33,7 @@ impl Place {
     /// A world as a place; lengths are multiplied by the scale.
     #[must_use]
     pub fn new(world: World, scale: f64) -> Self {
-        let world = Arc::new(if scale == 1.0 { world } else { world.scaled(scale) });
+        let world = Arc::new(world.at_scale(scale));
         Self { scene: Arc::new(Scene::new(world.clone())), world }
     }
 

@@ -18,6 +18,8 @@ pub enum Reader<T> {
     Count(fn(&T) -> u64),
     /// The measure is a real number.
     Number(fn(&T) -> f64),
+    /// The measure is a real number that older records lack.
+    Optional(fn(&T) -> Option<f64>),
 }
 
 /// Declares a struct of measures together with the list of them, `MEASURES`, in which the documentation of each field says what
@@ -26,12 +28,12 @@ macro_rules! measures {
     (
         $(#[$attribute:meta])*
         pub struct $name:ident {
-            $($(#[doc = $about:literal])+ $(#[serde($serde:ident)])? pub $field:ident: $kind:tt,)+
+            $($(#[doc = $about:literal])+ $(#[serde($($serde:tt)+)])? pub $field:ident: $kind:tt $(<$of:tt>)?,)+
         }
     ) => {
         $(#[$attribute])*
         pub struct $name {
-            $($(#[doc = $about])+ $(#[serde($serde)])? pub $field: $kind,)+
+            $($(#[doc = $about])+ $(#[serde($($serde)+)])? pub $field: $kind $(<$of>)?,)+
         }
 
         impl $name {
@@ -45,6 +47,7 @@ macro_rules! measures {
     };
     (@reader u64, $field:ident) => { $crate::Reader::Count(|m| m.$field) };
     (@reader f64, $field:ident) => { $crate::Reader::Number(|m| m.$field) };
+    (@reader Option, $field:ident) => { $crate::Reader::Optional(|m| m.$field) };
 }
 pub(crate) use measures;
 

@@ -50,6 +50,20 @@ measures! {
         pub goal_distance_min_m: f64,
         /// Distance from the goal in the plane at the last sample, m.
         pub goal_distance_end_m: f64,
+        /// Where the reference point was at the last sample, east of the world's middle, m.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub end_x_m: Option<f64>,
+        /// The same to the north, m.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub end_y_m: Option<f64>,
+    }
+}
+
+impl Metrics {
+    /// Where the trial ended: x and y of the reference point at the last sample, m. Records of versions before 0.2 don't say it.
+    #[must_use]
+    pub fn end(&self) -> Option<[f64; 2]> {
+        Some([self.end_x_m?, self.end_y_m?])
     }
 }
 
@@ -152,6 +166,8 @@ impl Accumulator {
             reverse_s: self.reverse,
             goal_distance_min_m: self.goal_distance_min,
             goal_distance_end_m: self.goal_distance,
+            end_x_m: Some(last.x),
+            end_y_m: Some(last.y),
         })
     }
 }

@@ -170,5 +170,14 @@ mod tests {
         // As version 0.1.0 wrote it, cut down to its needs.
         let used: FuelUse = serde_json::from_str(r#"{"total":100,"max_step":20}"#).unwrap();
         assert_eq!((used.total, used.max_step, used.p99_step), (100, 20, 0));
+        // Its measures had neither `reverse_s` nor the place of the end, and are written as they were read but for the former.
+        let text = r#"{"samples":1,"roll_mean_deg":0.0,"roll_variance_deg2":0.0,"roll_max_deg":0.0,"roll_end_deg":0.0,
+            "pitch_mean_deg":0.0,"pitch_variance_deg2":0.0,"pitch_max_deg":0.0,"distance_m":0.0,"speed_mean_m_per_s":0.0,
+            "speed_max_m_per_s":0.0,"throttle_effort_s":0.0,"brake_effort_s":0.0,"steering_effort_s":0.0,
+            "steering_rate_per_s":0.0,"goal_distance_min_m":5.0,"goal_distance_end_m":6.0}"#;
+        let metrics: Metrics = serde_json::from_str(text).unwrap();
+        assert_eq!((metrics.end(), metrics.goal_distance_end_m), (None, 6.0));
+        let written = serde_json::to_string(&metrics).unwrap();
+        assert!(!written.contains("end_x_m"), "{written}");
     }
 }

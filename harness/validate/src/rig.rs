@@ -63,7 +63,7 @@ impl Drive {
         yaw: f64,
     ) -> Result<Self, SimError> {
         let scale = bench.spec.scale;
-        let world = if scale == 1.0 { world.clone() } else { Arc::new(world.scaled(scale)) };
+        let world = Arc::new(World::clone(world).at_scale(scale));
         let start = Pose2 { x: x * scale, y: 0.0, yaw };
         let sim = Simulation::new(world, model, soils, start, bench.options)?;
         let mut columns: Vec<(String, &'static str)> = [

@@ -157,6 +157,12 @@ impl World {
         }
     }
 
+    /// This world for a vehicle of so many times the full size: as [`World::scaled`], and unchanged, without a copy, at full size.
+    #[must_use]
+    pub fn at_scale(self, s: f64) -> Self {
+        if s == 1.0 { self } else { self.scaled(s) }
+    }
+
     /// Tells whether no patch yields under a wheel.
     #[must_use]
     pub fn is_rigid(&self) -> bool {

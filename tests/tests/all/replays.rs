@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use serde_json::Value;
-use vb_tests::{Bench, Browser, pid};
+use vb_tests::{Bench, Browser, pid, root};
 
 use crate::pages::run;
 
@@ -52,7 +52,7 @@ fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
     ]);
     browser.open(&bench.path("r.html"));
     browser.eval("replay.seek(5)");
-    let mut number = |what: &str| browser.eval(what).as_f64().expect("a number");
+    let mut number = |what: &str| number(&mut browser, what);
     assert!(number("replay.sensed().points") > 1000.0);
     assert!(number("replay.sensed().cells") > 1000.0);
     assert_eq!(number("Number(replay.sensed().depth)"), 1.0);
@@ -62,6 +62,50 @@ fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
     let near = number(off);
     assert!(near > 0.9, "{near}");
     assert_eq!(number("(document.querySelector('input[name=lidar]').click(), replay.sensed().points)"), 0.0);
+    let extent = "[...replay.obstacles().map(a => a.length / 9), ...[0, 1].flatMap(axis => { const all = \
+        replay.obstacles().flat().filter((_, k) => k % 3 === axis); return [Math.min(...all), Math.max(...all)]; })]";
+    let extent = numbers(&browser.eval(extent));
+    // Obstacles are where the suite has them: the same outline from above, to half a unit of 0.2 mm and what f32 holds of 64 m.
+    let suite = vb_world::Suite::open(root().join("tasks/smoke")).expect("the suite");
+    let world = suite.load_world("w001").expect("a world");
+    let outline: Vec<[f64; 2]> = world.obstacles.iter().flat_map(vb_world::Obstacle::footprint).collect();
+    for (axis, seen) in extent[2..].chunks(2).enumerate() {
+        let least = outline.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
+        let most = outline.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+        assert!(
+            (seen[0] - least).abs() < 1.2e-4 && (seen[1] - most).abs() < 1.2e-4,
+            "{extent:?} {least} {most}"
+        );
+    }
+    // A body of n points and triangles alone has 2n − 4 of these.
+    let trunk = |o: &&vb_world::Obstacle| matches!(o.kind, vb_world::ObstacleKind::Trunk { .. });
+    let stones = world.obstacles.iter().filter(|o| !trunk(o)).count();
+    assert!(stones > 0 && extent[0] >= 4.0 * stones as f64 && extent[1] > 0.0, "{extent:?}");
+
+    // What is shown of the sensors is in the address, and is shown again by it.
+    browser.eval(&rest(700));
+    assert_eq!(browser.eval("location.hash"), "#t=5&view=follow&hide=lidar");
+    let state = "JSON.stringify([replay.sensed().points > 0, replay.sensed().cells > 0, replay.sensed().depth, replay.sensed().labels, \
+                 document.querySelector('#trail').value])";
+    assert_eq!(browser.eval(state), "[false,true,true,true,\"speed\"]");
+    browser.press("m");
+    browser.eval("document.querySelector('#depth').click()");
+    browser.press("t");
+    browser.eval(&rest(700));
+    let fragment = browser.eval("location.hash").as_str().expect("text").to_owned();
+    assert_eq!(fragment, "#t=5&view=follow&trail=roll&hide=lidar,map&depth=distance");
+    browser.open_at(&bench.path("r.html"), "#t=5");
+    assert_eq!(browser.eval(state), "[true,true,true,true,\"speed\"]");
+    browser.open_at(&bench.path("r.html"), &fragment);
+    assert_eq!(browser.eval(state), "[false,false,true,false,\"roll\"]");
+    // An address that a person changes is obeyed; names of nothing hide nothing, and what is hidden is what it says.
+    browser.eval("location.hash = '#hide=depth,nothing&depth=kinds&trail=nothing'");
+    browser.eval(&rest(100));
+    assert_eq!(browser.eval(state), "[true,true,false,true,\"roll\"]");
+    browser.eval("location.hash = '#hide='");
+    browser.eval(&rest(100));
+    assert_eq!(browser.eval(state), "[true,true,true,true,\"roll\"]");
+    assert_eq!(browser.errors(), [] as [String; 0]);
     let e = bench.run(&["replay", "run", "--task", "w001/t03", "--sensors", "radar", "--out", "x.html"]);
     assert!(e.error(2).contains("there is no sensor `radar`"));
 }

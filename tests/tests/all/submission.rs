@@ -354,7 +354,12 @@ fn a_leaderboard_is_ranked_filtered_fits_a_phone_and_leads_to_replays() {
         1,
         "one task of it has a trace"
     );
-    assert_eq!(browser.eval("document.querySelectorAll('.ways .unplaced').length"), 9);
+    assert_eq!(
+        browser.eval("document.querySelectorAll('.ways .end').length"),
+        9,
+        "of others it is seen where they ended"
+    );
+    assert_eq!(browser.eval("document.querySelectorAll('.ways .unplaced').length"), 0);
     let links =
         browser.eval("[...document.querySelectorAll('a')].map(a => a.getAttribute('href').split('#')[0])");
     for link in links.as_array().expect("a list").iter().filter_map(Value::as_str) {

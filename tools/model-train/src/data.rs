@@ -208,7 +208,7 @@ impl Data {
             let id = &episode.info.world;
             if !known.contains_key(id) {
                 let world = suite.load_world(id).map_err(vb_dataset::DatasetError::from)?;
-                let world = if header.scale == 1.0 { world } else { world.scaled(header.scale) };
+                let world = world.at_scale(header.scale);
                 let seed = Seed { run: 0, task: String::new() };
                 let maps = PriorMaps::new(&Profile::oracle(), &world, &seed);
                 let heights = maps.elevation.ok_or_else(|| unfit(format!("{id} has no heights")))?;

@@ -35,7 +35,7 @@ impl Worlds {
             self.loaded.clear();
         }
         let world = self.suite.load_world(id).map_err(CliError::input)?;
-        let world = Arc::new(if self.scale == 1.0 { world } else { world.scaled(self.scale) });
+        let world = Arc::new(world.at_scale(self.scale));
         self.loaded.insert(id.to_owned(), world.clone());
         Ok(world)
     }

@@ -91,7 +91,7 @@ impl Seat<'_> {
     fn show(&self, task: &TaskRef, driving: bool) -> Result<(), CliError> {
         let setting = &self.scene.setting;
         let world = self.scene.worlds.load_world(&task.world).map_err(CliError::input)?;
-        let world = Arc::new(if setting.scale == 1.0 { world } else { world.scaled(setting.scale) });
+        let world = Arc::new(world.at_scale(setting.scale));
         let Some(found) = world.task(&task.task) else { return Ok(()) };
         let radius = setting.rules.goal_radius(setting.scale);
         let name = &self.scene.worlds.meta().name;

@@ -22,7 +22,7 @@ _COUNTS = ("sim_steps", "planner_steps", "clamped")
 _METRICS = (
     "samples roll_mean_deg roll_variance_deg2 roll_max_deg roll_end_deg pitch_mean_deg pitch_variance_deg2 pitch_max_deg "
     "distance_m speed_mean_m_per_s speed_max_m_per_s throttle_effort_s brake_effort_s steering_effort_s steering_rate_per_s "
-    "reverse_s goal_distance_min_m goal_distance_end_m"
+    "reverse_s goal_distance_min_m goal_distance_end_m end_x_m end_y_m"
 ).split()
 _FUEL = "total init p50_step p99_step max_step init_share p99_share max_share memory_bytes".split()
 #: Measures that are whole numbers.

@@ -6,13 +6,19 @@ const PLAYING = 1500; // the same while time goes on
 
 export const number = (v, digits = 2) => String(Number(v.toFixed(digits)));
 
+// Names in one value, e.g. `lidar,map`; null if the address doesn't say it.
+const names = (asked, name) => (asked.has(name) ? asked.get(name).split(',') : null);
+
 export function read() {
   const asked = new URLSearchParams(location.hash.slice(1));
   const numbers = (name, count) => {
     const found = (asked.get(name) ?? '').split(',').map(Number);
     return asked.has(name) && found.length === count && found.every(Number.isFinite) ? found : null;
   };
-  return { time: numbers('t', 1)?.[0], run: numbers('run', 1)?.[0], view: asked.get('view'), numbers };
+  return {
+    time: numbers('t', 1)?.[0], run: numbers('run', 1)?.[0], view: asked.get('view'), trail: asked.get('trail'),
+    hidden: names(asked, 'hide'), depth: asked.get('depth'), numbers,
+  };
 }
 
 export class Address {

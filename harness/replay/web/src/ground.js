@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { heightOf } from './data.js';
 import { rutMaterial } from './dig.js';
+import { unpackMeshes } from './packed.js';
 
 const SHADING = 1.6; // heights are so much exaggerated in the shading, as on relief maps
 const PIXELS = 1024;
@@ -180,8 +181,7 @@ export function world(data, unit) {
   group.add(ground, skirt(data));
 
   const obstacles = new THREE.Group();
-  const stones = data.obstacles.filter(([trunk]) => !trunk).map(([, mesh]) => mesh);
-  const trunks = data.obstacles.filter(([trunk]) => trunk).map(([, mesh]) => mesh);
+  const [stones, trunks] = [data.stones, data.trunks].map(unpackMeshes);
   obstacles.add(bodies(stones, new THREE.MeshLambertMaterial({ color: 0x66635f, flatShading: true })));
   obstacles.add(bodies(trunks, new THREE.MeshLambertMaterial({ color: 0x5d4630, flatShading: true })));
   group.add(obstacles);

@@ -19,6 +19,7 @@ const context = contextOf(canvas);
 const stage = context ? new Stage(canvas, context, data) : null;
 const SPEEDS = [...$('speed').options].map((option) => Number(option.value));
 const NARROW = 720;
+const TRAIL = 'speed'; // by what it is coloured at first
 
 let time = 0;
 let playing = false;
@@ -33,6 +34,9 @@ const address = new Address(() => [
   ...(data.runs.length > 1 ? [['run', followed + 1]] : []),
   ['view', mode],
   ...(stage?.view ?? []),
+  ...(stage && $('trail').value !== TRAIL ? [['trail', $('trail').value]] : []),
+  ...(hidden().length ? [['hide', hidden().join()]] : []),
+  ...(stage?.senses.some((s) => !s.labels) ? [['depth', 'distance']] : []),
 ]);
 
 function ends(which) {
@@ -47,6 +51,7 @@ function colourTrails(by) {
   for (const run of stage?.runs ?? []) run.colourTrail(by, MOST[by] ?? 1);
   tellTrail(by, MOST[by] ?? 1);
   if (stage) stage.dirty = true;
+  address.changed(playing);
 }
 
 function showMap() {
@@ -112,10 +117,13 @@ $('play').addEventListener('click', () => play(!playing));
 $('speed').addEventListener('change', () => pace($('speed').selectedIndex));
 $('trail').addEventListener('change', (e) => colourTrails(e.target.value));
 $('camera').addEventListener('click', (e) => { const b = e.target.closest('button'); if (b) look(b.value); });
-$('depth').addEventListener('click', () => {
-  for (const sensed of stage?.senses ?? []) sensed.labels = !sensed.labels;
+// The depth camera's image as kinds of ground, or as distances.
+function showDepth(labels) {
+  for (const sensed of stage?.senses ?? []) sensed.labels = labels;
   stage?.showSenses($('depth-image'));
-});
+  address.changed(playing);
+}
+$('depth').addEventListener('click', () => showDepth(!stage?.senses[0]?.labels));
 
 // What can be shown or not: the box, its key, what it is, whether there is any, what it does.
 const seen = Boolean(stage);
@@ -148,7 +156,17 @@ for (const [name, key, text, there, act] of TOGGLES) {
   const input = box(name);
   input.parentElement.hidden = !there;
   input.parentElement.title = `${text} (key ${key})`;
-  input.addEventListener('change', () => { act(input.checked); if (stage) stage.dirty = true; });
+  input.addEventListener('change', () => { act(input.checked); if (stage) stage.dirty = true; address.changed(playing); });
+}
+// What could be seen and is not. Whether there is room for curves beside the view is the screen's affair.
+const OF_THE_SCREEN = 'beside';
+function hidden() {
+  return TOGGLES.filter(([name, , , there]) => there && name !== OF_THE_SCREEN && !box(name).checked).map(([name]) => name);
+}
+function hide(names) {
+  for (const [name, , , there] of TOGGLES) {
+    if (there && name !== OF_THE_SCREEN && box(name).checked === names.includes(name)) box(name).click();
+  }
 }
 
 const go = (id) => () => $(id)?.click();
@@ -224,6 +242,12 @@ function obey() {
   if (asked.run !== undefined && data.runs[asked.run - 1]) follow(asked.run - 1);
   if (asked.time !== undefined) seek(asked.time);
   if (VIEWS.includes(asked.view)) look(asked.view);
+  if ([...$('trail').options].some((o) => o.value === asked.trail)) {
+    $('trail').value = asked.trail;
+    colourTrails(asked.trail);
+  }
+  if (asked.hidden) hide(asked.hidden);
+  if (asked.depth) showDepth(asked.depth !== 'distance');
   stage?.restore(asked.numbers);
   showMap();
 }
@@ -245,7 +269,7 @@ if (innerWidth <= NARROW) {
   for (const id of ['about', 'shown']) $(id).open = false;
   if (stage) box('beside').click();
 }
-colourTrails('speed');
+colourTrails(TRAIL);
 follow(0);
 resize();
 obey();
@@ -274,9 +298,12 @@ window.replay = {
       point: (k) => [...lidar.geometry.attributes.position.array.subarray(3 * k, 3 * k + 3)],
       cells: map.visible ? (map.children[0]?.geometry.attributes.position.count ?? 0) / 6 : 0,
       depth: !$('depth').hidden,
+      labels: stage.senses[followed].labels,
     };
   },
   height: (x, y) => stage.world.height(x, y),
+  // The corners of the triangles of stones and of trunks.
+  obstacles: () => stage.world.obstacles.children.map((body) => [...body.geometry.attributes.position.array]),
   ruts: () => stage.dug[followed]?.state ?? { cells: 0, sunk: 0 },
   map: () => ({ span: stage.span / stage.above.zoom, at: stage.pan.target.toArray(), free: Boolean(stage.free), camera: stage.camera.type }),
   project: (x, y, z) => stage.project(x, y, z),

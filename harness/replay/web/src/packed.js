@@ -27,6 +27,16 @@ export function unpack([rows, order, units, text], into, from = 0, stride = unit
   return values;
 }
 
+// Convex bodies as lists of points and of triangles' corners, each in a row: `counts` says how many points and triangles each has.
+export function unpackMeshes({ counts, points, triangles }) {
+  const [numbers, all, corners] = [counts, points, triangles].map((told) => unpack(told));
+  let [point, corner] = [0, 0];
+  return Array.from({ length: counts[0] }, (_, k) => [
+    all.subarray(point, point += 3 * numbers[2 * k]),
+    corners.subarray(corner, corner += 3 * numbers[2 * k + 1]),
+  ]);
+}
+
 // Several series of as many rows, interleaved row by row.
 export function unpackEach(series) {
   const [first] = series;

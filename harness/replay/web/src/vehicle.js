@@ -5,6 +5,7 @@ import { bodies, band } from './ground.js';
 import { Belt } from './belt.js';
 import { Links } from './links.js';
 import { locate, position, scale, signal } from './data.js';
+import { unpackMeshes } from './packed.js';
 
 const WHEEL = 7; // hub, axis, angle
 const UP = new THREE.Vector3(0, 1, 0);
@@ -57,7 +58,7 @@ export class Run {
     Object.assign(this, { run, world, unit });
     this.group = new THREE.Group();
     this.body = new THREE.Group();
-    this.hull = bodies(run.vehicle.parts, new THREE.MeshLambertMaterial({ color: run.colour, flatShading: true }));
+    this.hull = bodies(unpackMeshes(run.vehicle.parts), new THREE.MeshLambertMaterial({ color: run.colour, flatShading: true }));
     this.edges = new THREE.LineSegments(
       new THREE.EdgesGeometry(this.hull.geometry, 12),
       new THREE.LineBasicMaterial({ color: 0x10181c, transparent: true }),

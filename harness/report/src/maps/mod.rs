@@ -50,9 +50,10 @@ pub(crate) struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// Where its outcome is shown, m: where it ended, or else, which is `false`, at the goal.
+    /// Where its outcome is shown, m: where it ended, by the trace or else by the record, or else, which is `false`, at the goal.
     pub(crate) fn end(&self) -> Option<([f64; 2], bool)> {
-        self.points.last().map(|p| (*p, true)).or_else(|| self.goal.map(|p| (p, false)))
+        let last = self.points.last().copied().or_else(|| self.row.measures?.end);
+        last.map(|p| (p, true)).or_else(|| self.goal.map(|p| (p, false)))
     }
 }
 
@@ -97,7 +98,7 @@ impl WorldMap<'_> {
     }
 
     /// The map as a small picture, an element `svg` with the ends of all ways in the colours of the outcomes: filled where they
-    /// are known, rings at the goals of tasks without a trace. `ground` is where the picture of [`vb_map::ground`] lies,
+    /// are known, rings at the goals of tasks of which neither trace nor record says it. `ground` is where the picture of [`vb_map::ground`] lies,
     /// relative to the page, and `label` is told instead of it.
     #[must_use]
     pub fn thumbnail(&self, ground: &str, label: &str) -> String {

@@ -91,10 +91,9 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
         );
     }
     for w in ways {
-        // Where a way leads to is seen; of others the outcome stands at the goal, success or not.
-        let Some(([x, y], known)) = w.end().filter(|(_, known)| !(*known && w.row.succeeded())) else {
-            continue;
-        };
+        // Where the way of a success leads to is seen. Of others the outcome stands where they ended, or else at the goal.
+        let seen = w.points.len() > 1 && w.row.succeeded();
+        let Some(([x, y], known)) = w.end().filter(|_| !seen) else { continue };
         let alone = report.runs.runs.len() == 1;
         // A ring around the sign of the goal, or one of several beside it, each with the marker of its run.
         let (at, radius) = match known || alone {
@@ -222,7 +221,8 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     if untraced {
         s.push_str(
             "<p class=\"about\">Some tasks have no way on the map, since no trace of them was kept (run with --trace 10hz) or carried along (a \
-             submission has those of a few tasks). A dashed ring at the goal has their outcome, and tells how far away they ended.</p>",
+             submission has those of a few tasks). A ring is where they ended. Records of versions before 0.2 don't say it: there a dashed \
+             ring at the goal has the outcome, and tells how far away they ended.</p>",
         );
     }
     s.push_str(

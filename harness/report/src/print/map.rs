@@ -17,7 +17,7 @@ const RING: f64 = 5.0;
 
 impl WorldMap<'_> {
     /// The map as a figure in a column: the ground, obstacles, global paths, the ways of all runs in their colours, and a ring in the
-    /// colour of the outcome where one ended without success, or at the goal if the run kept no trace of it.
+    /// colour of the outcome where one ended without success, or at the goal if neither trace nor record says where.
     #[must_use]
     pub fn paper_figure(&self, paper: &Paper) -> Figure {
         let report = self.report;

@@ -96,6 +96,8 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
             reverse_s: 0.0,
             goal_distance_min_m: 5.0,
             goal_distance_end_m: 6.0,
+            end_x_m: None,
+            end_y_m: None,
         }),
         log: Vec::new(),
         backtrace: Vec::new(),

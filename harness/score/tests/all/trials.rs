@@ -286,6 +286,10 @@ fn a_sine_has_the_moments_of_a_sine() {
     };
     let m = paper(60.0, at).metrics.unwrap();
     assert_eq!(m.samples, 6001);
+    // After 15 rad of a circle with a radius of 20 m.
+    let [x, y] = m.end().unwrap();
+    close(x, 20.0 * cos(15.0), 1e-6);
+    close(y, 20.0 * sin(15.0), 1e-6);
     close(m.roll_mean_deg, 20.0 / PI, 2e-3);
     close(m.roll_variance_deg2, 100.0 * (0.5 - 4.0 / (PI * PI)), 1e-2);
     close(m.roll_max_deg, 10.0, 1e-9);

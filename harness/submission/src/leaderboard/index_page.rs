@@ -64,7 +64,9 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
         "<section><h2>How to read it</h2><p class=\"about\">Entries are in the order of their success rates; the interval is 95 %, \
          by the bootstrap over worlds, since tasks of a world are not independent. An entry shares the rank of the best one above \
          it (marked =) as long as the sign-flip test over worlds, paired by tasks, does not tell them apart: nobody can say which is better. \
-         Where all entries of a board have scores on the owner's hidden suite, order and ties are by those and their intervals. \
+         Where all entries of a board have scores on the owner's hidden suite, order and ties are by those: there an entry shares \
+         the rank as long as the two 95 % intervals overlap. Outcomes of single tasks or worlds would let the test decide, but would give the \
+         hidden suite away; intervals are the stricter of the two, so more entries share a rank there. \
          A small square is a world, from brown (no task done) to green (all done), with low ground above and high ground below. \
          Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
          or versions of the harness are on boards of their own.</p></section>",

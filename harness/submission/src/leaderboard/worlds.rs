@@ -126,7 +126,7 @@ impl<'a> Painter<'a> {
                     _ => Ok(Maps::Missing),
                 };
             };
-            let world = if scale == 1.0 { world } else { world.scaled(scale) };
+            let world = world.at_scale(scale);
             let pictures = self.paint(suite, &world)?;
             let map = report.map(&world)?;
             let links = MapLinks {

@@ -100,6 +100,7 @@ fn scaling_multiplies_every_length_and_nothing_else() {
         assert!((p.dzdx - q.dzdx).abs() < 1e-9 && (p.dzdy - q.dzdy).abs() < 1e-9, "slopes are angles");
     }
     assert_eq!(v.scaled(0.5).scale, s * 0.5);
+    assert_eq!((w.clone().at_scale(1.0), w.clone().at_scale(s)), (w, v));
 }
 
 #[test]
