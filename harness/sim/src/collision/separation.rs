@@ -1,14 +1,15 @@
 //! How far the hull is from the ground, at least: what spares rapier the triangles, and whole steps, that are out of reach.
 
 use rapier3d_f64::geometry::{ContactData, ContactManifoldData};
+use rapier3d_f64::parry::bounding_volume::BoundingVolume;
 use rapier3d_f64::parry::math::{Pose, Real, Vector};
-use rapier3d_f64::parry::query::details::{NormalConstraints, contact_manifolds_heightfield_shape_shapes};
+use rapier3d_f64::parry::query::details::NormalConstraints;
 use rapier3d_f64::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher,
     NonlinearRigidMotion, PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeCastOptions,
-    ShapeDistance, ShapeIntersection, Unsupported,
+    ShapeDistance, ShapeIntersection, TypedWorkspaceData, Unsupported, WorkspaceData,
 };
-use rapier3d_f64::parry::shape::{ConvexPolyhedron, Shape};
+use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightField, Shape};
 
 /// A lower bound on the distance (m) between a convex solid and a triangle in the solid's frame; negative, if they may
 /// overlap. The axes tried are the triangle's normal and the normals of the solid's faces, and no more once one of them parts
@@ -34,25 +35,108 @@ pub(super) fn separation(solid: &ConvexPolyhedron, triangle: [Vector; 3], enough
     most
 }
 
-/// parry's dispatcher, which asks for a contact of a convex solid with one of the ground's triangles only if they may be
-/// within reach of each other.
+/// parry's dispatcher, which looks only at those of the ground's triangles that may be within reach of a convex solid. The
+/// contacts are parry's own, bit for bit: of some thirty triangles under a hull that touches the ground, two or three are
+/// within reach, and parry makes a manifold and the normals at the edges for each.
 pub(super) struct InReach;
 
-impl InReach {
-    fn is_out_of_reach(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, prediction: Real) -> bool {
-        let parted = |solid: &ConvexPolyhedron, t: [Vector; 3]| {
-            separation(solid, t, prediction * (1.0 + 1e-9)) > prediction
-        };
-        match (g1.as_triangle(), g2.as_convex_polyhedron()) {
-            (Some(t), Some(solid)) => {
-                parted(solid, [t.a, t.b, t.c].map(|p| pos12.inverse_transform_point(p)))
-            }
-            _ => match (g1.as_convex_polyhedron(), g2.as_triangle()) {
-                (Some(solid), Some(t)) => parted(solid, [t.a, t.b, t.c].map(|p| pos12.transform_point(p))),
-                _ => false,
-            },
-        }
+/// What rapier takes as the sign that manifolds come and go with the parts of a shape. parry remembers here which manifold is
+/// which triangle's, which the manifolds tell as well.
+#[derive(Clone)]
+struct Composite;
+
+impl WorkspaceData for Composite {
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::Custom
     }
+
+    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
+        Box::new(Self)
+    }
+}
+
+type Manifold = ContactManifold<ContactManifoldData, ContactData>;
+
+/// Which of a pair of shapes is the ground.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    GroundFirst,
+    SolidFirst,
+}
+
+impl Order {
+    /// The manifold of a triangle that has none yet.
+    fn manifold(self, triangle: u32) -> Manifold {
+        let (first, second) = if self == Self::GroundFirst { (triangle, 0) } else { (0, triangle) };
+        Manifold::with_data(first, second, ContactManifoldData::default())
+    }
+
+    fn triangle_of(self, manifold: &Manifold) -> u32 {
+        if self == Self::GroundFirst { manifold.subshape1 } else { manifold.subshape2 }
+    }
+}
+
+/// The manifolds of a convex solid with the ground. `pose` is that of the second shape in the frame of the first.
+fn ground_manifolds(
+    ground: &HeightField,
+    solid: &ConvexPolyhedron,
+    order: Order,
+    pose: &Pose,
+    prediction: Real,
+    manifolds: &mut Vec<Manifold>,
+) {
+    // parry turns the pose round once to find the triangles and once more for each, which rounds.
+    let (of_solid, pose) = match order {
+        Order::GroundFirst => (*pose, *pose),
+        Order::SolidFirst => (pose.inverse(), pose.inverse().inverse()),
+    };
+    let mut before = std::mem::take(manifolds);
+    let around = solid.compute_aabb(&of_solid).loosened(prediction);
+    let block = solid.local_aabb().loosened(prediction * (1.0 + 1e-9));
+    let mut out_of_reach = [None; 2];
+    let mut count = 0;
+    ground.map_elements_in_local_aabb(&around, &mut |number, triangle| {
+        count += 1;
+        let corners = [triangle.a, triangle.b, triangle.c].map(|p| match order {
+            Order::GroundFirst => pose.inverse_transform_point(p),
+            Order::SolidFirst => pose.transform_point(p),
+        });
+        let beside = |k: usize| {
+            let [a, b, c] = corners.map(|p| p[k]);
+            a.min(b).min(c) > block.maxs[k] || a.max(b).max(c) < block.mins[k]
+        };
+        let apart = beside(0) || beside(1) || beside(2);
+        if apart || separation(solid, corners, prediction * (1.0 + 1e-9)) > prediction {
+            if let Some(place) = out_of_reach.get_mut(count - 1 - manifolds.len()) {
+                *place = Some(number);
+            }
+            return;
+        }
+        let known = before.iter().position(|m| order.triangle_of(m) == number);
+        let mut manifold = known.map_or_else(|| order.manifold(number), |k| before.swap_remove(k));
+        let normals = ground.triangle_normal_constraints(number);
+        let normals = normals.as_ref().map(|n| n as &dyn NormalConstraints);
+        let (shapes, constraints): ([&dyn Shape; 2], _) = match order {
+            Order::GroundFirst => ([triangle, solid], [normals, None]),
+            Order::SolidFirst => ([solid, triangle], [None, normals]),
+        };
+        let [first, second] = shapes;
+        let [at_first, at_second] = constraints;
+        // Triangles and convex solids are among the shapes that parry supports.
+        let _ = DefaultQueryDispatcher.contact_manifold_convex_convex(
+            &pose,
+            first,
+            second,
+            at_first,
+            at_second,
+            prediction,
+            &mut manifold,
+        );
+        manifolds.push(manifold);
+    });
+    // rapier joins the manifolds of a pair that has more than one, and it makes a difference whether it does.
+    let empty = out_of_reach.into_iter().flatten().take(2_usize.saturating_sub(manifolds.len()));
+    manifolds.extend(empty.map(|number| order.manifold(number)));
 }
 
 impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for InReach {
@@ -62,15 +146,20 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for InReach {
         g1: &dyn Shape,
         g2: &dyn Shape,
         prediction: Real,
-        manifolds: &mut Vec<ContactManifold<ContactManifoldData, ContactData>>,
+        manifolds: &mut Vec<Manifold>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        let convex = g1.as_convex_polyhedron().or(g2.as_convex_polyhedron()).is_some();
-        if convex && g1.as_heightfield().or(g2.as_heightfield()).is_some() {
-            contact_manifolds_heightfield_shape_shapes(self, pos12, g1, g2, prediction, manifolds, workspace);
-            return Ok(());
-        }
-        DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)
+        let found = match (g1.as_heightfield(), g2.as_heightfield()) {
+            (Some(ground), _) => g2.as_convex_polyhedron().map(|solid| (ground, solid, Order::GroundFirst)),
+            (_, Some(ground)) => g1.as_convex_polyhedron().map(|solid| (ground, solid, Order::SolidFirst)),
+            _ => None,
+        };
+        let Some((ground, solid, order)) = found else {
+            return DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace);
+        };
+        workspace.get_or_insert_with(|| Composite.into());
+        ground_manifolds(ground, solid, order, pos12, prediction, manifolds);
+        Ok(())
     }
 
     fn contact_manifold_convex_convex(
@@ -81,14 +170,8 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for InReach {
         normal_constraints1: Option<&dyn NormalConstraints>,
         normal_constraints2: Option<&dyn NormalConstraints>,
         prediction: Real,
-        manifold: &mut ContactManifold<ContactManifoldData, ContactData>,
+        manifold: &mut Manifold,
     ) -> Result<(), Unsupported> {
-        if Self::is_out_of_reach(pos12, g1, g2, prediction) {
-            manifold.clear();
-            // Where the search for the nearest points starts next time.
-            manifold.local_n1 = Vector::ZERO;
-            return Ok(());
-        }
         DefaultQueryDispatcher.contact_manifold_convex_convex(
             pos12,
             g1,

@@ -71,6 +71,20 @@ pub(crate) struct Clearance {
     due: [f64; STATIONS],
 }
 
+/// Some of the stations, a bit each.
+#[derive(Clone, Copy, Default)]
+struct Stations(u32);
+
+impl Stations {
+    /// Their numbers, ascending.
+    #[inline]
+    fn iter(self) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(self.0), |left| Some(left & left.wrapping_sub(1)))
+            .take_while(|left| *left != 0)
+            .map(|left| left.trailing_zeros() as usize)
+    }
+}
+
 /// Sums over the stations of both strips where they overlap the ground.
 #[derive(Default)]
 struct Overlap {
@@ -120,6 +134,13 @@ impl Clearance {
         let [hub, along, up, axis] = std::array::from_fn(|k| (pose[k] - before[k]).abs());
         let moved = hub + axis * wheel.strip + (along + up) * wheel.radius;
         self.spent += moved.dot(slopes) + ROUNDING;
+    }
+
+    /// The stations that may touch.
+    #[inline]
+    fn due(&self) -> Stations {
+        let bit = |k: usize| u32::from(!self.is_clear(k)) << k;
+        Stations((0..STATIONS).map(bit).sum())
     }
 
     #[inline]
@@ -209,10 +230,9 @@ impl Envelope {
         let mut above = [[0.0; STATIONS]; 2];
         let mut fractions = [[0.0; STATIONS]; 2];
         let origins = [-self.strip, self.strip].map(|offset| hub + axis * offset);
-        for (k, (&x, &half)) in self.xs.iter().zip(&self.half).enumerate() {
-            if clearance.is_clear(k) {
-                continue;
-            }
+        let mut touching = Stations::default();
+        for k in clearance.due().iter() {
+            let (x, half) = (self.xs[k], self.half[k]);
             let mut highest = f64::NEG_INFINITY;
             for (s, origin) in origins.iter().enumerate() {
                 let px = origin.x + along.x * x - up.x * half;
@@ -223,8 +243,9 @@ impl Envelope {
                 highest = highest.max(dz);
             }
             clearance.note(k, -highest);
+            touching.0 |= u32::from(highest > 0.0) << k;
         }
-        let overlap = |gain: f64, short: f64| self.overlap(&above, &fractions, gain, short);
+        let overlap = |gain: f64, short: f64| self.overlap(touching, &above, &fractions, gain, short);
         let strips = (stands > 0.0).then(|| overlap(up.z, 0.0)).filter(|o| o.area > 0.0).map(|o| {
             // The ground's slope from strip to strip in the wheel's frame.
             let across = o.across / o.area;
@@ -267,12 +288,13 @@ impl Envelope {
         Some(Contact { point, normal, depth })
     }
 
-    /// The overlap of ground that is `above` the rim (m) at each station of each strip, and of which a share carries. A
-    /// height above the rim is `gain` times as long along the radius, less `short` times how much higher the rim is there
-    /// than at its lowest point.
+    /// The overlap of ground that is `above` the rim (m) at each of the `touching` stations of each strip, and of which a
+    /// share carries; elsewhere it is below both. A height above the rim is `gain` times as long along the radius, less
+    /// `short` times how much higher the rim is there than at its lowest point.
     #[inline]
     fn overlap(
         &self,
+        touching: Stations,
         above: &[[f64; STATIONS]; 2],
         fractions: &[[f64; STATIONS]; 2],
         gain: f64,
@@ -280,7 +302,7 @@ impl Envelope {
     ) -> Overlap {
         let mut sum = Overlap::default();
         for (row, fraction) in above.iter().zip(fractions) {
-            for k in 0..STATIONS {
+            for k in touching.iter() {
                 let overlap = (row[k] * gain - short * (self.radius - self.half[k])).min(2.0 * self.half[k]);
                 if overlap > 0.0 {
                     let part = overlap * self.fraction[k] * fraction[k];

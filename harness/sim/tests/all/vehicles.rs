@@ -23,8 +23,7 @@ fn vehicles() -> Vec<VehicleModel> {
 
 /// A world of the vehicle's scale from one of full size.
 fn scaled(world: World, model: &VehicleModel) -> Arc<World> {
-    let scale = model.spec().scale;
-    Arc::new(if scale == 1.0 { world } else { world.scaled(scale) })
+    Arc::new(world.at_scale(model.spec().scale))
 }
 
 fn flat(model: &VehicleModel, friction: f64) -> Arc<World> {
