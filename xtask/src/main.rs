@@ -10,6 +10,7 @@ mod plugins;
 mod prove;
 mod run;
 mod soak;
+mod speed;
 mod suites;
 mod tune;
 mod wasm_target;
@@ -49,6 +50,8 @@ Tasks:
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
   soak [TASKS]          Drive vb-100, or the tasks of it that are selected, wildly with every vehicle, and fail where a
                         simulation does
+  speed OTHER [ROUNDS]  Drive the same tasks by another version, a program or a commit, and by this one in turn, and print how
+                        fast each simulates on one core [default: 5 rounds]
   compare-chrono        Drive the tasks that Project Chrono was recorded on, and write both results side by side
                         (--all: every task of which Chrono's end is known, by the recorded vehicle alone)
 
@@ -80,10 +83,14 @@ fn main() -> ExitCode {
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),
+        ["speed", other] => build_all().and_then(|()| speed::speed(other, speed::ROUNDS)),
+        ["speed", other, rounds] => {
+            whole("ROUNDS", rounds).and_then(|rounds| build_all().and_then(|()| speed::speed(other, rounds)))
+        }
         ["fuzz"] => fuzz::fuzz(None, FUZZ_MINUTES),
         ["fuzz", target] if !target.starts_with('-') => fuzz::fuzz(Some(target), FUZZ_MINUTES),
-        ["fuzz", "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(None, n)),
-        ["fuzz", target, "--minutes", n] => minutes(n).and_then(|n| fuzz::fuzz(Some(target), n)),
+        ["fuzz", "--minutes", n] => whole("--minutes", n).and_then(|n| fuzz::fuzz(None, n)),
+        ["fuzz", target, "--minutes", n] => whole("--minutes", n).and_then(|n| fuzz::fuzz(Some(target), n)),
         ["wheel", ref options @ ..] => wheel::wheel(options),
         ["plugins", "--wasm"] => plugins::build_as_wasm(&default_plugin_dir()),
         ["plugins", "--wasm", "--out", dir] => plugins::build_as_wasm(Path::new(dir)),
@@ -109,8 +116,8 @@ fn main() -> ExitCode {
 /// Minutes for which each target is fuzzed if nothing is said.
 const FUZZ_MINUTES: u32 = 20;
 
-fn minutes(text: &str) -> Result<u32, Failure> {
-    let wrong = || Failure::new(format!("--minutes {text}: must be a whole number from 1"));
+fn whole(name: &str, text: &str) -> Result<u32, Failure> {
+    let wrong = || Failure::new(format!("{name} {text}: must be a whole number from 1"));
     text.parse().ok().filter(|n| *n > 0).ok_or_else(wrong)
 }
 

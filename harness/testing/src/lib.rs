@@ -1,12 +1,16 @@
-//! What the tests of several crates share: where the reference data lie, and how a test says that it was skipped.
+//! What tests and tools share: where the reference data lie, how a test says that it was skipped, and what programs cost.
 //!
 //! The test harness of Rust knows no test that finds only while it runs that something is missing, and a test that
 //! returns early counts as passed. So it says so by [`skip`], and `cargo xtask test` prints at its end which tests were
 //! skipped and why.
 
+mod cost;
+
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+pub use cost::processor_time_of_children;
 
 /// Variable with the file to which skipped tests are appended, a line each: name, tab, reason. `cargo xtask test` sets it.
 pub const SKIPPED: &str = "VB_SKIPPED";

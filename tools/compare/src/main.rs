@@ -169,10 +169,10 @@ fn compare(args: &Args) -> Result<(), CompareError> {
                 continue;
             }
             let chosen = if mode == Mode::Physics { &args.recorded_vehicle } else { &args.vehicle };
-            let before = cost::of_children();
+            let before = vb_testing::processor_time_of_children();
             let driven = drive(args, &suite, world, mode, chosen)?;
             if let (Mode::Shipped, Ok(list), Some(before), Some(after)) =
-                (mode, &driven, before, cost::of_children())
+                (mode, &driven, before, vb_testing::processor_time_of_children())
             {
                 let simulated = list.iter().map(|r| r.time_s).sum();
                 costs.entry(world.terrain).or_default().add(Cost { processor: after - before, simulated });
