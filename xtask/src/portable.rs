@@ -7,7 +7,7 @@ use std::process::Command;
 
 use crate::examples::Compiler;
 use crate::plugins;
-use crate::run::{Failure, cargo_program, output, run, step};
+use crate::run::{Failure, output, run, step};
 
 /// zig, with every version of glibc, and what makes cargo call it.
 const ZIG: [&str; 2] = ["ziglang==0.17.0", "cargo-zigbuild==0.24.0"];
@@ -40,10 +40,8 @@ pub(crate) fn program_name(target: &str) -> &'static str {
 
 /// A command of cargo-zigbuild for a system, such as `zigbuild` and `check`.
 pub(crate) fn cargo(tools: &[Compiler], subcommand: &str, target: &str) -> Command {
-    let mut command = Command::new(cargo_program());
-    // Cargo calls cargo-zigbuild by the name of one subcommand; the others are its own.
-    command.arg("zigbuild").args(Some(subcommand).filter(|s| *s != "zigbuild"));
-    command.arg("--target").arg(with_glibc(target)).current_dir(crate::root());
+    let mut command = Command::new("cargo-zigbuild");
+    command.arg(subcommand).arg("--target").arg(with_glibc(target)).current_dir(crate::root());
     environment(&mut command, tools, &[]);
     command
 }

@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::examples::Compiler;
 use crate::run::{Failure, cargo_program, output, run, step};
 use crate::{built, default_plugin_dir, plugins, portable, root, target_dir};
 

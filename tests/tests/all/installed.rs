@@ -76,11 +76,13 @@ fn the_program_alone_has_its_suites_and_vehicles_and_unpacks_them_when_they_are_
     assert_eq!(installed.data(), data);
 }
 
-/// The files of the folder `tasks` of this repository.
+/// The files of the folder `tasks` of this repository, but for those that are git's.
 fn source() -> std::collections::BTreeMap<PathBuf, Vec<u8>> {
     let bench = Bench::new();
     copy_dir(&vb_tests::root().join("tasks"), &bench.path("tasks"));
-    bench.files("tasks")
+    let mut files = bench.files("tasks");
+    files.retain(|path, _| !path.to_string_lossy().starts_with(".git"));
+    files
 }
 
 #[test]
