@@ -120,7 +120,9 @@ pub(crate) fn emulate() -> Result<(), Failure> {
 /// Runs the simulator's test of its bits by an emulator.
 fn simulator(mut command: Command, target: &str, emulator: &[String]) -> Result<(), Failure> {
     let variable = format!("CARGO_TARGET_{}_RUNNER", target.to_uppercase().replace('-', "_"));
-    command.args(["--release", "--quiet", "--package", "vb-sim", "--test", "all", "bits::"]);
+    command.args(["--release", "--quiet", "--package", "vb-sim", "--test", "all"]);
+    // With the features that dependencies have in the program, so that they aren't built twice.
+    command.args(["--package", "vb-unify", "bits::"]);
     run(command.env(variable, emulator.join(" ")))
 }
 

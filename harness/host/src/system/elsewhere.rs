@@ -13,6 +13,8 @@ use crate::fault::ProcessEnd;
 pub(crate) const HAS_NATIVE_PLANNERS: bool = false;
 /// Bytes that wait between a pipe and the harness at most; a process that writes more waits.
 const WAITING: usize = 1 << 20;
+/// How long the last words of a process that has ended may take through its pipe.
+const LAST_WORDS: Duration = Duration::from_millis(200);
 
 /// A process with its three pipes, none of which blocks.
 #[derive(Debug)]
@@ -186,10 +188,15 @@ impl Child {
         self.ended
     }
 
-    /// Waits for its end.
+    /// Waits for its end, and a moment for its last words, which are still on their way.
     pub(crate) fn wait_for_end(&mut self) -> ProcessEnd {
         let wait = |process: &mut std::process::Child| process.wait().map_or(ProcessEnd::Mute, end_of);
-        *self.ended.get_or_insert_with(|| wait(&mut self.process))
+        let how = *self.ended.get_or_insert_with(|| wait(&mut self.process));
+        // Descendants may hold the pipe open.
+        let on_their_way = |s: &mut State| !s.errors.is_at_end && s.errors.waiting.len() < WAITING;
+        let state = self.pipes.lock();
+        drop(self.pipes.changed.wait_timeout_while(state, LAST_WORDS, on_their_way));
+        how
     }
 }
 
