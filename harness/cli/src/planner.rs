@@ -61,13 +61,14 @@ fn elsewhere(dirs: &[PathBuf]) -> String {
     let named: Vec<_> = dirs.iter().map(|dir| dir.display().to_string()).collect();
     let variable = vb_catalog::PLUGINS_VAR;
     match &named[..] {
-        [] => {
-            "; no planners are installed: give a path, or install some by `vb-harness plugin install`".to_owned()
-        }
+        [] => "; no planners are installed: give a path, or install some by `vb-harness plugin install`"
+            .to_owned(),
         [one] if std::env::var_os(variable).is_some_and(|v| !v.is_empty()) => {
             format!("; it isn't in {one} either, which {variable} names")
         }
-        _ => format!("; it isn't in {} either, where planners are found by their file names", named.join(", ")),
+        _ => {
+            format!("; it isn't in {} either, where planners are found by their file names", named.join(", "))
+        }
     }
 }
 

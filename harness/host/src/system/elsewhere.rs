@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn one_that_floods_or_stays_is_waited_for_no_longer_than_said_and_ended() {
-        let mut child = shell("yes");
+        let child = shell("yes");
         assert!(child.wait(PATIENCE, false).unwrap().output);
         std::thread::sleep(Duration::from_millis(200));
         let waiting = child.pipes.lock().output.waiting.len();

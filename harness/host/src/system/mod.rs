@@ -5,6 +5,7 @@
 //! compiler run there, without limits but the clock's, and native planners don't.
 
 #[cfg(any(not(unix), test))]
+#[cfg_attr(unix, allow(dead_code, reason = "its tests run on Unix, too, and don't use all of it"))]
 mod elsewhere;
 #[cfg(unix)]
 mod spawn;
