@@ -120,6 +120,7 @@ fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn options_are_read_in_any_order() {
