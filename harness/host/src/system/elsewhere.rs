@@ -292,7 +292,8 @@ pub(crate) fn is_refusal(error: &(dyn std::error::Error + 'static)) -> bool {
     error.is::<io::Error>()
 }
 
-#[cfg(all(test, unix))]
+#[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
 
