@@ -1,4 +1,5 @@
-//! Tells the program which git commit it is built from, as `VB_COMMIT`: where a result is from should be found again.
+//! Tells the program which git commit it is built from, as `VB_COMMIT`: where a result is from should be found again. And packs
+//! the folder `tasks` for it, which it carries so that it needs no other file.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,6 +12,20 @@ fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let commit = commit(&root).or_else(|| told(&root)).unwrap_or_else(|| "unknown".into());
     println!("cargo::rustc-env=VB_COMMIT={commit}");
+    #[cfg(feature = "carried-tasks")]
+    if let Err(e) = pack(&root.join("tasks")) {
+        println!("cargo::error={}: can't pack what the program carries: {e}", root.join("tasks").display());
+    }
+}
+
+/// Writes the bundle of tasks, and tells the program its hash as `VB_TASKS_HASH`.
+#[cfg(feature = "carried-tasks")]
+fn pack(tasks: &Path) -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed={}", tasks.display());
+    let out = std::env::var_os("OUT_DIR").ok_or_else(|| std::io::Error::other("cargo names no OUT_DIR"))?;
+    let bundle = vb_files::bundle::pack(tasks)?;
+    println!("cargo::rustc-env=VB_TASKS_HASH={}", &vb_files::sha256(&bundle)[..12]);
+    std::fs::write(Path::new(&out).join("tasks.bundle"), bundle)
 }
 
 /// The commit that a source distribution says it was made of.

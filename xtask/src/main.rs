@@ -7,11 +7,14 @@ mod fuzz;
 mod models;
 mod pictures;
 mod plugins;
+mod portable;
 mod prove;
+mod release;
 mod run;
 mod soak;
 mod speed;
 mod suites;
+mod targets;
 mod tune;
 mod wasm_target;
 mod wheel;
@@ -38,6 +41,14 @@ Tasks:
                         Make the Python package as wheel and source distribution [default DIR: target/wheels];
                         --portable: for Linux with glibc 2.17 on, by zig; --target: portable, for another processor;
                         --check: install the wheel in a fresh environment, and see that it works
+  targets [TRIPLE]...   See whether everything compiles for Linux, macOS and Windows on both kinds of processors, or for
+                        some systems, and say which were skipped and why; zig is installed from PyPI
+  targets --emulate     See whether an emulated AArch64 and emulated x86-64 processors compute the same bits as this machine
+                        (needs Debian's qemu-user and libc6-arm64-cross)
+  release [--target TRIPLE] [--check] [--out DIR]
+                        Make the archive of a release, with checksums, for this system or another [default DIR:
+                        target/releases]; --check: unpack it elsewhere, and see that it works
+  install               Install the program for this user as `cargo install` does, with the planners
   abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
@@ -92,6 +103,10 @@ fn main() -> ExitCode {
         ["fuzz", "--minutes", n] => whole("--minutes", n).and_then(|n| fuzz::fuzz(None, n)),
         ["fuzz", target, "--minutes", n] => whole("--minutes", n).and_then(|n| fuzz::fuzz(Some(target), n)),
         ["wheel", ref options @ ..] => wheel::wheel(options),
+        ["targets", "--emulate"] => targets::emulate(),
+        ["targets", ref wanted @ ..] => targets::check(wanted),
+        ["release", ref options @ ..] => release::release(options),
+        ["install"] => release::install(),
         ["plugins", "--wasm"] => plugins::build_as_wasm(&default_plugin_dir()),
         ["plugins", "--wasm", "--out", dir] => plugins::build_as_wasm(Path::new(dir)),
         ["plugins"] => plugins::build(&default_plugin_dir()),

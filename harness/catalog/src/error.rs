@@ -18,6 +18,25 @@ pub enum CatalogError {
         crate::TASKS_VAR
     )]
     NoTasks,
+    /// The system names no folder for the user's data.
+    #[error(
+        "there is no folder to unpack the built-in tasks into (set {}, or HOME, or {} to a tasks directory)",
+        crate::DATA_VAR,
+        crate::TASKS_VAR
+    )]
+    NoDataFolder,
+    /// The tasks that the program carries within itself can't be put where they can be read.
+    #[error(
+        "{}: cannot unpack the built-in tasks: {source} (set {} to a directory that you may write to)",
+        .path.display(),
+        crate::DATA_VAR
+    )]
+    Unpack {
+        /// The folder that they were to have.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
     /// There is nothing of this name.
     #[error("there is no {noun} {name} (give {instead}, or one of: {known})")]
     Unknown {

@@ -1,11 +1,14 @@
 //! What comes with the harness, found by its name: suites, vehicles, soils, perception profiles, and the training worlds
 //! that the generator draws. Whatever may be named may also be a file or a folder of the user's.
 
+mod carried;
 mod error;
+mod places;
 mod training;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use vb_runner::{Soils, Vehicle};
 use vb_sense::Profile;
@@ -13,12 +16,12 @@ use vb_sim::SoilSet;
 use vb_vehicle::VehicleSpec;
 use vb_world::{Selector, SelectorError, Suite, TaskRef, WorldInfo};
 
+pub use carried::Carried;
 pub use error::CatalogError;
+pub use places::{
+    CACHE_VAR, DATA_VAR, PLUGINS_VAR, TASKS_VAR, cache_dir, data_dir, installed_planners, planner_dirs,
+};
 
-/// The environment variable that names the directory with the built-in suites, rules and vehicles.
-pub const TASKS_VAR: &str = "VB_TASKS";
-/// The environment variable that names the directory for what is kept between commands.
-pub const CACHE_VAR: &str = "VB_CACHE";
 /// The suite that is run where none is named.
 const DEFAULT_SUITE: &str = "vb-100";
 
@@ -56,7 +59,9 @@ impl Data {
 /// The folder `tasks` that comes with the harness.
 #[derive(Clone, Debug)]
 pub struct Catalog {
-    tasks: Option<PathBuf>,
+    tasks: OnceLock<PathBuf>,
+    /// What is unpacked where there is no folder.
+    carried: Option<Carried>,
     cache: Option<PathBuf>,
 }
 
@@ -65,20 +70,20 @@ impl Catalog {
     /// above the working directory. Where there is none, only files and folders of the user's are found.
     #[must_use]
     pub fn find() -> Self {
-        if let Some(dir) = var(TASKS_VAR) {
-            return Self::at(dir);
-        }
-        let roots = [std::env::current_exe().ok(), std::env::current_dir().ok().map(|d| d.join("."))];
-        let tasks = roots.into_iter().flatten().find_map(|root| {
-            root.ancestors().map(|dir| dir.join("tasks")).find(|tasks| tasks.join("vehicles").is_dir())
-        });
-        Self { tasks, cache: cache_dir() }
+        places::tasks()
+            .map_or_else(|| Self { tasks: OnceLock::new(), carried: None, cache: cache_dir() }, Self::at)
+    }
+
+    /// The same, with what the program carries within itself where no folder is found. It is unpacked when it is first needed.
+    #[must_use]
+    pub fn or(self, carried: Carried) -> Self {
+        Self { carried: Some(carried), ..self }
     }
 
     /// This folder.
     #[must_use]
     pub fn at(tasks: impl Into<PathBuf>) -> Self {
-        Self { tasks: Some(tasks.into()), cache: cache_dir() }
+        Self { tasks: OnceLock::from(tasks.into()), carried: None, cache: cache_dir() }
     }
 
     /// The same, with training worlds kept in this folder instead of [`cache_dir`].
@@ -90,9 +95,13 @@ impl Catalog {
     /// The folder.
     ///
     /// # Errors
-    /// Returns [`CatalogError::NoTasks`] if there is none.
+    /// Returns [`CatalogError::NoTasks`] if there is none, and an error if it can't be unpacked.
     pub fn tasks(&self) -> Result<&Path, CatalogError> {
-        self.tasks.as_deref().ok_or(CatalogError::NoTasks)
+        if let Some(tasks) = self.tasks.get() {
+            return Ok(tasks);
+        }
+        let unpacked = self.carried.ok_or(CatalogError::NoTasks)?.unpacked()?;
+        Ok(self.tasks.get_or_init(|| unpacked))
     }
 
     /// The built-in suites, by name.
@@ -204,7 +213,7 @@ impl Catalog {
     /// The file of reference figures that comes with the harness for a vehicle of this name, if there is one.
     #[must_use]
     pub fn references(&self, vehicle: &str) -> Option<PathBuf> {
-        let file = self.tasks.as_deref()?.join("validation").join(format!("{vehicle}.yaml"));
+        let file = self.tasks().ok()?.join("validation").join(format!("{vehicle}.yaml"));
         file.is_file().then_some(file)
     }
 
@@ -299,16 +308,4 @@ fn read_data(kind: Data, path: &Path) -> Result<(String, String, String), Catalo
 #[must_use]
 pub fn is_name(text: &OsStr) -> bool {
     !text.to_string_lossy().contains(['/', '\\', '.'])
-}
-
-/// Where compiled plugins and training worlds are kept between commands; none if the system has no place for it.
-#[must_use]
-pub fn cache_dir() -> Option<PathBuf> {
-    var(CACHE_VAR)
-        .or_else(|| var("XDG_CACHE_HOME").map(|d| d.join("verti-bench")))
-        .or_else(|| var("HOME").map(|d| d.join(".cache").join("verti-bench")))
-}
-
-fn var(name: &str) -> Option<PathBuf> {
-    std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from)
 }

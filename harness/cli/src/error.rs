@@ -148,6 +148,8 @@ impl From<CatalogError> for CliError {
             // The option's name is the command line's.
             CatalogError::NoTrainingSeed(_) => Self::usage(format!("--{e}")),
             CatalogError::Write { .. }
+            | CatalogError::NoDataFolder
+            | CatalogError::Unpack { .. }
             | CatalogError::Generate(GenerateError::Suite(
                 SuiteError::Write { .. } | SuiteError::NotEmpty { .. },
             )) => Self::output(e),

@@ -2,14 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use vb_catalog::Catalog;
-
-/// The environment variable that names the directory with the planners that are found by their file names.
-pub(crate) const PLUGINS_VAR: &str = "VB_PLUGINS";
+use vb_catalog::{Catalog, planner_dirs};
 
 /// What comes with the harness.
 pub(crate) fn catalog() -> Catalog {
-    Catalog::find()
+    let found = Catalog::find();
+    #[cfg(feature = "carried-tasks")]
+    let found = found.or(vb_catalog::Carried {
+        bundle: include_bytes!(concat!(env!("OUT_DIR"), "/tasks.bundle")),
+        hash: env!("VB_TASKS_HASH"),
+    });
+    found
 }
 
 /// The folder of the SDK in the checkout that the built-in tasks lie in.
@@ -19,23 +22,18 @@ pub(crate) fn sdk() -> Option<PathBuf> {
 }
 
 /// The planner's file that the user means by `--plugin`: as it is written, or a bare file name that isn't in the working directory
-/// in the directory that `VB_PLUGINS` names.
+/// in one of those with planners ([`planner_dirs`]).
 pub(crate) fn plugin(wanted: PathBuf) -> PathBuf {
-    match plugins_dir() {
-        Some(dir) => plugin_in(&dir, wanted),
-        None => wanted,
-    }
+    if is_bare(&wanted) && !wanted.exists() { plugin_in(&planner_dirs(), wanted) } else { wanted }
 }
 
-/// The directory with the planners that are found by their file names, if there is one.
-pub(crate) fn plugins_dir() -> Option<PathBuf> {
-    std::env::var_os(PLUGINS_VAR).filter(|v| !v.is_empty()).map(PathBuf::from)
+/// Whether it is a file name alone.
+pub(crate) fn is_bare(path: &Path) -> bool {
+    path.file_name() == Some(path.as_os_str())
 }
 
-fn plugin_in(dir: &Path, wanted: PathBuf) -> PathBuf {
-    let file = dir.join(&wanted);
-    let is_bare = wanted.file_name() == Some(wanted.as_os_str());
-    if is_bare && !wanted.exists() && file.is_file() { file } else { wanted }
+fn plugin_in(dirs: &[PathBuf], wanted: PathBuf) -> PathBuf {
+    dirs.iter().map(|dir| dir.join(&wanted)).find(|file| file.is_file()).unwrap_or(wanted)
 }
 
 /// The first `runs/NAME-N` that isn't there.
@@ -59,19 +57,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_planner_is_found_by_its_file_name_and_by_nothing_else() {
+    fn a_planner_is_found_by_its_file_name_in_the_first_folder_that_has_it() {
         let dir = tempfile::tempdir().unwrap();
-        let file = dir.path().join("pid.wasm");
-        std::fs::write(&file, "").unwrap();
-        std::fs::create_dir(dir.path().join("inner")).unwrap();
-        let found = |wanted: &str| plugin_in(dir.path(), wanted.into());
-        assert_eq!(found("pid.wasm"), file);
-        // A path is one that the user has, a name without its ending is none of a file, and Cargo.toml is here.
-        std::fs::write(dir.path().join("Cargo.toml"), "").unwrap();
-        for as_it_is in
-            ["./pid.wasm", "planners/pid.wasm", "pid", "gone.wasm", "inner", "Cargo.toml", "..", ""]
-        {
+        let dirs = ["first", "second"].map(|name| dir.path().join(name));
+        for (folder, file) in [(&dirs[0], "pid.wasm"), (&dirs[1], "pid.wasm"), (&dirs[1], "mppi.wasm")] {
+            std::fs::create_dir_all(folder).unwrap();
+            std::fs::write(folder.join(file), "").unwrap();
+        }
+        std::fs::create_dir(dirs[0].join("inner")).unwrap();
+        let found = |wanted: &str| plugin_in(&dirs, wanted.into());
+        assert_eq!(found("pid.wasm"), dirs[0].join("pid.wasm"));
+        assert_eq!(found("mppi.wasm"), dirs[1].join("mppi.wasm"));
+        // A name without its ending is none of a file.
+        for as_it_is in ["pid", "gone.wasm", "inner", ""] {
             assert_eq!(found(as_it_is), Path::new(as_it_is), "{as_it_is}");
+        }
+        // A path is one that the user has, whatever lies elsewhere.
+        for path in ["./pid.wasm", "planners/pid.wasm", "..", ""] {
+            assert!(!is_bare(Path::new(path)), "{path}");
         }
     }
 }

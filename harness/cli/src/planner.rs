@@ -8,6 +8,13 @@ use vb_host::{Limits, LoadError, Plugin, ProcessOptions, SandboxReport};
 use crate::error::CliError;
 use crate::{output, places};
 
+/// The environment variable that lets native planners run where the system can't confine them at all, if it is 1.
+const UNCONFINED_VAR: &str = "VB_UNCONFINED";
+
+/// The environment variable that names the program to start in place of this one for planners' processes: a script that starts
+/// this one where the system can't by itself, as in an emulator.
+const WORKER_VAR: &str = "VB_WORKER";
+
 /// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
 pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {
     if command(wanted).is_some() {
@@ -31,7 +38,9 @@ pub(crate) fn load_quietly(
     limits: &Limits,
     require_sandbox: bool,
 ) -> Result<Plugin, LoadError> {
-    let native = ProcessOptions { worker: None, require_sandbox };
+    let unconfined = std::env::var_os(UNCONFINED_VAR).is_some_and(|v| v == "1");
+    let worker = std::env::var_os(WORKER_VAR).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let native = ProcessOptions { worker, require_sandbox, unconfined };
     match command(wanted) {
         Some(words) => Plugin::command(&words, limits),
         None => Plugin::load_with(wanted, limits, vb_catalog::cache_dir().as_deref(), &native),
@@ -40,13 +49,27 @@ pub(crate) fn load_quietly(
 
 /// Why a plugin can't be used. Of a bare file name it is said where else it was looked for.
 pub(crate) fn unusable(e: &LoadError) -> CliError {
-    let elsewhere = match (e, places::plugins_dir()) {
-        (LoadError::NotFound { path }, Some(dir)) if path.file_name() == Some(path.as_os_str()) => {
-            format!("; it isn't in {} either, which {} names", dir.display(), places::PLUGINS_VAR)
-        }
+    let elsewhere = match e {
+        LoadError::NotFound { path } if places::is_bare(path) => elsewhere(&vb_catalog::planner_dirs()),
         _ => String::new(),
     };
     CliError::input(format!("{e}{elsewhere} ({})", e.code()))
+}
+
+/// Where a planner was looked for beside the working directory, and how it gets there.
+fn elsewhere(dirs: &[PathBuf]) -> String {
+    let named: Vec<_> = dirs.iter().map(|dir| dir.display().to_string()).collect();
+    let variable = vb_catalog::PLUGINS_VAR;
+    match &named[..] {
+        [] => "; no planners are installed: give a path, or install some by `vb-harness plugin install`"
+            .to_owned(),
+        [one] if std::env::var_os(variable).is_some_and(|v| !v.is_empty()) => {
+            format!("; it isn't in {one} either, which {variable} names")
+        }
+        _ => {
+            format!("; it isn't in {} either, where planners are found by their file names", named.join(", "))
+        }
+    }
 }
 
 /// Refuses a command where the user demands a sandbox.

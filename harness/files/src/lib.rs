@@ -3,6 +3,7 @@
 //! A named pipe would hang whoever opens it, `/dev/zero` never ends, and a document of gigabytes fills the memory before anybody
 //! can say that it makes no sense. So only regular files are read (links to such are fine), up to a limit that the caller states.
 
+pub mod bundle;
 mod hash;
 
 pub use hash::{Hash, sha256};

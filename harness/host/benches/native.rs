@@ -20,7 +20,7 @@ fn step(c: &mut Criterion) {
         compile.arg("-o").arg(&library).arg(here.join("tests/hostile/hostile.c")).status().unwrap().success()
     );
     let options =
-        ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
+        ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), ..ProcessOptions::default() };
     let plugin = Plugin::load_with(&library, &Limits::default(), None, &options).unwrap();
     let task = Task { params: plugin.params(&[]).unwrap(), ..Task::default() };
     let mut session = plugin.start(&task, LogSink::discard()).unwrap();

@@ -86,7 +86,7 @@ fn native_name(name: &str) -> String {
 
 fn start(file: &Path, params: &[(&str, &str)]) -> Result<Session> {
     let options =
-        ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false };
+        ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), ..ProcessOptions::default() };
     let plugin = Plugin::load_with(file, &Limits::default(), None, &options)?;
     let params: Vec<_> = params.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let params = plugin.params(&params)?;

@@ -121,6 +121,14 @@ pub enum LoadError {
         /// The way in which the process failed.
         cause: FaultCause,
     },
+    /// Plugins of this kind don't run on this system.
+    #[error("{}: {reason}", .path.display())]
+    NotHere {
+        /// The path of the file.
+        path: PathBuf,
+        /// The reason, and what to do instead.
+        reason: &'static str,
+    },
     /// A native plugin lays its data out in another way than the harness does.
     #[error("{}: the plugin's data layout differs from the harness's: {reason}. Rebuild it with the harness's vb-sdk", .path.display())]
     LayoutMismatch {
@@ -145,7 +153,7 @@ impl LoadError {
             Self::ForbiddenImports { .. } => FaultCode::ImportDenied,
             Self::TooLarge { .. } => FaultCode::TooLarge,
             Self::TooCostly { .. } => FaultCode::TooCostly,
-            Self::Unloadable { .. } => FaultCode::Unloadable,
+            Self::Unloadable { .. } | Self::NotHere { .. } => FaultCode::Unloadable,
             Self::Faulty { cause, .. } => cause.code(),
         }
     }

@@ -15,6 +15,7 @@ mod log;
 mod native;
 mod plugin;
 mod process;
+mod system;
 mod text;
 mod wasm;
 

@@ -30,7 +30,7 @@ fn possessions() -> (usize, usize, usize) {
 fn visit(path: &Path) {
     let limits = Limits { fuel_per_step: 100_000, ..Limits::default() };
     let worker = Some(env!("CARGO_BIN_EXE_vb-worker").into());
-    let options = ProcessOptions { worker, require_sandbox: false };
+    let options = ProcessOptions { worker, ..ProcessOptions::default() };
     let Ok(plugin) = Plugin::load_with(path, &limits, None, &options) else { return };
     let Ok(mut session) = plugin.start(&task(), LogSink::discard()) else { return };
     let _ = session.step(&observation());

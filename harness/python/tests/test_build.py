@@ -1,5 +1,6 @@
 """The build backend, but for what maturin does."""
 
+import hashlib
 import sys
 import tarfile
 import zipfile
@@ -10,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "harness/python/build_backend"))
 
-from vertibench_build import _sdist, _stage, _wheel  # noqa: E402 - it isn't installed
+from vertibench_build import _release, _sdist, _stage, _wheel  # noqa: E402 - it isn't installed
 
 NEWER = b"\x7fELF..\0GLIBC_2.2.5\0GLIBC_2.34\0rest"
 OLDER = b"\x7fELF..\0GLIBC_2.14\0"
@@ -115,3 +116,32 @@ def test_the_sources_have_the_workspace_and_planners(tmp_path, monkeypatch):
     (planners / "pid.wasm").unlink()
     with pytest.raises(SystemExit, match="pid.wasm: the planner isn't there"):
         _sdist.make(tmp_path, b"Version: 1.2\n")
+
+
+def test_an_archive_of_a_release_has_what_the_program_needs_beside_it(tmp_path, monkeypatch):
+    program, planners, shell = tmp_path / "vb-harness", tmp_path / "planners", tmp_path / "shell"
+    program.write_bytes(b"#!")
+    planners.mkdir()
+    for name in _stage.planners():
+        (planners / f"{name}.wasm").write_bytes(b"x")
+    (shell / "man/man1").mkdir(parents=True)
+    (shell / "man/man1/vb-harness.1").write_bytes(b"page")
+    monkeypatch.setenv("VB_WHEEL_HARNESS", str(program))
+    monkeypatch.setenv("VB_WHEEL_PLUGINS", str(planners))
+    monkeypatch.setenv("VB_RELEASE_SHELL", str(shell))
+    monkeypatch.setattr(_release._licences, "text", lambda root: "terms")
+    monkeypatch.delenv("VB_RELEASE_TARGET", raising=False)
+    with pytest.raises(SystemExit, match="VB_RELEASE_TARGET"):
+        _release.make(tmp_path)
+    monkeypatch.setenv("VB_RELEASE_TARGET", "x86_64-unknown-linux-gnu")
+    names = [_release.make(out) for out in (tmp_path / "a", tmp_path / "b") if not out.mkdir()]
+    assert len(set(names)) == 1 and names[0].endswith("-x86_64-unknown-linux-gnu.tar.gz")
+    first, second = ((tmp_path / out / names[0]).read_bytes() for out in "ab")
+    assert first == second
+    assert (tmp_path / "a/SHA256SUMS").read_text() == f"{hashlib.sha256(first).hexdigest()}  {names[0]}\n"
+    top = names[0].removesuffix(".tar.gz")
+    with tarfile.open(tmp_path / "a" / names[0]) as archive:
+        assert archive.getmember(f"{top}/vb-harness").mode == 0o755
+        for path in ("tasks/smoke/suite.yaml", "plugins/pid.wasm", "man/man1/vb-harness.1", "LICENSE-THIRD-PARTY.txt"):
+            assert archive.getmember(f"{top}/{path}").mode == 0o644, path
+        assert not any("faulty" in name for name in archive.getnames())

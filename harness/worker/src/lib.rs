@@ -21,5 +21,8 @@ pub use serve::serve;
 /// Runs the worker, which needs a Unix system: says so and ends with code 1.
 #[cfg(not(unix))]
 pub fn serve() -> std::process::ExitCode {
+    use std::io::Write as _;
+    // There is nobody else to tell.
+    let _ = writeln!(std::io::stderr(), "planner worker: native planners run on Unix systems only");
     std::process::ExitCode::FAILURE
 }

@@ -15,6 +15,7 @@ mod full_disk;
 mod golden;
 mod hybrid;
 mod imported;
+mod installed;
 mod languages;
 mod pages;
 mod perception;

@@ -21,7 +21,7 @@ pub(crate) use dataset::{
     DatasetCommand, DatasetDriveArgs, DatasetMcapArgs, DatasetShowArgs, DatasetValidateArgs, ExploreArgs,
     FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs, TeleopArgs,
 };
-pub(crate) use plugin::{InspectArgs, Language, NewArgs, PluginCommand, StampArgs};
+pub(crate) use plugin::{InspectArgs, InstallArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{CameraName, FilmArgs, ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
@@ -177,6 +177,7 @@ mod tests {
         let makers = [
             "plugin new",
             "plugin stamp",
+            "plugin install",
             "suite import",
             "suite generate",
             "suite site",

@@ -22,6 +22,8 @@ pub(crate) enum PluginCommand {
     New(NewArgs),
     /// Write a planner's name, version and parameters into its WASM file; Rust's export_planner! does it by itself
     Stamp(StampArgs),
+    /// Put planners where they are found by their file names, whatever the working directory
+    Install(InstallArgs),
 }
 
 #[derive(Debug, Args)]
@@ -64,4 +66,11 @@ pub(crate) struct StampArgs {
     /// Where to write it; default: in place
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InstallArgs {
+    /// Planners: WASM files and native libraries
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
 }

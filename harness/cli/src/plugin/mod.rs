@@ -1,5 +1,6 @@
 //! `vb-harness plugin`: what authors of planners need beside running them.
 
+mod install;
 mod meta;
 mod new;
 mod stamp;
@@ -14,6 +15,7 @@ impl PluginCommand {
         match self {
             Self::New(args) => new::new(args),
             Self::Stamp(args) => stamp::stamp(args),
+            Self::Install(args) => install::install(args),
         }
     }
 }

@@ -5,7 +5,6 @@
 //! healthy; after any fault it is ended, and the next session gets a fresh one.
 
 use std::ffi::OsString;
-use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command as OsCommand, ExitCode};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,13 +17,14 @@ use vb_sdk::{Command, LogLevel, Observation, Task};
 use vb_worker::protocol::{
     Asked, Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
-use vb_worker::sandbox::{OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
+use vb_worker::sandbox::{self, OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
 use vb_worker::v0_1;
 
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd, Resource};
 use crate::log::Log;
-use crate::process::{End, Process, Role, Trouble, die_with_parent};
+use crate::process::{End, Process, Trouble};
+use crate::system::{self, Role};
 use crate::text::one_line;
 use crate::wasm::compile;
 use crate::{Limits, LoadError, LogSink};
@@ -66,6 +66,8 @@ pub struct ProcessOptions {
     pub worker: Option<PathBuf>,
     /// Whether to refuse native plugins where the system can't confine them in every way.
     pub require_sandbox: bool,
+    /// Whether to run native plugins where the system can't confine them at all.
+    pub unconfined: bool,
 }
 
 /// Processes of a planner.
@@ -113,6 +115,9 @@ impl ProcessPlugin {
         limits: &Limits,
         options: &ProcessOptions,
     ) -> Result<(Self, SandboxReport), LoadError> {
+        if let Some(refusal) = refusal(system::HAS_NATIVE_PLANNERS, sandbox::EXISTS, options.unconfined) {
+            return Err(LoadError::NotHere { path: path.into(), reason: refusal });
+        }
         let io = |source| LoadError::Io { path: path.into(), source };
         // With a bare file name the system would search its library folders.
         let full = path.canonicalize().map_err(io)?;
@@ -210,12 +215,11 @@ impl ProcessPlugin {
                 let (program, args) =
                     words.split_first().map_or((OsString::new(), &[][..]), |(p, a)| (p.clone(), a));
                 let mut command = OsCommand::new(program);
-                // A group of its own: its children are ended with it, and keys pressed in the terminal are not for it.
-                command.args(args).process_group(0);
+                command.args(args);
                 (command, Role::Command)
             }
         };
-        die_with_parent(&mut command);
+        system::prepare(&mut command, role);
         let started = Process::start(command, role, self.0.max_message);
         let mut process = started.map_err(|e| {
             let cause = FaultCause::Worker { message: one_line(&e.to_string()) };
@@ -270,15 +274,12 @@ impl ProcessPlugin {
     fn death(&self, end: &End) -> FaultCause {
         /// What the worker and the allocators of Rust, C++ and Python say before they give up.
         const MEMORY: [&str; 4] = [OUT_OF_MEMORY, "memory allocation of ", "std::bad_alloc", "MemoryError"];
-        /// What ends a process from outside. Behind the filter of system calls a planner can't send itself these.
-        const FROM_OUTSIDE: [i32; 3] = [libc::SIGKILL, libc::SIGTERM, libc::SIGINT];
-        if end.is_filtered && matches!(end.how, ProcessEnd::Signal(s) if FROM_OUTSIDE.contains(&s)) {
+        if end.is_filtered && system::was_killed_by_others(end.how) {
             return FaultCause::killed("the planner's process");
         }
         let said = |text: &str| end.words.iter().any(|w| w.contains(text));
         if said(STACK_OVERFLOW) {
-            let limit = rustix::process::getrlimit(rustix::process::Resource::Stack).current;
-            FaultCause::StackOverflow { limit, backtrace: Vec::new() }
+            FaultCause::StackOverflow { limit: system::stack_limit(), backtrace: Vec::new() }
         } else if MEMORY.iter().any(|text| said(text)) {
             FaultCause::OutOfMemory { what: Resource::Memory, wanted: None, limit: self.0.memory_bytes }
         } else {
@@ -423,6 +424,21 @@ impl Drop for ProcessSession {
     }
 }
 
+/// Why native plugins don't run on a system, by whether it can open them, whether it can confine them, and whether the user
+/// lets them run without that.
+fn refusal(is_possible: bool, has_sandbox: bool, unconfined: bool) -> Option<&'static str> {
+    match (is_possible, has_sandbox) {
+        (false, _) => {
+            Some("the harness opens native plugins on Unix systems only; use the planner's WASM file")
+        }
+        (true, false) if !unconfined => Some(
+            "this system has no sandbox for native plugins, so it could do all that you may do; use the planner's WASM file, or \
+             set VB_UNCONFINED=1 if you trust it",
+        ),
+        _ => None,
+    }
+}
+
 /// Whether the length of a message is four characters of text.
 fn is_text(length: usize) -> bool {
     u32::try_from(length)
@@ -529,4 +545,25 @@ pub(crate) fn compiler(options: &ProcessOptions) -> Option<PathBuf> {
 fn this_program() -> std::io::Result<PathBuf> {
     let link = Path::new("/proc/self/exe");
     if cfg!(target_os = "linux") && link.exists() { Ok(link.into()) } else { std::env::current_exe() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn native_plugins_are_refused_where_nothing_confines_them() {
+        assert_eq!(refusal(true, true, false), None);
+        let told = refusal(true, false, false).unwrap();
+        assert!(told.contains("no sandbox") && told.contains("VB_UNCONFINED=1"), "{told}");
+        assert_eq!(refusal(true, false, true), None);
+        // Where there is no worker, nobody's word helps.
+        assert!(refusal(false, false, true).unwrap().contains("WASM"));
+    }
+
+    #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[test]
+    fn linux_confines_them() {
+        assert_eq!(refusal(system::HAS_NATIVE_PLANNERS, sandbox::EXISTS, false), None);
+    }
 }

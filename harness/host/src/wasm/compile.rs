@@ -10,17 +10,17 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::time::Duration;
 
-use rustix::process::{Resource, getrlimit};
 use serde::{Deserialize, Serialize};
 use vb_worker::protocol::{self, HEADER};
 use vb_worker::sandbox;
 use wasmtime::Engine;
 
 use super::{componentize, engine, is_of_the_system};
-use crate::fault::{FaultCause, ProcessEnd};
+use crate::fault::FaultCause;
 use crate::inspect::{Format, PluginFile};
 use crate::log::Log;
-use crate::process::{Process, Role, Trouble, die_with_parent};
+use crate::process::{Process, Trouble};
+use crate::system::{self, Role};
 use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
 
@@ -114,7 +114,7 @@ fn elsewhere(path: &Path, order: &Order, program: &Path) -> Result<Outcome, Load
     command.arg(ARGUMENT).env_clear().current_dir("/");
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get().min(MOST_THREADS));
     command.env("RAYON_NUM_THREADS", threads.to_string());
-    die_with_parent(&mut command);
+    system::prepare(&mut command, Role::Compiler);
     let mut process = Process::start(command, Role::Compiler, limits.compile_bytes).map_err(system)?;
     let patience = Duration::from_secs(limits.compile_seconds.saturating_mul(PATIENCE));
     let mut log = Log::new(LogSink::discard(), 0);
@@ -124,13 +124,13 @@ fn elsewhere(path: &Path, order: &Order, program: &Path) -> Result<Outcome, Load
             let end = process.end(&mut log);
             let said = end.words.last().map(|w| format!(": {}", one_line(w))).unwrap_or_default();
             Err(match end.how {
-                ProcessEnd::Signal(libc::SIGXCPU) => LoadError::TooCostly {
+                how if system::used_up_time(how) => LoadError::TooCostly {
                     path: path.into(),
                     what: "seconds of processor time",
                     limit: limits.compile_seconds,
                     field: "compile_seconds",
                 },
-                ProcessEnd::Signal(libc::SIGKILL) => faulty(FaultCause::killed("the compiler")),
+                how if system::was_killed(how) => faulty(FaultCause::killed("the compiler")),
                 // What Rust says before it gives up.
                 _ if end.words.iter().any(|w| w.contains("memory allocation of ")) => {
                     out_of_memory(path, limits)
@@ -161,8 +161,7 @@ fn elsewhere(path: &Path, order: &Order, program: &Path) -> Result<Outcome, Load
 fn out_of_memory(path: &Path, limits: &Limits) -> LoadError {
     let path = path.to_owned();
     let wanted = limits.compile_bytes as u64;
-    let granted = [getrlimit(Resource::Data).maximum, getrlimit(Resource::As).current];
-    match granted.into_iter().flatten().min().filter(|granted| *granted < wanted) {
+    match system::memory_granted().filter(|granted| *granted < wanted) {
         Some(granted) => LoadError::Faulty {
             path,
             cause: FaultCause::Machine {

@@ -150,8 +150,7 @@ fn componentize(module: &[u8]) -> Result<Vec<u8>, Refusal> {
 
 /// Whether the operating system caused an error of the engine. A planner has no way to: it makes no system calls.
 fn is_of_the_system(error: &wasmtime::Error) -> bool {
-    let root = error.root_cause();
-    root.is::<rustix::io::Errno>() || root.is::<std::io::Error>()
+    crate::system::is_refusal(error.root_cause())
 }
 
 /// What a core module imports that no interface can name, e.g. from `env` or what tools for browsers ask for, as

@@ -32,7 +32,7 @@ fn golden(version: AbiVersion) -> Vec<(PathBuf, Transcript)> {
 #[test]
 fn a_golden_plugin_answers_what_it_answered_when_its_version_was_new_bit_for_bit() {
     let worker = option_env!("CARGO_BIN_EXE_vb-worker").map(PathBuf::from);
-    let options = ProcessOptions { worker, require_sandbox: false };
+    let options = ProcessOptions { worker, ..ProcessOptions::default() };
     for version in AbiVersion::SUPPORTED {
         for (file, transcript) in golden(*version) {
             assert_eq!(transcript.abi, version.name());

@@ -24,7 +24,7 @@ fn limits() -> Limits {
 }
 
 fn options() -> ProcessOptions {
-    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), ..ProcessOptions::default() }
 }
 
 fn load(path: &Path) -> Result<Plugin, LoadError> {
@@ -165,7 +165,7 @@ fn the_sandbox_tells_what_it_is_made_of() {
 fn a_worker_that_cant_be_started_is_the_hosts_fault() {
     let Some((dir, path)) = compile(&[]) else { return };
     for worker in [dir.path().join("nowhere"), dir.path().to_owned()] {
-        let options = ProcessOptions { worker: Some(worker), require_sandbox: false };
+        let options = ProcessOptions { worker: Some(worker), ..ProcessOptions::default() };
         let error = Plugin::load_with(&path, &limits(), None, &options).unwrap_err();
         assert_eq!(error.code(), FaultCode::Worker, "{error}");
     }

@@ -21,7 +21,7 @@ fn built(file: &str) -> Option<PathBuf> {
 
 /// The worker that cargo builds with this crate.
 fn native() -> ProcessOptions {
-    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), ..ProcessOptions::default() }
 }
 
 fn load(file: &str) -> Option<Plugin> {

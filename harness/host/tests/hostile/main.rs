@@ -87,7 +87,7 @@ fn limits() -> Limits {
 }
 
 fn options() -> ProcessOptions {
-    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), require_sandbox: false }
+    ProcessOptions { worker: Some(env!("CARGO_BIN_EXE_vb-worker").into()), ..ProcessOptions::default() }
 }
 
 /// How a planner ended: where, its code and the message.

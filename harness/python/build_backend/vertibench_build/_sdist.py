@@ -36,7 +36,7 @@ def make(out: Path, metadata: bytes) -> str:
     files["PKG-INFO"] = (metadata, 0o644)
     if commit := _git("describe", "--always", "--dirty=, modified", "--abbrev=40", "--exclude=*"):
         files[_COMMIT] = (f"{commit}\n".encode(), 0o644)
-    _write(out / f"{folder}.tar.gz", folder, files)
+    write(out / f"{folder}.tar.gz", folder, files)
     return f"{folder}.tar.gz"
 
 
@@ -47,7 +47,8 @@ def _git(*arguments: str) -> str | None:
     return done.stdout.strip() or None
 
 
-def _write(file: Path, folder: str, files: dict[str, tuple[bytes, int]]) -> None:
+def write(file: Path, folder: str, files: dict[str, tuple[bytes, int]]) -> None:
+    """Writes an archive with these files, each with its content and mode, in a folder: the same bytes each time."""
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH") or _git("log", "-1", "--format=%ct") or 315532800)
     with (
         gzip.GzipFile(file, "wb", 9, mtime=seconds) as packed,

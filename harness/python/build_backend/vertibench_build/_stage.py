@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from . import _licences
@@ -28,9 +29,10 @@ def package(into: Path) -> None:
     for path in tracked(str(PYTHON / "vertibench")):
         _copy(ROOT / path, into / path.relative_to(PYTHON))
     data = into / "vertibench/_data"
-    _copy(built, data / f"bin/vb-harness{_SUFFIX}")
-    (data / f"bin/vb-harness{_SUFFIX}").chmod(0o755)
-    _strip(data / f"bin/vb-harness{_SUFFIX}")
+    harness = data / f"bin/vb-harness{_SUFFIX}"
+    harness.parent.mkdir(parents=True)
+    harness.write_bytes(stripped(built))
+    harness.chmod(0o755)
     for path in tracked("tasks"):
         _copy(ROOT / path, data / path)
     for path in planners:
@@ -72,7 +74,8 @@ def program() -> Path:
     named = os.environ.get("VB_WHEEL_HARNESS")
     if named:
         return _existing(Path(named), "VB_WHEEL_HARNESS")
-    _cargo("build", "--release", "--locked", "--package", "vb-harness")
+    # Without the tasks within it, which lie beside it.
+    _cargo("build", "--release", "--locked", "--package", "vb-harness", "--no-default-features")
     return target() / "release" / f"vb-harness{_SUFFIX}"
 
 
@@ -141,13 +144,17 @@ def _cargo(*arguments: str) -> None:
         raise SystemExit(f"error: `cargo {' '.join(arguments)}` failed in {ROOT} (what it says above is the reason)")
 
 
-def _strip(file: Path) -> None:
-    # Names of functions are a fifth of the program. Where there is no strip, or none for that processor, they stay.
-    strip = shutil.which("strip")
-    if strip and subprocess.run([strip, str(file)], stderr=subprocess.DEVNULL, check=False).returncode == 0:
-        return
-    if re.search(rb"\x00\.symtab\x00", file.read_bytes()):
-        print(f"note: {file.name} keeps its symbols: there is no `strip` for it", file=sys.stderr)
+def stripped(program: Path) -> bytes:
+    """A program without the names of its functions, which are a fifth of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, program.name)
+        _copy(program, file)
+        # Where there is no strip, or none for that processor, they stay.
+        strip = shutil.which("strip")
+        if not strip or subprocess.run([strip, str(file)], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            if re.search(rb"\x00\.symtab\x00", file.read_bytes()):
+                print(f"note: {file.name} keeps its symbols: there is no `strip` for it", file=sys.stderr)
+        return file.read_bytes()
 
 
 def _copy(source: Path, to: Path) -> None:

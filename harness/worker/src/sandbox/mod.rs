@@ -20,6 +20,10 @@ pub const STACK_OVERFLOW: &str = "has overflowed its stack";
 /// What the worker says on standard error before it dies for want of memory.
 pub const OUT_OF_MEMORY: &str = "has used up its memory";
 
+/// Whether the system can confine a worker. On Linux it can in part even where a kernel lacks something, which
+/// [`SandboxReport::missing`] tells; elsewhere not at all.
+pub const EXISTS: bool = cfg!(target_os = "linux");
+
 /// The version of landlock from which on it keeps signals from other processes.
 const SIGNALS: u32 = 6;
 
@@ -70,17 +74,14 @@ pub use linux::confine_compiler;
 #[cfg(target_os = "linux")]
 pub(crate) use linux::{confine, isolate};
 
-#[cfg(all(unix, not(target_os = "linux")))]
+#[cfg(not(target_os = "linux"))]
 pub use elsewhere::confine_compiler;
 #[cfg(all(unix, not(target_os = "linux")))]
 pub(crate) use elsewhere::{confine, isolate};
 
-#[cfg(all(unix, not(target_os = "linux")))]
+#[cfg(not(target_os = "linux"))]
 mod elsewhere {
     use std::io;
-    use std::path::Path;
-
-    use super::SandboxReport;
 
     /// Elsewhere a compiler has no limits but the clock's.
     ///
@@ -90,12 +91,17 @@ mod elsewhere {
         Ok(())
     }
 
+    #[cfg(unix)]
     pub(crate) fn isolate(_protocol: i32) -> io::Result<()> {
         Ok(())
     }
 
-    pub(crate) fn confine(_library: &Path, _memory_bytes: u64) -> io::Result<SandboxReport> {
-        Ok(SandboxReport::default())
+    #[cfg(unix)]
+    pub(crate) fn confine(
+        _library: &std::path::Path,
+        _memory_bytes: u64,
+    ) -> io::Result<super::SandboxReport> {
+        Ok(super::SandboxReport::default())
     }
 }
 

@@ -1,0 +1,40 @@
+//! `vb-harness plugin install`: planners that are found by their file names.
+
+use std::path::Path;
+
+use crate::args::InstallArgs;
+use crate::error::CliError;
+use crate::output;
+
+/// Copies all files, or none if one of them is no planner.
+pub(crate) fn install(args: &InstallArgs) -> Result<(), CliError> {
+    let folder = vb_catalog::installed_planners().ok_or_else(|| {
+        CliError::output(format!("there is no folder for planners (set {}, or HOME)", vb_catalog::DATA_VAR))
+    })?;
+    for file in &args.files {
+        vb_host::inspect(file).map_err(|e| CliError::input(e.to_string()))?;
+    }
+    for file in &args.files {
+        let installed = copy(file, &folder).map_err(|e| {
+            CliError::output(format!("{}: can't install {}: {e}", folder.display(), file.display()))
+        })?;
+        output::note(&installed);
+    }
+    if let Some(named) = std::env::var_os(vb_catalog::PLUGINS_VAR).filter(|v| !v.is_empty()) {
+        output::note(&format!(
+            "note: {} names {}, and planners are looked for nowhere else",
+            vb_catalog::PLUGINS_VAR,
+            Path::new(&named).display()
+        ));
+    }
+    Ok(())
+}
+
+fn copy(file: &Path, folder: &Path) -> std::io::Result<String> {
+    let name = file.file_name().ok_or_else(|| std::io::Error::other("it has no file name"))?;
+    let bytes = vb_files::read(file, vb_files::DATA)?;
+    std::fs::create_dir_all(folder)?;
+    let installed = folder.join(name);
+    vb_files::write(&installed, &bytes)?;
+    Ok(installed.display().to_string())
+}

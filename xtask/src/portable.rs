@@ -1,0 +1,126 @@
+//! Building for systems other than this one: zig is a C compiler and linker for all of them, and brings the headers of their C
+//! libraries along.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::examples::Compiler;
+use crate::plugins;
+use crate::run::{Failure, output, run, step};
+
+/// zig, with every version of glibc, and what makes cargo call it.
+const ZIG: [&str; 2] = ["ziglang==0.17.0", "cargo-zigbuild==0.24.0"];
+/// The oldest glibc that Rust supports, from 2012; nobody's cluster has an older one.
+pub(crate) const GLIBC: &str = "2.17";
+
+/// The programs that build for other systems, installed where they are missing.
+pub(crate) fn tools() -> Result<Vec<Compiler>, Failure> {
+    let tools = ZIG.into_iter().map(Compiler::of_pip).collect::<Result<Vec<_>, _>>()?;
+    tools.iter().try_for_each(Compiler::install)?;
+    Ok(tools)
+}
+
+/// Where what is built for other systems lies: everything is linked in another way.
+pub(crate) fn dir() -> PathBuf {
+    absolute(&crate::target_dir().join("portable"))
+}
+
+/// Builds the program for a system so that it runs on older ones of its kind too; `features` are cargo's arguments.
+pub(crate) fn program(target: &str, tools: &[Compiler], features: &[&str]) -> Result<PathBuf, Failure> {
+    step(&format!("building the harness for {target}, which takes as long as the first time"));
+    run(cargo(tools, "zigbuild", target).args(["--release", "--package", "vb-harness"]).args(features))?;
+    Ok(dir().join(target).join("release").join(program_name(target)))
+}
+
+/// The name of the program's file on a system.
+pub(crate) fn program_name(target: &str) -> &'static str {
+    if target.contains("windows") { "vb-harness.exe" } else { "vb-harness" }
+}
+
+/// A command of cargo-zigbuild for a system, such as `zigbuild` and `check`.
+pub(crate) fn cargo(tools: &[Compiler], subcommand: &str, target: &str) -> Command {
+    let mut command = Command::new("cargo-zigbuild");
+    command.arg(subcommand).arg("--target").arg(with_glibc(target)).current_dir(crate::root());
+    environment(&mut command, tools, &[]);
+    command
+}
+
+fn with_glibc(target: &str) -> String {
+    if target.ends_with("linux-gnu") { format!("{target}.{GLIBC}") } else { target.to_owned() }
+}
+
+/// Lets a command find the tools and the folders of Python modules, and build without this machine's places in what is built.
+pub(crate) fn environment(command: &mut Command, tools: &[Compiler], modules: &[PathBuf]) {
+    find(command, tools, modules);
+    command.env("CARGO_TARGET_DIR", dir());
+    // strip is there for one processor only.
+    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    let mut place = OsString::from("--remap-path-prefix=");
+    place.push(dir());
+    place.push("=/target");
+    let flags: Vec<_> = plugins::without_places().into_iter().chain([place]).collect();
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags.join(OsStr::new("\u{1f}")));
+    command.env_remove("RUSTFLAGS");
+}
+
+/// Lets a command find tools that pip installed, and the folders of Python modules.
+pub(crate) fn find(command: &mut Command, tools: &[Compiler], modules: &[PathBuf]) {
+    let folders = modules.iter().cloned().chain(tools.iter().map(|t| t.folder.clone()));
+    command.env("PYTHONPATH", joined(folders, None));
+    let path = std::env::var_os("PATH");
+    command.env("PATH", joined(tools.iter().map(|t| t.folder.join("bin")), path.as_deref()));
+}
+
+/// Has rustup install the standard library for a system, if it isn't there.
+///
+/// # Errors
+/// Returns an error where there is no rustup, or it can't get the library.
+pub(crate) fn add_target(target: &str) -> Result<(), Failure> {
+    output(Command::new("rustup").args(["target", "add", target])).map(|_| ()).ok_or_else(|| {
+        Failure::new(format!(
+            "rustup can't add the target {target}: see what `rustup target add {target}` says"
+        ))
+    })
+}
+
+/// A list of folders for the environment, in front of one that is there.
+fn joined(folders: impl Iterator<Item = PathBuf>, rest: Option<&OsStr>) -> OsString {
+    let rest = rest.map(std::env::split_paths).into_iter().flatten();
+    // A folder whose name holds the separator can't be in such a list at all.
+    std::env::join_paths(folders.chain(rest)).unwrap_or_default()
+}
+
+pub(crate) fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_tool_has_one_version() {
+        for pin in ZIG {
+            let folder = Compiler::of_pip(pin).unwrap().folder;
+            assert!(folder.ends_with(pin.replace("==", "-")), "{}", folder.display());
+        }
+    }
+
+    #[test]
+    fn only_linux_has_versions_of_glibc() {
+        assert_eq!(with_glibc("aarch64-unknown-linux-gnu"), "aarch64-unknown-linux-gnu.2.17");
+        assert_eq!(with_glibc("x86_64-pc-windows-gnu"), "x86_64-pc-windows-gnu");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn folders_come_before_those_that_are_there() {
+        let folders = || ["/a", "/b"].map(PathBuf::from).into_iter();
+        assert_eq!(
+            joined(folders(), Some(OsStr::new("/usr/bin:/bin"))),
+            OsString::from("/a:/b:/usr/bin:/bin")
+        );
+        assert_eq!(joined(folders(), None), OsString::from("/a:/b"));
+    }
+}
