@@ -89,12 +89,8 @@ pub(crate) fn install() -> Result<(), Failure> {
     let mut command = Command::new(cargo_program());
     command.args(["install", "--locked", "--path", "harness/cli"]).current_dir(crate::root());
     run(&mut command)?;
-    let folder = default_plugin_dir();
-    let failure = |e| Failure::new(format!("{}: {e}", folder.display()));
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(&folder).map_err(failure)?.flatten().map(|e| e.path()).collect();
-    files.retain(|file| file.extension().is_some_and(|e| e == "wasm"));
-    files.sort();
+    let files = plugins::to_drive_with()?;
+    let files = files.iter().map(|name| default_plugin_dir().join(format!("{name}.wasm")));
     run(Command::new(installed()).args(["plugin", "install"]).args(files))
 }
 
