@@ -106,26 +106,13 @@ impl Facet {
     #[inline]
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
-        self.heights(&[x], &[y]).map(|[z]| z)
-    }
-
-    /// The heights at some points, m; `None` unless all of them lie on this triangle. There are no branches, so that
-    /// several points are computed at once.
-    #[inline(always)]
-    #[must_use]
-    pub fn heights<const N: usize>(&self, x: &[f64; N], y: &[f64; N]) -> Option<[f64; N]> {
-        let mut heights = [0.0; N];
-        let mut inside = true;
-        for k in 0..N {
-            let (u, v) = (x[k] - self.corner[0], y[k] - self.corner[1]);
-            inside &= (u >= 0.0)
-                & (v >= 0.0)
-                & (u < self.resolution)
-                & (v < self.resolution)
-                & ((v >= u) == self.upper);
-            heights[k] = self.z + self.gradient[0] * u + self.gradient[1] * v;
-        }
-        inside.then_some(heights)
+        let (u, v) = (x - self.corner[0], y - self.corner[1]);
+        let inside = (u >= 0.0)
+            & (v >= 0.0)
+            & (u < self.resolution)
+            & (v < self.resolution)
+            & ((v >= u) == self.upper);
+        inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
     }
 
     /// The slopes ∂z/∂x and ∂z/∂y, m/m.

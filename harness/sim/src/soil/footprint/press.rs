@@ -124,36 +124,19 @@ impl<const N: usize> Footprint<N> {
             // Above what is left of the highest ground nearby.
             field.sinkage[k] = top + raised[k] - rim[k];
         }
-        // What isn't below the highest ground nearby isn't looked at: stations at once where they stand on one facet, else one
-        // after the other.
         let mut touches = false;
-        for g in (0..N).step_by(LANES) {
-            let stations = g.max(FIRST)..(g + LANES).min(Self::LAST + 1);
-            if stations.clone().all(|k| field.sinkage[k] <= plastic[k]) {
+        for k in FIRST..=Self::LAST {
+            if field.sinkage[k] <= plastic[k] {
                 continue;
             }
-            let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
-            for i in 0..LANES {
-                let (ahead, half) = (shape.xs[g + i], shape.half[g + i]);
-                x[i] = origin.x + f.along.x * ahead - f.up.x * half;
-                y[i] = origin.y + f.along.y * ahead - f.up.y * half;
+            let (x, half) = (shape.xs[k], shape.half[k]);
+            let at = [origin.x + f.along.x * x - f.up.x * half, origin.y + f.along.y * x - f.up.y * half];
+            let sinkage = (facet.follow(surface, f, at) + raised[k] - rim[k]) * facet.slope;
+            field.sinkage[k] = sinkage;
+            for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
+                row[k] = *n;
             }
-            let heights = facet.plane.heights(&x, &y);
-            for k in stations {
-                if field.sinkage[k] <= plastic[k] {
-                    continue;
-                }
-                let height = match &heights {
-                    Some(heights) => heights[k - g],
-                    None => facet.follow(surface, f, [x[k - g], y[k - g]]),
-                };
-                let sinkage = (height + raised[k] - rim[k]) * facet.slope;
-                field.sinkage[k] = sinkage;
-                for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
-                    row[k] = *n;
-                }
-                touches |= sinkage > plastic[k];
-            }
+            touches |= sinkage > plastic[k];
         }
         touches
     }
