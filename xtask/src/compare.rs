@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::run::{Failure, cargo, run, step};
+use crate::run::{Failure, cargo, remove, run, step};
 use crate::{built, default_plugin_dir, plugins, root, target_dir};
 
 /// Builds harness, planners and `vb-compare`, and lets it drive the recorded tasks: the few of which there are time
@@ -23,10 +23,7 @@ pub(crate) fn compare_chrono(all: bool) -> Result<(), Failure> {
     cargo(&["build", "--release", "--package", "vb-harness", "--package", "vb-compare"])?;
     plugins::build(&default_plugin_dir())?;
     let out = target_dir().join(folder);
-    if out.exists() {
-        std::fs::remove_dir_all(&out)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", out.display())))?;
-    }
+    remove(&out)?;
     let mut command = Command::new(built("vb-compare"));
     command.arg("--harness").arg(built("vb-harness")).arg("--plugins").arg(default_plugin_dir());
     command.arg("--vehicle").arg(root().join("tasks/vehicles/hmmwv.yaml"));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-use crate::run::{Failure, run, step};
+use crate::run::{Failure, remove, run, step};
 use crate::{build_all, built, default_plugin_dir, target_dir};
 
 /// Seed and number of worlds of the suite, of which two thirds are low or medium: 100 tasks of each kind of ground.
@@ -18,10 +18,7 @@ const WORLDS: &str = "15";
 pub(crate) fn convergence() -> Result<(), Failure> {
     build_all()?;
     let dir = target_dir().join("convergence");
-    if dir.exists() {
-        std::fs::remove_dir_all(&dir)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", dir.display())))?;
-    }
+    remove(&dir)?;
     let mut table = vec![
         "| ground | change | same outcome of 100 | successes, before and after | mean change of time |"
             .to_owned(),

@@ -5,10 +5,12 @@ mod convergence;
 mod examples;
 mod fuzz;
 mod models;
+mod options;
 mod pictures;
 mod plugins;
 mod portable;
 mod prove;
+mod records;
 mod release;
 mod run;
 mod soak;
@@ -23,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use run::{Failure, cargo, step};
+use run::{Failure, cargo, remove, step};
 
 const USAGE: &str = "\
 Usage: cargo xtask <TASK>
@@ -141,10 +143,11 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace")
 }
 
-/// Where cargo puts what it builds.
+/// Where cargo puts what it builds; an absolute path, since programs are run in other folders.
 fn target_dir() -> PathBuf {
     // Relative to the current folder where the user sets it, as cargo takes it.
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+    let set = std::env::var_os("CARGO_TARGET_DIR").and_then(|dir| std::path::absolute(dir).ok());
+    set.unwrap_or_else(|| root().join("target"))
 }
 
 /// A program that was built with optimisation.
@@ -181,10 +184,7 @@ fn demo() -> Result<(), Failure> {
     plugins::build_one("pid", &default_plugin_dir())?;
     let harness = built("vb-harness");
     let out = target_dir().join("demo-run");
-    if out.exists() {
-        std::fs::remove_dir_all(&out)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", out.display())))?;
-    }
+    remove(&out)?;
     let suite = root().join("tasks").join("smoke");
     step(&format!("driving the PID planner over {}", suite.display()));
     let mut command = std::process::Command::new(harness);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::run::{Failure, run, step};
+use crate::run::{Failure, remove, run, step};
 use crate::{build_all, built, default_plugin_dir, root, target_dir};
 
 /// The planners of the pictures: the simplest, and the best of each kind.
@@ -26,9 +26,7 @@ const WINDOW: &str = "1180,560";
 pub(crate) fn pictures() -> Result<(), Failure> {
     build_all()?;
     let dir = target_dir().join("pictures");
-    if dir.exists() {
-        std::fs::remove_dir_all(&dir).map_err(|e| failed("remove", &dir, &e))?;
-    }
+    remove(&dir)?;
     let out = root().join(FOLDER);
     std::fs::create_dir_all(&out).map_err(|e| failed("make", &out, &e))?;
     let runs: Vec<_> = PLANNERS.iter().map(|name| dir.join(name)).collect();

@@ -2,7 +2,7 @@
 //! libraries along.
 
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::examples::Compiler;
@@ -23,7 +23,7 @@ pub(crate) fn tools() -> Result<Vec<Compiler>, Failure> {
 
 /// Where what is built for other systems lies: everything is linked in another way.
 pub(crate) fn dir() -> PathBuf {
-    absolute(&crate::target_dir().join("portable"))
+    crate::target_dir().join("portable")
 }
 
 /// Builds the program for a system so that it runs on older ones of its kind too; `features` are cargo's arguments.
@@ -89,10 +89,6 @@ fn joined(folders: impl Iterator<Item = PathBuf>, rest: Option<&OsStr>) -> OsStr
     let rest = rest.map(std::env::split_paths).into_iter().flatten();
     // A folder whose name holds the separator can't be in such a list at all.
     std::env::join_paths(folders.chain(rest)).unwrap_or_default()
-}
-
-pub(crate) fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::run::{Failure, run, step};
+use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
 /// Who drives, with which parameters: the expert with its own, then faster, slower and more cautious, then on other ways; and the
@@ -31,10 +31,7 @@ const VARIANTS: [(&str, &[&str]); 13] = [
 pub(crate) fn prove(suite: &Path) -> Result<(), Failure> {
     let suite = if suite.is_dir() { suite.to_owned() } else { root().join("tasks").join(suite) };
     let runs = target_dir().join("proof").join(suite.file_name().unwrap_or_default());
-    if runs.exists() {
-        std::fs::remove_dir_all(&runs)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", runs.display())))?;
-    }
+    remove(&runs)?;
     let mut left: Option<String> = None;
     let mut done = Vec::new();
     for (k, (planner, params)) in VARIANTS.iter().enumerate() {

@@ -5,46 +5,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::examples::python;
-use crate::run::{Failure, cargo_program, output, run, step};
+use crate::options::Options;
+use crate::run::{Failure, cargo_program, output, remove, run, step};
+use crate::targets::TASKS;
 use crate::{built, default_plugin_dir, plugins, portable, target_dir};
 
-/// Tasks that the check drives, of worlds with several kinds of ground.
-const CHECKED: &str = "w001/t00,w004/t03,w008/t05";
-
-/// What is asked for.
-#[derive(Debug, PartialEq, Eq)]
-struct Options {
-    /// The system that the archive is for; none for this one.
-    target: Option<String>,
-    check: bool,
-    out: PathBuf,
-}
-
-impl Options {
-    fn parse(args: &[&str]) -> Result<Self, Failure> {
-        let mut options = Self { target: None, check: false, out: target_dir().join("releases") };
-        let mut rest = args.iter();
-        while let Some(arg) = rest.next() {
-            let mut value =
-                || rest.next().ok_or_else(|| Failure::new(format!("release {arg}: its value is missing")));
-            match *arg {
-                "--target" => options.target = Some((*value()?).into()),
-                "--out" => options.out = (*value()?).into(),
-                "--check" => options.check = true,
-                _ => {
-                    return Err(Failure::new(format!(
-                        "release: no such option: `{arg}` (see `cargo xtask help`)"
-                    )));
-                }
-            }
-        }
-        Ok(options)
-    }
+fn options(args: &[&str]) -> Result<Options, Failure> {
+    Options::parse("release", args, "releases", None)
 }
 
 /// Makes the archive, and checks it if that is asked for.
 pub(crate) fn release(args: &[&str]) -> Result<(), Failure> {
-    let Options { target, check, out } = Options::parse(args)?;
+    let Options { target, check, out } = options(args)?;
+    let out = std::path::absolute(&out).map_err(|e| Failure::new(format!("{}: {e}", out.display())))?;
     let host = host()?;
     let target = target.unwrap_or_else(|| host.clone());
     if check && target != host {
@@ -73,8 +46,8 @@ pub(crate) fn release(args: &[&str]) -> Result<(), Failure> {
     command.args(["-B", "-m", "vertibench_build", "release"]).arg(&out).current_dir(crate::root());
     command.env("PYTHONPATH", crate::root().join("harness/python/build_backend"));
     command.env("VB_RELEASE_TARGET", &target).env("VB_RELEASE_SHELL", shell);
-    command.env("VB_WHEEL_HARNESS", portable::absolute(&program));
-    command.env("VB_WHEEL_PLUGINS", portable::absolute(&default_plugin_dir()));
+    command.env("VB_WHEEL_HARNESS", &program);
+    command.env("VB_WHEEL_PLUGINS", default_plugin_dir());
     let archive = output(command.stderr(Stdio::inherit()))
         .and_then(|told| told.lines().last().map(PathBuf::from))
         .ok_or_else(|| Failure::new("can't make the archive (the reason is told above)"))?;
@@ -111,11 +84,9 @@ fn host() -> Result<String, Failure> {
 
 /// A folder with what shells and `man` know of the program, as it lies in the archive.
 fn for_shells(program: &Path) -> Result<PathBuf, Failure> {
-    let folder = portable::absolute(&target_dir().join("shell"));
+    let folder = target_dir().join("shell");
     let failure = |e: std::io::Error| Failure::new(format!("{}: {e}", folder.display()));
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).map_err(failure)?;
-    }
+    remove(&folder)?;
     std::fs::create_dir_all(folder.join("completions")).map_err(failure)?;
     for (shell, file) in [
         ("bash", "vb-harness.bash"),
@@ -136,20 +107,17 @@ fn for_shells(program: &Path) -> Result<PathBuf, Failure> {
 /// Unpacks the archive and lets the program drive a task with what lies beside it, called by a user who has nothing else.
 fn check(archive: &Path, target: &str) -> Result<(), Failure> {
     step("trying the archive in an empty folder");
-    let folder = portable::absolute(&target_dir().join("release-check"));
+    let folder = target_dir().join("release-check");
     let failure = |e: std::io::Error| Failure::new(format!("{}: {e}", folder.display()));
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).map_err(failure)?;
-    }
+    remove(&folder)?;
     std::fs::create_dir_all(folder.join("empty")).map_err(failure)?;
     run(Command::new("tar").arg("xzf").arg(archive).arg("-C").arg(&folder))?;
     let name = archive.file_name().unwrap_or_default().to_string_lossy();
     let inner = folder.join(name.trim_end_matches(".tar.gz"));
     let mut command = Command::new(inner.join(portable::program_name(target)));
     // One after the other, so that the records have an order, too.
-    command.args([
-        "--plugin", "pid.wasm", "--suite", "smoke", "--tasks", CHECKED, "--jobs", "1", "--out", "run",
-    ]);
+    command
+        .args(["--plugin", "pid.wasm", "--suite", "smoke", "--tasks", TASKS, "--jobs", "1", "--out", "run"]);
     command.current_dir(folder.join("empty")).env("HOME", folder.join("empty"));
     command.env("VB_DATA", folder.join("data")).env_remove("VB_TASKS").env_remove("VB_PLUGINS");
     run(&mut command)?;
@@ -165,15 +133,15 @@ mod tests {
 
     #[test]
     fn options_are_read_in_any_order() {
-        let plain = Options::parse(&[]).unwrap();
+        let plain = options(&[]).unwrap();
         assert_eq!((plain.target, plain.check), (None, false));
-        let both = Options::parse(&["--check", "--out", "dist", "--target", "x"]).unwrap();
+        let both = options(&["--check", "--out", "dist", "--target", "x"]).unwrap();
         assert_eq!(
             (both.check, both.out.as_path(), both.target.as_deref()),
             (true, Path::new("dist"), Some("x"))
         );
-        assert!(Options::parse(&["--out"]).unwrap_err().to_string().contains("its value is missing"));
-        assert!(Options::parse(&["--portable"]).unwrap_err().to_string().contains("--portable"));
+        assert!(options(&["--out"]).unwrap_err().to_string().contains("its value is missing"));
+        assert!(options(&["--portable"]).unwrap_err().to_string().contains("--portable"));
     }
 
     #[test]

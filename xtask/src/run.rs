@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fmt;
+use std::path::Path;
 use std::process::Command;
 
 /// Why a task failed.
@@ -44,6 +45,15 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
     }
     let args: Vec<_> = command.get_args().map(|a| a.to_string_lossy()).collect();
     Err(Failure::new(format!("`{name} {}` failed ({status})", args.join(" "))))
+}
+
+/// Removes what was made in a folder before, if there is anything.
+pub(crate) fn remove(folder: &Path) -> Result<(), Failure> {
+    if !folder.exists() {
+        return Ok(());
+    }
+    std::fs::remove_dir_all(folder)
+        .map_err(|e| Failure::new(format!("can't remove {}: {e}", folder.display())))
 }
 
 /// What a program prints, without the end of line; nothing if it fails or isn't there.

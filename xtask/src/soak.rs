@@ -1,11 +1,9 @@
 //! A soak of the simulator: commands that no planner would give, for all vehicles, over a whole suite.
 
-use std::path::Path;
 use std::process::{Command, Stdio};
 
-use serde_json::Value;
-
-use crate::run::{Failure, step};
+use crate::records::records;
+use crate::run::{Failure, remove, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
 /// The suite that is driven.
@@ -20,10 +18,7 @@ const SIM_ERRORS: i32 = 5;
 /// simulation that failed is a failure of the soak.
 pub(crate) fn soak(tasks: Option<&str>) -> Result<(), Failure> {
     let runs = target_dir().join("soak");
-    if runs.exists() {
-        std::fs::remove_dir_all(&runs)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", runs.display())))?;
-    }
+    remove(&runs)?;
     let (mut driven, mut hours, mut failed) = (0, 0.0, Vec::new());
     for vehicle in vehicles()? {
         for way in WAYS {
@@ -40,7 +35,7 @@ pub(crate) fn soak(tasks: Option<&str>) -> Result<(), Failure> {
             if !status.success() && status.code() != Some(SIM_ERRORS) {
                 return Err(Failure::new(format!("the drive of {vehicle} failed ({status})")));
             }
-            let records = records(&out.join("tasks.jsonl"))?;
+            let records = records(&out)?;
             let wrong = records.iter().filter(|r| r["outcome"] == "sim_error");
             failed.extend(wrong.map(|r| format!("{vehicle}, {way}, {}: {}", r["task"], r["reason"])));
             let seconds: f64 = records.iter().filter_map(|r| r["time_s"].as_f64()).sum();
@@ -63,12 +58,4 @@ fn vehicles() -> Result<Vec<String>, Failure> {
         entries.flatten().filter_map(|e| name(e.file_name().to_string_lossy().into_owned())).collect();
     names.sort();
     Ok(names)
-}
-
-fn records(file: &Path) -> Result<Vec<Value>, Failure> {
-    let text = std::fs::read_to_string(file)
-        .map_err(|e| Failure::new(format!("can't read {}: {e}", file.display())))?;
-    let line =
-        |line| serde_json::from_str(line).map_err(|e| Failure::new(format!("{}: {e}", file.display())));
-    text.lines().map(line).collect()
 }

@@ -4,9 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use serde_json::Value;
-
-use crate::run::{Failure, cargo_program, output, run, step};
+use crate::records::records;
+use crate::run::{Failure, cargo_program, output, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
 /// What is driven: a name for it, the planner, and the tasks of [`SUITE`].
@@ -47,27 +46,25 @@ pub(crate) fn speed(other: &str, rounds: u32) -> Result<(), Failure> {
     step("| drive | simulated s | before, × real time | now | ratio (least to greatest) | state hashes |");
     step("|---|---|---|---|---|---|");
     for (name, planner, tasks) in DRIVES {
-        let (mut took, mut changed) = ([Vec::new(), Vec::new()], None);
-        let mut simulated = 0.0;
+        let (mut took, mut simulated, mut changed) = ([Vec::new(), Vec::new()], 0.0, 0);
         for round in 0..rounds {
-            let mut pair = [None, None];
+            let by = |k: usize| drive(&versions[k], planner, tasks, &runs);
             // In turn, since what comes second may find a warmer machine.
-            for k in if round % 2 == 0 { [0, 1] } else { [1, 0] } {
-                pair[k] = Some(drive(&versions[k], planner, tasks, &runs)?);
-            }
-            let [Some(before), Some(now)] = pair else { continue };
+            let (before, now) = if round % 2 == 0 {
+                let before = by(0)?;
+                (before, by(1)?)
+            } else {
+                let now = by(1)?;
+                (by(0)?, now)
+            };
             took[0].push(before.processor / before.simulated);
             took[1].push(now.processor / now.simulated);
             simulated = now.simulated;
-            changed = Some(before.hashes.iter().zip(&now.hashes).filter(|(a, b)| a != b).count());
+            changed = before.hashes.iter().zip(&now.hashes).filter(|(a, b)| a != b).count();
         }
         let ratios: Vec<f64> = took[0].iter().zip(&took[1]).map(|(before, now)| before / now).collect();
         let [before, now] = took.map(|costs| 1.0 / median(costs));
-        let hashes = match changed {
-            Some(0) => "the same".to_owned(),
-            Some(n) => format!("{n} differ"),
-            None => "–".to_owned(),
-        };
+        let hashes = if changed == 0 { "the same".to_owned() } else { format!("{changed} differ") };
         let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), r| (l.min(*r), m.max(*r)));
         step(&format!(
             "| {name} | {simulated:.0} | {before:.0} | {now:.0} | {:.2} ({least:.2} to {most:.2}) | {hashes} |",
@@ -106,10 +103,7 @@ fn program_of(other: &str) -> Result<PathBuf, Failure> {
 
 /// Lets a version drive on one core.
 fn drive(version: &Version, planner: &str, tasks: &str, runs: &Path) -> Result<Drive, Failure> {
-    if runs.exists() {
-        std::fs::remove_dir_all(runs)
-            .map_err(|e| Failure::new(format!("can't remove {}: {e}", runs.display())))?;
-    }
+    remove(runs)?;
     let mut command = Command::new(&version.program);
     command
         .arg("--plugin")
@@ -122,16 +116,9 @@ fn drive(version: &Version, planner: &str, tasks: &str, runs: &Path) -> Result<D
     let before = vb_testing::processor_time_of_children().ok_or_else(unknown)?;
     run(&mut command)?;
     let processor = vb_testing::processor_time_of_children().ok_or_else(unknown)? - before;
-    let file = runs.join("tasks.jsonl");
-    let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", file.display()));
-    let text = std::fs::read_to_string(&file).map_err(|e| wrong(&e))?;
-    let (mut simulated, mut hashes) = (0.0, Vec::new());
-    for line in text.lines() {
-        let record: Value = serde_json::from_str(line).map_err(|e| wrong(&e))?;
-        simulated += record["time_s"].as_f64().unwrap_or_default();
-        hashes.push((record["task"].to_string(), record["state_hash"].to_string()));
-    }
-    hashes.sort();
+    let records = records(runs)?;
+    let simulated = records.iter().filter_map(|r| r["time_s"].as_f64()).sum();
+    let hashes = records.iter().map(|r| (r["task"].to_string(), r["state_hash"].to_string())).collect();
     Ok(Drive { processor, simulated, hashes })
 }
 

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::run::{Failure, cargo_program, output, run, step};
+use crate::records::records;
+use crate::run::{Failure, cargo_program, output, remove, run, step};
 use crate::{built, default_plugin_dir, plugins, portable, root, target_dir};
 
 /// The systems that releases are made for, and Windows with GNU's linker in place of Microsoft's.
@@ -25,8 +26,8 @@ const PACKAGES: [&str; 3] = ["vb-harness", "vb-python", "pid"];
 
 /// The processor that is emulated by default.
 const ARM: &str = "aarch64-unknown-linux-gnu";
-/// Tasks that are driven in emulators, which takes fifty times as long: of worlds with all kinds of ground.
-const TASKS: &str = "w001/t00,w004/t03,w008/t05";
+/// Tasks that are driven on other systems and in emulators, which take fifty times as long: of worlds with all kinds of ground.
+pub(crate) const TASKS: &str = "w001/t00,w004/t03,w008/t05";
 /// Planners that drive them: one that computes little, and one with a network.
 const PLANNERS: [&str; 2] = ["pid", "tnt"];
 /// Where Debian puts the C library for the emulated processor.
@@ -73,9 +74,9 @@ pub(crate) fn check(wanted: &[&str]) -> Result<(), Failure> {
 
 /// Lets an emulated AArch64 and emulated x86-64 processors do what this machine does, and compares the bits.
 pub(crate) fn emulate() -> Result<(), Failure> {
-    for (program, package) in [("qemu-aarch64", "qemu-user"), ("qemu-x86_64", "qemu-user")] {
+    for program in ["qemu-aarch64", "qemu-x86_64"] {
         if output(Command::new(program).arg("--version")).is_none() {
-            return Err(Failure::new(format!("there is no {program}: install Debian's {package}")));
+            return Err(Failure::new(format!("there is no {program}: install Debian's qemu-user")));
         }
     }
     if !Path::new(ARM_LIBRARIES).is_dir() {
@@ -128,18 +129,15 @@ fn simulator(mut command: Command, target: &str, emulator: &[String]) -> Result<
 
 /// The records of a run by an emulator, or by this machine without one.
 fn drive(planner: &str, name: &str, program: &Path, emulator: &[String]) -> Result<Vec<Value>, Failure> {
-    let folder = portable::absolute(&target_dir().join("emulated"));
+    let folder = target_dir().join("emulated");
     let out = folder.join(format!("{planner}-{}", name.replace([' ', ','], "-")));
     let failure = |e: std::io::Error| Failure::new(format!("{}: {e}", out.display()));
-    if out.exists() {
-        std::fs::remove_dir_all(&out).map_err(failure)?;
-    }
+    remove(&out)?;
     std::fs::create_dir_all(&out).map_err(failure)?;
-    let words: Vec<String> =
-        emulator.iter().cloned().chain([portable::absolute(program).display().to_string()]).collect();
+    let words: Vec<String> = emulator.iter().cloned().chain([program.display().to_string()]).collect();
     let mut command = Command::new(&words[0]);
     command.args(&words[1..]).arg("run").current_dir(root());
-    command.arg("--plugin").arg(portable::absolute(&default_plugin_dir()).join(format!("{planner}.wasm")));
+    command.arg("--plugin").arg(default_plugin_dir().join(format!("{planner}.wasm")));
     command.args(["--suite", "smoke", "--tasks", TASKS, "--trace", "none", "--seed", "1", "--out"]);
     command.arg(out.join("run")).stdout(Stdio::null());
     // What is compiled for one processor is none of another's.
@@ -148,7 +146,7 @@ fn drive(planner: &str, name: &str, program: &Path, emulator: &[String]) -> Resu
         command.env("VB_WORKER", worker(&out, &words).map_err(failure)?);
     }
     run(&mut command)?;
-    records(&out.join("run/tasks.jsonl"))
+    records(&out.join("run"))
 }
 
 /// A script that starts the program in the emulator again: the system can't do it by itself.
@@ -159,15 +157,6 @@ fn worker(folder: &Path, words: &[String]) -> std::io::Result<PathBuf> {
     #[cfg(unix)]
     std::fs::set_permissions(&script, std::os::unix::fs::PermissionsExt::from_mode(0o755))?;
     Ok(script)
-}
-
-/// The records of a run in the order of the tasks' names.
-fn records(file: &Path) -> Result<Vec<Value>, Failure> {
-    let failure = |e: String| Failure::new(format!("{}: {e}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|e| failure(e.to_string()))?;
-    let mut lines: Vec<&str> = text.lines().collect();
-    lines.sort_unstable();
-    lines.into_iter().map(|line| serde_json::from_str(line).map_err(|e| failure(e.to_string()))).collect()
 }
 
 /// Fails with the first difference.

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::run::{Failure, run, step};
+use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
 /// Seed and number of the training worlds, and the tasks of each that are driven.
@@ -97,9 +97,7 @@ pub(crate) fn tune(planner: &str) -> Result<(), Failure> {
     for params in *candidates {
         let out =
             folder.join(planner).join(if params.is_empty() { "defaults".into() } else { params.join("-") });
-        if out.exists() {
-            std::fs::remove_dir_all(&out).map_err(|e| Failure::new(format!("{}: {e}", out.display())))?;
-        }
+        remove(&out)?;
         let mut drive = Command::new(built("vb-harness"));
         drive.arg("--plugin").arg(default_plugin_dir().join(format!("{planner}.wasm")));
         drive.arg("--suite").arg(&worlds).args(["--tasks", TASKS, "--trace", "none"]).arg("--out").arg(&out);

@@ -3,12 +3,12 @@
 //! `harness/python/build_backend` makes both. Here it gets the programs that it needs, in pinned versions, and what is built
 //! already.
 
-use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use crate::examples::{Compiler, python};
+use crate::options::Options;
 use crate::plugins;
-use crate::portable::{self, GLIBC, absolute};
+use crate::portable::{self, GLIBC};
 use crate::run::{Failure, run, step};
 
 /// The environment variable that lets the check install what policies are trained with.
@@ -19,41 +19,13 @@ const MATURIN: &str = "maturin==1.16.0";
 /// What a portable wheel is for if nothing is said.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
-/// What is asked for.
-#[derive(Debug, PartialEq, Eq)]
-struct Options {
-    /// The platform of a portable wheel; none for a wheel that is built as everything else here is.
-    target: Option<String>,
-    check: bool,
-    out: PathBuf,
-}
-
-impl Options {
-    fn parse(args: &[&str]) -> Result<Self, Failure> {
-        let mut options = Self { target: None, check: false, out: crate::target_dir().join("wheels") };
-        let mut rest = args.iter();
-        while let Some(arg) = rest.next() {
-            let mut value =
-                || rest.next().ok_or_else(|| Failure::new(format!("wheel {arg}: its value is missing")));
-            match *arg {
-                "--portable" => options.target = options.target.or_else(|| Some(TARGET.into())),
-                "--target" => options.target = Some((*value()?).into()),
-                "--out" => options.out = (*value()?).into(),
-                "--check" => options.check = true,
-                _ => {
-                    return Err(Failure::new(format!(
-                        "wheel: no such option: `{arg}` (see `cargo xtask help`)"
-                    )));
-                }
-            }
-        }
-        Ok(options)
-    }
+fn options(args: &[&str]) -> Result<Options, Failure> {
+    Options::parse("wheel", args, "wheels", Some(TARGET))
 }
 
 /// Makes both, and checks them if that is asked for.
 pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
-    let Options { target, check, out } = Options::parse(args)?;
+    let Options { target, check, out } = options(args)?;
     let maturin = Compiler::of_pip(MATURIN)?;
     maturin.install()?;
     let mut tools = if target.is_some() { portable::tools()? } else { Vec::new() };
@@ -79,9 +51,7 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
             None => portable::find(&mut command, &tools, &modules),
             Some(_) => portable::environment(&mut command, &tools, &modules),
         }
-        command
-            .env("VB_WHEEL_HARNESS", absolute(&program))
-            .env("VB_WHEEL_PLUGINS", absolute(&crate::default_plugin_dir()));
+        command.env("VB_WHEEL_HARNESS", &program).env("VB_WHEEL_PLUGINS", crate::default_plugin_dir());
         if let Some(target) = &target {
             let arguments =
                 format!("--zig --target {target} --compatibility manylinux_{}", GLIBC.replace('.', "_"));
@@ -124,7 +94,7 @@ mod tests {
 
     #[test]
     fn options_are_read_in_any_order() {
-        let parse = |args: &[&str]| Options::parse(args);
+        let parse = |args: &[&str]| options(args);
         let plain = parse(&[]).unwrap();
         assert_eq!((plain.target, plain.check), (None, false));
         assert!(plain.out.ends_with("wheels"));

@@ -36,8 +36,8 @@ pub(super) fn separation(solid: &ConvexPolyhedron, triangle: [Vector; 3], enough
 }
 
 /// parry's dispatcher, which looks only at those of the ground's triangles that may be within reach of a convex solid. The
-/// contacts are parry's own, bit for bit: of some thirty triangles under a hull that touches the ground, two or three are
-/// within reach, and parry makes a manifold and the normals at the edges for each.
+/// contacts are parry's own, bit for bit: of some thirty triangles under a hull that touches the ground, few are within reach,
+/// and parry makes a manifold and the normals at the edges for each.
 pub(super) struct InReach;
 
 /// What rapier takes as the sign that manifolds come and go with the parts of a shape. parry remembers here which manifold is
@@ -90,13 +90,13 @@ fn ground_manifolds(
         Order::GroundFirst => (*pose, *pose),
         Order::SolidFirst => (pose.inverse(), pose.inverse().inverse()),
     };
-    let mut before = std::mem::take(manifolds);
+    // The new ones are put behind those of the last step, which go then.
+    let before = manifolds.len();
     let around = solid.compute_aabb(&of_solid).loosened(prediction);
     let block = solid.local_aabb().loosened(prediction * (1.0 + 1e-9));
     let mut out_of_reach = [None; 2];
-    let mut count = 0;
+    let mut passed = 0;
     ground.map_elements_in_local_aabb(&around, &mut |number, triangle| {
-        count += 1;
         let corners = [triangle.a, triangle.b, triangle.c].map(|p| match order {
             Order::GroundFirst => pose.inverse_transform_point(p),
             Order::SolidFirst => pose.transform_point(p),
@@ -107,13 +107,18 @@ fn ground_manifolds(
         };
         let apart = beside(0) || beside(1) || beside(2);
         if apart || separation(solid, corners, prediction * (1.0 + 1e-9)) > prediction {
-            if let Some(place) = out_of_reach.get_mut(count - 1 - manifolds.len()) {
+            if let Some(place) = out_of_reach.get_mut(passed) {
                 *place = Some(number);
             }
+            passed += 1;
             return;
         }
-        let known = before.iter().position(|m| order.triangle_of(m) == number);
-        let mut manifold = known.map_or_else(|| order.manifold(number), |k| before.swap_remove(k));
+        let known = manifolds[..before].iter_mut().find(|m| order.triangle_of(m) == number);
+        let fresh = order.manifold(number);
+        let mut manifold = match known {
+            Some(known) => std::mem::replace(known, fresh),
+            None => fresh,
+        };
         let normals = ground.triangle_normal_constraints(number);
         let normals = normals.as_ref().map(|n| n as &dyn NormalConstraints);
         let (shapes, constraints): ([&dyn Shape; 2], _) = match order {
@@ -134,6 +139,7 @@ fn ground_manifolds(
         );
         manifolds.push(manifold);
     });
+    manifolds.drain(..before);
     // rapier joins the manifolds of a pair that has more than one, and it makes a difference whether it does.
     let empty = out_of_reach.into_iter().flatten().take(2_usize.saturating_sub(manifolds.len()));
     manifolds.extend(empty.map(|number| order.manifold(number)));

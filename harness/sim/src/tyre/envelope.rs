@@ -138,7 +138,7 @@ impl Clearance {
 
     /// The stations that may touch.
     #[inline]
-    fn due(&self) -> Stations {
+    fn may_touch(&self) -> Stations {
         let bit = |k: usize| u32::from(!self.is_clear(k)) << k;
         Stations((0..STATIONS).map(bit).sum())
     }
@@ -187,6 +187,7 @@ impl Envelope {
         self.radius
     }
 
+    /// Half of the tyre's width, m.
     pub(crate) fn half_width(&self) -> f64 {
         self.strip * 3.0_f64.sqrt()
     }
@@ -231,7 +232,7 @@ impl Envelope {
         let mut fractions = [[0.0; STATIONS]; 2];
         let origins = [-self.strip, self.strip].map(|offset| hub + axis * offset);
         let mut touching = Stations::default();
-        for k in clearance.due().iter() {
+        for k in clearance.may_touch().iter() {
             let (x, half) = (self.xs[k], self.half[k]);
             let mut highest = f64::NEG_INFINITY;
             for (s, origin) in origins.iter().enumerate() {
