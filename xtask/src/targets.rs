@@ -32,8 +32,13 @@ pub(crate) const TASKS: &str = "w001/t00,w004/t03,w008/t05";
 const PLANNERS: [&str; 2] = ["pid", "tnt"];
 /// Where Debian puts the C library for the emulated processor.
 const ARM_LIBRARIES: &str = "/usr/aarch64-linux-gnu";
-/// x86-64 processors for the simulator alone: one of 2008, without any AVX, and all that the emulator knows.
-const SIMULATING: [&str; 2] = ["Nehalem", "max"];
+/// What has tests of its bits, and the arguments of `cargo test` that run them.
+const TESTED: [(&str, &[&str]); 2] = [
+    ("the simulator", &["--package", "vb-sim", "--test", "all", "bits::"]),
+    ("training", &["--package", "vb-model-train", "--lib", "the_same_bits_on_every_machine"]),
+];
+/// x86-64 processors for these tests: one of 2008, without any AVX, and all that the emulator knows.
+const TESTING: [&str; 2] = ["Nehalem", "max"];
 /// x86-64 processors for planners, which need x86-64-v3: the first of 2013, and all that the emulator knows.
 const DRIVING: [&str; 2] = ["Haswell", "max"];
 
@@ -88,15 +93,17 @@ pub(crate) fn emulate() -> Result<(), Failure> {
     let x86 = |model: &str| ["qemu-x86_64", "-cpu", model].map(str::to_owned).to_vec();
     let mut lines = Vec::new();
 
-    step(&format!("the simulator's own test of its bits, for {ARM}"));
-    simulator(portable::cargo(&tools, "test", ARM), ARM, &arm)?;
-    lines.push(format!("{ARM}, emulated: the simulator computes the same bits"));
-    for model in SIMULATING {
-        step(&format!("the same for x86-64, a processor {model}"));
-        let mut command = Command::new(cargo_program());
-        command.arg("test").current_dir(root());
-        simulator(command, "x86_64-unknown-linux-gnu", &x86(model))?;
-        lines.push(format!("x86-64, emulated {model}: the simulator computes the same bits"));
+    for (what, arguments) in TESTED {
+        step(&format!("the test of the bits of {what}, for {ARM}"));
+        test(portable::cargo(&tools, "test", ARM), arguments, ARM, &arm)?;
+        lines.push(format!("{ARM}, emulated: {what} computes the same bits"));
+        for model in TESTING {
+            step(&format!("the same for x86-64, a processor {model}"));
+            let mut command = Command::new(cargo_program());
+            command.arg("test").current_dir(root());
+            test(command, arguments, "x86_64-unknown-linux-gnu", &x86(model))?;
+            lines.push(format!("x86-64, emulated {model}: {what} computes the same bits"));
+        }
     }
 
     crate::build_harness()?;
@@ -118,12 +125,12 @@ pub(crate) fn emulate() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs the simulator's test of its bits by an emulator.
-fn simulator(mut command: Command, target: &str, emulator: &[String]) -> Result<(), Failure> {
+/// Runs tests of bits by an emulator.
+fn test(mut command: Command, arguments: &[&str], target: &str, emulator: &[String]) -> Result<(), Failure> {
     let variable = format!("CARGO_TARGET_{}_RUNNER", target.to_uppercase().replace('-', "_"));
-    command.args(["--release", "--quiet", "--package", "vb-sim", "--test", "all"]);
+    command.args(["--release", "--quiet"]);
     // With the features that dependencies have in the program, so that they aren't built twice.
-    command.args(["--package", "vb-unify", "bits::"]);
+    command.args(["--package", "vb-unify"]).args(arguments);
     run(command.env(variable, emulator.join(" ")))
 }
 

@@ -5,6 +5,7 @@ pub mod data;
 pub mod measure;
 pub mod model;
 pub mod network;
+mod repeatable;
 pub mod sight;
 pub mod train;
 

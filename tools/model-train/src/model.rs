@@ -6,6 +6,7 @@ use vb_sdk::Vehicle;
 
 use crate::data::{Data, Point, Window};
 use crate::network::Dense;
+use crate::repeatable;
 use crate::sight::{Ground, Sight};
 
 /// The networks of the model, and the vehicle.
@@ -170,7 +171,7 @@ impl Motion {
         let level = ((ground.plane[1].sqr()? * -0.5)? + 1.0)?;
         let way = (way * level)?;
         let middle = (yaw + (&turn * (0.5 * dt))?)?;
-        let (cos, sin) = (middle.cos()?, middle.sin()?);
+        let (cos, sin) = (repeatable::cos(&middle)?, repeatable::sin(&middle)?);
         let aside = (&side * dt)?;
         let x = ((x + (&way * &cos)?)? - (&aside * &sin)?)?;
         let y = ((y + (&way * &sin)?)? + (&aside * &cos)?)?;
@@ -199,7 +200,7 @@ pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 10]> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::data::{PlaceOf, Timing};
     use hybrid::{Kinodynamics, Learned, Terrain};
@@ -212,7 +213,7 @@ mod tests {
         GridFrame { rows: 81, cols: 81, resolution: 1.0, origin_x: -40.0, origin_y: -40.0 };
 
     /// The HMMWV at a scale, with a wheelbase that may be another vehicle's.
-    fn vehicle(scale: f64, wheelbase: f64) -> Vehicle {
+    pub(crate) fn vehicle(scale: f64, wheelbase: f64) -> Vehicle {
         Vehicle {
             wheelbase: scale * wheelbase,
             track: scale * 1.8,
@@ -224,7 +225,7 @@ mod tests {
     }
 
     /// A slope of gravel, whose patches are alike everywhere: what a table interpolates is then what the network gives.
-    fn terrain(vehicle: &Vehicle) -> (Map<f32>, Terrain) {
+    pub(crate) fn terrain(vehicle: &Vehicle) -> (Map<f32>, Terrain) {
         let height = |k: usize| 0.08 * (k % 81) as f32 - 0.05 * (k / 81) as f32;
         let heights = Map { frame: FRAME, data: (0..81 * 81).map(height).collect() };
         let classes = Map { frame: FRAME, data: vec![4; 81 * 81] };

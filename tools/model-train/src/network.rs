@@ -4,13 +4,7 @@ use candle_core::{Device, Result, Tensor, Var};
 use vb_math::rng::Stream;
 use vb_sdk::nn::{LEAK, Layer, Weights};
 
-/// The activation: max(x, leak · x).
-///
-/// # Errors
-/// Returns an error if there is no memory.
-pub fn rectify(x: &Tensor) -> Result<Tensor> {
-    x.maximum(&(x * f64::from(LEAK))?)
-}
+use crate::repeatable::{dense, rectify};
 
 /// Dense layers with leaky rectifiers between them.
 pub struct Dense {
@@ -80,7 +74,7 @@ impl Dense {
     pub fn forward(&self, x: &Tensor) -> Result<Tensor> {
         let mut x = x.clone();
         for (k, (weights, bias)) in self.layers.iter().enumerate() {
-            x = x.matmul(weights)?.broadcast_add(bias)?;
+            x = dense(&x, weights, bias)?;
             if k + 1 < self.layers.len() {
                 x = rectify(&x)?;
             }

@@ -7,6 +7,7 @@ use vb_sdk::mppi::{LANES, Lanes};
 use crate::data::{Data, Window};
 use crate::model::{column, numbers};
 use crate::network::Dense;
+use crate::repeatable::widen;
 
 /// Hidden values of the networks.
 const GROUND: usize = 64;
@@ -113,14 +114,14 @@ impl Attention {
             0,
         )? + self.key.forward(&there)?)?;
         let weights = ((&z * 0.5)? + ((z.sqr()? * 0.25)? + 1.0)?.sqrt()?)?;
-        let values = there.broadcast_mul(&weights)?;
+        let values = (&there * widen(&weights, CHANNELS)?)?;
         let rows = told.dim(0)?;
         let of = |all: &Tensor, k: usize| all.narrow(0, k * rows, rows);
         let (mut sum, mut total) = (of(&values, 0)?, of(&weights, 0)?);
         for k in 1..PLACES.len() {
             (sum, total) = ((sum + of(&values, k)?)?, (total + of(&weights, k)?)?);
         }
-        Tensor::cat(&[of(&there, 0)?, sum.broadcast_div(&total)?], 1)
+        Tensor::cat(&[of(&there, 0)?, (sum / widen(&total, CHANNELS)?)?], 1)
     }
 }
 

@@ -7,6 +7,7 @@ use vb_sdk::mppi::LANES;
 
 use crate::data::{Data, Moment, STEPS, Window};
 use crate::model::{Motion, truth};
+use crate::repeatable::{mean, soft_plus};
 
 /// Windows of a step of training, in groups of one world each.
 const GROUPS: usize = 48;
@@ -79,7 +80,7 @@ fn loss(model: &Motion, data: &Data, windows: &[&Window], steps: usize) -> Resul
             let e = ((&state.values[i] - should)? / units[i])?;
             // Headings differ by less than half a turn.
             let e = if i == 2 { around(&e, units[2])? } else { e };
-            let own = ((e.sqr()? + 1.0)?.sqrt()? - 1.0)?.mean_all()?;
+            let own = mean(&((e.sqr()? + 1.0)?.sqrt()? - 1.0)?)?;
             total = Some(match total {
                 Some(total) => (total + own)?,
                 None => own,
@@ -104,9 +105,8 @@ fn foresight(model: &Motion, data: &Data, moments: &[&Moment]) -> Result<Tensor>
     let should: Vec<f32> =
         moments.iter().flat_map(|m| [m.stuck, m.over].map(|b| f32::from(u8::from(b)))).collect();
     let should = Tensor::from_vec(should, (moments.len(), 2), logits.device())?;
-    // log(1 + exp(-|z|)) + max(z, 0) - z y.
-    let soft = (((logits.abs()? * -1.0)?.exp()? + 1.0)?.log()? + logits.relu()?)?;
-    (soft - (logits * should)?)?.mean_all()
+    // log(1 + exp(z)) - z y.
+    mean(&(soft_plus(&logits)? - (logits * should)?)?)
 }
 
 /// Trains for so many steps.
@@ -151,4 +151,61 @@ pub fn train(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{PlaceOf, Point, Timing};
+    use crate::model::tests::{terrain, vehicle};
+    use crate::sight::Sight;
+    use vb_sdk::nn::Weights;
+
+    /// Weights that a processor of another kind would make as well: `cargo xtask targets --emulate` runs this test on some. The hashes
+    /// are a snapshot; what trains better may change them.
+    #[test]
+    fn training_gives_the_same_bits_on_every_machine() {
+        let vehicle = vehicle(1.0, 3.302);
+        let timing = Timing::new(10, &vehicle).unwrap();
+        let (heights, terrain) = terrain(&vehicle);
+        let place = PlaceOf { hash: String::new(), kind: "rigid".into(), heights, terrain };
+        let data = Data { places: vec![place], ..Data::new(timing) };
+        let mut random = Stream::new(7, &["test"]);
+        let mut draw = |scale: f64| random.normal(0.0, scale) as f32;
+        let windows: Vec<Window> = (0..2 * LANES)
+            .map(|k| {
+                let points = (0..=STEPS).map(|_| Point {
+                    x: draw(5.0),
+                    y: draw(5.0),
+                    yaw: draw(1.0),
+                    roll: draw(0.1),
+                    pitch: draw(0.1),
+                    speed: 3.0 + draw(1.0),
+                    side: draw(0.2),
+                    turn: draw(0.3),
+                    steering: draw(0.3),
+                    slip: draw(0.5),
+                    command: [draw(0.4), 3.0 + draw(1.0)],
+                });
+                Window { place: 0, points: points.collect(), stands: k > LANES }
+            })
+            .collect();
+        let moments: Vec<Moment> = windows
+            .iter()
+            .enumerate()
+            .map(|(k, w)| Moment { window: w.clone(), stuck: k % 3 == 0, over: k % 5 == 0 })
+            .collect();
+        let (windows, moments): (Vec<_>, Vec<_>) = (windows.iter().collect(), moments.iter().collect());
+        let hashes = [Sight::patch(3), Sight::attention(3)].map(|sight| {
+            let model = Motion::new(&vehicle, sight.unwrap(), timing.step(), 3).unwrap();
+            train(&model, &data, (&windows, &moments), 4, 3, |_, _| ()).unwrap();
+            let layers = model.networks().into_iter().flat_map(|n| n.layers().unwrap()).collect();
+            vb_files::sha256(&Weights { notes: Vec::new(), layers }.bytes())
+        });
+        let should = [
+            "2ce02679a45ab41f35b86ff445bfa60fa6bfe1309dbfbac2751ec8001dc3e54c",
+            "5916e39dbb5dea4410de7718abc1df2ee1aaabd0b6f40da403f08345a78109e9",
+        ];
+        assert_eq!(hashes, should);
+    }
 }
