@@ -20,18 +20,24 @@ const PIECE: usize = 10;
 pub(crate) const SPEEDS: [f64; 6] = [-2.5, 1.0, 2.5, 4.0, 6.0, 8.0];
 /// Steerings that are tried.
 const STEERINGS: [f64; 7] = [-1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0];
+/// The share of pieces that steer where the way leads, how far ahead they look (m at full scale), and by how much each is aside.
+const LED: f64 = 0.6;
+const AHEAD: f64 = 5.0;
+const ASIDE: f64 = 0.3;
 /// Sides of a cell: m at full scale, rad, and m/s at full scale.
 const CELL: [f64; 3] = [1.0, std::f64::consts::PI / 8.0, 2.0];
 /// What each earlier try from a state counts for in the choice of the next, in metres of the way that is left.
 const TRIED: f64 = 1.0;
+/// What each second that has passed counts for.
+const PASSED: f64 = 2.0;
 /// The share of tries that begin at any state and not at the most promising one.
 const ANYWHERE: f64 = 0.3;
 
 /// A state that was reached.
 struct Reached {
     snapshot: Snapshot,
-    /// The state from which it was reached, and the piece of driving.
-    before: Option<(usize, [f64; 2])>,
+    /// The state from which it was reached, and the actions of the way from there.
+    before: Option<(usize, Vec<[f64; 2]>)>,
     pieces: usize,
     /// The cost of the way that is left, m.
     left: f64,
@@ -70,19 +76,18 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
     for tried in 1..=most {
         let from = choose(&reached, &mut random);
         reached[from].tries += 1;
-        let pick = |values: &[f64], draw: f64| values[(draw * values.len() as f64) as usize % values.len()];
-        let piece = [pick(&STEERINGS, random.unit()), pick(&SPEEDS, random.unit())];
+        let piece = Piece::draw(&mut random);
         env.restore(&reached[from].snapshot);
-        let ended = drive(&mut env, piece)?;
+        let (own, ended) = piece.drive(&mut env, &way)?;
         if ended == Some(Outcome::Success) {
-            let actions = Some(actions(&reached, from, piece));
+            let actions = Some(actions(&reached, from, own));
             return Ok(Found { actions, pieces: tried, left: 0.0 });
         }
         let pieces = reached[from].pieces + 1;
         let Some(state) = env.vehicle().filter(|_| ended.is_none() && pieces < limit) else { continue };
         let left = way.left(state.position.x, state.position.y);
         least = least.min(left);
-        let own = Reached { snapshot: env.snapshot(), before: Some((from, piece)), pieces, left, tries: 0 };
+        let own = Reached { snapshot: env.snapshot(), before: Some((from, own)), pieces, left, tries: 0 };
         match cells.entry(cell(&state, scale)) {
             std::collections::btree_map::Entry::Vacant(cell) => {
                 cell.insert(reached.len());
@@ -117,42 +122,69 @@ pub(crate) fn repeat(arena: &Arc<Arena>, task: &str, actions: &[[f64; 2]]) -> Re
     Ok(env)
 }
 
-/// The state to go on from: the one with the least way left and the fewest tries, or now and then any.
+/// The state to go on from: the one with the least way left, time passed and tries, or now and then any.
 fn choose(reached: &[Reached], random: &mut Stream) -> usize {
     let (anywhere, which) = (random.unit() < ANYWHERE, random.below(reached.len() as u64) as usize);
     if anywhere {
         return which;
     }
-    let promise = |r: &Reached| r.left + TRIED * r.tries as f64;
+    let promise = |r: &Reached| r.left + TRIED * r.tries as f64 + PASSED * r.pieces as f64;
     let best = reached.iter().enumerate().min_by(|a, b| promise(a.1).total_cmp(&promise(b.1)));
     best.map_or(0, |(index, _)| index)
 }
 
-/// Drives a piece; how the episode has ended, if it has.
-fn drive(env: &mut Env, piece: [f64; 2]) -> Result<Option<Outcome>, EnvError> {
-    for _ in 0..PIECE {
-        let step = env.step(&action(piece))?;
-        if step.terminated || step.truncated {
-            return Ok(env.record().map(|record| record.outcome));
+/// A piece of driving.
+struct Piece {
+    /// The steering, or how far aside of where the way leads.
+    steering: f64,
+    is_led: bool,
+    /// m/s at full scale.
+    speed: f64,
+}
+
+impl Piece {
+    fn draw(random: &mut Stream) -> Self {
+        let [led, steering, speed] = std::array::from_fn(|_| random.unit());
+        let pick = |values: &[f64], draw: f64| values[(draw * values.len() as f64) as usize % values.len()];
+        let is_led = led < LED;
+        let steering = if is_led { ASIDE * (2.0 * steering - 1.0) } else { pick(&STEERINGS, steering) };
+        Self { steering, is_led, speed: pick(&SPEEDS, speed) }
+    }
+
+    /// Drives it: the actions, and how the episode has ended, if it has.
+    fn drive(&self, env: &mut Env, way: &Way) -> Result<(Vec<[f64; 2]>, Option<Outcome>), EnvError> {
+        let (slowest, fastest) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+        let speed = 2.0 * (self.speed - slowest) / (fastest - slowest) - 1.0;
+        let mut actions = Vec::with_capacity(PIECE);
+        for _ in 0..PIECE {
+            let led = if self.is_led { Self::led(env, way) } else { 0.0 };
+            let action = [(led + self.steering).clamp(-1.0, 1.0), speed];
+            actions.push(action);
+            let step = env.step(&action)?;
+            if step.terminated || step.truncated {
+                return Ok((actions, env.record().map(|record| record.outcome)));
+            }
         }
+        Ok((actions, None))
     }
-    Ok(None)
+
+    /// The steering to where the way leads.
+    fn led(env: &Env, way: &Way) -> f64 {
+        let (Some(state), Some(brief)) = (env.vehicle(), env.brief()) else { return 0.0 };
+        let (_, _, yaw) = state.roll_pitch_yaw();
+        let turn = way.turn([state.position.x, state.position.y], yaw, AHEAD * brief.vehicle.scale);
+        turn / brief.vehicle.max_steer_angle
+    }
 }
 
-/// The environment's action for a steering and a speed.
-fn action([steering, speed]: [f64; 2]) -> [f64; 2] {
-    let (slowest, fastest) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
-    [steering, 2.0 * (speed - slowest) / (fastest - slowest) - 1.0]
-}
-
-/// The actions of the pieces that lead to a state, and of one more.
-fn actions(reached: &[Reached], mut at: usize, last: [f64; 2]) -> Vec<[f64; 2]> {
-    let mut pieces = vec![last];
-    while let Some((before, piece)) = reached[at].before {
+/// The actions that lead to a state, and these after them.
+fn actions(reached: &[Reached], mut at: usize, last: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let mut pieces = vec![&last];
+    while let Some((before, piece)) = &reached[at].before {
         pieces.push(piece);
-        at = before;
+        at = *before;
     }
-    pieces.iter().rev().flat_map(|piece| [action(*piece); PIECE]).collect()
+    pieces.into_iter().rev().flatten().copied().collect()
 }
 
 fn cell(state: &VehicleState, scale: f64) -> [i64; 4] {

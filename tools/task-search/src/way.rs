@@ -1,12 +1,15 @@
 //! How far it still is to the goal over ground that is not too steep: what the search goes by, and no more than that.
 
 use vb_sdk::search::Search;
-use vb_sdk::{Map, Point2, Task};
+use vb_sdk::{Map, Point2, Task, math};
 
 /// The slope that makes a metre of ground cost twice as much.
 const STEEP: f64 = 0.35;
 /// What a metre costs that lies within an obstacle or within half a track's width of one.
 const BLOCKED: f64 = 30.0;
+/// The greatest turn that is looked at, rad, and how many there are to each side.
+const MOST: f64 = 1.4;
+const WIDE: i32 = 7;
 /// Steps to the eight neighbours of a cell.
 const NEIGHBOURS: [(i64, i64); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
 
@@ -63,6 +66,16 @@ impl Way {
     pub(crate) fn left(&self, x: f64, y: f64) -> f64 {
         self.left.bilinear(x, y)
     }
+
+    /// By how much, in rad, a vehicle with this pose has to turn left so that the way from `ahead` (m) farther on is the shortest.
+    pub(crate) fn turn(&self, [x, y]: [f64; 2], yaw: f64, ahead: f64) -> f64 {
+        let there = |turn: f64| {
+            let (sin, cos) = math::sin_cos(yaw + turn);
+            self.left(x + ahead * cos, y + ahead * sin)
+        };
+        let turns = (-WIDE..=WIDE).map(|k| f64::from(k) * MOST / f64::from(WIDE));
+        turns.min_by(|a, b| there(*a).total_cmp(&there(*b))).unwrap_or(0.0)
+    }
 }
 
 #[cfg(test)]
@@ -102,6 +115,14 @@ mod tests {
             let left = way.left(-10.0, 0.0);
             assert!((24.0..32.0).contains(&left), "{left}");
         }
+    }
+
+    #[test]
+    fn who_looks_past_the_goal_turns_to_it() {
+        let way = Way::new(&task(|_, _| 0.0, |_, _| false)).unwrap();
+        assert!(way.turn([0.0, 0.0], 0.0, 5.0).abs() < 0.11);
+        let turn = way.turn([0.0, 0.0], 0.8, 5.0);
+        assert!((turn + 0.8).abs() < 0.2, "{turn}");
     }
 
     #[test]
