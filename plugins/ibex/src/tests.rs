@@ -110,9 +110,11 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     assert_eq!(stuck[0], Gear::Forward);
     assert!(stuck.contains(&Gear::Reverse), "{stuck:?}");
     assert!(planner.hurry > 1.0);
-    // A vehicle that comes again steers to one side of the place, and straight on where that is no dearer than before.
+    // A vehicle that comes again steers to one side of the place, and straight on where that is no dearer than before. What it has
+    // learned may lead it aside by itself.
     let again = |price: &str| {
-        let mut planner = Ibex::init(&task(|_, _| 0.0, &[("price_again", price)])).unwrap();
+        let params = [("learned", "0"), ("price_again", price)];
+        let mut planner = Ibex::init(&task(|_, _| 0.0, &params)).unwrap();
         planner.was_stuck(&observed(0.0, -8.0, 0.0, Gear::Forward)).unwrap();
         steering(&mut planner).abs()
     };
