@@ -92,7 +92,7 @@ fn run(args: &Args) -> Result<(), SearchError> {
     let all: Vec<String> = arena.tasks().iter().map(|t| format!("{}/{}", t.world, t.task)).collect();
     let count = args.sample.unwrap_or(all.len()).min(all.len());
     let tasks: Vec<&String> = (0..count).map(|k| &all[k * all.len() / count.max(1)]).collect();
-    let jobs = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
+    let jobs = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into)).max(1);
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
     std::thread::scope(|scope| {
         for _ in 0..jobs {

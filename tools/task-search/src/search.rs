@@ -1,8 +1,8 @@
 //! The search: an archive of states that were reached, from which ever new pieces of driving are tried.
 //!
-//! It remembers one state for each cell of places, headings and speeds, goes back to a promising one, and drives on from there
-//! at random (Ecoffet et al., "First return, then explore", Nature 590, 2021). A task that it does can be done; of one that it
-//! doesn't, nothing is proven.
+//! It remembers the first state in each cell of places, headings and speeds, and any that comes there sooner; goes back to a promising
+//! one; and drives on from there at random (Ecoffet et al., "First return, then explore", Nature 590, 2021). A task that it does can be
+//! done; of one that it doesn't, nothing is proven.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ const ASIDE: f64 = 0.3;
 const CELL: [f64; 3] = [1.0, std::f64::consts::PI / 8.0, 2.0];
 /// What each earlier try from a state counts for in the choice of the next, in metres of the way that is left.
 const TRIED: f64 = 1.0;
-/// What each second that has passed counts for.
+/// What each second that has passed counts for, which prefers states that are far for their time.
 const PASSED: f64 = 2.0;
 /// The share of tries that begin at any state and not at the most promising one.
 const ANYWHERE: f64 = 0.3;
@@ -87,20 +87,12 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
         let Some(state) = env.vehicle().filter(|_| ended.is_none() && pieces < limit) else { continue };
         let left = way.left(state.position.x, state.position.y);
         least = least.min(left);
-        let own = Reached { snapshot: env.snapshot(), before: Some((from, own)), pieces, left, tries: 0 };
-        match cells.entry(cell(&state, scale)) {
-            std::collections::btree_map::Entry::Vacant(cell) => {
-                cell.insert(reached.len());
-                reached.push(own);
-            }
-            // States of which others have come stay, so that their ways hold.
-            std::collections::btree_map::Entry::Occupied(mut cell)
-                if pieces < reached[*cell.get()].pieces =>
-            {
-                cell.insert(reached.len());
-                reached.push(own);
-            }
-            std::collections::btree_map::Entry::Occupied(_) => {}
+        let cell = cell(&state, scale);
+        // A state that is replaced stays where it is, so that the ways of those that came of it hold.
+        if cells.get(&cell).is_none_or(|index| pieces < reached[*index].pieces) {
+            cells.insert(cell, reached.len());
+            let before = Some((from, own));
+            reached.push(Reached { snapshot: env.snapshot(), before, pieces, left, tries: 0 });
         }
     }
     Ok(Found { actions: None, pieces: most, left: least / all.max(1e-9) })
