@@ -56,7 +56,7 @@ Tasks:
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
   pictures              Drive the small suite with four planners, and make the README's pictures anew (needs Chromium)
-  prove SUITE           Let the expert and Ibex drive the tasks of a suite, and write who did which as its proof.json
+  prove SUITE           Let the expert and other planners drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]

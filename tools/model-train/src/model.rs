@@ -41,10 +41,6 @@ pub(crate) fn column(values: Vec<f32>) -> Result<Tensor> {
     Tensor::from_vec(values, (n, 1), &Device::Cpu)
 }
 
-pub(crate) fn numbers(t: &Tensor) -> Result<Vec<f32>> {
-    t.flatten_all()?.to_vec1()
-}
-
 impl Motion {
     /// A model of a vehicle with steps of this time (s) that corrects nothing yet.
     ///
@@ -203,6 +199,7 @@ pub fn truth(windows: &[&Window], index: usize) -> Result<[Tensor; 10]> {
 pub(crate) mod tests {
     use super::*;
     use crate::data::{PlaceOf, Timing};
+    use crate::repeatable::numbers;
     use hybrid::{Kinodynamics, Learned, Terrain};
     use vb_sdk::mppi::LANES;
     use vb_sdk::mppi::Model as _;

@@ -9,8 +9,6 @@ use candle_core::{CpuStorage, CustomOp1, CustomOp3, Layout, Result, Shape, Tenso
 use fearless_simd::{Level, dispatch};
 use vb_sdk::nn::LEAK;
 
-use crate::model::numbers;
-
 /// max(x, leak · x): the activation between layers.
 ///
 /// # Errors
@@ -226,6 +224,11 @@ fn add_in_order(sums: &mut [f32], left: Left<'_>, right: &[f32], width: usize) {
             }
         }
     }
+}
+
+/// The elements of a tensor, row by row.
+pub(crate) fn numbers(x: &Tensor) -> Result<Vec<f32>> {
+    x.flatten_all()?.to_vec1()
 }
 
 /// The elements of a tensor that lies row by row.
