@@ -289,6 +289,19 @@ def test_stable_baselines_trains_on_it(envs):
     env.close()
 
 
+def test_torchrl_rolls_it_out(envs):
+    gym = pytest.importorskip("torchrl.envs.libs.gym", reason="TorchRL is not installed")
+    from torchrl.envs import check_env_specs
+
+    one = gym.GymWrapper(gymnasium.make("VertiBench/Navigation-v0", disable_env_checker=True, **OPTIONS))
+    check_env_specs(one)
+    many = gym.GymWrapper(gymnasium.make_vec("VertiBench/Navigation-v0", num_envs=3, autoreset_mode="DISABLED", **OPTIONS))
+    check_env_specs(many)
+    # Longer than an episode that stands still, so that TorchRL begins some anew.
+    rolled = many.rollout(700, break_when_any_done=False)
+    assert rolled.shape == (3, 700) and rolled["next", "done"].any() and rolled["next", "reward"].isfinite().all()
+
+
 def test_puffer_s_form(envs, monkeypatch):
     # PufferLib isn't for every machine: its base class, as release 3.0 publishes it, is stood in for.
     class PufferEnv:

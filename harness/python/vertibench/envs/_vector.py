@@ -76,6 +76,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         fps = round(1.0 / self._setup.arena.control_period)
+        # As gymnasium's own have it; TorchRL looks for it.
+        self.autoreset_mode = mode
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": mode}
         self._mode, self._copy = mode, copy
         self._all = np.arange(num_envs, dtype=np.int64)
