@@ -4,6 +4,7 @@ mod compare;
 mod convergence;
 mod examples;
 mod fuzz;
+mod kernel;
 mod models;
 mod options;
 mod pictures;
@@ -52,6 +53,8 @@ Tasks:
                         target/releases]; --check: unpack it elsewhere, and see that it works
   install               Install the program for this user as `cargo install` does, with the planners
   abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
+  kernel                Compile the simulator for the GPUs H100 and H200: target/kernel/vb-kernel-sm_90.cubin (needs Debian's
+                        packages, and 9 GB of memory)
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
@@ -93,6 +96,7 @@ fn main() -> ExitCode {
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["abi"] => abi(),
         ["models"] => models::models(),
+        ["kernel"] => kernel::kernel(),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),

@@ -15,7 +15,6 @@ mod recent;
 mod run;
 mod setting;
 mod shape;
-mod state_hash;
 mod trial;
 
 pub use brief::planner_vehicle;
@@ -29,5 +28,5 @@ pub use run::{
 };
 pub use setting::{Keep, Place, Setting, Wants, start};
 pub use shape::{StaticShape, static_shape};
-pub use state_hash::StateHash;
 pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, panic_text};
+pub use vb_sim::StateHash;

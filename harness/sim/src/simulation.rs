@@ -13,7 +13,7 @@ use vb_vehicle::{MAX_WHEELS, VehicleModel};
 use vb_world::{Pose2, World};
 
 /// The settings by which a simulation is stepped.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SimOptions {
     /// The fixed time step, s.
     pub step: f64,
@@ -26,7 +26,7 @@ pub struct SimOptions {
 }
 
 /// The way in which a vehicle comes to the ground at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Start {
     /// The vehicle is set down with brakes on and comes to rest before the clock starts.
     Settled,
@@ -245,6 +245,15 @@ impl Simulation {
     }
 
     fn step(&mut self, controls: Controls) {
+        let near = self.begin_step(controls);
+        self.finish_step(near);
+    }
+
+    /// The first part of a step: forces change the velocities. It tells whether the hull may touch ground or obstacles at
+    /// the end of the step, which the second part, [`Self::finish_step`], has to be told. A step in two parts is the same
+    /// as one of [`Self::advance`], which also looks for a state that no vehicle can have; they are apart for those who
+    /// step many vehicles at a time and gather the few that touch.
+    pub fn begin_step(&mut self, controls: Controls) -> bool {
         let dt = self.options.step;
         if self.steps.is_multiple_of(LOOK_AROUND) {
             let body = self.vehicle.body();
@@ -261,13 +270,18 @@ impl Simulation {
         self.pass_over_soil();
         let body = self.vehicle.body();
         let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * dt;
-        let near = self.chassis.may_touch(
+        self.chassis.may_touch(
             &self.world.heightfield,
             &self.obstacles,
             &body.x,
             &body.q,
             HULL_NEAR * self.world.scale + way,
-        );
+        )
+    }
+
+    /// The second part of a step: the pose follows the velocities, by way of the contact solver where the hull is `near`
+    /// something.
+    pub fn finish_step(&mut self, near: bool) {
         if near {
             let body = self.vehicle.body_mut();
             let friction = self
@@ -277,7 +291,7 @@ impl Simulation {
             self.chassis.resolve(friction, &mut body.x, &mut body.q, &mut body.v, &mut body.w);
             self.contact_steps += 1;
         } else {
-            self.vehicle.body_mut().move_on(dt);
+            self.vehicle.body_mut().move_on(self.options.step);
         }
         self.steps += 1;
         if self.steps.is_multiple_of(self.look_at_energy) {
@@ -306,7 +320,11 @@ impl Simulation {
         self.check()
     }
 
-    fn check(&self) -> Result<(), SimError> {
+    /// Looks whether the state is one that a vehicle can have.
+    ///
+    /// # Errors
+    /// Returns [`SimError::Diverged`] if it isn't.
+    pub fn check(&self) -> Result<(), SimError> {
         let (vehicle, body) = (&self.vehicle, self.vehicle.body());
         let finite = |a: &V3| a.iter().all(|x| x.is_finite());
         // Beyond the edge the ground is made up, and a vehicle may fall for as long as the rules let it.

@@ -4,7 +4,7 @@ use crate::{Heightfield, geometry};
 use vb_math::rng::Stream;
 
 /// The shape of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum ObstacleKind {
     /// An irregular convex boulder with a flat base; `seed` fixes its vertices.
     Boulder {
@@ -31,7 +31,7 @@ pub enum ObstacleKind {
 ///
 /// Its own frame has its origin at ground level under its centre (see [`Obstacle::base_z`]), z up and x along `yaw`;
 /// the body reaches from z = −`buried` to z = height − `buried`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Obstacle {
     /// The position of the centre along x (east), m.
     pub x: f64,

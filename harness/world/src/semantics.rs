@@ -138,7 +138,7 @@ impl SoilLevels {
 }
 
 /// A raster of square patches that tile the world from its south-west corner, row 0 in the south.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Semantics {
     /// The number of patch rows, from south to north.
     pub rows: usize,

@@ -1,0 +1,134 @@
+//! Why a fleet can't be had, or can't go on.
+
+use std::path::PathBuf;
+
+use cudarc::driver::DriverError;
+
+/// Why a fleet can't be had, or can't go on.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// There is nothing to drive.
+    #[error("a fleet has at least one vehicle and one task")]
+    Empty,
+    /// There is no driver.
+    #[error("there is no GPU here: CUDA's driver, libcuda, is not installed")]
+    NoDriver,
+    /// There is no GPU with this number.
+    #[error("there is no GPU {wanted} here; there are {found}, counted from 0")]
+    NoDevice {
+        /// The number.
+        wanted: usize,
+        /// How many there are.
+        found: i32,
+    },
+    /// The kernels are for other GPUs.
+    #[error("the kernels are for GPUs of compute capability 9.0 (H100, H200); {name} has {major}.{minor}")]
+    Architecture {
+        /// The GPU's name.
+        name: String,
+        /// Its compute capability.
+        major: i32,
+        /// The number after the point.
+        minor: i32,
+    },
+    /// The kernels can't be read.
+    #[error("{path}: {source}; `cargo xtask kernel` makes it")]
+    Kernel {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// It doesn't fit into memory.
+    #[error(
+        "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: fewer of \
+             them, or less memory for each"
+    )]
+    Memory {
+        /// The number of vehicles.
+        vehicles: usize,
+        /// The number of tasks.
+        tasks: usize,
+        /// MB that are needed.
+        needed: u64,
+        /// MB that are free.
+        free: u64,
+    },
+    /// What is sent can't be read by the kernels.
+    #[error(
+        "the kernels can't use this setting: they are of another version than this program; `cargo xtask kernel` makes them"
+    )]
+    Setting,
+    /// A setting can't be written.
+    #[error("the setting can't be sent: {0}")]
+    Encode(String),
+    /// An argument has the wrong length.
+    #[error("{what} has {given} rows, but there are {wanted} vehicles")]
+    Length {
+        /// The argument.
+        what: &'static str,
+        /// Its length.
+        given: usize,
+        /// The number of vehicles.
+        wanted: usize,
+    },
+    /// A command isn't a finite number.
+    #[error("the controls of vehicle {vehicle} have a number that is not finite")]
+    Controls {
+        /// The vehicle.
+        vehicle: usize,
+    },
+    /// There is no such task.
+    #[error("vehicle {vehicle} is to begin task {task}, but there are {tasks} tasks, counted from 0")]
+    Task {
+        /// The vehicle.
+        vehicle: usize,
+        /// The task.
+        task: usize,
+        /// How many there are.
+        tasks: usize,
+    },
+    /// CUDA says that something failed.
+    #[error("{doing}: {message}{}", hint(message))]
+    Cuda {
+        /// What was being done.
+        doing: &'static str,
+        /// What CUDA says.
+        message: String,
+    },
+}
+
+/// What is most likely wrong where a launch fails.
+fn hint(message: &str) -> &'static str {
+    if message.contains("LAUNCH_FAILED") {
+        "; most likely a vehicle or a task needed more memory than it has (`vehicle_memory` and `task_memory` of `Options`). The \
+         fleet is lost"
+    } else {
+        ""
+    }
+}
+
+/// What CUDA says, with what was being done.
+pub(crate) fn cuda(doing: &'static str) -> impl Fn(DriverError) -> GpuError {
+    move |error| {
+        let name = error.error_name().ok().map(|name| name.to_string_lossy().into_owned());
+        let text = error.error_string().ok().map(|text| text.to_string_lossy().into_owned());
+        let message =
+            format!("{} ({})", text.unwrap_or_default(), name.unwrap_or_else(|| format!("{:?}", error.0)));
+        GpuError::Cuda { doing, message }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_say_what_to_do() {
+        let launch =
+            GpuError::Cuda { doing: "a step", message: "unspecified (CUDA_ERROR_LAUNCH_FAILED)".into() };
+        assert!(launch.to_string().contains("vehicle_memory"), "{launch}");
+        let memory = GpuError::Memory { vehicles: 9, tasks: 1, needed: 10, free: 5 };
+        assert!(memory.to_string().contains("fewer of them"), "{memory}");
+    }
+}

@@ -1,0 +1,16 @@
+//! What a GPU runs: many simulations at a time, a thread for each.
+//!
+//! The simulator is compiled for the GPU as it is, with rapier and parry, and all its arithmetic is that of the CPU: no
+//! operations are fused, and elementary functions are those of `libm`. So a simulation there has the same state hash as one
+//! here, bit for bit. `cargo xtask kernel` builds the kernels, and `vb-gpu` loads and launches them.
+//!
+//! [`fleet`] is what the kernels do, as plain functions of the number of a thread, which tests call one after another.
+//! [`wire`] is what is sent to the GPU, and [`heap`] the memory of each simulation there.
+
+#![cfg_attr(target_arch = "nvptx64", feature(abi_ptx, stdarch_nvptx))]
+
+#[cfg(target_arch = "nvptx64")]
+mod device;
+pub mod fleet;
+pub mod heap;
+pub mod wire;

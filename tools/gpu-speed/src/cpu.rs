@@ -1,0 +1,58 @@
+//! The same drives on the CPU.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use vb_sim::{Simulation, StateHash};
+
+use crate::{Drive, timed};
+
+/// What became of the first vehicles on the CPU.
+pub(crate) struct Driven {
+    pub(crate) threads: usize,
+    /// Time that starts took, s.
+    pub(crate) starts: f64,
+    /// Time that drives took, s.
+    pub(crate) drives: f64,
+    /// The hash of the states of each vehicle; none if it couldn't start, or has diverged.
+    pub(crate) hashes: Vec<Option<u64>>,
+}
+
+/// Drives the first `count` vehicles on all cores.
+pub(crate) fn drive(drive: &Drive, count: usize) -> Driven {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let worlds: Vec<_> = drive.worlds.iter().map(|world| Arc::new(world.clone())).collect();
+    let starting = |task: usize| {
+        let (start, s) = (&drive.starts[task], &drive.setting);
+        Simulation::new(worlds[start.world].clone(), &s.model, &s.soils, start.pose, s.options).ok()
+    };
+    let (pool, starts) = timed(|| side_by_side(threads, drive.starts.len().min(count), starting));
+    let driving = |vehicle: usize| {
+        let mut sim = pool.get(drive.task(vehicle))?.clone()?;
+        let mut hash = StateHash::default();
+        sim.visit_state(|x| hash.push(x));
+        // Ten milliseconds at a time, as trials do.
+        for _ in 0..drive.periods * drive.steps() / 10 {
+            sim.advance(Drive::controls(vehicle), 10).ok()?;
+            sim.visit_state(|x| hash.push(x));
+        }
+        Some(hash.value())
+    };
+    let (hashes, drives) = timed(|| side_by_side(threads, count, driving));
+    Driven { threads, starts, drives, hashes }
+}
+
+/// What a function makes of the numbers below `count`, in their order.
+fn side_by_side<T: Send>(threads: usize, count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let worker = || {
+        let mine = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)).filter(|k| *k < count));
+        mine.map(|k| (k, of(k))).collect::<Vec<_>>()
+    };
+    let mut all = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|w| w.join().unwrap_or_default()).collect::<Vec<_>>()
+    });
+    all.sort_by_key(|(k, _)| *k);
+    all.into_iter().map(|(_, made)| made).collect()
+}
