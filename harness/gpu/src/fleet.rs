@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cudarc::driver::sys::CUlimit_enum;
+use cudarc::driver::sys::{CUlimit_enum, CUresult};
 use cudarc::driver::{
     CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, LaunchConfig,
     PushKernelArg,
@@ -18,7 +18,7 @@ use crate::error::cuda;
 
 /// The compute capability that kernels are built for (`cargo xtask kernel`).
 const CAPABILITY: (i32, i32) = (9, 0);
-/// Threads of a block, at most: the kernels' own number, of which every launch has a multiple.
+/// Threads of a block, at most: those that a GPU runs together.
 const BLOCK: u64 = 32;
 
 /// How a fleet uses a GPU. None of it changes a state.
@@ -345,7 +345,8 @@ fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
     // The first call of all: CUDA is initialised by it.
     let found = match CudaContext::new(0) {
         Ok(_) => CudaContext::device_count().map_err(cuda("looking for GPUs"))?,
-        Err(_) => 0,
+        Err(e) if e.0 == CUresult::CUDA_ERROR_NO_DEVICE => 0,
+        Err(e) => return Err(cuda("looking for GPUs")(e)),
     };
     if device as i64 >= i64::from(found) {
         return Err(GpuError::NoDevice { wanted: device, found });

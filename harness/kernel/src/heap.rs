@@ -35,7 +35,7 @@ impl Heap {
     /// Makes an empty heap of `size` bytes at this address.
     ///
     /// # Safety
-    /// The memory is aligned to [`WIDE`] bytes, larger than the head, and nobody's else as long as the heap is used.
+    /// The memory is aligned to 128 bytes, larger than the head, and nobody's else as long as the heap is used.
     pub unsafe fn place(at: *mut u8, size: u64) {
         let start = at as u64;
         let empty =
