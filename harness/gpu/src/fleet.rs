@@ -26,8 +26,8 @@ const BLOCK: u64 = 32;
 pub struct Options {
     /// The number of the GPU.
     pub device: usize,
-    /// Memory that a vehicle has, bytes: for its state, and for the ruts that it makes in soft soil, which take up to 8 MB in a
-    /// minute.
+    /// Memory that a vehicle has, bytes: for its state, and for the ruts that it makes in soft soil, which take up to 5 MB in a
+    /// minute. On rigid ground 1 MB does.
     pub vehicle_memory: u64,
     /// Memory that a task has, bytes: the vehicle at its start, and what its copies share, of which the ground is the largest
     /// part.
@@ -45,7 +45,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             device: 0,
-            vehicle_memory: 1 << 20,
+            vehicle_memory: 8 << 20,
             task_memory: 4 << 20,
             shared_memory: 64 << 20,
             stack: 96 << 10,

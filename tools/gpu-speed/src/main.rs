@@ -39,7 +39,7 @@ struct Args {
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     vehicle: String,
     /// Vehicles of each fleet
-    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "4096,16384")]
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,4096")]
     vehicles: Vec<usize>,
     /// Simulated time, s
     #[arg(long, value_name = "S", default_value_t = 5.0)]
@@ -47,8 +47,8 @@ struct Args {
     /// Vehicles whose states are compared with those of the CPU
     #[arg(long, value_name = "N", default_value_t = 200)]
     compare: usize,
-    /// Memory of each vehicle, kB
-    #[arg(long, value_name = "KB", default_value_t = 1024)]
+    /// Memory of each vehicle, kB: 1024 does for rigid ground
+    #[arg(long, value_name = "KB", default_value_t = 8192)]
     memory: u64,
     /// Memory of each task, kB
     #[arg(long, value_name = "KB", default_value_t = 4096)]
@@ -56,8 +56,8 @@ struct Args {
     /// Stack of each thread, kB
     #[arg(long, value_name = "KB", default_value_t = 96)]
     stack: usize,
-    /// Threads of a block when vehicles start, drive, and touch something
-    #[arg(long, value_name = "N,N,N", value_delimiter = ',', num_args = 3, default_values_t = Options::default().lanes)]
+    /// Threads of a block when vehicles start, when they drive, and when they touch something
+    #[arg(long, value_names = ["START", "DRIVE", "TOUCH"], num_args = 3, default_values_t = Options::default().lanes)]
     lanes: Vec<u32>,
 }
 
