@@ -130,7 +130,7 @@ impl Fleet {
 
         let bytes = setting.to_bytes().map_err(|e| GpuError::Encode(e.to_string()))?;
         let tasks = starts.len();
-        // Twice what is sent: as it is read, and as it is kept.
+        // What is sent is kept in other forms, and grows by doubling while it is read.
         let shared_memory = options.shared_memory + 4 * bytes.len() as u64;
         let sizes =
             [shared_memory, options.task_memory, options.vehicle_memory].map(|n| n.next_multiple_of(256));
@@ -142,40 +142,36 @@ impl Fleet {
             return Err(GpuError::Memory { vehicles, tasks, needed: mb(needed), free: mb(free as u64) });
         }
         let memory = Memory { stream: &stream };
-        let heaps = [0, 1, 2].map(|k| memory.raw(sizes[k] * counts[k]));
-        let [shared_heap, task_heaps, vehicle_heaps] = heaps;
         let threads = (vehicles.max(tasks) as u64 + 2 * BLOCK).next_multiple_of(BLOCK);
-        let held = vec![
-            shared_heap?,
-            task_heaps?,
-            vehicle_heaps?,
-            memory.copy(&bytes)?,
-            memory.zeros::<u8>(8)?,
-            memory.copy(&rows(starts))?,
-            memory.zeros::<u8>(8 * tasks)?,
-            memory.zeros::<u8>(8 * vehicles)?,
-            memory.zeros::<u8>(4 * vehicles)?,
-            memory.zeros::<u8>(8)?,
-            memory.zeros::<u8>(8 * threads as usize)?,
-        ];
-        let at: Vec<u64> = held.iter().map(|part| address(&stream, part)).collect();
+        let shared = memory.zeros::<u8>(8)?;
         let (resets, controls) = (memory.copy(&vec![GO_ON; vehicles])?, memory.zeros(4 * vehicles)?);
         let (faults, states) =
             (memory.copy(&vec![fleet::NO_START; vehicles])?, memory.zeros(STATE.len() * vehicles)?);
         let hashes = memory.zeros(vehicles)?;
+        let mut held = Vec::new();
+        let mut keep = |part: CudaSlice<u8>| {
+            let at = address(&stream, &part);
+            held.push(part);
+            at
+        };
+        let slots = keep(memory.zeros(8 * threads as usize)?);
         let told = fleet::Fleet {
             vehicles: vehicles as u64,
             tasks: tasks as u64,
-            heaps: [at[0], at[1], at[2]].map(|a| a as *mut u8),
+            heaps: [
+                keep(memory.raw(sizes[0] * counts[0])?) as *mut u8,
+                keep(memory.raw(sizes[1] * counts[1])?) as *mut u8,
+                keep(memory.raw(sizes[2] * counts[2])?) as *mut u8,
+            ],
             heap_sizes: sizes,
-            setting: at[3] as *const u8,
+            setting: keep(memory.copy(&bytes)?) as *const u8,
             setting_size: bytes.len() as u64,
-            shared: at[4] as *mut _,
-            starts: at[5] as *const _,
-            pool: at[6] as *mut _,
-            envs: at[7] as *mut _,
-            near: at[8] as *mut _,
-            near_count: at[9] as *const _,
+            shared: address(&stream, &shared) as *mut _,
+            starts: keep(memory.copy(&rows(starts))?) as *const _,
+            pool: keep(memory.zeros(8 * tasks)?) as *mut _,
+            envs: keep(memory.zeros(8 * vehicles)?) as *mut _,
+            near: keep(memory.zeros(4 * vehicles)?) as *mut _,
+            near_count: keep(memory.zeros(8)?) as *const _,
             resets: address(&stream, &resets) as *const _,
             controls: address(&stream, &controls) as *const _,
             faults: address(&stream, &faults) as *mut _,
@@ -188,17 +184,18 @@ impl Fleet {
         let fleet = memory.copy(told)?;
 
         let one = LaunchConfig { grid_dim: (1, 1, 1), block_dim: (1, 1, 1), shared_mem_bytes: 0 };
-        let (place, slots) = (address(&stream, &fleet), at[10]);
+        let place = address(&stream, &fleet);
         for (name, argument) in [("vb_memory", &slots), ("vb_prepare", &place)] {
             let kernel = function(name)?;
             // SAFETY: these kernels take an address each.
             unsafe { stream.launch_builder(&kernel).arg(argument).launch(one) }
                 .map_err(cuda("preparing the fleet"))?;
         }
-        let shared = stream.clone_dtoh(&held[4]).map_err(cuda("preparing the fleet"))?;
-        if shared == [0; 8] {
+        let prepared = stream.clone_dtoh(&shared).map_err(cuda("preparing the fleet"))?;
+        if prepared == [0; 8] {
             return Err(GpuError::Setting);
         }
+        held.push(shared);
         let fleet = Self {
             stream,
             kernels,

@@ -3,13 +3,13 @@
 //! A launch calls a function for each number from 0 on, in any order and at the same time. [`prepare`] comes first, once,
 //! then [`start`] for each task, and then [`reset`], [`drive`], [`collide`] and [`observe`] as often as one likes. A step of
 //! all is [`drive`] followed by [`collide`]: few vehicles touch something with their hulls at a time, the contact solver
-//! takes ten times as long as the rest of a step, and the threads that run together on a GPU wait for the slowest. So those
+//! takes longer than the rest of a step, and the threads that run together on a GPU wait for the slowest. So those
 //! that touch are gathered, and threads are full again.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use vb_sim::{Controls, Gear, SimOptions, Simulation, SoilSet, StateHash};
+use vb_sim::{Controls, Gear, SAMPLE_PERIOD, SimOptions, Simulation, SoilSet, StateHash};
 use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, World};
 
@@ -48,8 +48,6 @@ pub const NO_START: u32 = 1;
 pub const DIVERGED: u32 = 2;
 /// No task: the vehicle drives on.
 pub const GO_ON: u32 = u32::MAX;
-/// Time between two samples that the hash of the states is made of, s, as in the records of runs.
-const SAMPLE_PERIOD: f64 = 0.01;
 
 /// Where everything of a fleet is, in memory of the GPU.
 ///

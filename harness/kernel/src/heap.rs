@@ -1,6 +1,6 @@
 //! Memory of one simulation: a heap of its own, so that no thread of a GPU waits for another's.
 //!
-//! A GPU's own `malloc` has one lock for all: 256 simulations that ask it for memory are as slow as one.
+//! A GPU's own `malloc` serves all threads from one heap, one after another.
 
 use std::alloc::Layout;
 

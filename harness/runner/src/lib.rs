@@ -28,5 +28,5 @@ pub use run::{
 };
 pub use setting::{Keep, Place, Setting, Wants, start};
 pub use shape::{StaticShape, static_shape};
-pub use trial::{SAMPLE_PERIOD, Trial, TrialResult, panic_text};
-pub use vb_sim::StateHash;
+pub use trial::{Trial, TrialResult, panic_text};
+pub use vb_sim::{SAMPLE_PERIOD, StateHash};

@@ -13,11 +13,9 @@ use vb_sim::{SimError, SimOptions, Simulation, SoilSet};
 use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
 
+use crate::SAMPLE_PERIOD;
 use crate::driver::{Driver, Metered, Witness};
 use crate::episode::{Episode, Ledger};
-
-/// The time between the samples that rules and metrics see, s.
-pub const SAMPLE_PERIOD: f64 = 0.01;
 
 /// Lines of a planner's log, the last ones, that are kept for the record of a task.
 const LOG_LINES: usize = 20;

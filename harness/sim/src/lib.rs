@@ -27,7 +27,7 @@ pub use powertrain::DriveState;
 pub use simulation::{SimOptions, Simulation, Start};
 pub use soil::SoilSet;
 pub use state::{Controls, Gear, VehicleState, WheelState};
-pub use state_hash::StateHash;
+pub use state_hash::{SAMPLE_PERIOD, StateHash};
 
 pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;

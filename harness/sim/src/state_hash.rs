@@ -1,5 +1,8 @@
 //! A hash over a trajectory, by which two runs are compared bit for bit.
 
+/// The time between two samples of the state, of which hashes and traces are made, s.
+pub const SAMPLE_PERIOD: f64 = 0.01;
+
 /// An FNV-1a hash over 64-bit words with a final mix. It is no defence against forgery; it shows differences.
 #[derive(Clone, Debug)]
 pub struct StateHash(u64);

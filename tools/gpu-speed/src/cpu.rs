@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use vb_sim::{Simulation, StateHash};
+use vb_sim::{SAMPLE_PERIOD, Simulation, StateHash};
 
 use crate::{Drive, timed};
 
@@ -27,13 +27,14 @@ pub(crate) fn drive(drive: &Drive, count: usize) -> Driven {
         Simulation::new(worlds[start.world].clone(), &s.model, &s.soils, start.pose, s.options).ok()
     };
     let (pool, starts) = timed(|| side_by_side(threads, drive.starts.len().min(count), starting));
+    let sample_every = (SAMPLE_PERIOD / drive.setting.options.step).round() as u64;
     let driving = |vehicle: usize| {
         let mut sim = pool.get(drive.task(vehicle))?.clone()?;
         let mut hash = StateHash::default();
         sim.visit_state(|x| hash.push(x));
-        // Ten milliseconds at a time, as trials do.
-        for _ in 0..drive.periods * drive.steps() / 10 {
-            sim.advance(Drive::controls(vehicle), 10).ok()?;
+        // From sample to sample, as trials do.
+        for _ in 0..drive.periods * drive.steps() / sample_every {
+            sim.advance(Drive::controls(vehicle), sample_every).ok()?;
             sim.visit_state(|x| hash.push(x));
         }
         Some(hash.value())

@@ -1,5 +1,5 @@
 ; Copies and fills of memory, a word at a time where addresses and size are whole words. LLVM's own for NVPTX go byte by byte, and
-; wait for each: a fifteenth of the speed.
+; wait for each.
 
 define internal void @vb_copy(ptr %d, ptr %s, i64 %n) noinline nounwind {
 entry:
