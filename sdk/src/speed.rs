@@ -35,6 +35,12 @@ impl SpeedController {
         if u >= 0.0 { (u, 0.0) } else { (0.0, -u) }
     }
 
+    /// The integral, as throttle (or, below 0, brake).
+    #[must_use]
+    pub fn integral(&self) -> f64 {
+        self.integral
+    }
+
     /// Sets the integral to 0.
     pub fn reset(&mut self) {
         self.integral = 0.0;
@@ -62,6 +68,12 @@ impl SpeedKeeper {
     pub fn new(scale: f64) -> Self {
         let (kp, ki) = Self::GAINS;
         Self { controller: SpeedController::new(kp, ki), pace: scale.sqrt(), target: 0.0 }
+    }
+
+    /// The integral of the controller, as throttle (or, below 0, brake).
+    #[must_use]
+    pub fn integral(&self) -> f64 {
+        self.controller.integral()
     }
 
     /// Sets the speed to keep, m/s, negative in reverse.

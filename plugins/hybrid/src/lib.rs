@@ -33,7 +33,7 @@ pub use kinodynamics::{
     State, TOLD, Units, probability, slip,
 };
 pub use models::{ATTENTION_MODELS, PATCH_MODELS};
-pub use objective::{Objective, Weights};
+pub use objective::{Objective, Weights, beyond};
 pub use planner::{Aim, Hybrid, Place, Prediction};
 pub use sight::{SEEN, Sight};
 pub use table::{CHANNELS, HEADINGS, Table, heading, heading_of};

@@ -58,22 +58,24 @@ pub struct Objective {
 }
 
 impl Objective {
-    /// Squared distance from the local goal, or the cost of the way to the goal, in look-aheads.
-    fn away(&self, s: &State) -> Lanes {
+    /// Squared distance from the local goal, or the cost of the way to the goal, in look-aheads, at places (m) and headings.
+    #[must_use]
+    pub fn away(&self, [x, y]: [&Lanes; 2], direction: [&Lanes; 2]) -> Lanes {
         if let Some(values) = &self.values {
-            let way = values.at([&s.x, &s.y], [&s.cos, &s.sin]);
+            let way = values.at([x, y], direction);
             return way.map(|v| v * self.per_lookahead);
         }
         std::array::from_fn(|l| {
-            let (dx, dy) = (s.x[l] - self.goal[0], s.y[l] - self.goal[1]);
+            let (dx, dy) = (x[l] - self.goal[0], y[l] - self.goal[1]);
             (dx * dx + dy * dy) * self.per_lookahead * self.per_lookahead
         })
     }
 
-    /// Price of a circle at `axle` ahead of the reference point.
-    fn near(&self, s: &State, axle: f32) -> Lanes {
-        let x: Lanes = std::array::from_fn(|l| s.x[l] + axle * s.cos[l]);
-        let y: Lanes = std::array::from_fn(|l| s.y[l] + axle * s.sin[l]);
+    /// Price of a circle at `axle` (m) ahead of these places and headings.
+    #[must_use]
+    pub fn near(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], axle: f32) -> Lanes {
+        let x: Lanes = std::array::from_fn(|l| x[l] + axle * cos[l]);
+        let y: Lanes = std::array::from_fn(|l| y[l] + axle * sin[l]);
         let clearance = self.clearance.at(&x, &y);
         std::array::from_fn(|l| {
             let gap = clearance[l] - self.radius;
@@ -84,7 +86,8 @@ impl Objective {
 }
 
 /// The square of what lies beyond a limit, in limits.
-fn beyond(value: f32, limit: f32) -> f32 {
+#[must_use]
+pub fn beyond(value: f32, limit: f32) -> f32 {
     let over = (value.abs() / limit - 1.0).max(0.0);
     over * over
 }
@@ -99,7 +102,9 @@ fn conditional_value_at_risk(probability: f32, caution: f32) -> f32 {
 impl Cost<State, 2> for Objective {
     fn running(&self, s: &State, [steering, _]: &[Lanes; 2], _: usize) -> Lanes {
         let w = self.weights;
-        let (away, front, rear) = (self.away(s), self.near(s, self.axle), self.near(s, -self.axle));
+        let (place, direction) = ([&s.x, &s.y], [&s.cos, &s.sin]);
+        let away = self.away(place, direction);
+        let (front, rear) = (self.near(place, direction, self.axle), self.near(place, direction, -self.axle));
         std::array::from_fn(|l| {
             let pace = s.speed[l] / self.target - 1.0;
             let tilt = beyond(s.roll[l], self.comfort[0]) + beyond(s.pitch[l], self.comfort[1]);
@@ -115,7 +120,7 @@ impl Cost<State, 2> for Objective {
     }
 
     fn terminal(&self, s: &State) -> Lanes {
-        let away = self.away(s);
+        let away = self.away([&s.x, &s.y], [&s.cos, &s.sin]);
         std::array::from_fn::<f32, LANES, _>(|l| self.weights.goal * away[l])
     }
 }

@@ -249,6 +249,18 @@ impl Hybrid {
         }
     }
 
+    /// What courses cost.
+    #[must_use]
+    pub fn objective(&self) -> &Objective {
+        &self.objective
+    }
+
+    /// What it plans to command in so many seconds: steering, and speed (m/s).
+    #[must_use]
+    pub fn planned(&self, time: f64) -> [f64; 2] {
+        self.mppi.command(time)
+    }
+
     /// From now on it aims at so many times the target speed of its parameters.
     pub fn hurry(&mut self, times: f64) {
         self.objective.target = (f64::from(self.target) * times) as f32;

@@ -1,25 +1,31 @@
 //! Ibex, a planner of our own: it searches the whole map with what it has learned of the ground and with the shape of the vehicle,
-//! drives with momentum, backs out where it is stuck, and plans a way round that place.
+//! simulates before it drives, and where it is stuck it searches for a way out by simulation, too.
 //!
-//! It is TNT of the hybrid planners ([`hybrid::Hybrid`]) with three more things, each of which has a parameter that turns it off:
-//! - The map of traversability has the price of what the networks can't see well: a hull that bears the vehicle (`stance`).
-//! - [`vb_sdk::recovery`] takes over a vehicle that doesn't get on.
-//! - Where that happened is dearer from then on, and the way to the goal is searched again.
+//! It has the map of traversability of TNT ([`hybrid::Hybrid`]), and four things more, each of which has a parameter that turns it off:
+//! - The map has the price of what the networks can't see well: a hull that bears the vehicle (`stance`).
+//! - It has a simulation of the vehicle of its own (`twin`), through which it draws and weighs courses (`foresight`).
+//! - A vehicle that doesn't get on backs out and comes again by the manoeuvre that ends best in the simulation (`escape`), or, without
+//!   one, as [`vb_sdk::recovery`] does.
+//! - Where it was stuck is dearer from then on, and the way to the goal is searched again.
 //!
 //! `docs/planners.md` tells what each of them is worth.
 
+mod escape;
+mod foresight;
 mod stance;
+pub mod twin;
 
 use hybrid::{Aim, Hybrid, Learned, Place, Prediction};
 use vb_sdk::recovery::{Recovery, Settings};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
 
+use foresight::Foresight;
 use stance::Stances;
 
 hybrid::export_sampling! {
     planner: Ibex,
     name: "ibex",
-    about: "Searches the whole map with what it has learned of the ground and the vehicle's shape, drives with momentum and backs out",
+    about: "Searches the whole map, simulates courses before it drives one, and searches for a way out where it is stuck",
     attention: false,
     samples: 256,
     params: {
@@ -39,6 +45,9 @@ hybrid::export_sampling! {
         price_hull: 10.0 => "the same of a hull that bears the whole vehicle",
         price_tilt: 5.0 => "the same of a hull that tilts the vehicle by a tenth",
         price_again: 20.0 => "the same of a place where the vehicle was stuck before",
+        foresight: 128 => "courses that are simulated every control period; 0 to drive by what is learned alone",
+        clearance: 0.05 => "by how much lower than it is the hull is simulated, m at full scale",
+        hull: 4.0 => "weight of a hull that bears the whole vehicle, where courses are simulated",
         recover: 1 => "whether it backs out where it is stuck; 0 for a planner that only drives forward",
     },
 }
@@ -46,6 +55,8 @@ hybrid::export_sampling! {
 /// The planner.
 struct Ibex {
     hybrid: Hybrid,
+    foresight: Option<Foresight>,
+    /// Without foresight.
     recovery: Option<Recovery>,
     vehicle: Vehicle,
     /// The price of a place where the vehicle was stuck.
@@ -82,13 +93,21 @@ impl Planner for Ibex {
         });
         let prediction = Prediction { learned: Learned::All, attention: false };
         let hybrid = Hybrid::over(task, Aim::Traversability, prediction, dearer)?;
-        let recovery = (task.param_as::<u8>("recover")? != 0)
+        let foresight = Foresight::new(task, heights)?;
+        let recovery = (foresight.is_none() && task.param_as::<u8>("recover")? != 0)
             .then(|| Recovery::new(task, Settings::default().scaled(vehicle.scale)));
-        Ok(Self { hybrid, recovery, vehicle, again, hurry: 1.0 })
+        Ok(Self { hybrid, foresight, recovery, vehicle, again, hurry: 1.0 })
     }
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let command = self.hybrid.step(o)?;
+        if let Some(foresight) = &mut self.foresight {
+            let (own, stuck) = foresight.step(o, &self.hybrid)?;
+            if stuck {
+                self.was_stuck(o)?;
+            }
+            return Ok(Command { debug: command.debug, ..own });
+        }
         let Some(recovery) = &mut self.recovery else { return Ok(command) };
         let attempts = recovery.attempts();
         let command = recovery.update(o, command);

@@ -31,6 +31,9 @@ const PARAMS: &[(&str, &str)] = &[
     ("price_hull", "10"),
     ("price_tilt", "5"),
     ("price_again", "20"),
+    ("foresight", "64"),
+    ("clearance", "0.05"),
+    ("hull", "4"),
     ("recover", "1"),
     ("learned", "1"),
     ("explain", "0"),
@@ -66,6 +69,8 @@ fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
             max_speed: 30.0,
             max_reverse_speed: 5.0,
             direction_change_time: 0.6,
+            direction_change_speed: 0.5,
+            mass: 2494.0,
             ..Vehicle::default()
         },
         control_period: 0.1,
@@ -76,7 +81,7 @@ fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
 }
 
 fn observed(time: f64, x: f64, speed: f64, gear: Gear) -> Observation {
-    let position = Vec3 { x, y: 0.0, z: 0.0 };
+    let position = Vec3 { x, y: 0.0, z: 0.42 };
     let linear_velocity = Vec3 { x: speed, ..Vec3::default() };
     let pose = Pose { position, linear_velocity, ..Pose::default() };
     let wheels = vec![Wheel { spin: 20.0, travel: 0.0 }; 4];
@@ -122,6 +127,29 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     assert!(aside > straight + 0.02, "{aside} for {straight}");
 }
 
+/// Without foresight it is `vb_sdk::recovery` that backs out.
+#[test]
+fn a_vehicle_without_foresight_backs_out_too() {
+    let mut planner = Ibex::init(&task(|_, _| 0.0, &[("foresight", "0")])).unwrap();
+    let backs = (0..40).any(|k| {
+        planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap().gear == Gear::Reverse
+    });
+    assert!(backs && planner.hurry > 1.0);
+}
+
+/// A ridge across the way, of which the learned networks are told to say nothing and the map has no price: the twin sees what it would
+/// do to the hull, and goes around its end.
+#[test]
+fn a_ridge_that_only_the_simulation_knows_of_is_gone_around() {
+    let ridge = |x: f64, y: f64| if (-9.5..-8.5).contains(&x) && y < 2.0 { 0.9 } else { 0.0 };
+    let turn = |foresight: &str| {
+        let params = [("learned", "0"), ("price_hull", "0"), ("price_tilt", "0"), ("foresight", foresight)];
+        steering(&mut Ibex::init(&task(ridge, &params)).unwrap())
+    };
+    let (seen, unseen) = (turn("128"), turn("0"));
+    assert!(seen > unseen + 0.1, "{seen} for {unseen}");
+}
+
 #[test]
 fn without_recovery_it_only_drives_forward() {
     let mut planner = Ibex::init(&task(|_, _| 0.0, &[("recover", "0")])).unwrap();
@@ -133,7 +161,7 @@ fn without_recovery_it_only_drives_forward() {
 
 #[test]
 fn a_price_below_0_is_an_error() {
-    for key in ["price_hull", "price_tilt", "price_again"] {
+    for key in ["price_hull", "price_tilt", "price_again", "clearance", "hull"] {
         let error = Ibex::init(&task(|_, _| 0.0, &[(key, "-1")])).err().expect("an error").to_string();
         assert!(error.contains(key) && error.contains("below 0"), "{error}");
     }

@@ -1,0 +1,202 @@
+//! Getting free: manoeuvres that back out and come again, of which the one is driven that ends best in the twin.
+
+use std::collections::VecDeque;
+
+use vb_sdk::mppi::{Cost, LANES, Lanes, Model};
+use vb_sdk::{Gear, Observation, PlannerError, Task, math};
+
+use crate::foresight::{DT, Price, lanes};
+use crate::twin::{State, Twin};
+
+/// The time of a manoeuvre, in steps of courses.
+const STEPS: usize = 75;
+/// The speed in reverse, m/s at full scale.
+const BACK_SPEED: f64 = -2.5;
+/// For how long it backs, s at full scale; 0 for not at all.
+const BACK: [f64; 3] = [1.7, 2.6, 3.8];
+/// Steering in reverse, and steering and speed (m/s at full scale) as it comes again.
+const BACK_STEERING: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+const AGAIN: ([f64; 4], [f64; 2]) = ([-0.5, -0.2, 0.2, 0.5], [4.0, 6.5]);
+/// The same where it doesn't back out.
+const ON: ([f64; 5], [f64; 3]) = ([-0.7, -0.35, 0.0, 0.35, 0.7], [3.0, 5.0, 8.0]);
+/// For how long courses are drawn about a manoeuvre once it goes forward, s at full scale.
+const HEEDED: f64 = 2.5;
+/// A vehicle that has come this far gets on, m at full scale; one that hasn't in so many seconds is stuck.
+const PROGRESS: f64 = 0.5;
+const PATIENCE: f64 = 1.5;
+/// How far away it is at another place, m at full scale.
+const HERE: f64 = 2.0;
+/// The rules end a trial in which the vehicle is where it was so long before (s), within 1 m and some more for errors (m), at full scale.
+const WINDOW: f64 = 10.0;
+const APART: f64 = 1.2;
+/// What it costs to be there for a step of a course.
+const MET: f32 = 1.0;
+
+/// A manoeuvre. Times and speeds are those at full scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Manoeuvre {
+    /// How long it goes back, s.
+    back: f64,
+    back_steering: f64,
+    steering: f64,
+    /// m/s.
+    speed: f64,
+}
+
+impl Manoeuvre {
+    /// All that are tried.
+    fn all(has_reverse: bool) -> Vec<Self> {
+        let on = ON.0.iter().flat_map(|steering| {
+            ON.1.iter().map(|speed| Self {
+                back: 0.0,
+                back_steering: 0.0,
+                steering: *steering,
+                speed: *speed,
+            })
+        });
+        let mut all: Vec<Self> = on.collect();
+        for back in BACK.iter().filter(|_| has_reverse) {
+            for back_steering in BACK_STEERING {
+                for steering in AGAIN.0 {
+                    for speed in AGAIN.1 {
+                        all.push(Self { back: *back, back_steering, steering, speed });
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    fn backs(&self) -> bool {
+        self.back > 0.0
+    }
+
+    /// Steering and speed at a time after it began.
+    fn at(&self, time: f64) -> [f64; 2] {
+        if time < self.back { [self.back_steering, BACK_SPEED] } else { [self.steering, self.speed] }
+    }
+}
+
+/// What a manoeuvre wants.
+pub(crate) struct Wanted {
+    /// Steering and speed, m/s.
+    pub(crate) command: [f64; 2],
+    /// Whether it is on its way back, from which nothing keeps it.
+    pub(crate) is_backing: bool,
+}
+
+/// Notices a stuck vehicle and searches for a way out.
+pub(crate) struct Escape {
+    manoeuvres: Vec<Manoeuvre>,
+    /// What is driven now, and when it began, s.
+    driven: Option<(Manoeuvre, f64)>,
+    /// Where the vehicle was in the rules' window, one place a control period.
+    history: VecDeque<[f64; 2]>,
+    /// Where it was last seen to get on, and for how long it has not since, s.
+    anchor: [f64; 2],
+    waited: f64,
+    /// Where it was last stuck, and whether it backed out then.
+    failed: Option<([f64; 2], bool)>,
+    scale: f64,
+    root: f64,
+    period: f64,
+}
+
+impl Escape {
+    pub(crate) fn new(task: &Task) -> Self {
+        let scale = task.vehicle.scale;
+        Self {
+            manoeuvres: Manoeuvre::all(task.vehicle.max_reverse_speed > 0.0),
+            driven: None,
+            history: VecDeque::new(),
+            anchor: [task.start.x, task.start.y],
+            waited: 0.0,
+            failed: None,
+            scale,
+            root: scale.sqrt(),
+            period: task.control_period,
+        }
+    }
+
+    /// What the manoeuvre wants that is driven, if any is, and whether the vehicle has just been found stuck.
+    pub(crate) fn update(
+        &mut self,
+        o: &Observation,
+        twin: &Twin,
+        price: &Price<'_>,
+        start: &State,
+    ) -> Result<(Option<Wanted>, bool), PlannerError> {
+        let p = o.pose()?.position;
+        let place = [p.x, p.y];
+        self.history.push_back(place);
+        if self.history.len() as f64 * self.period > WINDOW * self.root + self.period {
+            self.history.pop_front();
+        }
+        if math::hypot(p.x - self.anchor[0], p.y - self.anchor[1]) > PROGRESS * self.scale {
+            (self.anchor, self.waited) = (place, 0.0);
+        }
+        // While the gear changes, it can't get on.
+        self.waited += if o.gear == Gear::Forward { self.period } else { 0.0 };
+        let time = |since: f64| (o.time - since) / self.root;
+        self.driven = self.driven.filter(|(m, since)| time(*since) < m.back + HEEDED);
+        let is_backing = |driven: &Option<(Manoeuvre, f64)>| {
+            driven.as_ref().is_some_and(|(m, since)| time(*since) < m.back)
+        };
+        let stuck = self.waited > PATIENCE * self.root && !is_backing(&self.driven);
+        if stuck {
+            // What has just failed here is not tried again at once, whatever the twin says of it.
+            let near = |at: &[f64; 2]| math::hypot(p.x - at[0], p.y - at[1]) < HERE * self.scale;
+            let failed = self.failed.filter(|(at, _)| near(at)).map(|(_, backed)| backed);
+            let found = self.search(twin, price, start, failed);
+            self.driven = Some((found, o.time));
+            self.failed = Some((place, found.backs()));
+            (self.anchor, self.waited) = (place, 0.0);
+        }
+        let wanted = self.driven.as_ref().map(|(m, since)| {
+            let [steering, speed] = m.at(time(*since));
+            Wanted { command: [steering, speed * self.root], is_backing: is_backing(&self.driven) }
+        });
+        Ok((wanted, stuck))
+    }
+
+    /// The manoeuvre that costs least, of those that back out, of those that don't, or of all.
+    fn search(&self, twin: &Twin, price: &Price<'_>, start: &State, failed: Option<bool>) -> Manoeuvre {
+        let price = price.over(STEPS);
+        let others: Vec<Manoeuvre> =
+            self.manoeuvres.iter().copied().filter(|m| failed != Some(m.backs())).collect();
+        let tried = if others.is_empty() { &self.manoeuvres } else { &others };
+        let mut best = (f32::INFINITY, tried[0]);
+        for block in tried.chunks(LANES) {
+            let of = |l: usize| block[l.min(block.len() - 1)];
+            let mut s = start.clone();
+            let mut costs = [0.0; LANES];
+            for k in 0..STEPS {
+                let now = |c: usize, unit: f64| lanes(|l| unit * of(l).at(DT * k as f64)[c]);
+                let command: [Lanes; 2] = [now(0, 1.0), now(1, self.root)];
+                twin.step(&mut s, &command, (DT * self.root) as f32);
+                let running = price.running(&s, &command, k);
+                let met = self.before(DT * self.root * (k + 1) as f64);
+                for l in 0..LANES {
+                    let meets = met.is_some_and(|[x, y]| {
+                        math::hypot(f64::from(s.x[l]) - x, f64::from(s.y[l]) - y) < APART * self.scale
+                    });
+                    costs[l] += running[l] + if meets { MET } else { 0.0 };
+                }
+            }
+            let end = price.terminal(&s);
+            for (l, manoeuvre) in block.iter().enumerate() {
+                let cost = costs[l] + end[l];
+                if cost < best.0 {
+                    best = (cost, *manoeuvre);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Where the vehicle was a window before what comes in so many seconds, if that is known.
+    fn before(&self, time: f64) -> Option<[f64; 2]> {
+        let ago = ((WINDOW * self.root - time) / self.period) as usize;
+        self.history.len().checked_sub(ago + 1).and_then(|i| self.history.get(i)).copied()
+    }
+}

@@ -1,0 +1,164 @@
+//! Courses that are simulated before one is driven.
+
+use hybrid::{Hybrid, Objective, beyond};
+use vb_sdk::mppi::{Cost, LANES, Lanes, Mppi, Settings};
+use vb_sdk::speed::SpeedKeeper;
+use vb_sdk::{Command, HeightMap, Observation, PlannerError, Task};
+
+use crate::escape::Escape;
+use crate::twin::{State, Twin};
+
+/// The time of a step of a course, s at full scale, and the steps of a course.
+pub(crate) const DT: f64 = 0.1;
+const HORIZON: usize = 30;
+/// Steps from one drawn command to the next.
+const SPACING: usize = 10;
+/// The part of the courses that is drawn about what the hybrid planner would do.
+const GUIDED: f64 = 0.4;
+/// The cosine of the angle between the vehicle's up and the vertical below which it is tipping over, and at which it has.
+const TIPPING: [f32; 2] = [0.8, 0.6];
+
+/// The planner over the twin.
+pub(crate) struct Foresight {
+    twin: Twin,
+    mppi: Mppi<2>,
+    weights: Weights,
+    keeper: SpeedKeeper,
+    escape: Option<Escape>,
+    /// The root of the scale, which times have.
+    root: f64,
+    period: f64,
+}
+
+/// Weights of what only the twin tells.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    hull: f32,
+    over: f32,
+}
+
+/// What a course costs: as the hybrid planner has it, but for what the twin tells.
+pub(crate) struct Price<'a> {
+    pub(crate) objective: &'a Objective,
+    weights: Weights,
+    /// Steps of a course.
+    steps: f32,
+}
+
+impl Price<'_> {
+    /// The same for courses of other lengths.
+    pub(crate) fn over(&self, steps: usize) -> Self {
+        Self { steps: steps as f32, ..*self }
+    }
+}
+
+impl Cost<State, 2> for Price<'_> {
+    fn running(&self, s: &State, [steering, _]: &[Lanes; 2], _: usize) -> Lanes {
+        let o = self.objective;
+        let w = o.weights;
+        let (place, direction) = ([&s.x, &s.y], [&s.cos, &s.sin]);
+        let away = o.away(place, direction);
+        let (front, rear) = (o.near(place, direction, o.axle), o.near(place, direction, -o.axle));
+        std::array::from_fn(|l| {
+            let pace = s.speed[l] / o.target - 1.0;
+            let tilt = beyond(s.tilt[0][l], o.comfort[0]) + beyond(s.tilt[1][l], o.comfort[1]);
+            let tipped = ((TIPPING[0] - s.upright[l]) / (TIPPING[0] - TIPPING[1])).clamp(0.0, 1.0);
+            let cost = w.goal * away[l]
+                + w.obstacle * (front[l] + rear[l])
+                + w.pace * pace * pace
+                + w.effort * steering[l] * steering[l]
+                + w.tilt * tilt
+                + self.weights.over * tipped
+                + self.weights.hull * s.borne[l].min(1.0);
+            cost / self.steps
+        })
+    }
+
+    fn terminal(&self, s: &State) -> Lanes {
+        let o = self.objective;
+        o.away([&s.x, &s.y], [&s.cos, &s.sin]).map(|away| o.weights.goal * away)
+    }
+}
+
+impl Foresight {
+    /// The planner of a task, if its parameters want one.
+    pub(crate) fn new(task: &Task, heights: &HeightMap) -> Result<Option<Self>, PlannerError> {
+        let samples: usize = task.param_as("foresight")?;
+        let weight = |key: &str| match task.param_f64(key)? {
+            value if value >= 0.0 => Ok(value as f32),
+            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
+        };
+        let weights = Weights { hull: weight("hull")?, over: weight("over")? };
+        let margin = f64::from(weight("clearance")?);
+        let frame = heights.frame;
+        // Of a map that is no surface, the hybrid planner tells.
+        if samples == 0 || frame.rows.min(frame.cols) < 2 {
+            return Ok(None);
+        }
+        let vehicle = &task.vehicle;
+        let root = vehicle.scale.sqrt();
+        let target = task.param_positive("speed")? * root;
+        let settings = Settings {
+            samples,
+            horizon: HORIZON,
+            dt: (DT * root) as f32,
+            spacing: SPACING,
+            spread: [0.4, root as f32],
+            low: [-1.0, 0.0],
+            high: [1.0, vehicle.max_speed.min(2.0 * target) as f32],
+            effective: 0.05,
+        };
+        let recovers = task.param_as::<u8>("recover")? != 0;
+        Ok(Some(Self {
+            twin: Twin::new(heights, task.semantics.as_ref(), vehicle, margin),
+            mppi: Mppi::new(settings, [0.0, target as f32], task.seed),
+            weights,
+            keeper: SpeedKeeper::new(vehicle.scale),
+            escape: recovers.then(|| Escape::new(task)),
+            root,
+            period: task.control_period,
+        }))
+    }
+
+    /// The command at an observation, and whether the vehicle has just been found stuck.
+    pub(crate) fn step(&mut self, o: &Observation, hybrid: &Hybrid) -> Result<(Command, bool), PlannerError> {
+        let start = self.twin.state(o, self.keeper.integral())?;
+        self.twin.learn(&start, o.time);
+        let price = Price { objective: hybrid.objective(), weights: self.weights, steps: HORIZON as f32 };
+        let (manoeuvre, stuck) = match &mut self.escape {
+            Some(escape) => escape.update(o, &self.twin, &price, &start)?,
+            None => (None, false),
+        };
+        let [steering, target] = match manoeuvre {
+            Some(m) if m.is_backing => m.command,
+            m => {
+                let proposal = |knot: usize| match &m {
+                    Some(m) => m.command,
+                    None => hybrid.planned((knot * SPACING) as f64 * DT * self.root),
+                };
+                let guide: Vec<[f32; 2]> =
+                    (0..self.mppi.knots()).map(|knot| proposal(knot).map(|v| v as f32)).collect();
+                self.mppi.propose(&guide, GUIDED);
+                self.mppi.improve(&self.twin, &price, &start);
+                let command = self.mppi.command(0.0);
+                self.mppi.advance(self.period);
+                command
+            }
+        };
+        self.keeper.aim(target);
+        let speed = o.pose()?.linear_velocity.x;
+        let (mut throttle, mut brake, gear) = self.keeper.update(speed, self.period);
+        if gear != o.gear {
+            // The gearbox waits until the vehicle is slow.
+            throttle = 0.0;
+            brake = if self.twin.is_slow(speed) { 0.0 } else { 1.0 };
+        }
+        let steering = steering.clamp(-1.0, 1.0);
+        Ok((Command { steering, throttle, brake, gear, ..Command::default() }, stuck))
+    }
+}
+
+/// One number for every course.
+pub(crate) fn lanes(of: impl Fn(usize) -> f64) -> Lanes {
+    std::array::from_fn::<f32, LANES, _>(|l| of(l) as f32)
+}

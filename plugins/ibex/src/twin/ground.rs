@@ -1,0 +1,193 @@
+//! The ground as wheels and hull meet it: the triangles of the map of heights, and what each kind of ground is taken for.
+
+use vb_sdk::mppi::LANES;
+use vb_sdk::{HeightMap, LabelMap, Vehicle};
+use wide::f32x8;
+
+use super::vector::all;
+
+/// A kind of ground. Maps tell kinds and not what they hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kind {
+    pub(super) friction: f32,
+    /// The depth to which a wheel of the HMMWV sinks under its share of the weight, as a part of its radius.
+    pub(super) sinkage: f32,
+}
+
+impl Kind {
+    const fn firm(friction: f32) -> Self {
+        Self { friction, sinkage: 0.0 }
+    }
+}
+
+/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields has the shear strength of a
+/// friction angle of 30° less what is lost at the slip of a wheel that drives (Janosi and Hanamoto), and the depth at which Bekker's
+/// law bears the load, of the soil of medium level (`tasks/soils/default.yaml`). Other levels are found out on the way.
+const KINDS: [Kind; 10] = [
+    Kind::firm(0.60),
+    Kind::firm(0.85),
+    Kind::firm(0.60),
+    Kind::firm(0.36),
+    Kind::firm(0.55),
+    Kind::firm(0.65),
+    Kind::firm(0.45),
+    Kind { friction: 0.5, sinkage: 0.18 },
+    Kind { friction: 0.5, sinkage: 0.13 },
+    Kind { friction: 0.5, sinkage: 0.36 },
+];
+/// What ground is taken for whose kind isn't known: gravel.
+const UNKNOWN: usize = 4;
+/// Bounds of how much deeper than in [`KINDS`] wheels are believed to sink.
+const DEEPER: [f32; 2] = [0.15, 4.0];
+/// Nodes that are looked at under the hull lie at least a part of the vehicle's length apart.
+const NODES: f64 = 5.0;
+
+/// The ground.
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    heights: Vec<f32>,
+    cols: usize,
+    resolution: f32,
+    per_metre: f32,
+    origin: [f32; 2],
+    /// Where the last cell ends, in cells.
+    end: [f32; 2],
+    kinds: Option<LabelMap>,
+    /// How much deeper than [`KINDS`] has it wheels sink, by kind.
+    deeper: [f32; KINDS.len()],
+    /// Rows and columns of the nodes under a vehicle, and from one to the next.
+    around: usize,
+    stride: usize,
+    /// The greatest height under a vehicle whose nodes begin here.
+    highest: Vec<f32>,
+}
+
+impl Ground {
+    /// The ground of these maps, of which that of heights has at least 2 × 2 samples.
+    pub(super) fn new(map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) -> Self {
+        let frame = map.frame;
+        let (rows, cols) = (frame.rows as usize, frame.cols as usize);
+        let stride = ((vehicle.length / (NODES * frame.resolution)) as usize).max(1);
+        let least = rows.min(cols);
+        // As many as reach from end to end, in whatever direction, and that the map has.
+        let wanted = (vehicle.length / (stride as f64 * frame.resolution)) as usize + 2;
+        let around = wanted.min((least - 1) / stride + 1);
+        let reach = (around - 1) * stride + 1;
+        // Along rows first, then along columns.
+        let greatest = |values: &[f32], step: usize, at: usize, left: usize| {
+            (0..reach.min(left)).map(|k| values[at + k * step]).fold(f32::NEG_INFINITY, f32::max)
+        };
+        let along: Vec<f32> = (0..rows * cols).map(|k| greatest(&map.data, 1, k, cols - k % cols)).collect();
+        let highest = (0..rows * cols).map(|k| greatest(&along, cols, k, rows - k / cols)).collect();
+        Self {
+            heights: map.data.clone(),
+            cols,
+            resolution: frame.resolution as f32,
+            per_metre: (1.0 / frame.resolution) as f32,
+            origin: [frame.origin_x as f32, frame.origin_y as f32],
+            // A thousandth less, so that a place on the edge lies in the last cell.
+            end: [cols as f32 - 1.001, rows as f32 - 1.001],
+            kinds: kinds.cloned(),
+            deeper: [1.0; KINDS.len()],
+            around,
+            stride,
+            highest,
+        }
+    }
+
+    /// The heights of the corners about these places (south-west, south-east, north-west, north-east), and the places in their
+    /// cells. Beyond the edge they are those of the edge.
+    fn cell(&self, x: f32x8, y: f32x8) -> ([f32x8; 4], [f32x8; 2]) {
+        let place = |v: f32x8, k: usize| {
+            let cells = (v - all(self.origin[k])) * all(self.per_metre);
+            cells.max(all(0.0)).min(all(self.end[k]))
+        };
+        let (c, r) = (place(x, 0), place(y, 1));
+        let (cols, rows) = (c.to_array(), r.to_array());
+        let (mut corners, mut low) = ([[0.0; LANES]; 4], [[0.0; LANES]; 2]);
+        for l in 0..LANES {
+            // What is no number becomes 0.
+            let (col, row) = (cols[l] as i32, rows[l] as i32);
+            (low[0][l], low[1][l]) = (col as f32, row as f32);
+            let i = row as usize * self.cols + col as usize;
+            let around = &self.heights[i..i + self.cols + 2];
+            corners[0][l] = around[0];
+            corners[1][l] = around[1];
+            corners[2][l] = around[self.cols];
+            corners[3][l] = around[self.cols + 1];
+        }
+        (corners.map(f32x8::from), [c - f32x8::from(low[0]), r - f32x8::from(low[1])])
+    }
+
+    /// The heights at these places, m.
+    pub(super) fn height(&self, x: f32x8, y: f32x8) -> f32x8 {
+        self.surface(x, y)[0]
+    }
+
+    /// The heights at these places (m), and the slopes towards the east and the north.
+    #[inline]
+    pub(super) fn surface(&self, x: f32x8, y: f32x8) -> [f32x8; 3] {
+        let ([a, b, c, d], [u, v]) = self.cell(x, y);
+        // Each cell is cut into two triangles from the south-west to the north-east, as in `HeightMap::ground`.
+        let north = v.simd_ge(u);
+        let (east, up) = (north.select(d - c, b - a), north.select(c - a, d - b));
+        let per_metre = all(self.per_metre);
+        [a + u * east + v * up, east * per_metre, up * per_metre]
+    }
+
+    /// The first of the nodes under vehicles at these places.
+    fn first(&self, x: f32x8, y: f32x8) -> [[usize; LANES]; 2] {
+        let before = ((self.around / 2).max(1) - 1) * self.stride;
+        let nodes = [self.end[0] as usize + 2, self.end[1] as usize + 2];
+        let first = |v: f32, k: usize| {
+            let cell = ((v - self.origin[k]) * self.per_metre).max(0.0) as usize;
+            cell.saturating_sub(before).min(nodes[k] - (self.around - 1) * self.stride - 1)
+        };
+        let (x, y) = (x.to_array(), y.to_array());
+        [std::array::from_fn(|l| first(x[l], 0)), std::array::from_fn(|l| first(y[l], 1))]
+    }
+
+    /// The greatest heights under vehicles at these places, m.
+    pub(super) fn highest(&self, x: f32x8, y: f32x8) -> f32x8 {
+        let [col, row] = self.first(x, y);
+        let highest: [f32; LANES] = std::array::from_fn(|l| self.highest[row[l] * self.cols + col[l]]);
+        f32x8::from(highest)
+    }
+
+    /// Shows the nodes under vehicles at these places: x, y and height, m.
+    #[inline]
+    pub(super) fn nodes(&self, x: f32x8, y: f32x8, mut see: impl FnMut([f32x8; 3])) {
+        let [col, row] = self.first(x, y);
+        let [west, south] = [(&col, 0), (&row, 1)].map(|(first, k)| {
+            f32x8::from(first.map(|v| v as f32)) * all(self.resolution) + all(self.origin[k])
+        });
+        let step = self.stride as f32 * self.resolution;
+        for j in 0..self.around {
+            let y = south + all(j as f32 * step);
+            let starts: [usize; LANES] =
+                std::array::from_fn(|l| (row[l] + j * self.stride) * self.cols + col[l]);
+            for i in 0..self.around {
+                let z = starts.map(|start| self.heights[start + i * self.stride]);
+                see([west + all(i as f32 * step), y, f32x8::from(z)]);
+            }
+        }
+    }
+
+    /// The number of the kind of ground at a place.
+    fn label(&self, x: f32, y: f32) -> usize {
+        let told = self.kinds.as_ref().map(|kinds| usize::from(kinds.nearest(f64::from(x), f64::from(y))));
+        told.filter(|label| *label < KINDS.len()).unwrap_or(UNKNOWN)
+    }
+
+    /// The kind of ground at a place, with what is known of its depth by now.
+    pub(super) fn kind(&self, x: f32, y: f32) -> Kind {
+        let label = self.label(x, y);
+        Kind { sinkage: KINDS[label].sinkage * self.deeper[label], ..KINDS[label] }
+    }
+
+    /// Believes that the kind at a place is deeper than it is thought to be, by a factor.
+    pub(super) fn deepen(&mut self, x: f32, y: f32, factor: f32) {
+        let deeper = &mut self.deeper[self.label(x, y)];
+        *deeper = (*deeper * factor).clamp(DEEPER[0], DEEPER[1]);
+    }
+}

@@ -1,0 +1,252 @@
+//! A simulation of the vehicle in the planner's mind: as simple as it can be and still explain what stops a vehicle.
+//!
+//! A body of six degrees of freedom stands on four wheels without mass, each at the end of a spring and a damper along the body's
+//! vertical. A wheel meets the triangles of the map with its circumference; its tread is a brush; its torque comes through differentials
+//! that are open but for some friction. The hull is convex, and the ground bears it. Soil gives way under the wheels and resists them.
+//!
+//! It is made of what planners are told and of the HMMWV's proportions, and not of the harness's simulator, from which it differs in
+//! nearly everything. `cargo run --release -p vb-twin-check` shows how far the two agree. Its steps are longer by twenty times, and
+//! [`LANES`] vehicles are computed side by side.
+
+mod body;
+mod ground;
+mod hull;
+mod shape;
+mod soil;
+mod vector;
+mod wheel;
+
+use vb_sdk::mppi::{LANES, Lanes, Model};
+use vb_sdk::{Gear, HeightMap, LabelMap, Observation, PlannerError, Vehicle};
+use wide::f32x8;
+
+use body::Push;
+use ground::Ground;
+use shape::Shape;
+use vector::{V3, all, attitude, within};
+use wheel::Wheel;
+
+/// m/s².
+const GRAVITY: f32 = 9.81;
+/// The outer wheels: those of the first and of the last axle.
+const WHEELS: usize = 4;
+/// Steps in a step of a course.
+const STEPS: usize = 5;
+/// Gains of the speed controller, [`vb_sdk::speed::SpeedKeeper`]'s.
+const GAINS: [f32; 2] = [0.6, 0.15];
+
+/// The states of [`LANES`] vehicles.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Where the centres of mass are, m.
+    place: V3,
+    /// Their velocities in the world, m/s.
+    velocity: V3,
+    /// Attitudes.
+    attitude: vector::Quaternion,
+    /// Angular velocities, rad/s, body axes.
+    rotation: V3,
+    /// Front to rear, left before right.
+    wheels: [Wheel; WHEELS],
+    /// What the hull bears, N.
+    hull: f32x8,
+    /// The steering that the wheels have, in -1 to 1.
+    steering: f32x8,
+    /// The integral of the speed controller, as throttle.
+    integral: f32x8,
+    /// The gear: 1 forward, -1 in reverse, something in between while it changes.
+    gear: f32x8,
+    /// Where the reference points are, m.
+    pub x: Lanes,
+    /// Where the reference points are, m.
+    pub y: Lanes,
+    /// Cosines of the headings.
+    pub cos: Lanes,
+    /// Sines of the headings.
+    pub sin: Lanes,
+    /// Forward speeds, m/s.
+    pub speed: Lanes,
+    /// Sines of roll (left side up) and pitch (nose up).
+    pub tilt: [Lanes; 2],
+    /// Cosines of the angle between the bodies' up and the vertical.
+    pub upright: Lanes,
+    /// The part of the weight that the hull bears; more than 1 as it strikes.
+    pub borne: Lanes,
+}
+
+/// What the driver does in a step.
+struct Controls {
+    /// The steering command.
+    steering: f32x8,
+    /// Throttle, or brake below 0.
+    pedal: f32x8,
+    /// 1 forward, -1 in reverse.
+    way: f32x8,
+}
+
+/// The model: ground and vehicle.
+#[derive(Clone, Debug)]
+pub struct Twin {
+    ground: Ground,
+    shape: Shape,
+    /// The root of the scale of the world, by which the speed controller goes.
+    pace: f32,
+}
+
+impl Twin {
+    /// The model of a vehicle on the ground of these maps, of which that of heights has at least 2 × 2 samples. Its hull is lower than the
+    /// vehicle's by `margin`, m at full scale: for ground that is a little different, or met a little differently.
+    #[must_use]
+    pub fn new(map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle, margin: f64) -> Self {
+        Self {
+            ground: Ground::new(map, kinds, vehicle),
+            shape: Shape::of(vehicle, margin as f32),
+            pace: vehicle.scale.sqrt() as f32,
+        }
+    }
+
+    /// The state in which every vehicle is as observed, with this integral of the speed controller.
+    ///
+    /// # Errors
+    /// Returns an error if the observation has no pose.
+    pub fn state(&self, o: &Observation, integral: f64) -> Result<State, PlannerError> {
+        let p = o.pose()?;
+        let vector = |v: vb_sdk::Vec3| V3::all([v.x, v.y, v.z].map(|c| c as f32));
+        let one = |v: f64| all(v as f32);
+        let count = o.wheels.len();
+        let wheel = |i: usize| {
+            let told = o.wheels.get(if i < 2 { i } else { (count + i).wrapping_sub(WHEELS) });
+            let told = told.copied().unwrap_or_default();
+            Wheel { travel: one(told.travel), spin: one(told.spin), ..Wheel::default() }
+        };
+        let mut s = State {
+            place: vector(p.position),
+            velocity: vector(p.linear_velocity),
+            attitude: attitude(p.roll, p.pitch, p.yaw),
+            rotation: vector(p.angular_velocity),
+            wheels: std::array::from_fn(wheel),
+            hull: all(0.0),
+            steering: one(o.steering),
+            integral: one(integral),
+            gear: all(match o.gear {
+                Gear::Forward => 1.0,
+                Gear::Neutral => 0.0,
+                Gear::Reverse => -1.0,
+            }),
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            cos: [0.0; LANES],
+            sin: [0.0; LANES],
+            speed: [0.0; LANES],
+            tilt: [[0.0; LANES]; 2],
+            upright: [0.0; LANES],
+            borne: [0.0; LANES],
+        };
+        let centre = V3::all(self.shape.centre);
+        let axes = s.axes();
+        s.place += axes.out(centre);
+        s.velocity = axes.out(s.velocity + s.rotation.cross(centre));
+        self.look(&mut s);
+        for i in 0..WHEELS {
+            if s.wheels[i].depth.simd_gt(all(0.0)).any() {
+                s.wheels[i].sunk = self.sinkage(i, &s.wheels[i], &s).0;
+            }
+        }
+        self.tell(&mut s);
+        Ok(s)
+    }
+
+    /// Whether the gearbox changes its direction at a speed, m/s.
+    pub(crate) fn is_slow(&self, speed: f64) -> bool {
+        (speed as f32).abs() < self.shape.change_speed
+    }
+
+    /// What ground is under the wheels.
+    fn look(&self, s: &mut State) {
+        let axes = s.axes();
+        for (i, w) in s.wheels.iter_mut().enumerate() {
+            let hub = s.place + axes.out(self.shape.hub(i, w.travel));
+            let (x, y) = (hub.x.to_array(), hub.y.to_array());
+            let (mut friction, mut depth) = ([0.0; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                let kind = self.ground.kind(x[l], y[l]);
+                (friction[l], depth[l]) = (kind.friction, kind.sinkage * self.shape.radius);
+            }
+            (w.friction, w.depth) = (f32x8::from(friction), f32x8::from(depth));
+        }
+    }
+
+    /// What costs ask for.
+    fn tell(&self, s: &mut State) {
+        let axes = s.axes();
+        let reference = s.place + axes.out(V3::all(self.shape.centre)) * all(-1.0);
+        let f = axes.forward;
+        let level = (f.x * f.x + f.y * f.y).sqrt().max(all(1e-3));
+        (s.x, s.y) = (reference.x.to_array(), reference.y.to_array());
+        (s.cos, s.sin) = ((f.x / level).to_array(), (f.y / level).to_array());
+        s.speed = s.velocity.dot(f).to_array();
+        s.tilt = [axes.left.z.to_array(), f.z.to_array()];
+        s.upright = axes.up.z.to_array();
+        s.borne = (s.hull * all(1.0 / (GRAVITY * self.shape.mass))).to_array();
+    }
+
+    /// What the driver does for a speed (m/s, negative in reverse) in the time `dt`, s.
+    fn controls(&self, s: &mut State, steering: f32x8, target: f32x8, dt: f32) -> Controls {
+        let (zero, one) = (all(0.0), all(1.0));
+        let speed = f32x8::from(s.speed);
+        let way = target.simd_lt(zero).select(-one, one);
+        let slow = speed.abs().simd_lt(all(self.shape.change_speed));
+        let changed = within(s.gear + way * all(2.0 * dt / self.shape.change), one);
+        let is_in = |gear: f32x8| (gear * way).simd_ge(all(0.99));
+        s.gear = (is_in(s.gear) | !slow).select(s.gear, changed);
+        let engaged = is_in(s.gear);
+        let error = (target - speed) * way * all(1.0 / self.pace);
+        let integral = s.integral + error * all(GAINS[1] * dt);
+        let wanted = error * all(GAINS[0]) + integral;
+        let moves = wanted.abs().simd_le(one) | (wanted * error).simd_lt(zero);
+        s.integral = engaged.select(moves.select(integral, s.integral), zero);
+        // Who wants to go the other way brakes first.
+        let pedal = engaged.select(within(wanted, one), slow.select(zero, -one));
+        Controls { steering, pedal, way }
+    }
+
+    /// A step of `dt` s.
+    fn step_once(&self, s: &mut State, c: &Controls, dt: f32) {
+        let body = s.body();
+        let mut push = Push::weight(self.shape.mass);
+        s.steering += within(c.steering - s.steering, all(self.shape.steer_rate * dt));
+        let angle = s.steering * all(self.shape.steer);
+        let square = angle * angle;
+        // To the fourth and the fifth order, which is exact to 0.0004 at 35 degrees.
+        let cos = all(1.0) - square * (all(0.5) - square * all(1.0 / 24.0));
+        let sin = angle * (all(1.0) - square * (all(1.0 / 6.0) - square * all(1.0 / 120.0)));
+        let (forward, left) = (body.axes.forward, body.axes.left);
+        let steered = [forward * cos + left * sin, left * cos + forward * -sin];
+        let (torques, brakes) = self.torques(&s.wheels, c);
+        for (i, (w, torque)) in s.wheels.iter_mut().zip(torques).enumerate() {
+            let directions = if i < 2 { steered } else { [forward, left] };
+            self.roll(i, w, &body, (directions, torque, brakes), (&mut push, dt));
+        }
+        let frictions = s.wheels.map(|w| w.friction);
+        let friction = (frictions[0] + frictions[1] + frictions[2] + frictions[3]) * all(0.25);
+        s.hull = self.scrape(&body, (friction, s.hull), (&mut push, dt));
+        s.advance(&self.shape, &push, dt);
+    }
+}
+
+impl Model<2> for Twin {
+    type State = State;
+
+    /// Commands are the steering and the speed, m/s, which is negative in reverse.
+    fn step(&self, s: &mut State, [steering, target]: &[Lanes; 2], dt: f32) {
+        self.look(s);
+        let controls = self.controls(s, f32x8::from(*steering), f32x8::from(*target), dt);
+        for _ in 0..STEPS {
+            self.step_once(s, &controls, dt / STEPS as f32);
+        }
+        self.tell(s);
+    }
+}
+
+#[cfg(test)]
+mod tests;

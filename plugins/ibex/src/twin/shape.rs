@@ -1,0 +1,161 @@
+//! The vehicle's measures. A planner is told of its size and mass; what it isn't told is the HMMWV's (`tasks/vehicles/hmmwv.yaml`) in
+//! proportion: lengths to wheelbase, track or radius of the wheels, forces to the weight, and times by Froude's rule.
+
+use vb_sdk::Vehicle;
+use wide::f32x8;
+
+use super::vector::{V3, all};
+use super::{GRAVITY, WHEELS};
+
+/// The wheelbase of the HMMWV, m, which is full scale.
+const FULL: f32 = 3.302;
+/// The hull's lower side: the belly from front to rear in half wheelbases, its half width in half tracks; and how far the ends and the
+/// sides are out (in half lengths and half tracks) and above the belly (in clearances).
+const BELLY: ([f32; 2], f32) = ([0.68, -0.65], 0.6);
+const ENDS: (f32, f32) = (0.94, 0.95);
+const SIDES: (f32, f32) = (1.15, 1.56);
+/// Corners of the belly and of the lower edges of both ends, and points in the middle of the belly's sides.
+const HULL: usize = 10;
+/// Planes that the hull's lower side consists of: the belly, the ends, the sides.
+const PLANES: usize = 5;
+
+/// A plane of the hull's lower side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// How it rises ahead and to the left.
+    pub(super) slopes: [f32; 2],
+    /// Its height at the centre of mass, m.
+    pub(super) height: f32,
+    /// The unit vector into the hull, body axes.
+    pub(super) normal: [f32; 3],
+}
+
+/// A vehicle. Unless it says otherwise, values are SI, and pairs are of the front and the rear axle.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub(super) mass: f32,
+    /// The centre of mass, from the reference point.
+    pub(super) centre: [f32; 3],
+    /// Moments of inertia, body axes.
+    pub(super) inertia: [f32; 3],
+    /// Half of the wheelbase and half of the track.
+    half: [f32; 2],
+    pub(super) radius: f32,
+    /// The root of the scale that lengths of the vehicle have over those of the HMMWV, which times have.
+    pub(super) root: f32,
+    /// What a wheel bears on flat ground.
+    pub(super) share: [f32; 2],
+    /// The travel at which it does.
+    pub(super) rest: [f32; 2],
+    pub(super) spring: [f32; 2],
+    pub(super) damper: [f32; 2],
+    /// The travel at which stops are met, their stiffness, and the greatest travel.
+    pub(super) stop: f32,
+    pub(super) stiff: f32,
+    pub(super) travel: f32,
+    /// The radial stiffness of a tyre.
+    pub(super) tyre: f32,
+    /// The moment of inertia of a wheel with what turns with it.
+    pub(super) spin: f32,
+    pub(super) steer: f32,
+    pub(super) steer_rate: f32,
+    /// The time of a change between forward and reverse, and the speed below which it begins.
+    pub(super) change: f32,
+    pub(super) change_speed: f32,
+    /// The torque of all wheels at full throttle: at rest, by how much it rises with the wheels' spin, and its greatest.
+    pub(super) torque: [f32; 3],
+    pub(super) power: f32,
+    /// The torque of all wheels with the throttle closed.
+    pub(super) drag: f32,
+    /// The greatest torque of the brake of a wheel.
+    pub(super) brake: f32,
+    /// The torque of a wheel by which differentials resist: between the axles, and between the sides.
+    pub(super) clutch: [f32; 2],
+    /// The stiffness of hull on ground.
+    pub(super) hard: f32,
+    /// Points of the hull, from the centre of mass, body axes.
+    pub(super) hull: [[f32; 3]; HULL],
+    /// The hull's lower side, which at each place is the highest of these planes.
+    pub(super) under: [Plane; PLANES],
+    /// How far the hull reaches from the centre of mass: ahead, behind (negative) and aside.
+    pub(super) reach: [f32; 3],
+}
+
+impl Shape {
+    /// The vehicle, with a hull that is lower than its own by `margin`, m at full scale.
+    pub(super) fn of(v: &Vehicle, margin: f32) -> Self {
+        let (mass, base, track) = (v.mass as f32, v.wheelbase as f32, v.track as f32);
+        let (radius, clearance) = (v.wheel_radius as f32, v.ground_clearance as f32);
+        let (size, half) = (base / FULL, [0.5 * base, 0.5 * track]);
+        let root = size.sqrt();
+        let centre = [0.014 * base, 0.0, 0.38 * radius];
+        let weight = mass * GRAVITY;
+        let (quarter, arm) = (weight / WHEELS as f32, weight * radius);
+        let ahead = centre[0] / half[0];
+        let rest = [0.0207 * base, 0.001 * base];
+        // The belly at rest on flat ground, from the centre of mass; tyres are flattened by some 3 %.
+        let bottom = clearance - 0.97 * radius + 0.5 * (rest[0] + rest[1]) - centre[2] - margin * size;
+        let ([front, rear], side) = (BELLY.0.map(|x| x * half[0] - centre[0]), BELLY.1 * half[1]);
+        let (end, wide) = (ENDS.0 * 0.5 * v.length as f32, SIDES.0 * half[1]);
+        let (nose, tail) = (end - centre[0], -end - centre[0]);
+        let (raised, high) = (ENDS.1 * clearance, SIDES.1 * clearance);
+        let plane = |ahead: f32, left: f32, from: f32| {
+            let unit = 1.0 / (1.0 + ahead * ahead + left * left).sqrt();
+            Plane {
+                slopes: [ahead, left],
+                height: bottom - from,
+                normal: [-ahead * unit, -left * unit, unit],
+            }
+        };
+        let [a, b, c] = [raised / (nose - front), raised / (tail - rear), high / (wide - side)];
+        let middle = 0.5 * (front + rear);
+        let point = |i: usize| {
+            let (x, z) = [(front, 0.0), (middle, 0.0), (rear, 0.0), (nose, raised), (tail, raised)][i / 2];
+            [x, if i.is_multiple_of(2) { side } else { -side }, bottom + z]
+        };
+        Self {
+            mass,
+            centre,
+            inertia: [0.17 * mass * track * track, 0.15 * mass * base * base, 0.185 * mass * base * base],
+            half,
+            radius,
+            root,
+            share: [quarter * (1.0 + ahead), quarter * (1.0 - ahead)],
+            rest,
+            spring: [quarter / (0.0118 * base), quarter / (0.0053 * base)],
+            damper: [quarter / (0.29 * root), quarter / (0.18 * root)],
+            stop: 0.0355 * base,
+            stiff: quarter / (0.00226 * base),
+            travel: 0.0474 * base,
+            tyre: quarter / (0.032 * radius),
+            spin: 0.0222 * mass * radius * radius,
+            steer: v.max_steer_angle as f32,
+            steer_rate: v.max_steer_rate as f32,
+            change: (v.direction_change_time as f32).max(0.1 * root),
+            change_speed: v.direction_change_speed as f32,
+            torque: [1.07 * arm, 0.49 * arm * root, 3.2 * arm],
+            power: 82.0 * mass * root,
+            drag: 0.05 * arm,
+            brake: 0.35 * arm,
+            clutch: [0.011 * arm, 0.0065 * arm],
+            hard: weight / (0.009 * base),
+            hull: std::array::from_fn(point),
+            under: [
+                plane(0.0, 0.0, 0.0),
+                plane(a, 0.0, a * front),
+                plane(b, 0.0, b * rear),
+                plane(0.0, c, c * side),
+                plane(0.0, -c, c * side),
+            ],
+            reach: [nose, tail, wide],
+        }
+    }
+
+    /// The centre of a wheel with a travel, from the centre of mass, body axes. Wheels are counted front to rear, left before right.
+    pub(super) fn hub(&self, wheel: usize, travel: f32x8) -> V3 {
+        let [a, b] = self.half;
+        let x = if wheel < 2 { a } else { -a };
+        let y = if wheel.is_multiple_of(2) { b } else { -b };
+        V3::new(all(x - self.centre[0]), all(y), travel - all(self.centre[2]))
+    }
+}

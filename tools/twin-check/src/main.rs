@@ -1,0 +1,178 @@
+//! `vb-twin-check`: how far the twin, the simulation in Ibex's mind, agrees with the harness's simulator.
+
+mod drive;
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use clap::Parser;
+use ibex::twin::Twin;
+use vb_catalog::Catalog;
+use vb_env::{Arena, EnvError, Options};
+use vb_sdk::policy::ActionKind;
+use vb_sdk::{PlannerError, math};
+
+use crate::drive::{Drive, FASTEST};
+
+/// Drive at random, and let Ibex's twin foretell each second what comes of the next three
+///
+/// The twin is told what a planner is: the maps and the state. It doesn't know of obstacles, so that drives that end at one are left out.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// The suite: its name or folder
+    #[arg(long, value_name = "SUITE")]
+    suite: PathBuf,
+    /// The tasks from whose starts it is driven, as for `vb-harness run`; without it, all
+    #[arg(long, value_name = "SELECTOR")]
+    tasks: Option<String>,
+    /// The vehicle
+    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    vehicle: String,
+    /// By how much lower than it is the hull is simulated, m at full scale
+    #[arg(long, value_name = "M", default_value_t = 0.05)]
+    clearance: f64,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum CheckError {
+    #[error(transparent)]
+    Catalog(#[from] vb_catalog::CatalogError),
+    #[error(transparent)]
+    Env(#[from] EnvError),
+    #[error(transparent)]
+    Planner(#[from] PlannerError),
+    #[error("{0}: there is no map of heights")]
+    NoMap(String),
+    #[error("no drive is long enough for the twin to foretell anything: choose other tasks")]
+    Nothing,
+}
+
+/// What is foretold, s.
+const AHEAD: [usize; 3] = [1, 2, 3];
+/// A vehicle is stuck that comes this far in the last of these seconds at most, m at full scale.
+const STUCK: f64 = 0.4;
+/// A vehicle drives that is faster than this, m/s at full scale.
+const DRIVES: f64 = 1.5;
+
+/// What the twin foretold once.
+struct Foretold {
+    /// How far off it was after each of [`AHEAD`], m.
+    off: [f64; AHEAD.len()],
+    /// Whether the vehicle drove at first, whether it was stuck in the end, and whether the twin was.
+    drove: bool,
+    stuck: bool,
+    foreseen: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(text) => {
+            let _ = write!(std::io::stdout(), "{text}");
+            ExitCode::SUCCESS
+        }
+        Err(e) => {
+            let _ = writeln!(std::io::stderr(), "error: {e}");
+            ExitCode::from(3)
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<String, CheckError> {
+    let catalog = Catalog::find();
+    let options = Options {
+        suite: Some(args.suite.clone()),
+        tasks: args.tasks.clone(),
+        vehicle: args.vehicle.clone(),
+        action: ActionKind::Speed { slowest: 0.0, fastest: FASTEST },
+        observation: vec!["state".into()],
+        ..Options::default()
+    };
+    let arena = Arc::new(Arena::new(&catalog, options, &mut || ())?);
+    let mut foretold = Vec::new();
+    for task in arena.tasks() {
+        let name = format!("{}/{}", task.world, task.task);
+        let drive = Drive::new(&arena, &name)?;
+        if !drive.met_obstacle {
+            foretell(&drive, &name, args.clearance, &mut foretold)?;
+        }
+    }
+    if foretold.is_empty() {
+        return Err(CheckError::Nothing);
+    }
+    Ok(table(&foretold))
+}
+
+/// Lets the twin foretell a drive, second by second.
+fn foretell(drive: &Drive, name: &str, clearance: f64, all: &mut Vec<Foretold>) -> Result<(), CheckError> {
+    let task = &drive.task;
+    let heights = task.elevation.as_ref().ok_or_else(|| CheckError::NoMap(name.to_owned()))?;
+    let mut twin = Twin::new(heights, task.semantics.as_ref(), &task.vehicle, clearance);
+    let (scale, second) = (task.vehicle.scale, drive.second);
+    let longest = AHEAD[AHEAD.len() - 1] * second;
+    for (k, seen) in drive.seen.iter().enumerate() {
+        let start = twin.state(seen, drive.integrals[k])?;
+        twin.learn(&start, seen.time);
+        let Some(after) = drive.seen.get(k + longest).filter(|_| k % second == 0) else { continue };
+        let place = |k: usize| drive.seen[k].pose.map_or([0.0; 2], |p| [p.position.x, p.position.y]);
+        let between = |a: [f64; 2], b: [f64; 2]| math::hypot(a[0] - b[0], a[1] - b[1]);
+        let ends = twin_ends(&twin, start, &drive.commands[k..k + longest], drive.period, second);
+        let last = |places: [[f64; 2]; 2]| between(places[0], places[1]) < STUCK * scale;
+        all.push(Foretold {
+            off: std::array::from_fn(|i| between(ends[i], place(k + AHEAD[i] * second)) / scale),
+            drove: seen.pose.is_some_and(|p| p.linear_velocity.x > DRIVES * scale.sqrt()),
+            stuck: last([
+                place(k + longest - second),
+                after.pose.map_or([0.0; 2], |p| [p.position.x, p.position.y]),
+            ]),
+            foreseen: last([ends[AHEAD.len() - 2], ends[AHEAD.len() - 1]]),
+        });
+    }
+    Ok(())
+}
+
+/// Where the twin is after each second.
+fn twin_ends(
+    twin: &Twin,
+    mut state: ibex::twin::State,
+    commands: &[[f64; 2]],
+    period: f64,
+    second: usize,
+) -> Vec<[f64; 2]> {
+    use vb_sdk::mppi::{LANES, Model as _};
+    let mut ends = Vec::new();
+    for (k, command) in commands.iter().enumerate() {
+        twin.step(&mut state, &command.map(|c| [c as f32; LANES]), period as f32);
+        if (k + 1).is_multiple_of(second) {
+            ends.push([f64::from(state.x[0]), f64::from(state.y[0])]);
+        }
+    }
+    ends
+}
+
+fn table(all: &[Foretold]) -> String {
+    let mut text = format!(
+        "{} times foretold\n\n| off by, m at full scale | median | 3 of 4 | 9 of 10 |\n|---|---|---|---|\n",
+        all.len()
+    );
+    for (i, seconds) in AHEAD.iter().enumerate() {
+        let mut off: Vec<f64> = all.iter().map(|f| f.off[i]).collect();
+        off.sort_by(f64::total_cmp);
+        let part = |part: f64| off[((part * off.len() as f64) as usize).min(off.len() - 1)];
+        let _ =
+            writeln!(text, "| after {seconds} s | {:.2} | {:.2} | {:.2} |", part(0.5), part(0.75), part(0.9));
+    }
+    text.push_str("\n| | times | foretold |\n|---|---|---|\n");
+    let mut row = |name: &str, of: &dyn Fn(&Foretold) -> bool, told: &dyn Fn(&Foretold) -> bool| {
+        let count = all.iter().filter(|f| of(f)).count();
+        let right = all.iter().filter(|f| of(f) && told(f)).count();
+        let _ = writeln!(text, "| {name} | {count} | {right} |");
+    };
+    row("gets on", &|f| !f.stuck, &|f| !f.foreseen);
+    row("is stuck in the end", &|f| f.stuck, &|f| f.foreseen);
+    row("drives at first, and is stuck in the end", &|f| f.stuck && f.drove, &|f| f.foreseen);
+    text
+}
