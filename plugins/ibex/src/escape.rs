@@ -15,8 +15,8 @@ const BACK_SPEED: f64 = -2.5;
 /// For how long it backs, s at full scale; 0 for not at all.
 const BACK: [f64; 3] = [1.7, 2.6, 3.8];
 /// Steering in reverse, and steering and speed (m/s at full scale) as it comes again.
-const BACK_STEERING: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
-const AGAIN: ([f64; 4], [f64; 2]) = ([-0.5, -0.2, 0.2, 0.5], [4.0, 6.5]);
+const BACK_STEERING: [f64; 4] = [-0.8, -0.3, 0.3, 0.8];
+const AGAIN: ([f64; 3], [f64; 2]) = ([-0.45, 0.0, 0.45], [4.0, 6.5]);
 /// The same where it doesn't back out.
 const ON: ([f64; 5], [f64; 3]) = ([-0.7, -0.35, 0.0, 0.35, 0.7], [3.0, 5.0, 8.0]);
 /// For how long courses are drawn about a manoeuvre once it goes forward, s at full scale.

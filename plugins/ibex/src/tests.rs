@@ -141,7 +141,7 @@ fn a_vehicle_without_foresight_backs_out_too() {
 /// do to the hull, and goes around its end.
 #[test]
 fn a_ridge_that_only_the_simulation_knows_of_is_gone_around() {
-    let ridge = |x: f64, y: f64| if (-9.5..-8.5).contains(&x) && y < 2.0 { 0.9 } else { 0.0 };
+    let ridge = |x: f64, y: f64| if (-9.5..-8.5).contains(&x) && y < 2.0 { 1.6 } else { 0.0 };
     let turn = |foresight: &str| {
         let params = [("learned", "0"), ("price_hull", "0"), ("price_tilt", "0"), ("foresight", foresight)];
         steering(&mut Ibex::init(&task(ridge, &params)).unwrap())

@@ -56,6 +56,11 @@ impl State {
             (m.y - (ix - iz) * w.z * w.x) / iy,
             (m.z - (iy - ix) * w.x * w.y) / iz,
         ) * all(dt);
+        self.drift(dt);
+    }
+
+    /// Moves the body on as fast as it moves.
+    pub(super) fn drift(&mut self, dt: f32) {
         self.attitude = turned(self.attitude, self.rotation * all(dt));
         self.place += self.velocity * all(dt);
     }

@@ -31,9 +31,9 @@ const KINDS: [Kind; 10] = [
     Kind::firm(0.55),
     Kind::firm(0.65),
     Kind::firm(0.45),
-    Kind { friction: 0.5, sinkage: 0.18 },
-    Kind { friction: 0.5, sinkage: 0.13 },
-    Kind { friction: 0.5, sinkage: 0.36 },
+    Kind { friction: 0.49, sinkage: 0.18 },
+    Kind { friction: 0.49, sinkage: 0.13 },
+    Kind { friction: 0.49, sinkage: 0.36 },
 ];
 /// What ground is taken for whose kind isn't known: gravel.
 const UNKNOWN: usize = 4;
@@ -117,11 +117,6 @@ impl Ground {
             corners[3][l] = around[self.cols + 1];
         }
         (corners.map(f32x8::from), [c - f32x8::from(low[0]), r - f32x8::from(low[1])])
-    }
-
-    /// The heights at these places, m.
-    pub(super) fn height(&self, x: f32x8, y: f32x8) -> f32x8 {
-        self.surface(x, y)[0]
     }
 
     /// The heights at these places (m), and the slopes towards the east and the north.

@@ -1,14 +1,17 @@
 //! A simulation of the vehicle in the planner's mind: as simple as it can be and still explain what stops a vehicle.
 //!
 //! A body of six degrees of freedom stands on four wheels without mass, each at the end of a spring and a damper along the body's
-//! vertical. A wheel meets the triangles of the map with its circumference; its tread is a brush; its torque comes through differentials
-//! that are open but for some friction. The hull is convex, and the ground bears it. Soil gives way under the wheels and resists them.
+//! vertical. A wheel meets the triangles of the map with its circumference (`contact`); its tyre is a spring and a damper, and its tread a
+//! brush (`wheel`); its torque comes through differentials that are open but for some friction (`drive`). The hull is convex, and the
+//! ground bears it. Soil gives way under the wheels and resists them.
 //!
 //! It is made of what planners are told and of the HMMWV's proportions, and not of the harness's simulator, from which it differs in
-//! nearly everything. `cargo run --release -p vb-twin-check` shows how far the two agree. Its steps are longer by twenty times, and
+//! nearly everything. `cargo run --release -p vb-twin-check` shows how far the two agree. Its steps are longer by seventeen times, and
 //! [`LANES`] vehicles are computed side by side.
 
 mod body;
+mod contact;
+mod drive;
 mod ground;
 mod hull;
 mod shape;
@@ -21,17 +24,19 @@ use vb_sdk::{Gear, HeightMap, LabelMap, Observation, PlannerError, Vehicle};
 use wide::f32x8;
 
 use body::Push;
+use contact::Contact;
 use ground::Ground;
 use shape::Shape;
 use vector::{V3, all, attitude, within};
-use wheel::Wheel;
+use wheel::{Given, Wheel};
 
 /// m/s².
 const GRAVITY: f32 = 9.81;
 /// The outer wheels: those of the first and of the last axle.
 const WHEELS: usize = 4;
-/// Steps in a step of a course.
-const STEPS: usize = 5;
+/// Steps in a step of a course, and how many of them come after each other until wheels look at the ground again.
+const STEPS: usize = 6;
+const LOOKS: usize = 2;
 /// Gains of the speed controller, [`vb_sdk::speed::SpeedKeeper`]'s.
 const GAINS: [f32; 2] = [0.6, 0.15];
 
@@ -156,6 +161,13 @@ impl Twin {
         Ok(s)
     }
 
+    /// How the first of the vehicles moves: the velocity of its reference point (m/s) and its angular velocity (rad/s), body axes.
+    #[must_use]
+    pub fn motion(&self, s: &State) -> [f64; 6] {
+        let v = s.axes().within(s.velocity) + s.rotation.cross(V3::all(self.shape.centre)) * all(-1.0);
+        [v.x, v.y, v.z, s.rotation.x, s.rotation.y, s.rotation.z].map(|c| f64::from(c.to_array()[0]))
+    }
+
     /// Whether the gearbox changes its direction at a speed, m/s.
     pub(crate) fn is_slow(&self, speed: f64) -> bool {
         (speed as f32).abs() < self.shape.change_speed
@@ -210,8 +222,8 @@ impl Twin {
         Controls { steering, pedal, way }
     }
 
-    /// A step of `dt` s.
-    fn step_once(&self, s: &mut State, c: &Controls, dt: f32) {
+    /// A step of `dt` s, in which wheels look at the ground or rely on what they saw.
+    fn step_once(&self, s: &mut State, c: &Controls, contacts: &mut [Contact; WHEELS], looks: bool, dt: f32) {
         let body = s.body();
         let mut push = Push::weight(self.shape.mass);
         s.steering += within(c.steering - s.steering, all(self.shape.steer_rate * dt));
@@ -223,10 +235,13 @@ impl Twin {
         let (forward, left) = (body.axes.forward, body.axes.left);
         let steered = [forward * cos + left * sin, left * cos + forward * -sin];
         let (torques, brakes) = self.torques(&s.wheels, c);
-        for (i, (w, torque)) in s.wheels.iter_mut().zip(torques).enumerate() {
+        let mut gained = torques;
+        for (i, (w, gained)) in s.wheels.iter_mut().zip(&mut gained).enumerate() {
             let directions = if i < 2 { steered } else { [forward, left] };
-            self.roll(i, w, &body, (directions, torque, brakes), (&mut push, dt));
+            let given = Given { directions, torque: torques[i], brakes, looks };
+            *gained = self.roll((i, w), &mut contacts[i], &body, &given, (&mut push, dt));
         }
+        drive::spin_up(&mut s.wheels, gained);
         let frictions = s.wheels.map(|w| w.friction);
         let friction = (frictions[0] + frictions[1] + frictions[2] + frictions[3]) * all(0.25);
         s.hull = self.scrape(&body, (friction, s.hull), (&mut push, dt));
@@ -241,9 +256,13 @@ impl Model<2> for Twin {
     fn step(&self, s: &mut State, [steering, target]: &[Lanes; 2], dt: f32) {
         self.look(s);
         let controls = self.controls(s, f32x8::from(*steering), f32x8::from(*target), dt);
-        for _ in 0..STEPS {
-            self.step_once(s, &controls, dt / STEPS as f32);
+        let (part, mut contacts) = (dt / STEPS as f32, [Contact::default(); WHEELS]);
+        // Forces are those of the middle of a step, so that it is exact to the second order (Störmer and Verlet).
+        s.drift(0.5 * part);
+        for k in 0..STEPS {
+            self.step_once(s, &controls, &mut contacts, k.is_multiple_of(LOOKS), part);
         }
+        s.drift(-0.5 * part);
         self.tell(s);
     }
 }

@@ -4,6 +4,7 @@
 use vb_sdk::Vehicle;
 use wide::f32x8;
 
+use super::contact::Outline;
 use super::vector::{V3, all};
 use super::{GRAVITY, WHEELS};
 
@@ -14,6 +15,8 @@ const FULL: f32 = 3.302;
 const BELLY: ([f32; 2], f32) = ([0.68, -0.65], 0.6);
 const ENDS: (f32, f32) = (0.94, 0.95);
 const SIDES: (f32, f32) = (1.15, 1.56);
+/// How much less than a bicycle with the wheels' mean angle the vehicle turns, as it was found on training worlds.
+const TURNS: f32 = 0.93;
 /// Corners of the belly and of the lower edges of both ends, and points in the middle of the belly's sides.
 const HULL: usize = 10;
 /// Planes that the hull's lower side consists of: the belly, the ends, the sides.
@@ -53,17 +56,21 @@ pub(super) struct Shape {
     pub(super) stop: f32,
     pub(super) stiff: f32,
     pub(super) travel: f32,
-    /// The radial stiffness of a tyre.
+    /// The radial stiffness of a tyre, and its damping.
     pub(super) tyre: f32,
-    /// The moment of inertia of a wheel with what turns with it.
+    pub(super) tyre_damper: f32,
+    /// The circumference of a wheel.
+    pub(super) outline: Outline,
+    /// The moment of inertia of a wheel.
     pub(super) spin: f32,
+    /// The angle by which a bicycle would steer that turns as the vehicle does at full lock.
     pub(super) steer: f32,
     pub(super) steer_rate: f32,
     /// The time of a change between forward and reverse, and the speed below which it begins.
     pub(super) change: f32,
     pub(super) change_speed: f32,
-    /// The torque of all wheels at full throttle: at rest, by how much it rises with the wheels' spin, and its greatest.
-    pub(super) torque: [f32; 3],
+    /// The weight times the radius, in which torques are told, and the greatest power.
+    pub(super) arm: f32,
     pub(super) power: f32,
     /// The torque of all wheels with the throttle closed.
     pub(super) drag: f32,
@@ -128,16 +135,18 @@ impl Shape {
             stiff: quarter / (0.00226 * base),
             travel: 0.0474 * base,
             tyre: quarter / (0.032 * radius),
-            spin: 0.0222 * mass * radius * radius,
-            steer: v.max_steer_angle as f32,
+            tyre_damper: quarter / (1.56 * root),
+            outline: Outline::new(),
+            spin: 0.016 * mass * radius * radius,
+            steer: TURNS * v.max_steer_angle as f32,
             steer_rate: v.max_steer_rate as f32,
             change: (v.direction_change_time as f32).max(0.1 * root),
             change_speed: v.direction_change_speed as f32,
-            torque: [1.07 * arm, 0.49 * arm * root, 3.2 * arm],
+            arm,
             power: 82.0 * mass * root,
             drag: 0.05 * arm,
             brake: 0.35 * arm,
-            clutch: [0.011 * arm, 0.0065 * arm],
+            clutch: [0.0219 * arm, 0.0088 * arm],
             hard: weight / (0.009 * base),
             hull: std::array::from_fn(point),
             under: [

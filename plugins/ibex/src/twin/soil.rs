@@ -5,8 +5,8 @@ use wide::f32x8;
 use super::vector::{V3, all};
 use super::{State, Twin, WHEELS, Wheel};
 
-/// The time in which a wheel sinks, s at full scale.
-const SINKING: f32 = 0.15;
+/// The times in which a wheel sinks under more load and rises under less, s at full scale, as they were found on training worlds.
+const SINKING: [f32; 2] = [0.03, 0.2];
 /// The parts of its share of the weight that a wheel must bear to tell how deep it sinks.
 const TELLING: [f32; 2] = [0.4, 2.0];
 /// How much of what a wheel tells is believed, while the vehicle stands at the start and later.
@@ -29,7 +29,8 @@ pub(super) fn sinks(w: &Wheel, part: f32x8, time: f32) -> f32x8 {
         return all(0.0);
     }
     let depth = w.depth * deeper(part.min(all(MOST)));
-    w.sunk + (depth - w.sunk) * all((time / SINKING).min(1.0))
+    let [sinks, rises] = SINKING.map(|of| all((time / of).min(1.0)));
+    w.sunk + (depth - w.sunk) * depth.simd_gt(w.sunk).select(sinks, rises)
 }
 
 impl Twin {
@@ -38,7 +39,7 @@ impl Twin {
         let shape = &self.shape;
         let axes = s.axes();
         let hub = s.place + axes.out(shape.hub(i, w.travel));
-        let depth = self.meet(hub, [axes.forward, axes.up], all(0.0)).depth;
+        let depth = self.meet(hub, [axes.forward, axes.up, axes.left], all(0.0)).depth.max(all(0.0));
         let rear = usize::from(i >= 2);
         let load = all(shape.share[rear]) + all(shape.spring[rear]) * (w.travel - all(shape.rest[rear]));
         let load = load.max(all(0.0));

@@ -3,7 +3,7 @@
 use super::*;
 use vb_sdk::{GridFrame, Map, Pose, Vec3, Wheel as Told, math};
 
-const GRAVEL: u8 = 4;
+pub(super) const GRAVEL: u8 = 4;
 const MUD: u8 = 7;
 /// The friction that gravel is taken to have.
 const FRICTION: f64 = 0.55;
@@ -32,7 +32,7 @@ fn hmmwv() -> Vehicle {
 }
 
 /// 80 x 80 m of these heights, with a node every 0.5 m.
-fn twin(kind: u8, height: impl Fn(f64, f64) -> f64) -> Twin {
+pub(super) fn twin(kind: u8, height: impl Fn(f64, f64) -> f64) -> Twin {
     let frame = GridFrame { rows: 161, cols: 161, resolution: 0.5, origin_x: -40.0, origin_y: -40.0 };
     let heights = (0..161 * 161).map(|k| {
         let (x, y) = frame.position(k / 161, k % 161);
@@ -97,7 +97,7 @@ fn it_keeps_speeds_both_ways_and_turns_as_a_bicycle_does() {
     drive(&twin, &mut s, 1.0, 2.0, 3.0);
     let rate = f64::from(s.rotation.z.to_array()[0]);
     // The yaw rate of a bicycle is v tan δ / L; tyres slip by some per cent.
-    let bicycle = f64::from(s.speed[0]) * math::tan(0.6) / 3.302;
+    let bicycle = f64::from(s.speed[0]) * math::tan(f64::from(twin.shape.steer)) / 3.302;
     assert!((rate / bicycle - 1.0).abs() < 0.15, "{rate} for {bicycle}");
 }
 
