@@ -202,7 +202,7 @@ mod tests {
             let chord = 1.0 - depth;
             let segment = vb_sdk::math::acos(chord) - chord * (2.0 * depth - depth * depth).sqrt();
             let told = f64::from(outline.deflection(all(segment as f32)).to_array()[0]);
-            // Seven stations measure an area by some per cent.
+            // Seven stations measure an area coarsely.
             assert!((told / depth - 1.0).abs() < 0.25, "{told} for {depth}");
         }
     }

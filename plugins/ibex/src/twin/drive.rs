@@ -6,12 +6,12 @@ use super::vector::{all, within};
 use super::{Controls, Shape, Twin, WHEELS, Wheel};
 
 /// The greatest torque of all wheels at full throttle, in weights times radius, by their mean spin (rad/s at full scale): the greater of
-/// two lines, `[at rest, rise]` and `[at the spin where it begins, that spin, rise]`, and its bound. Engines turn slowly in low gear.
+/// two lines, `[at rest, rise]` and `[at the spin where it begins, that spin, rise]`, and its bound: engine and gears of the HMMWV.
 const SLOW: [f32; 2] = [1.07, 0.09];
 const RISING: [f32; 3] = [1.33, 2.86, 1.24];
 const MOST: f32 = 3.33;
 /// How much less the wheels of an axle, and all wheels, spin up by the same torques than a wheel that turns against its neighbour, with
-/// which no shaft turns: of the HMMWV's moments of inertia, a wheel has 8.7 kg m², the shafts of an axle, seen from its wheels, 13.1
+/// which no shaft turns: of the HMMWV's inertia (`tasks/vehicles/hmmwv.yaml`) a wheel has 8.7 kg m², the shafts of an axle, seen from its wheels, 13.1
 /// besides, and those between the axles another 27.5.
 const TOGETHER: [f32; 2] = [17.4 / 30.5, 34.8 / 88.5];
 

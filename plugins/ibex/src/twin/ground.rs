@@ -20,9 +20,9 @@ impl Kind {
     }
 }
 
-/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields has the shear strength of a
-/// friction angle of 30° less what is lost at the slip of a wheel that drives (Janosi and Hanamoto), and the depth at which Bekker's
-/// law bears the load, of the soil of medium level (`tasks/soils/default.yaml`). Other levels are found out on the way.
+/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields has the strength of a friction
+/// angle of 30° (0.58) less what a driving wheel's slip loses of it (Janosi and Hanamoto), fitted on training worlds, and the depth at which
+/// Bekker's law bears the load, of the soil of medium level (`tasks/soils/default.yaml`). Other levels are found out on the way.
 const KINDS: [Kind; 10] = [
     Kind::firm(0.60),
     Kind::firm(0.85),

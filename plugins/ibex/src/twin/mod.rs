@@ -6,7 +6,7 @@
 //! ground bears it. Soil gives way under the wheels and resists them.
 //!
 //! It is made of what planners are told and of the HMMWV's proportions, and not of the harness's simulator, from which it differs in
-//! nearly everything. `cargo run --release -p vb-twin-check` shows how far the two agree. Its steps are longer by seventeen times, and
+//! nearly everything. `vb-twin-check` shows how far the two agree (`docs/planners.md`). Its steps are longer by seventeen times, and
 //! [`LANES`] vehicles are computed side by side.
 
 mod body;

@@ -17,7 +17,7 @@ const MOVED: f32 = 4.0;
 /// How far a contact lies beside the wheel's middle at most, in radii: the radius of gyration of the HMMWV's tread across.
 const STRIP: f32 = 0.157;
 /// How far the tread of the front and of the rear wheels moves outwards as a wheel rises, per travel. It turns about the point where the
-/// lines through its wishbones meet: so rough ground pushes wheels aside, and forces across press on springs.
+/// lines through the HMMWV's wishbones meet: so rough ground pushes wheels aside, and forces across press on springs.
 const SCRUB: [f32; 2] = [0.34, 0.44];
 /// Weights of the vehicle that a wheel bears at most.
 const MOST: f32 = 5.0;
