@@ -1,7 +1,7 @@
 //! Compiled plugins on disk.
 //!
 //! A file is named after everything that its content depends on: the plugin, the engine with its version and
-//! configuration, and this crate's version. It holds machine code, which is run without further checks, so it is only
+//! configuration, the version of what is changed in the plugin before, and this crate's version. It holds machine code, which is run without further checks, so it is only
 //! taken if this user's harness wrote it: the file begins with a keyed hash (HMAC-SHA256) over its name and content.
 //! The key is random, made once for each user, and lies beside the files, readable by its owner only.
 //!
@@ -46,6 +46,7 @@ pub(super) fn entry(dir: &Path, engine: &Engine, sha256: &str) -> Entry {
     let mut hasher = std::hash::DefaultHasher::new();
     // wasmtime's version, the target and all settings that change the code.
     engine.precompile_compatibility_hash().hash(&mut hasher);
+    super::canonical::VERSION.hash(&mut hasher);
     env!("CARGO_PKG_VERSION").hash(&mut hasher);
     let name = format!("{sha256}-{:016x}{SUFFIX}", hasher.finish());
     Entry { dir: dir.to_owned(), name, max_bytes: MAX_BYTES }

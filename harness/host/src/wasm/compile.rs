@@ -15,7 +15,7 @@ use vb_worker::protocol::{self, HEADER};
 use vb_worker::sandbox;
 use wasmtime::Engine;
 
-use super::{componentize, engine, is_of_the_system};
+use super::{canonical, componentize, engine, is_of_the_system};
 use crate::fault::FaultCause;
 use crate::inspect::{Format, PluginFile};
 use crate::log::Log;
@@ -89,21 +89,32 @@ pub(super) fn compile(
 }
 
 fn here(engine: &Engine, core_module: bool, bytes: &[u8]) -> Outcome {
-    let compiled = |component: &[u8]| {
-        engine.precompile_component(component).map_err(|e| {
-            if is_of_the_system(&e) || e.is::<wasmtime::OutOfMemory>() {
-                Refusal::OutOfMemory
-            } else {
-                Refusal::Unloadable(one_line(&format!("{e:#}")))
-            }
-        })
-    };
     let code = if core_module {
-        componentize(bytes).and_then(|component| compiled(&component))
+        componentize(bytes).and_then(|component| compiled(engine, &component))
     } else {
-        compiled(bytes)
+        compiled(engine, bytes)
     };
     code.map_or_else(Outcome::Refused, Outcome::Compiled)
+}
+
+fn compiled(engine: &Engine, component: &[u8]) -> Result<Vec<u8>, Refusal> {
+    match canonical::rewrite(component) {
+        Ok(rewritten) => precompiled(engine, &rewritten),
+        // What is wrong with a component the engine tells as it does for others. It never runs as it is.
+        Err(unfit) => Err(precompiled(engine, component)
+            .err()
+            .unwrap_or_else(|| Refusal::Unloadable(one_line(&unfit.to_string())))),
+    }
+}
+
+fn precompiled(engine: &Engine, component: &[u8]) -> Result<Vec<u8>, Refusal> {
+    engine.precompile_component(component).map_err(|e| {
+        if is_of_the_system(&e) || e.is::<wasmtime::OutOfMemory>() {
+            Refusal::OutOfMemory
+        } else {
+            Refusal::Unloadable(one_line(&format!("{e:#}")))
+        }
+    })
 }
 
 fn elsewhere(path: &Path, order: &Order, program: &Path) -> Result<Outcome, LoadError> {
