@@ -66,6 +66,10 @@ fn fix_processor(config: &mut Config) -> wasmtime::Result<()> {
 }
 
 pub(super) fn new(limits: &Limits) -> wasmtime::Result<Engine> {
+    Engine::new(&config(limits)?)
+}
+
+pub(super) fn config(limits: &Limits) -> wasmtime::Result<Config> {
     let mut cost = OperatorCost::new();
     // Growing calls the host, whatever the size: without a price of its own, a loop of it would take minutes for the
     // fuel of seconds.
@@ -93,7 +97,7 @@ pub(super) fn new(limits: &Limits) -> wasmtime::Result<Engine> {
         .max_wasm_stack(limits.stack_bytes)
         .wasm_backtrace_max_frames(std::num::NonZeroUsize::new(BACKTRACE_FRAMES));
     fix_processor(&mut config)?;
-    Engine::new(&config)
+    Ok(config)
 }
 
 /// Starts the clock of the watchdog.

@@ -1,0 +1,76 @@
+//! Random programs show the same bits, whoever makes their NaNs canonical.
+
+use wasmtime::{Config, Engine, Instance, Module, Store, Val};
+
+use super::super::{engine, rewrite};
+use super::programs::{BYTES, program};
+use super::{bodies, canonical_in};
+use crate::Limits;
+use crate::wasm::canonical::operators::{Action, action};
+
+/// Programs that are tried; all take some seconds.
+const PROGRAMS: u64 = 600;
+/// Fuel that no program uses up, even with what is added.
+const FUEL: u64 = 100_000_000;
+
+fn engine_with(change: impl Fn(&mut Config)) -> Engine {
+    let mut config = engine::config(&Limits::default()).unwrap();
+    change(&mut config);
+    Engine::new(&config).unwrap()
+}
+
+/// All that can be seen of a program when it has run.
+#[derive(Debug, PartialEq)]
+struct Seen {
+    end: Option<String>,
+    globals: [u128; 3],
+    memory: Vec<u8>,
+}
+
+fn run(engine: &Engine, module: &[u8]) -> Seen {
+    let module = Module::new(engine, module).unwrap();
+    let mut store = Store::new(engine, ());
+    store.set_fuel(FUEL).unwrap();
+    let instance = Instance::new(&mut store, &module, &[]).unwrap();
+    let end = instance.get_typed_func::<(), ()>(&mut store, "run").unwrap().call(&mut store, ());
+    let globals = ["f32", "f64", "v128"].map(|name| {
+        match instance.get_global(&mut store, name).unwrap().get(&mut store) {
+            Val::F32(bits) => u128::from(bits),
+            Val::F64(bits) => u128::from(bits),
+            Val::V128(bits) => bits.as_u128(),
+            other => panic!("{other:?}"),
+        }
+    });
+    let memory = instance.get_memory(&mut store, "memory").unwrap();
+    let memory = memory.data(&store)[..BYTES as usize].to_vec();
+    Seen { end: end.err().map(|error| error.root_cause().to_string()), globals, memory }
+}
+
+fn arithmetic_in(module: &[u8]) -> usize {
+    let operators = bodies(module).into_iter().flat_map(|body| body.get_operators_reader().unwrap());
+    operators
+        .filter(|operator| matches!(action(operator.as_ref().unwrap()), Action::Arithmetic { .. }))
+        .count()
+}
+
+#[test]
+fn random_programs_show_the_bits_that_the_engines_own_pass_gives() {
+    let ours = engine_with(|_| {});
+    let theirs = engine_with(|config| {
+        config.cranelift_nan_canonicalization(true);
+    });
+    let (mut differ, mut arithmetic, mut canonical) = (0, 0, 0);
+    for seed in 0..PROGRAMS {
+        let text = program(seed);
+        let module = wat::parse_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let rewritten = rewrite(&module).unwrap();
+        let expected = run(&theirs, &module);
+        assert_eq!(run(&ours, &rewritten), expected, "program {seed}:\n{text}");
+        differ += u64::from(run(&ours, &module) != expected);
+        arithmetic += arithmetic_in(&module);
+        canonical += canonical_in(&rewritten).len();
+    }
+    // The programs are such that it matters, and that much of it can be left out.
+    assert!(differ > PROGRAMS / 3, "{differ} programs show other bits as they are");
+    assert!(4 * canonical < 3 * arithmetic, "{canonical} of {arithmetic} results are made canonical");
+}
