@@ -79,7 +79,7 @@ pub(super) fn body(
     let mut scratch = Scratch::default();
     let mut added = Vec::new();
     let mut count = locals;
-    for site in sites {
+    for site in sites.iter().filter(|site| site.local.is_none()) {
         let local = scratch.local(site.shape);
         if local.is_none() {
             *local = Some(count);
@@ -97,10 +97,17 @@ pub(super) fn body(
     let mut from = kept;
     for site in sites {
         out.extend_from_slice(&file[from..site.end]);
-        if let Some(local) = *scratch.local(site.shape) {
-            for instruction in canonical(site.shape, local) {
-                instruction.encode(&mut out);
+        match (site.local, *scratch.local(site.shape)) {
+            (Some(local), _) => {
+                Instruction::LocalGet(local).encode(&mut out);
+                choose(site.shape, local, &mut out);
+                Instruction::LocalSet(local).encode(&mut out);
             }
+            (None, Some(local)) => {
+                Instruction::LocalTee(local).encode(&mut out);
+                choose(site.shape, local, &mut out);
+            }
+            (None, None) => {}
         }
         from = site.end;
     }
@@ -114,8 +121,8 @@ fn within(what: &'static str, found: usize, limit: usize) -> Result<(), Failure>
 }
 
 /// Replaces the float on the stack, or each lane that it has, by the canonical NaN if it is a NaN, which alone doesn't
-/// equal itself.
-fn canonical(shape: Shape, local: u32) -> [Instruction<'static>; 6] {
+/// equal itself. A local holds the float as well.
+fn choose(shape: Shape, local: u32, out: &mut Vec<u8>) {
     use Instruction::*;
     let (nan, equal, choose) = match shape {
         Shape::F32 => (F32Const(Ieee32::new(0x7fc0_0000)), F32Eq, Select),
@@ -123,5 +130,7 @@ fn canonical(shape: Shape, local: u32) -> [Instruction<'static>; 6] {
         Shape::F32x4 => (V128Const(0x7fc0_0000_7fc0_0000_7fc0_0000_7fc0_0000), F32x4Eq, V128Bitselect),
         Shape::F64x2 => (V128Const(0x7ff8_0000_0000_0000_7ff8_0000_0000_0000), F64x2Eq, V128Bitselect),
     };
-    [LocalTee(local), nan, LocalGet(local), LocalGet(local), equal, choose]
+    for instruction in [nan, LocalGet(local), LocalGet(local), equal, choose] {
+        instruction.encode(out);
+    }
 }

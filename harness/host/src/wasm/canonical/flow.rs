@@ -26,7 +26,7 @@ pub(super) fn sites<R: WasmModuleResources>(
     validator: &mut FuncValidator<R>,
 ) -> Result<Vec<Site>, BinaryReaderError> {
     validator.read_locals(&mut body.get_binary_reader())?;
-    let slots = slots(validator);
+    let slots = Slots::new(validator);
     let mut walk = writes_in_loops(body, &slots)?.map(|writes| Walk::new(slots, writes));
     let mut all = Vec::new();
     let mut operators = body.get_operators_reader()?;
@@ -37,7 +37,7 @@ pub(super) fn sites<R: WasmModuleResources>(
         validator.op(offset, &operator)?;
         let end = operators.original_position();
         if let Action::Arithmetic { makes, .. } = action(&operator) {
-            all.push(Site { end, shape: makes });
+            all.push(Site { end, shape: makes, local: None });
         }
         let stepped = walk.take().zip(arity).map(|(mut walk, (pops, pushes))| {
             walk.step(&operator, pops as usize, pushes as usize, end)?;
@@ -49,25 +49,37 @@ pub(super) fn sites<R: WasmModuleResources>(
     Ok(walk.map_or(all, |walk| walk.graph.sites()))
 }
 
-/// For each local its number among those that can hold floats, if it can.
-fn slots<R: WasmModuleResources>(validator: &FuncValidator<R>) -> Vec<Option<usize>> {
-    let mut count = 0;
-    (0..validator.len_locals())
-        .map(|local| {
-            let holds =
+/// The locals that can hold floats, which are numbered anew.
+struct Slots {
+    /// For each local its slot, if it has one.
+    of_locals: Vec<Option<usize>>,
+    /// For each slot its local.
+    locals: Vec<u32>,
+}
+
+impl Slots {
+    fn new<R: WasmModuleResources>(validator: &FuncValidator<R>) -> Self {
+        let mut slots = Self { of_locals: Vec::new(), locals: Vec::new() };
+        for local in 0..validator.len_locals() {
+            let holds_floats =
                 matches!(validator.get_local_type(local), Some(ValType::F32 | ValType::F64 | ValType::V128));
-            holds.then(|| {
-                count += 1;
-                count - 1
-            })
-        })
-        .collect()
+            slots.of_locals.push(holds_floats.then_some(slots.locals.len()));
+            if holds_floats {
+                slots.locals.push(local);
+            }
+        }
+        slots
+    }
+
+    fn of(&self, local: u32) -> Option<usize> {
+        self.of_locals.get(local as usize).copied().flatten()
+    }
 }
 
 /// For each loop, in the order in which they begin, the locals that are set in it; `None` where that is too much.
 fn writes_in_loops(
     body: &FunctionBody<'_>,
-    slots: &[Option<usize>],
+    slots: &Slots,
 ) -> Result<Option<Vec<Vec<usize>>>, BinaryReaderError> {
     let mut loops: Vec<BTreeSet<usize>> = Vec::new();
     // The blocks that are open, and which of them are loops.
@@ -93,8 +105,7 @@ fn writes_in_loops(
                 }
             }
             Operator::LocalSet { local_index } | Operator::LocalTee { local_index } => {
-                let slot = slots.get(local_index as usize).copied().flatten();
-                if let (Some(slot), Some(innermost)) = (slot, innermost.last()) {
+                if let (Some(slot), Some(innermost)) = (slots.of(local_index), innermost.last()) {
                     loops[*innermost].insert(slot);
                 }
             }
@@ -122,14 +133,14 @@ enum Label {
     End(Option<Vec<Value>>),
     /// As before; the second are the values where its condition doesn't hold, until they are taken up by its `else`.
     EndOfIf(Option<Vec<Value>>, Option<Vec<Value>>),
-    /// To its begin, where these joins of locals are.
+    /// To its begin, where these joins of locals are, the first of the loop's values.
     Begin(Vec<(usize, Value)>),
 }
 
 /// The state of the walk between two operators.
 struct Walk {
     graph: Graph,
-    slots: Vec<Option<usize>>,
+    slots: Slots,
     /// The values of the locals, by slot.
     locals: Vec<Value>,
     stack: Vec<Value>,
@@ -140,8 +151,8 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(slots: Vec<Option<usize>>, writes: Vec<Vec<usize>>) -> Self {
-        let locals = vec![Value::OPAQUE; slots.iter().flatten().count()];
+    fn new(slots: Slots, writes: Vec<Vec<usize>>) -> Self {
+        let locals = vec![Value::OPAQUE; slots.locals.len()];
         let function = Frame { height: 0, live: true, label: Label::End(None) };
         Self {
             graph: Graph::new(),
@@ -180,7 +191,7 @@ impl Walk {
                 self.enter(pushes, |walk| Label::Begin(walk.joins(&writes)));
             }
             Operator::Else => self.otherwise(pops, pushes)?,
-            Operator::End => self.leave(pops, pushes)?,
+            Operator::End => self.leave(pops, pushes, end)?,
             _ if !self.reachable => {}
             Operator::Br { relative_depth } => {
                 self.observe(pops);
@@ -214,12 +225,12 @@ impl Walk {
                 self.reachable = false;
             }
             Operator::LocalGet { local_index } => {
-                let value = self.slot(*local_index)?.map_or(Value::OPAQUE, |slot| self.locals[slot]);
+                let value = self.slots.of(*local_index).map_or(Value::OPAQUE, |slot| self.locals[slot]);
                 self.stack.push(value);
             }
             Operator::LocalSet { local_index } | Operator::LocalTee { local_index } => {
                 let value = self.pop();
-                if let Some(slot) = self.slot(*local_index)? {
+                if let Some(slot) = self.slots.of(*local_index) {
                     self.locals[slot] = value;
                 }
                 self.stack.extend(std::iter::repeat_n(value, pushes));
@@ -240,7 +251,7 @@ impl Walk {
         let result = match (action, operands.as_slice()) {
             (Action::Arithmetic { reads, makes }, operands) => {
                 observe(graph, operands, Demand::numbers(reads));
-                graph.source(Site { end, shape: makes })
+                graph.source(Site { end, shape: makes, local: None })
             }
             (Action::Reading(width), operands) => {
                 observe(graph, operands, Demand::numbers(width));
@@ -301,10 +312,6 @@ impl Walk {
         Ok(())
     }
 
-    fn slot(&self, local: u32) -> Result<Option<usize>, Lost> {
-        self.slots.get(local as usize).copied().ok_or(Lost)
-    }
-
     fn pop(&mut self) -> Value {
         self.stack.pop().unwrap_or(Value::OPAQUE)
     }
@@ -348,6 +355,16 @@ impl Walk {
         joins
     }
 
+    /// Takes the locals that a loop has set out of it.
+    fn take_out(&mut self, joins: &[(usize, Value)], end: usize) {
+        let Some((_, first)) = joins.first() else { return };
+        for (slot, _) in joins {
+            let value = &mut self.locals[*slot];
+            let local = self.slots.locals[*slot];
+            *value = self.graph.result_of_loop(*value, *first, end, local).unwrap_or(*value);
+        }
+    }
+
     /// Takes the values of the locals to the label of a block.
     fn branch(&mut self, depth: u32) -> Result<(), Lost> {
         let frame = self.frames.iter_mut().nth_back(depth as usize).ok_or(Lost)?;
@@ -384,8 +401,8 @@ impl Walk {
         Ok(())
     }
 
-    /// Ends a block with so many results.
-    fn leave(&mut self, operands: usize, results: usize) -> Result<(), Lost> {
+    /// Ends a block with so many results, there in the file.
+    fn leave(&mut self, operands: usize, results: usize, end: usize) -> Result<(), Lost> {
         if self.reachable {
             self.observe(operands);
         }
@@ -396,7 +413,12 @@ impl Walk {
         let (mut states, otherwise) = match frame.label {
             Label::End(states) => (states, None),
             Label::EndOfIf(states, otherwise) => (states, otherwise),
-            Label::Begin(_) => (None, None),
+            Label::Begin(joins) => {
+                if self.reachable {
+                    self.take_out(&joins, end);
+                }
+                (None, None)
+            }
         };
         for arriving in
             [self.reachable.then(|| std::mem::take(&mut self.locals)), otherwise].into_iter().flatten()

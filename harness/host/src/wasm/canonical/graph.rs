@@ -82,19 +82,23 @@ struct Edge {
     passing: Passing,
 }
 
-/// An operator that does arithmetic.
+/// A value whose NaNs can be made canonical where it comes to be.
 #[derive(Clone, Copy)]
 struct Source {
     value: Value,
     site: Site,
+    /// The source that it is the same number as, if it is no result of arithmetic itself.
+    of: Option<usize>,
 }
 
-/// A place at which NaNs can be made canonical: behind an operator that leaves a float on the stack.
+/// A place at which NaNs can be made canonical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Site {
-    /// Where the operator ends in the file.
+    /// Where the operator behind which it is ends in the file.
     pub(super) end: usize,
     pub(super) shape: Shape,
+    /// The local that holds the number; if there is none, it is on the stack.
+    pub(super) local: Option<u32>,
 }
 
 /// The values of one function.
@@ -122,8 +126,27 @@ impl Graph {
     /// The result of arithmetic.
     pub(super) fn source(&mut self, site: Site) -> Value {
         let value = self.add(None);
-        self.sources.push(Source { value, site });
+        self.sources.push(Source { value, site, of: None });
         value
+    }
+
+    /// A number that goes on behind a loop, if it is one of arithmetic in the loop, whose first value is given. What is
+    /// seen of it behind the loop needn't be canonical in each of its turns.
+    pub(super) fn result_of_loop(
+        &mut self,
+        number: Value,
+        first: Value,
+        end: usize,
+        local: u32,
+    ) -> Option<Value> {
+        let of = self.sources.binary_search_by_key(&number.0, |source| source.value.0).ok()?;
+        if number.0 < first.0 {
+            return None;
+        }
+        let value = self.add(None);
+        let site = Site { end, shape: self.sources[of].site.shape, local: Some(local) };
+        self.sources.push(Source { value, site, of: Some(of) });
+        Some(value)
     }
 
     /// A vector whose lanes have all bits set or none.
@@ -166,13 +189,21 @@ impl Graph {
         *all = all.and(demand);
     }
 
-    /// The arithmetic whose NaNs have to be canonical, in the order of the operators.
+    /// The places where NaNs have to be made canonical, in the order of the operators.
     pub(super) fn sites(mut self) -> Vec<Site> {
         self.settle();
-        let needs = |source: &Source| {
-            self.demands[source.value.0 as usize].needs_canonical(source.site.shape.width())
-        };
-        self.sources.iter().filter(|source| needs(source)).map(|source| source.site).collect()
+        let mut canonical = Vec::with_capacity(self.sources.len());
+        let mut sites = Vec::new();
+        for source in &self.sources {
+            let demand = self.demands[source.value.0 as usize];
+            let already = source.of.is_some_and(|of| canonical[of]);
+            let needed = demand.needs_canonical(source.site.shape.width());
+            if needed && !already {
+                sites.push(source.site);
+            }
+            canonical.push(needed || already);
+        }
+        sites
     }
 
     /// Hands each demand on to the operands, until nothing changes any more.

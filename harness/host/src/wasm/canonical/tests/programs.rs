@@ -395,22 +395,27 @@ impl Writer {
         }
     }
 
-    /// A loop of some turns.
+    /// A loop of some turns. Its condition is in front of its body or behind it; in the latter case nothing may begin the
+    /// next turn but the condition.
     fn turns(&mut self, depth: u32) -> String {
         let counter = format!("$turns{}", self.loops);
-        self.loops += 1;
-        let (out, again) = (self.label(), self.label());
-        let inside = self.statements(6, depth);
-        self.labels.truncate(self.labels.len() - 2);
-        self.loops -= 1;
         let turns = 1 + self.below(4);
-        format!(
-            "(local.set {counter} (i32.const {turns}))
-    (block {out} (loop {again}
-      (br_if {out} (i32.eqz (local.get {counter})))
-      (local.set {counter} (i32.sub (local.get {counter}) (i32.const 1)))
-      {inside}
-      (br {again})))"
-        )
+        self.loops += 1;
+        let in_front = self.below(2) == 0;
+        let out = self.label();
+        let again = self.label();
+        if !in_front {
+            self.labels.pop();
+        }
+        let inside = self.statements(6, depth);
+        self.labels.truncate(self.labels.len() - if in_front { 2 } else { 1 });
+        self.loops -= 1;
+        let count = format!("(local.set {counter} (i32.sub (local.get {counter}) (i32.const 1)))");
+        let body = if in_front {
+            format!("(br_if {out} (i32.eqz (local.get {counter}))) {count} {inside} (br {again})")
+        } else {
+            format!("{count} {inside} (br_if {again} (local.get {counter}))")
+        };
+        format!("(local.set {counter} (i32.const {turns})) (block {out} (loop {again} {body}))")
     }
 }
