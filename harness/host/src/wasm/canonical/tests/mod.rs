@@ -1,6 +1,7 @@
 //! What is made canonical in functions that are small enough to tell, and that random programs can't tell this pass from
 //! the engine's own.
 
+mod files;
 mod programs;
 mod random;
 
