@@ -15,6 +15,8 @@ use super::operators::{Action, action};
 /// needs a small part of it. In a function that needs more all arithmetic is made canonical, so that the time of this
 /// pass and its memory have a bound.
 const MAX_WORK: usize = 1 << 26;
+/// What it counts that a value becomes a part of another, which takes more memory.
+const WORK_OF_PASSING: usize = 8;
 
 /// The function can't be followed.
 struct Lost;
@@ -237,7 +239,7 @@ impl Walk {
             }
             _ => self.compute(action(operator), pops, pushes, end)?,
         }
-        if self.work > MAX_WORK { Err(Lost) } else { Ok(()) }
+        if self.work + WORK_OF_PASSING * self.graph.passings() > MAX_WORK { Err(Lost) } else { Ok(()) }
     }
 
     /// Takes an operator that does no more than to make values of values.

@@ -183,6 +183,11 @@ impl Graph {
         }
     }
 
+    /// How often a value has become a part of another.
+    pub(super) fn passings(&self) -> usize {
+        self.edges.len()
+    }
+
     /// Notes what something that is no part of the graph sees of a value.
     pub(super) fn demand(&mut self, value: Value, demand: Demand) {
         let all = &mut self.demands[value.0 as usize];

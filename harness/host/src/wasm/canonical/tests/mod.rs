@@ -179,6 +179,12 @@ fn values_are_followed_round_a_loop() {
          (f32.store (i32.const 0) (local.get $x))",
         &["F32Add"],
     );
+    sees(
+        "(local.set $z (f32.add (local.get $a) (local.get $b)))
+         (loop (local.set $x (local.get $z)) (br_if 0 (local.get $i)))
+         (f32.store (i32.const 0) (local.get $x))",
+        &["F32Add"],
+    );
     // The loop is left in its midst.
     sees(
         "(block

@@ -105,7 +105,8 @@ impl Writer {
 
     fn address(&mut self) -> u64 {
         // Mostly in step with lanes, so that what is stored is read again as what it was.
-        4 * self.below((BYTES - 16) / 4) & if self.below(4) == 0 { !0 } else { !15 }
+        let address = 4 * self.below((BYTES - 16) / 4);
+        if self.below(4) == 0 { address } else { address & !15 }
     }
 
     fn constant(&mut self, ty: Type) -> String {
