@@ -238,6 +238,9 @@ fn lanes_that_are_read_in_another_width_are_seen() {
     sees(&format!("(drop (f32x4.sqrt (f64x2.neg {sum})))"), &["F64x2Add"]);
     sees(&format!("(drop (f32x4.sqrt (f64x2.splat (f64x2.extract_lane 0 {sum}))))"), &["F64x2Add"]);
     sees(&format!("(drop (i64x2.add {sum} (local.get $v)))"), &["F64x2Add"]);
+    // Halves of numbers are put together anew, or change in more than their sign.
+    sees(&format!("(drop (f64x2.sqrt (f32x4.splat (f32x4.extract_lane 0 {sum}))))"), &["F64x2Add"]);
+    sees(&format!("(drop (f64x2.sqrt (f32x4.neg {sum})))"), &["F64x2Add"]);
     let sum = "(f32x4.add (local.get $v) (local.get $w))";
     sees(&format!("(drop (f32x4.pmin {sum} (local.get $v)))"), &[]);
     sees(&format!("(drop (f64x2.pmin {sum} (local.get $v)))"), &["F32x4Add"]);
@@ -263,10 +266,15 @@ fn a_choice_of_bits_is_one_of_lanes_if_its_mask_is() {
     sees(&reads(&chosen(&format!("(v128.xor {less} (local.get $w))"))), &["F32x4Add", "F32x4Sqrt"]);
     sees(&format!("(v128.store (i32.const 0) {})", chosen(less)), &["F32x4Add", "F32x4Sqrt"]);
     // Lanes of 64 bits are put together of halves.
-    sees(
-        "(drop (f64x2.floor (v128.bitselect (f64x2.sqrt (local.get $v)) (local.get $w) (i32x4.eq (local.get $v) (local.get $w)))))",
-        &["F64x2Sqrt"],
-    );
+    for mask in
+        [less, half.replace("-1 0 -1 0", "-1 0 0 0").as_str(), "(i32x4.eq (local.get $v) (local.get $w))"]
+    {
+        let chosen = format!("(v128.bitselect (f64x2.sqrt (local.get $v)) (local.get $w) {mask})");
+        sees(&format!("(drop (f64x2.floor {chosen}))"), &["F64x2Sqrt"]);
+    }
+    // What is compared or combined bit by bit is seen.
+    sees(&format!("(drop (i32x4.eq {sum} (local.get $w)))"), &["F32x4Add"]);
+    sees(&format!("(drop (v128.not {sum}))"), &["F32x4Add"]);
     sees(&reads(&format!("(v128.and {sum} {less})")), &[]);
     sees(&reads(&format!("(v128.and {less} {sum})")), &[]);
     sees(&reads(&format!("(v128.andnot {sum} {less})")), &[]);
