@@ -1,8 +1,9 @@
 //! Compiled plugins on disk.
 //!
 //! A file is named after everything that its content depends on: the plugin, the engine with its version and
-//! configuration, the version of what is changed in the plugin before, and this crate's version. It holds machine code, which is run without further checks, so it is only
-//! taken if this user's harness wrote it: the file begins with a keyed hash (HMAC-SHA256) over its name and content.
+//! configuration, the version of what is changed in a plugin before it is compiled, and this crate's version. It holds
+//! machine code, which is run without further checks, so it is only taken if this user's harness wrote it: the file begins
+//! with a keyed hash (HMAC-SHA256) over its name and content.
 //! The key is random, made once for each user, and lies beside the files, readable by its owner only.
 //!
 //! What that protects from: files cut short, altered or swapped, be it by accident or by somebody who may write to the
