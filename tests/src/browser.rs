@@ -270,6 +270,11 @@ impl Browser {
 
     /// What the window shows.
     pub fn screenshot(&mut self) -> Picture {
+        // What has just changed is painted with the next frame, which takes its time on a busy machine.
+        self.eval(
+            "Promise.race([new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0)))), \
+             new Promise(done => setTimeout(() => done(0), 2000))])",
+        );
         let data = self.call("Page.captureScreenshot", json!({"format": "png"}));
         let bytes = base64::engine::general_purpose::STANDARD.decode(data["data"].as_str().unwrap()).unwrap();
         // For people who look at what the tests see.
