@@ -21,6 +21,10 @@ pub(crate) fn tools() -> Result<Vec<Compiler>, Failure> {
     Ok(tools)
 }
 
+/// What `.cargo/config.toml` tells the compiler, which says why, and for which processor.
+const FAST: [&str; 2] = ["-C", "no-vectorize-slp"];
+const FAST_PROCESSOR: &str = "x86_64";
+
 /// Where what is built for other systems lies: everything is linked in another way.
 pub(crate) fn dir() -> PathBuf {
     crate::target_dir().join("portable")
@@ -42,7 +46,7 @@ pub(crate) fn program_name(target: &str) -> &'static str {
 pub(crate) fn cargo(tools: &[Compiler], subcommand: &str, target: &str) -> Command {
     let mut command = Command::new("cargo-zigbuild");
     command.arg(subcommand).arg("--target").arg(with_glibc(target)).current_dir(crate::root());
-    environment(&mut command, tools, &[]);
+    environment(&mut command, target, tools, &[]);
     command
 }
 
@@ -50,8 +54,9 @@ fn with_glibc(target: &str) -> String {
     if target.ends_with("linux-gnu") { format!("{target}.{GLIBC}") } else { target.to_owned() }
 }
 
-/// Lets a command find the tools and the folders of Python modules, and build without this machine's places in what is built.
-pub(crate) fn environment(command: &mut Command, tools: &[Compiler], modules: &[PathBuf]) {
+/// Lets a command that builds for a system find the tools and the folders of Python modules, and build without this machine's
+/// places in what is built.
+pub(crate) fn environment(command: &mut Command, target: &str, tools: &[Compiler], modules: &[PathBuf]) {
     find(command, tools, modules);
     command.env("CARGO_TARGET_DIR", dir());
     // strip is there for one processor only.
@@ -59,7 +64,11 @@ pub(crate) fn environment(command: &mut Command, tools: &[Compiler], modules: &[
     let mut place = OsString::from("--remap-path-prefix=");
     place.push(dir());
     place.push("=/target");
-    let flags: Vec<_> = plugins::without_places().into_iter().chain([place]).collect();
+    let mut flags: Vec<_> = plugins::without_places().into_iter().chain([place]).collect();
+    // Flags in the environment take the place of those of .cargo/config.toml.
+    if target.starts_with(FAST_PROCESSOR) {
+        flags.extend(FAST.map(OsString::from));
+    }
     command.env("CARGO_ENCODED_RUSTFLAGS", flags.join(OsStr::new("\u{1f}")));
     command.env_remove("RUSTFLAGS");
 }
@@ -101,6 +110,13 @@ mod tests {
             let folder = Compiler::of_pip(pin).unwrap().folder;
             assert!(folder.ends_with(pin.replace("==", "-")), "{}", folder.display());
         }
+    }
+
+    #[test]
+    fn what_is_built_for_other_systems_has_the_flags_of_what_is_built_here() {
+        let told = include_str!("../../.cargo/config.toml");
+        let flags = format!("'cfg(target_arch = \"{FAST_PROCESSOR}\")']\nrustflags = {FAST:?}\n");
+        assert!(told.ends_with(&flags), "{told}");
     }
 
     #[test]

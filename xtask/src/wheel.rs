@@ -49,7 +49,7 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
         let modules = [crate::root().join("harness/python/build_backend")];
         match &target {
             None => portable::find(&mut command, &tools, &modules),
-            Some(_) => portable::environment(&mut command, &tools, &modules),
+            Some(target) => portable::environment(&mut command, target, &tools, &modules),
         }
         command.env("VB_WHEEL_HARNESS", &program).env("VB_WHEEL_PLUGINS", crate::default_plugin_dir());
         if let Some(target) = &target {

@@ -8,10 +8,10 @@ use vb_world::TerrainClass;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-fn rugged() -> std::sync::Arc<vb_world::World> {
+fn rugged(deviation: f64) -> std::sync::Arc<vb_world::World> {
     let n = 129;
     let mut s = vb_math::rng::Stream::new(2, &["bench"]);
-    let h = (0..n * n).map(|_| s.normal(0.0, 0.15)).collect();
+    let h = (0..n * n).map(|_| s.normal(0.0, deviation)).collect();
     common::world(vb_world::Heightfield::new(n, n, 1.0, h), 0.6, vec![])
 }
 
@@ -24,14 +24,14 @@ fn step(c: &mut Criterion) {
     let mut group = c.benchmark_group("simulate 1 s at 1 ms");
     group.throughput(Throughput::Elements(1000)).sample_size(20);
     let soft = {
-        let mut w = std::sync::Arc::unwrap_or_clone(rugged());
+        let mut w = std::sync::Arc::unwrap_or_clone(rugged(0.15));
         w.terrain = vb_world::Terrain::Deformable;
         w.semantics.classes = vec![TerrainClass::Mud];
         std::sync::Arc::new(w)
     };
     for (name, world, soil_resolution) in [
         ("rigid, flat", common::flat(0.8), 0.1),
-        ("rigid, rough", rugged(), 0.1),
+        ("rigid, rough", rugged(0.15), 0.1),
         ("mud at 0.1 m, flat", on_soil(TerrainClass::Mud), 0.1),
         ("sand at 0.1 m, flat", on_soil(TerrainClass::Sand), 0.1),
         ("snow at 0.1 m, flat", on_soil(TerrainClass::Snow), 0.1),
@@ -62,6 +62,45 @@ fn step(c: &mut Criterion) {
     group.finish();
 }
 
+/// A hull that touches: what a step costs in which the contact solver runs.
+fn hull(c: &mut Criterion) {
+    let mut group = c.benchmark_group("hull on the ground, 1 s at 1 ms");
+    group.throughput(Throughput::Elements(1000)).sample_size(20);
+    let model = common::model(common::hmmwv());
+    let start = |world: &std::sync::Arc<vb_world::World>| {
+        let start = vb_world::Pose2 { x: -50.0, y: 0.0, yaw: 0.0 };
+        vb_sim::Simulation::new(world.clone(), &model, &common::soils(), start, SimOptions::default())
+            .expect("it settles")
+    };
+    // A ridge under the belly, on which the wheels spin.
+    let ridge = {
+        let heights = (0..129 * 129).map(|i| if (13..=14).contains(&(i % 129)) { 0.9 } else { 0.0 }).collect();
+        common::world(vb_world::Heightfield::new(129, 129, 1.0, heights), 0.6, vec![])
+    };
+    let flat = common::flat(0.8);
+    for (name, world, overturned) in
+        [("belly on a ridge", ridge, false), ("on its side", flat, true), ("very rough", rugged(0.45), false)]
+    {
+        group.bench_function(name, |b| {
+            let mut sim = start(&world);
+            let lay = |sim: &mut vb_sim::Simulation| if overturned { sim.overturn(1.5, 1.2) };
+            lay(&mut sim);
+            b.iter(|| {
+                let sim = &mut sim;
+                if sim.state().position.x.abs() > 55.0 || sim.time() > 25.0 {
+                    *sim = start(&world);
+                    lay(sim);
+                }
+                for _ in 0..100 {
+                    let controls = common::hold_speed(sim, 3.0, 0.0);
+                    sim.advance(controls, 10).expect("finite");
+                }
+            });
+        });
+    }
+    group.finish();
+}
+
 /// Every vehicle that comes with the harness on flat and on rough rigid ground of its scale, at the speed of 3 m/s at full
 /// size.
 fn vehicles(c: &mut Criterion) {
@@ -81,7 +120,7 @@ fn vehicles(c: &mut Criterion) {
         let spec = vb_vehicle::VehicleSpec::parse(text, name).expect("the shipped vehicle is valid");
         let (scale, pace) = (spec.scale, spec.scale.sqrt());
         let model = common::model(spec);
-        for (ground, world) in [("flat", common::flat(0.8)), ("rough", rugged())] {
+        for (ground, world) in [("flat", common::flat(0.8)), ("rough", rugged(0.15))] {
             let world = std::sync::Arc::new(world.scaled(scale));
             let start = || {
                 let start = vb_world::Pose2 { x: -50.0 * scale, y: 0.0, yaw: 0.0 };
@@ -119,5 +158,5 @@ fn linkages(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, step, vehicles, linkages);
+criterion_group!(benches, step, hull, vehicles, linkages);
 criterion_main!(benches);
