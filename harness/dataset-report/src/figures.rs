@@ -36,7 +36,7 @@ pub const QUANTITIES: [Quantity; 8] = [
         unit: "degrees",
         bin: 1.0,
         value: |f| {
-            let [x, y] = f.world.heightfield.facet(f.state[0], f.state[1]).gradient();
+            let [x, y] = f.world.heightfield.facet(f.state[0], f.state[1]).gradient;
             vb_math::atan(vb_math::hypot(x, y)).to_degrees()
         },
     },

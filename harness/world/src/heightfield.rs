@@ -32,13 +32,16 @@ pub struct SurfacePoint {
 /// One triangle of the surface, for many questions about points that are near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
-    /// South-western corner of its cell, and the height there.
-    corner: [f64; 2],
-    z: f64,
-    resolution: f64,
+    /// The south-western corner of its cell, m.
+    pub corner: [f64; 2],
+    /// The height there, m.
+    pub z: f64,
+    /// The side of the cell, m.
+    pub resolution: f64,
     /// Whether it is the cell's north-western half.
-    upper: bool,
-    gradient: [f64; 2],
+    pub upper: bool,
+    /// The slopes ∂z/∂x and ∂z/∂y, m/m.
+    pub gradient: [f64; 2],
 }
 
 /// The surface for a caller that asks for heights near each other: it keeps the last cell, in which the next point
@@ -113,12 +116,6 @@ impl Facet {
             & (v < self.resolution)
             & ((v >= u) == self.upper);
         inside.then_some(self.z + self.gradient[0] * u + self.gradient[1] * v)
-    }
-
-    /// The slopes ∂z/∂x and ∂z/∂y, m/m.
-    #[must_use]
-    pub fn gradient(&self) -> [f64; 2] {
-        self.gradient
     }
 }
 
@@ -450,7 +447,7 @@ mod tests {
         let heights = (0..81).map(|i| f64::from((i * 7919 % 101) as u8) * 0.02).collect();
         let h = Heightfield::new(9, 9, 0.5, heights);
         let f = h.facet(0.1, 0.3);
-        assert_eq!(f.gradient(), [h.at(0.1, 0.3).dzdx, h.at(0.1, 0.3).dzdy]);
+        assert_eq!(f.gradient, [h.at(0.1, 0.3).dzdx, h.at(0.1, 0.3).dzdy]);
         for (x, y, on) in [(0.1, 0.3, true), (0.2, 0.45, true), (0.3, 0.1, false), (-0.1, 0.3, false)] {
             match f.height(x, y) {
                 Some(z) => assert!(on && (z - h.height(x, y)).abs() < 1e-12),

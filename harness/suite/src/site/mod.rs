@@ -308,7 +308,7 @@ fn by_rules(surface: &Heightfield, corner: [f64; 2], site: &SiteParams) -> Terra
 
 /// Degrees.
 fn slope(surface: &Heightfield, [x, y]: [f64; 2]) -> f64 {
-    let [dx, dy] = surface.facet(x, y).gradient();
+    let [dx, dy] = surface.facet(x, y).gradient;
     vb_math::atan(vb_math::hypot(dx, dy)).to_degrees()
 }
 

@@ -5,7 +5,7 @@ use super::super::law::{Soil, each};
 use super::{FIRST, Footprint, Frame, LANES, Row, Stations};
 use crate::tyre::WheelMotion;
 use crate::{V3, normal_of};
-use fearless_simd::{Simd, f64x4, prelude::*};
+use fearless_simd::{Simd, f64x4, mask64x4, prelude::*};
 use vb_world::Heightfield;
 
 /// What one step collects, in the wheel's frame.
@@ -77,7 +77,7 @@ impl<const N: usize> Footprint<N> {
         for strip in 0..self.shape.strips {
             body.offset = self.shape.offset(strip);
             let origin = m.hub + m.axis * body.offset;
-            if !self.locate(strip, surface, f, &origin, top, &mut facet, &mut field) {
+            if !self.locate(simd, strip, surface, f, &origin, top, &mut facet, &mut field) {
                 self.lift_off(strip, &field);
                 continue;
             }
@@ -107,8 +107,9 @@ impl<const N: usize> Footprint<N> {
     /// Finds out how deep each station of a strip lies below the ground; returns whether one may be in contact.
     #[allow(clippy::too_many_arguments, reason = "strip, ground and what comes of them")]
     #[inline(always)]
-    fn locate(
+    fn locate<S: Simd>(
         &self,
+        simd: S,
         strip: usize,
         surface: &Heightfield,
         f: &Frame,
@@ -117,26 +118,47 @@ impl<const N: usize> Footprint<N> {
         facet: &mut Facet,
         field: &mut Field<N>,
     ) -> bool {
-        let (raised, plastic, shape) = (&self.raised[strip], &self.plastic[strip], &self.shape);
-        let mut rim = [0.0; N];
-        for k in FIRST..=Self::LAST {
-            rim[k] = origin.z + f.along.z * shape.xs[k] - f.up.z * shape.half[k];
-            // Above what is left of the highest ground nearby.
-            field.sinkage[k] = top + raised[k] - rim[k];
-        }
+        let all = |x: f64| f64x4::splat(simd, x);
+        let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
+        let (plastic, shape, zero) = (&self.plastic[strip], &self.shape, all(0.0));
         let mut touches = false;
-        for k in FIRST..=Self::LAST {
-            if field.sinkage[k] <= plastic[k] {
-                continue;
+        for g in (0..N).step_by(LANES) {
+            let is_station = load(&shape.lengths, g).simd_gt(zero);
+            let (x, half, depth) = (load(&shape.xs, g), load(&shape.half, g), load(plastic, g));
+            let raised = load(&self.raised[strip], g);
+            let rim = all(origin.z) + all(f.along.z) * x - all(f.up.z) * half;
+            // Above what is left of the highest ground nearby.
+            let most = all(top) + raised - rim;
+            let near = is_station & !most.simd_le(depth);
+            let mut sinkage = is_station.select(most, zero);
+            if near.any_true() {
+                let at = [
+                    all(origin.x) + all(f.along.x) * x - all(f.up.x) * half,
+                    all(origin.y) + all(f.along.y) * x - all(f.up.y) * half,
+                ];
+                if let Some(height) = facet.heights(simd, at, near) {
+                    let deep = (height + raised - rim) * all(facet.slope);
+                    sinkage = near.select(deep, sinkage);
+                    for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
+                        let normal = near.select(all(*n), load(row, g));
+                        store(row, g, normal);
+                    }
+                } else {
+                    // From facet to facet, in the order of the stations.
+                    let ([xs, ys], near) = (at, near.to_bitmask());
+                    let mut found = *sinkage;
+                    for lane in (0..LANES).filter(|lane| near >> lane & 1 == 1) {
+                        let height = facet.follow(surface, f, [xs[lane], ys[lane]]);
+                        found[lane] = (height + raised[lane] - rim[lane]) * facet.slope;
+                        for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
+                            row[g + lane] = *n;
+                        }
+                    }
+                    sinkage = found.simd_into(simd);
+                }
+                touches |= (near & sinkage.simd_gt(depth)).any_true();
             }
-            let (x, half) = (shape.xs[k], shape.half[k]);
-            let at = [origin.x + f.along.x * x - f.up.x * half, origin.y + f.along.y * x - f.up.y * half];
-            let sinkage = (facet.follow(surface, f, at) + raised[k] - rim[k]) * facet.slope;
-            field.sinkage[k] = sinkage;
-            for (row, n) in field.normal.iter_mut().zip(facet.normal.iter()) {
-                row[k] = *n;
-            }
-            touches |= sinkage > plastic[k];
+            store(&mut field.sinkage, g, sinkage);
         }
         touches
     }
@@ -329,8 +351,21 @@ impl Facet {
 
     fn on(surface: &Heightfield, f: &Frame, [x, y]: [f64; 2]) -> Self {
         let plane = surface.facet(x, y);
-        let normal = normal_of(plane.gradient());
+        let normal = normal_of(plane.gradient);
         Self { plane, slope: normal.z, normal: f.local(&normal) }
+    }
+
+    /// Heights of the ground at four points, if those that are `asked` for all lie on the current facet.
+    #[inline(always)]
+    fn heights<S: Simd>(&self, simd: S, [x, y]: [f64x4<S>; 2], asked: mask64x4<S>) -> Option<f64x4<S>> {
+        let all = |x: f64| f64x4::splat(simd, x);
+        let plane = &self.plane;
+        let (u, v) = (x - all(plane.corner[0]), y - all(plane.corner[1]));
+        let (zero, side) = (all(0.0), all(plane.resolution));
+        let half = if plane.upper { v.simd_ge(u) } else { !v.simd_ge(u) };
+        let on = u.simd_ge(zero) & v.simd_ge(zero) & u.simd_lt(side) & v.simd_lt(side) & half;
+        let all_on = !(asked & !on).any_true();
+        all_on.then(|| all(plane.z) + all(plane.gradient[0]) * u + all(plane.gradient[1]) * v)
     }
 
     /// Height of the ground at a point, whose facet becomes the current one.
