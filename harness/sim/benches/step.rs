@@ -74,7 +74,8 @@ fn hull(c: &mut Criterion) {
     };
     // A ridge under the belly, on which the wheels spin.
     let ridge = {
-        let heights = (0..129 * 129).map(|i| if (13..=14).contains(&(i % 129)) { 0.9 } else { 0.0 }).collect();
+        let heights =
+            (0..129 * 129).map(|i| if (13..=14).contains(&(i % 129)) { 0.9 } else { 0.0 }).collect();
         common::world(vb_world::Heightfield::new(129, 129, 1.0, heights), 0.6, vec![])
     };
     let flat = common::flat(0.8);
@@ -83,7 +84,11 @@ fn hull(c: &mut Criterion) {
     {
         group.bench_function(name, |b| {
             let mut sim = start(&world);
-            let lay = |sim: &mut vb_sim::Simulation| if overturned { sim.overturn(1.5, 1.2) };
+            let lay = |sim: &mut vb_sim::Simulation| {
+                if overturned {
+                    sim.overturn(1.5, 1.2)
+                }
+            };
             lay(&mut sim);
             b.iter(|| {
                 let sim = &mut sim;

@@ -146,7 +146,7 @@ impl Soil {
         let inverse = all(self.inverse_shear_modulus);
         let size = (state[0] * state[0] + state[1] * state[1]).sqrt();
         let way = size * inverse;
-        let fraction = each(simd, way, |x| self.saturation.at(x));
+        let fraction = self.saturation.at(simd, way);
         let scale = size.simd_gt(none).select(fraction / size, inverse);
         let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
         let per_speed = all(dt * self.inverse_shear_modulus);
@@ -159,7 +159,7 @@ impl Soil {
         let mobilised = [mobilise(0), mobilise(1)];
         let level = (mobilised[0] * mobilised[0] + mobilised[1] * mobilised[1]).sqrt();
         // By differences, so that where nothing slips nothing drifts.
-        let ways = |fraction: f64x4<S>| each(simd, fraction, |s| self.saturation.inverse(s));
+        let ways = |fraction: f64x4<S>| self.saturation.inverse(simd, fraction);
         let further = way + ways(level) - ways(fraction);
         let further = greater(further, zero);
         let further = further.simd_lt(all(SATURATED)).select(further, all(SATURATED));
@@ -174,13 +174,6 @@ impl Soil {
         let stress = |k: usize| -strength * (mobilised[k] + slip[k] * damper);
         (after, [stress(0), stress(1)])
     }
-}
-
-/// A function of each lane.
-#[inline(always)]
-pub(super) fn each<S: Simd>(simd: S, lanes: f64x4<S>, f: impl Fn(f64) -> f64) -> f64x4<S> {
-    let [a, b, c, d] = *lanes;
-    f64x4::simd_from(simd, [f(a), f(b), f(c), f(d)])
 }
 
 /// The greater of two numbers, lane by lane; on every machine the second where they are equal.

@@ -1,7 +1,7 @@
 //! The wheel is pressed into the soil.
 
 use super::super::ground::{SoilGround, Under};
-use super::super::law::{Soil, each};
+use super::super::law::Soil;
 use super::{FIRST, Footprint, Frame, LANES, Row, Stations};
 use crate::tyre::WheelMotion;
 use crate::{V3, normal_of};
@@ -223,7 +223,7 @@ impl<const N: usize> Footprint<N> {
                 continue;
             }
             // The pressure is the smaller of the elastic line's and Bekker's: where they meet, the soil yields.
-            let power = each(simd, sinkage, |s| soil.power.at(s));
+            let power = soil.power.at(simd, sinkage);
             let yielding = power * modulus;
             let yields = elastic.simd_gt(yielding);
             let stress = yields.select(yielding, elastic);
