@@ -54,6 +54,16 @@ fn with_glibc(target: &str) -> String {
     if target.ends_with("linux-gnu") { format!("{target}.{GLIBC}") } else { target.to_owned() }
 }
 
+/// Gives a command that calls cargo outside of the checkout, where cargo doesn't find `.cargo/config.toml`, the flags from there, so
+/// that nothing is built twice. What the user has set stays.
+pub(crate) fn flags_of_here(command: &mut Command) {
+    let is_set = |name: &str| std::env::var_os(name).is_some();
+    if std::env::consts::ARCH == FAST_PROCESSOR && !is_set("RUSTFLAGS") && !is_set("CARGO_ENCODED_RUSTFLAGS")
+    {
+        command.env("CARGO_ENCODED_RUSTFLAGS", FAST.join("\u{1f}"));
+    }
+}
+
 /// Lets a command that builds for a system find the tools and the folders of Python modules, and build without this machine's
 /// places in what is built.
 pub(crate) fn environment(command: &mut Command, target: &str, tools: &[Compiler], modules: &[PathBuf]) {

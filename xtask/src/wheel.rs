@@ -48,7 +48,10 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
         command.args(["-B", "-m", "vertibench_build", what]).arg(&out).current_dir(crate::root());
         let modules = [crate::root().join("harness/python/build_backend")];
         match &target {
-            None => portable::find(&mut command, &tools, &modules),
+            None => {
+                portable::find(&mut command, &tools, &modules);
+                portable::flags_of_here(&mut command);
+            }
             Some(target) => portable::environment(&mut command, target, &tools, &modules),
         }
         command.env("VB_WHEEL_HARNESS", &program).env("VB_WHEEL_PLUGINS", crate::default_plugin_dir());

@@ -413,3 +413,40 @@ impl<const N: usize> Stations<N> {
         store(&mut self.sinkage, g, sinkage.simd_gt(deepest).select(sinkage, deepest));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn four_points_have_the_heights_of_each_if_all_that_are_asked_for_lie_on_the_facet() {
+        let mut stream = vb_math::rng::Stream::new(4, &["facet"]);
+        let heights = (0..81).map(|_| stream.normal(0.0, 0.2)).collect();
+        let surface = Heightfield::new(9, 9, 1.0, heights);
+        let frame = Frame { along: V3::x(), axis: V3::y(), up: V3::z() };
+        let mut found = [0, 0];
+        for k in 0..4000 {
+            // The north-western and the south-eastern half of a cell.
+            let middle = if k % 2 == 0 { [0.3, 0.7] } else { [0.7, 0.3] };
+            let facet = Facet::on(&surface, &frame, middle);
+            let mut around = |c: f64| [0; 4].map(|_| c + stream.normal(0.0, 0.3));
+            let (x, y) = (around(middle[0]), around(middle[1]));
+            let asked = [0; 4].map(|_| stream.normal(0.0, 1.0));
+            let together = dispatch!(Level::new(), simd => {
+                let lanes = |v: [f64; 4]| v.simd_into(simd);
+                let asked = f64x4::simd_from(simd, asked).simd_gt(f64x4::splat(simd, 0.0));
+                facet.heights(simd, [lanes(x), lanes(y)], asked).map(|z| *z)
+            });
+            let asked = (0..LANES).filter(|i| asked[*i] > 0.0);
+            let alone: Vec<_> = asked.map(|i| (i, facet.plane.height(x[i], y[i]))).collect();
+            let all_on = alone.iter().all(|(_, z)| z.is_some());
+            assert_eq!(together.is_some(), all_on, "{alone:?}");
+            for (i, z) in alone.iter().filter(|_| all_on) {
+                assert_eq!(z.map(f64::to_bits), together.map(|all| all[*i].to_bits()));
+            }
+            found[usize::from(all_on)] += usize::from(!alone.is_empty());
+        }
+        assert!(found.iter().all(|n| *n > 500), "{found:?}");
+    }
+}
