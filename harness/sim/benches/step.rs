@@ -66,11 +66,12 @@ fn step(c: &mut Criterion) {
 fn hull(c: &mut Criterion) {
     let mut group = c.benchmark_group("hull on the ground, 1 s at 1 ms");
     group.throughput(Throughput::Elements(1000)).sample_size(20);
-    let model = common::model(common::hmmwv());
-    let start = |world: &std::sync::Arc<vb_world::World>| {
-        let start = vb_world::Pose2 { x: -50.0, y: 0.0, yaw: 0.0 };
-        vb_sim::Simulation::new(world.clone(), &model, &common::soils(), start, SimOptions::default())
-            .expect("it settles")
+    let start = |world: &std::sync::Arc<vb_world::World>, overturned: bool| {
+        let mut sim = common::start(world, -50.0, 0.0, 0.0);
+        if overturned {
+            sim.overturn(1.5, 1.2);
+        }
+        sim
     };
     // A ridge under the belly, on which the wheels spin.
     let ridge = {
@@ -83,18 +84,11 @@ fn hull(c: &mut Criterion) {
         [("belly on a ridge", ridge, false), ("on its side", flat, true), ("very rough", rugged(0.45), false)]
     {
         group.bench_function(name, |b| {
-            let mut sim = start(&world);
-            let lay = |sim: &mut vb_sim::Simulation| {
-                if overturned {
-                    sim.overturn(1.5, 1.2)
-                }
-            };
-            lay(&mut sim);
+            let mut sim = start(&world, overturned);
             b.iter(|| {
                 let sim = &mut sim;
                 if sim.state().position.x.abs() > 55.0 || sim.time() > 25.0 {
-                    *sim = start(&world);
-                    lay(sim);
+                    *sim = start(&world, overturned);
                 }
                 for _ in 0..100 {
                     let controls = common::hold_speed(sim, 3.0, 0.0);
