@@ -18,11 +18,11 @@ mod soak;
 mod speed;
 mod suites;
 mod targets;
+mod test;
 mod tune;
 mod wasm_target;
 mod wheel;
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -85,8 +85,8 @@ fn main() -> ExitCode {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args[..] {
         ["demo"] => demo(),
-        ["test"] => test(),
-        ["lint"] => lint(),
+        ["test"] => test::test(),
+        ["lint"] => test::lint(),
         ["convergence"] => convergence::convergence(),
         ["compare-chrono"] => compare::compare_chrono(false),
         ["compare-chrono", "--all"] => compare::compare_chrono(true),
@@ -197,51 +197,6 @@ fn demo() -> Result<(), Failure> {
     run::run(&mut command)
 }
 
-/// The crates whose tests are built with overflow checks and debug assertions: those that compute. What they compute is the same
-/// in release, which snapshots of `vb-sim` show.
-const CHECKED: [&str; 7] =
-    ["vb-math", "vb-world", "vb-vehicle", "vb-sim", "vb-score", "vb-terrain", "vb-terrain-train"];
-
-fn test() -> Result<(), Failure> {
-    build_all()?;
-    examples::build_available(&default_plugin_dir())?;
-    step("running the tests");
-    let skipped = target_dir().join("skipped.tsv");
-    let _ = std::fs::remove_file(&skipped);
-    let cargo = |args: &[&str]| {
-        let mut command = std::process::Command::new(run::cargo_program());
-        command.arg("test").args(["--quiet", "--no-fail-fast"]).args(args).env(vb_testing::SKIPPED, &skipped);
-        run::run(command.current_dir(root()))
-    };
-    let of = |option: &'static str| CHECKED.iter().flat_map(move |name| [option, *name]);
-    // What the harness was built of is there in release; to build it again without optimisation takes half an hour.
-    let most: Vec<&str> = ["--release", "--workspace"].into_iter().chain(of("--exclude")).collect();
-    let result = cargo(&most);
-    let result = cargo(&of("--package").collect::<Vec<_>>()).and(result);
-    // Of a run without any there is no file.
-    say_skipped(&std::fs::read_to_string(&skipped).unwrap_or_default());
-    result
-}
-
-/// Prints which tests were skipped, by the reason; `list` has a line each: name, tab, reason.
-fn say_skipped(list: &str) {
-    let mut reasons: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for (test, reason) in list.lines().filter_map(|line| line.split_once('\t')) {
-        reasons.entry(reason).or_default().insert(test);
-    }
-    for (reason, tests) in reasons {
-        let names: Vec<&str> = tests.into_iter().collect();
-        step(&format!("skipped {}, {reason}: {}", names.len(), names.join(", ")));
-    }
-}
-
 fn abi() -> Result<(), Failure> {
     cargo(&["run", "--quiet", "--package", "vb-abi"])
-}
-
-fn lint() -> Result<(), Failure> {
-    step("checking formatting, lints and documentation");
-    cargo(&["fmt", "--all", "--check"])?;
-    cargo(&["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
-    cargo(&["doc", "--quiet", "--workspace", "--no-deps"])
 }
