@@ -29,10 +29,10 @@ impl Ledger {
     pub(crate) fn new(trial: &Trial<'_>) -> Self {
         let wheels = 2 * trial.vehicle.axles().len();
         Self {
-            scorer: Scorer::new(trial.rules, &TaskGeometry::of(trial.world, trial.task)),
+            scorer: Scorer::new(trial.rules, &TaskGeometry::of(trial.world(), trial.task)),
             recorder: TraceRecorder::new(trial.trace, wheels),
             hash: StateHash::default(),
-            recent: Recent::new(trial.world.scale),
+            recent: Recent::new(trial.world().scale),
             sim_steps: 0,
             planner_steps: 0,
             clamped: 0,

@@ -10,7 +10,7 @@ use vb_sdk::Param;
 use vb_sdk::metadata::Need;
 use vb_sense::rays::Scene;
 use vb_sense::{Perception, Profile};
-use vb_sim::{SimOptions, SoilSet, Start};
+use vb_sim::{SimOptions, SoilSet, Start, Surroundings};
 use vb_vehicle::VehicleModel;
 use vb_world::{Suite, SuiteError, Task, World};
 
@@ -25,6 +25,8 @@ use crate::{RunError, Trial, TrialResult};
 pub struct Place {
     /// The world, scaled.
     pub world: Arc<World>,
+    /// The world as vehicles run into it.
+    pub surroundings: Surroundings,
     /// The world as sensors see it.
     pub scene: Arc<Scene>,
 }
@@ -34,7 +36,7 @@ impl Place {
     #[must_use]
     pub fn new(world: World, scale: f64) -> Self {
         let world = Arc::new(world.at_scale(scale));
-        Self { scene: Arc::new(Scene::new(world.clone())), world }
+        Self { surroundings: world.clone().into(), scene: Arc::new(Scene::new(world.clone())), world }
     }
 
     /// A world of a suite.
@@ -205,7 +207,7 @@ impl Setting {
         keep: Keep,
     ) -> Trial<'a> {
         Trial {
-            world: &place.world,
+            surroundings: &place.surroundings,
             task,
             brief,
             vehicle: &self.model,

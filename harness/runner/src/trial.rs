@@ -9,7 +9,7 @@ use vb_host::{Blame, FaultCode, LogSink};
 use vb_record::{DebugSeries, LogMode, TRACE_SCHEMA, Trace, TraceMeta, TraceMode};
 use vb_score::{Fault, FuelUse, Outcome, Rules, TaskGeometry, TaskRecord, TaskScore};
 use vb_sense::Perception;
-use vb_sim::{SimError, SimOptions, Simulation, SoilSet};
+use vb_sim::{SimError, SimOptions, Simulation, SoilSet, Surroundings};
 use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
 
@@ -22,8 +22,8 @@ const LOG_LINES: usize = 20;
 
 /// Everything that decides the result of one task.
 pub struct Trial<'a> {
-    /// The world, already scaled.
-    pub world: &'a Arc<World>,
+    /// The world, already scaled, with what stands in it.
+    pub surroundings: &'a Surroundings,
     /// The task.
     pub task: &'a Task,
     /// The data that the planner is told.
@@ -113,6 +113,12 @@ impl Trail {
 }
 
 impl Trial<'_> {
+    /// The world, already scaled.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        self.surroundings.world()
+    }
+
     /// Lets a driver drive the task to its end, with these sensors. It returns `None` if `cancel` was set before the end
     /// came.
     #[must_use]
@@ -152,8 +158,7 @@ impl Trial<'_> {
     /// # Errors
     /// Returns an error if the vehicle can't be put there.
     pub fn simulation(&self) -> Result<Simulation, SimError> {
-        let world = self.world.clone();
-        Simulation::new(world, self.vehicle, self.soils, self.task.start, self.options)
+        Simulation::new(self.surroundings.clone(), self.vehicle, self.soils, self.task.start, self.options)
     }
 
     /// The result of an episode of this trial that was driven from outside, without a planner: by its verdict, or by the
@@ -174,18 +179,19 @@ impl Trial<'_> {
                 None => ledger.scorer.fail(Fault::Simulation, "the trial ended without a verdict"),
             },
         };
-        let diagnosis = ledger.recent.diagnose(&score, self.vehicle, self.world);
+        let diagnosis = ledger.recent.diagnose(&score, self.vehicle, self.world());
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
         let fuel = trail.metered.map(|m| {
             FuelUse::new(m.fuel.init, trail.fuel_steps, m.fuel_init, m.fuel_per_step, m.memory_bytes)
         });
+        let world = self.world();
         let record = TaskRecord {
             task: self.brief.id.clone(),
-            world: self.world.id.clone(),
-            elevation: self.world.elevation,
-            terrain: self.world.terrain,
-            density: self.world.density,
+            world: world.id.clone(),
+            elevation: world.elevation,
+            terrain: world.terrain,
+            density: world.density,
             outcome: score.outcome,
             three_way: score.three_way,
             reason: score.reason,
@@ -202,7 +208,7 @@ impl Trial<'_> {
             log,
             backtrace,
         };
-        let (start, geometry) = (self.task.start, TaskGeometry::of(self.world, self.task));
+        let (start, geometry) = (self.task.start, TaskGeometry::of(self.world(), self.task));
         let trace = ledger.recorder.finish(TraceMeta {
             schema: TRACE_SCHEMA,
             task: self.brief.id.clone(),

@@ -21,6 +21,7 @@ mod state_hash;
 pub mod track;
 pub mod tyre;
 
+pub use collision::Surroundings;
 pub use dynamics::WheelStand;
 pub use error::SimError;
 pub use powertrain::DriveState;

@@ -1,6 +1,6 @@
 //! One vehicle in one world, from the start pose on.
 
-use crate::collision::{ChassisContacts, Obstacles};
+use crate::collision::{ChassisContacts, Obstacles, Surroundings};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
@@ -82,26 +82,29 @@ pub struct Simulation {
 
 impl Simulation {
     /// Puts the vehicle at `start` (world frame) on the ground, with brakes on, and lets it come to rest, or leaves it
-    /// in the air, as the options say. The clock then starts at 0.
+    /// in the air, as the options say. The clock then starts at 0. A world as an `Arc` will do where few simulations are made
+    /// in it.
     ///
     /// # Errors
     /// Returns [`SimError::NoSoil`] for a class of the world that the set has no soil for, and [`SimError::Diverged`]
     /// if the state becomes one that no vehicle can have.
     pub fn new(
-        world: Arc<World>,
+        surroundings: impl Into<Surroundings>,
         model: &VehicleModel,
         soils: &SoilSet,
         start: Pose2,
         options: SimOptions,
     ) -> Result<Self, SimError> {
+        let surroundings = surroundings.into();
+        let world = surroundings.world().clone();
         let spec = model.spec();
         let soil_resolution = options.soil_resolution * world.scale;
         let soil = SoilGround::new(&world, soils, soil_resolution)?;
         let vehicle = Vehicle::new(spec, model.axles(), soil_resolution);
         let (mass, inertia, com) = vehicle.composite();
-        let chassis = ChassisContacts::new(spec, &world, mass, inertia, com, options.step);
+        let chassis = ChassisContacts::new(spec, &surroundings, mass, inertia, com, options.step);
         let mut simulation = Self {
-            obstacles: Obstacles::new(&world),
+            obstacles: Obstacles::new(&surroundings),
             soil,
             reference: -V3::from(spec.chassis.com),
             look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
@@ -160,6 +163,7 @@ impl Simulation {
         let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
         let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
         self.vehicle.body_mut().q = heading * pitch * roll;
+        let may_touch = self.height_to_touch(start);
         // From well above any ground nearby, down in steps of 1 cm of the full-size world.
         let step = 0.01 * self.world.scale;
         let (low, high) = ground.range();
@@ -168,7 +172,7 @@ impl Simulation {
         while z > low {
             let below = V3::new(start.x, start.y, z - step) - self.vehicle.body().q * self.reference;
             let before = std::mem::replace(&mut self.vehicle.body_mut().x, below);
-            if !self.is_free() {
+            if below.z <= may_touch && !self.is_free() {
                 self.vehicle.body_mut().x = before;
                 break;
             }
@@ -190,6 +194,22 @@ impl Simulation {
             }
             z += 0.01 * self.world.scale;
         }
+    }
+
+    /// The height of the body above which the vehicle, turned as it is, comes nowhere near the ground with its reference point at
+    /// this place, m: at the edge of the world infinite.
+    fn height_to_touch(&self, place: Pose2) -> f64 {
+        let body = self.vehicle.body();
+        let at = V3::new(place.x, place.y, 0.0) - body.q * self.reference;
+        let wheels = self.vehicle.hubs().zip(self.vehicle.envelopes()).map(|((hub, _), envelope)| {
+            // However its axle is turned.
+            let radius = envelope.radius() + envelope.half_width();
+            let from_body = hub - body.x;
+            (radius - from_body.z, from_body.norm() + radius)
+        });
+        let hull = (self.chassis.depth(&body.q), self.chassis.bound());
+        let (depth, reach) = wheels.fold(hull, |(d, r), (depth, reach)| (d.max(depth), r.max(reach)));
+        self.world.heightfield.highest(at.x, at.y, reach) + depth + 0.1 * self.world.scale
     }
 
     /// Tells the hull what is below it.

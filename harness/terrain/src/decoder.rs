@@ -2,11 +2,13 @@
 //! without fused or platform functions. The same weights and cells give the same bits on any machine and in any division
 //! of the work.
 
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+
 use crate::shape::{CELL, CHANNELS, DECODER, HALO, LEAK, Layer, NUMBERS};
 
 /// Output channels and samples that are summed at a time. Neither changes any sum.
 const LANES: usize = 4;
-const RUN: usize = 8;
+const RUN: usize = 16;
 
 /// Channels of a picture, each row by row.
 struct Planes {
@@ -71,7 +73,9 @@ impl Convolution {
         Self { from: layer.from, to: layer.to, side, weights, bias, active: layer.active }
     }
 
-    fn run(&self, input: &Planes, out: &mut Planes, target: Target) {
+    #[inline(always)]
+    fn run<S: Simd>(&self, simd: S, input: &Planes, out: &mut Planes, target: Target) {
+        let all = |x: f32| f32x16::splat(simd, x);
         let (rows, cols) = (input.rows + 1 - self.side, input.cols + 1 - self.side);
         let plane = input.rows * input.cols;
         let taps = self.side * self.side;
@@ -79,19 +83,15 @@ impl Convolution {
             let weights = &self.weights[g * self.from * taps..(g + 1) * self.from * taps];
             for row in 0..rows {
                 for first in (0..cols).step_by(RUN) {
-                    let mut sums = [[0.0f32; RUN]; LANES];
-                    for (sum, b) in sums.iter_mut().zip(bias) {
-                        *sum = [*b; RUN];
-                    }
+                    let mut sums = [all(bias[0]), all(bias[1]), all(bias[2]), all(bias[3])];
                     for (from, weights) in weights.chunks_exact(taps).enumerate() {
                         let base = from * plane + row * input.cols + first;
-                        for (tap, w) in weights.iter().enumerate() {
-                            let at = base + tap / self.side * input.cols + tap % self.side;
-                            let mut x = [0.0f32; RUN];
-                            x.copy_from_slice(&input.values[at..at + RUN]);
-                            for (sum, w) in sums.iter_mut().zip(w) {
-                                for (s, x) in sum.iter_mut().zip(&x) {
-                                    *s += w * x;
+                        for (line, weights) in weights.chunks_exact(self.side).enumerate() {
+                            let base = base + line * input.cols;
+                            for (tap, w) in weights.iter().enumerate() {
+                                let x = f32x16::from_slice(simd, &input.values[base + tap..base + tap + RUN]);
+                                for (sum, w) in sums.iter_mut().zip(w) {
+                                    *sum += all(*w) * x;
                                 }
                             }
                         }
@@ -101,7 +101,9 @@ impl Convolution {
                         let line = (g * LANES + lane) * out.rows * out.cols
                             + (row * target.step + target.shift[0]) * out.cols
                             + target.shift[1];
-                        for (i, &s) in sum[..last].iter().enumerate() {
+                        let mut values = [0.0f32; RUN];
+                        sum.store_slice(&mut values);
+                        for (i, &s) in values[..last].iter().enumerate() {
                             let s = if self.active && s < 0.0 { LEAK * s } else { s };
                             out.values[line + (first + i) * target.step] = s;
                         }
@@ -175,6 +177,7 @@ impl Decoder {
         }
         // Places along a cell, and where the next noise begins in a cell's numbers.
         let (mut scale, mut start) = (1, CHANNELS);
+        let level = Level::new();
         for step in &self.steps {
             if step.noise {
                 planes = with_noise(planes, cells, side, scale, start);
@@ -186,7 +189,8 @@ impl Decoder {
             let places = if step.phases.len() == 1 { 1 } else { 2 };
             let mut out = Planes::new(first.to, places * rows, places * cols);
             for (p, phase) in step.phases.iter().enumerate() {
-                phase.run(&planes, &mut out, Target { step: places, shift: [p / 2, p % 2] });
+                let target = Target { step: places, shift: [p / 2, p % 2] };
+                dispatch!(level, simd => phase.run(simd, &planes, &mut out, target));
             }
             planes = out;
             scale *= places;

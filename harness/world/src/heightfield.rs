@@ -1,5 +1,7 @@
 //! The ground surface: heights on a square grid, triangulated.
 
+use std::ops::RangeInclusive;
+
 /// Heights on a regular grid, which is centred on the world's origin.
 ///
 /// Node (row, col) lies at x = (col − (cols−1)/2)·resolution, y = (row − (rows−1)/2)·resolution. Each cell is cut along the
@@ -301,26 +303,42 @@ impl Heightfield {
     #[must_use]
     pub fn ceiling(&self, x: f64, y: f64, reach: f64) -> Option<f64> {
         const FEW: usize = 3;
-        let first = |v: f64, half: f64, n: usize| {
-            ((((v - reach + half) * self.inverse_resolution).max(0.0)) as u32 as usize).min(n - 1)
-        };
-        let last = |v: f64, half: f64, n: usize| {
-            ((((v + reach + half) * self.inverse_resolution).max(0.0)) as u32 as usize + 1).min(n - 1)
-        };
-        let (c0, c1) = (first(x, self.half[0], self.cols), last(x, self.half[0], self.cols));
-        let (r0, r1) = (first(y, self.half[1], self.rows), last(y, self.half[1], self.rows));
-        // Beyond the edge the planes of the edge's cells go on, to any height.
-        let inside = x.abs() + reach <= self.half[0] && y.abs() + reach <= self.half[1];
-        if c1 - c0 > FEW || r1 - r0 > FEW || !inside {
+        let [rows, cols] = self.nodes_about(x, y, reach)?;
+        let are_few = |nodes: &RangeInclusive<usize>| nodes.end() - nodes.start() <= FEW;
+        (are_few(&rows) && are_few(&cols)).then(|| self.highest_of(rows, cols))
+    }
+
+    /// The greatest height within the square of half side `reach` (m) about (x, y), or an upper bound of it, m: infinite where
+    /// the square goes over the edge, beyond which the planes of the edge's cells go on.
+    #[must_use]
+    pub fn highest(&self, x: f64, y: f64, reach: f64) -> f64 {
+        self.nodes_about(x, y, reach).map_or(f64::INFINITY, |[rows, cols]| self.highest_of(rows, cols))
+    }
+
+    /// The rows and the columns of the nodes that bound the square of half side `reach` (m) about (x, y); `None` where it goes over
+    /// the edge.
+    #[inline]
+    fn nodes_about(&self, x: f64, y: f64, reach: f64) -> Option<[RangeInclusive<usize>; 2]> {
+        if x.abs() + reach > self.half[0] || y.abs() + reach > self.half[1] {
             return None;
         }
+        let index = |v: f64| (v * self.inverse_resolution).max(0.0) as u32 as usize;
+        let nodes = |v: f64, half: f64, n: usize| {
+            index(v - reach + half).min(n - 1)..=(index(v + reach + half) + 1).min(n - 1)
+        };
+        Some([nodes(y, self.half[1], self.rows), nodes(x, self.half[0], self.cols)])
+    }
+
+    #[inline]
+    fn highest_of(&self, rows: RangeInclusive<usize>, cols: RangeInclusive<usize>) -> f64 {
         let mut top = f64::NEG_INFINITY;
-        for row in r0..=r1 {
-            for z in &self.heights[row * self.cols + c0..=row * self.cols + c1] {
+        for row in rows {
+            let start = row * self.cols;
+            for z in &self.heights[start + cols.start()..=start + cols.end()] {
                 top = top.max(*z);
             }
         }
-        Some(top)
+        top
     }
 
     /// Bounds of |∂z/∂x| and |∂z/∂y| on all triangles that reach into the square of half side `reach` (m) about (x, y).
@@ -404,6 +422,9 @@ mod tests {
         assert_eq!(h.ceiling(0.0, 0.0, 3.0), None, "too many nodes");
         assert_eq!(h.ceiling(4.0, 0.0, 0.5), None, "over the edge");
         assert_eq!(Heightfield::flat(9, 9, 1.0, 0.7).ceiling(0.3, 0.1, 0.5), Some(0.7));
+        assert_eq!(h.highest(0.3, 0.1, 0.5), h.ceiling(0.3, 0.1, 0.5).unwrap());
+        assert_eq!(h.highest(0.0, 0.0, 4.0), h.range().1, "the square is the whole field");
+        assert_eq!(h.highest(4.0, 0.0, 0.5), f64::INFINITY, "over the edge");
     }
 
     #[test]

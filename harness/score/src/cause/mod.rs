@@ -150,6 +150,18 @@ pub struct Site<'a> {
 
 /// Whether two convex outlines meet.
 fn meet(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    // Most obstacles are far away.
+    let are_apart = |k: usize| {
+        let extent = |p: &[[f64; 2]]| {
+            p.iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[k]), high.max(p[k])))
+        };
+        let (a, b) = (extent(a), extent(b));
+        a.1 < b.0 || b.1 < a.0
+    };
+    if are_apart(0) || are_apart(1) {
+        return false;
+    }
     let edges = |p: &[[f64; 2]]| -> Vec<([f64; 2], [f64; 2])> {
         (0..p.len()).map(|k| (p[k], p[(k + 1) % p.len()])).collect()
     };

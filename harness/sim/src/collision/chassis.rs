@@ -1,13 +1,15 @@
 //! The chassis among ground and obstacles, as rapier sees it, and when rapier has to be asked at all.
 
 use super::separation::{InReach, separation};
-use super::{Cuboid, OBSTACLE_FRICTION, Obstacles, extents, from_vector, points, rotation, vector};
+use super::{
+    Cuboid, OBSTACLE_FRICTION, Obstacles, Surroundings, extents, from_vector, points, rotation, vector,
+};
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightFieldFlags};
 use rapier3d_f64::parry::utils::Array2;
 use rapier3d_f64::prelude::*;
 use vb_vehicle::{MAX_WHEELS, VehicleSpec};
-use vb_world::{Heightfield, World};
+use vb_world::Heightfield;
 
 /// The chassis as rapier sees it: one body with the hull, among the ground and the obstacles.
 pub(crate) struct ChassisContacts {
@@ -98,7 +100,15 @@ impl Clone for ChassisContacts {
 
 impl ChassisContacts {
     /// `mass` and `inertia` are of the whole vehicle, about `com` relative to the chassis' centre of mass.
-    pub(crate) fn new(v: &VehicleSpec, world: &World, mass: f64, inertia: V3, com: V3, dt: f64) -> Self {
+    pub(crate) fn new(
+        v: &VehicleSpec,
+        surroundings: &Surroundings,
+        mass: f64,
+        inertia: V3,
+        com: V3,
+        dt: f64,
+    ) -> Self {
+        let world = surroundings.world();
         let mut physics = PhysicsWorld::new();
         physics.narrow_phase.set_query_dispatcher(InReach);
         physics.gravity = Vector::ZERO;
@@ -118,18 +128,15 @@ impl ChassisContacts {
                 .restitution(0.0),
             None,
         );
-        for o in &world.obstacles {
-            if let Some(c) = ColliderBuilder::convex_hull(&points(&o.hull())) {
-                let q = Quat::from_axis_angle(&V3::z_axis(), o.yaw);
-                let at = Vector::new(o.x, o.y, o.base_z(&world.heightfield));
-                physics.insert_collider(
-                    c.position(Pose::from_parts(at, rotation(&q)))
-                        .friction(OBSTACLE_FRICTION)
-                        .friction_combine_rule(CoefficientCombineRule::Min)
-                        .restitution(0.0),
-                    None,
-                );
-            }
+        for solid in surroundings.solids().iter() {
+            physics.insert_collider(
+                ColliderBuilder::new(SharedShape(solid.shape.clone()))
+                    .position(solid.pose)
+                    .friction(OBSTACLE_FRICTION)
+                    .friction_combine_rule(CoefficientCombineRule::Min)
+                    .restitution(0.0),
+                None,
+            );
         }
         let chassis_com = V3::from(v.chassis.com);
         let properties = MassProperties::new(vector(&com), mass, vector(&inertia));
@@ -192,6 +199,12 @@ impl ChassisContacts {
     /// Distance from the centre of mass within which the hull lies, m.
     pub(crate) fn bound(&self) -> f64 {
         self.bound
+    }
+
+    /// How far hull and wheels' faces reach below the centre of mass with this attitude, at most, m.
+    pub(crate) fn depth(&self, q: &Quat) -> f64 {
+        let down = -q.to_rotation_matrix().matrix().row(2).transpose();
+        down.dot(&(0.5 * (self.low + self.high))) + down.abs().dot(&(0.5 * (self.high - self.low)))
     }
 
     /// Whether the hull may come within `margin` of ground or obstacles.
@@ -347,6 +360,8 @@ fn ground_collider(ground: &Heightfield) -> ColliderBuilder {
 mod tests {
     use super::*;
     use rapier3d_f64::parry::query::{Ray, distance};
+    use std::sync::Arc;
+    use vb_world::World;
 
     fn rough(n: usize, std: f64) -> Heightfield {
         let mut stream = vb_math::rng::Stream::new(6, &["hull"]);
@@ -357,7 +372,7 @@ mod tests {
         let spec = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
         let spec = VehicleSpec::parse(spec, "hmmwv.yaml").unwrap();
         let world = World::uniform("test", ground.clone(), vb_world::TerrainClass::Concrete, 0.6);
-        ChassisContacts::new(&spec, &world, 2000.0, V3::repeat(1000.0), V3::zeros(), 1e-3)
+        ChassisContacts::new(&spec, &Arc::new(world).into(), 2000.0, V3::repeat(1000.0), V3::zeros(), 1e-3)
     }
 
     /// A flight over the ground, now near and now far.

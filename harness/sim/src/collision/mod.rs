@@ -3,17 +3,21 @@
 mod chassis;
 mod facets;
 mod separation;
+mod surroundings;
 
 pub(crate) use chassis::ChassisContacts;
 pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
+pub use surroundings::Surroundings;
+
+use std::sync::Arc;
 
 use crate::tyre::Contact;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
-use rapier3d_f64::parry::shape::{ConvexPolyhedron, Cylinder, SupportMap};
+use rapier3d_f64::parry::shape::{Cylinder, SupportMap};
 use rapier3d_f64::prelude::*;
+use surroundings::Solid;
 use vb_vehicle::{TyreSpec, tyre::HardContact};
-use vb_world::World;
 
 /// Friction of obstacles, combined with the tyre's or hull's by the minimum: Chrono's default material, which the
 /// original gives its rocks and trees (Chrono's default contact material, ChContactMaterial.cpp).
@@ -34,17 +38,6 @@ fn rotation(q: &Quat) -> Rotation {
 /// Points as rapier's vectors.
 pub(crate) fn points(p: &[[f64; 3]]) -> Vec<Vector> {
     p.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect()
-}
-
-/// One convex obstacle in place.
-#[derive(Clone)]
-struct Solid {
-    shape: ConvexPolyhedron,
-    pose: Pose,
-    centre: V3,
-    bound: f64,
-    /// The box around it along its own axes.
-    cuboid: Cuboid,
 }
 
 /// A box in place.
@@ -71,40 +64,19 @@ impl Cuboid {
 /// The obstacles of a world and the few that are near the vehicle.
 #[derive(Clone)]
 pub(crate) struct Obstacles {
-    solids: Vec<Solid>,
+    solids: Arc<[Solid]>,
     near: Vec<usize>,
 }
 
 impl Obstacles {
-    pub(crate) fn new(world: &World) -> Self {
-        let solids = world
-            .obstacles
-            .iter()
-            .filter_map(|o| {
-                let pose = Pose::from_parts(
-                    Vector::new(o.x, o.y, o.base_z(&world.heightfield)),
-                    rotation(&Quat::from_axis_angle(&V3::z_axis(), o.yaw)),
-                );
-                let hull = points(&o.hull());
-                let shape = ConvexPolyhedron::from_convex_hull(&hull)?;
-                let middle = hull.iter().copied().sum::<Vector>() / hull.len() as f64;
-                let bound = hull.iter().map(|p| (*p - middle).length()).fold(0.0, f64::max);
-                let (low, high) = extents(hull.iter().map(|p| from_vector(*p)));
-                let cuboid = Cuboid {
-                    centre: from_vector(pose * vector(&(0.5 * (low + high)))),
-                    half: 0.5 * (high - low),
-                    axes: *Quat::from_axis_angle(&V3::z_axis(), o.yaw).to_rotation_matrix().matrix(),
-                };
-                Some(Solid { shape, pose, centre: from_vector(pose * middle), bound, cuboid })
-            })
-            .collect();
-        Self { solids, near: Vec::new() }
+    pub(crate) fn new(surroundings: &Surroundings) -> Self {
+        Self { solids: surroundings.solids().clone(), near: Vec::new() }
     }
 
     /// No obstacles.
     #[cfg(test)]
     pub(crate) fn none() -> Self {
-        Self { solids: Vec::new(), near: Vec::new() }
+        Self { solids: Arc::new([]), near: Vec::new() }
     }
 
     /// Notes which obstacles come within `reach` of `x`.
@@ -210,15 +182,15 @@ impl Solid {
         let relative = self.pose.inverse() * *pose;
         let start = relative.translation.try_normalize().unwrap_or(Vector::Z);
         let mut simplex = VoronoiSimplex::new();
-        simplex.reset(CsoPoint::from_shapes(&relative, &self.shape, core, start));
-        let found = gjk::closest_points(&relative, &self.shape, core, margin, true, &mut simplex);
+        simplex.reset(CsoPoint::from_shapes(&relative, &*self.shape, core, start));
+        let found = gjk::closest_points(&relative, &*self.shape, core, margin, true, &mut simplex);
         let (on_solid, out, depth) = match found {
             GJKResult::ClosestPoints(p1, p2, n) => (p1, n, margin - (p2 - p1).dot(n)),
             GJKResult::Intersection => {
                 // The core itself is inside: deeper than any tyre deflects. Push it out the shortest way.
                 let (p1, p2, n) = rapier3d_f64::parry::query::epa::EPA::new().closest_points(
                     &relative,
-                    &self.shape,
+                    &*self.shape,
                     core,
                     &simplex,
                 )?;
