@@ -6,6 +6,7 @@ use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
 use crate::state::{Controls, VehicleState};
+use crate::tyre::Envelope;
 use crate::{Quat, V3, normal_of};
 use std::sync::Arc;
 use vb_math::atan;
@@ -163,7 +164,7 @@ impl Simulation {
         let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
         let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
         self.vehicle.body_mut().q = heading * pitch * roll;
-        let may_touch = self.height_to_touch(start);
+        let may_touch = self.height_for_wheels(start);
         // From well above any ground nearby, down in steps of 1 cm of the full-size world.
         let step = 0.01 * self.world.scale;
         let (low, high) = ground.range();
@@ -172,7 +173,7 @@ impl Simulation {
         while z > low {
             let below = V3::new(start.x, start.y, z - step) - self.vehicle.body().q * self.reference;
             let before = std::mem::replace(&mut self.vehicle.body_mut().x, below);
-            if below.z <= may_touch && !self.is_free() {
+            if !self.is_free(below.z <= may_touch) {
                 self.vehicle.body_mut().x = before;
                 break;
             }
@@ -189,16 +190,16 @@ impl Simulation {
         let mut z = ground.height(start.x / stretch, start.y / stretch) + height;
         loop {
             self.vehicle.body_mut().x = V3::new(start.x, start.y, z) - self.vehicle.body().q * self.reference;
-            if self.is_free() || z > high + height.max(3.0) {
+            if self.is_free(true) || z > high + height.max(3.0) {
                 break;
             }
             z += 0.01 * self.world.scale;
         }
     }
 
-    /// The height of the body above which the vehicle, turned as it is, comes nowhere near the ground with its reference point at
-    /// this place, m: at the edge of the world infinite.
-    fn height_to_touch(&self, place: Pose2) -> f64 {
+    /// The height of the body above which no wheel comes near the ground with the vehicle turned as it is and its reference
+    /// point at this place, m: at the edge of the world infinite.
+    fn height_for_wheels(&self, place: Pose2) -> f64 {
         let body = self.vehicle.body();
         let at = V3::new(place.x, place.y, 0.0) - body.q * self.reference;
         let wheels = self.vehicle.hubs().zip(self.vehicle.envelopes()).map(|((hub, _), envelope)| {
@@ -207,8 +208,8 @@ impl Simulation {
             let from_body = hub - body.x;
             (radius - from_body.z, from_body.norm() + radius)
         });
-        let hull = (self.chassis.depth(&body.q), self.chassis.bound());
-        let (depth, reach) = wheels.fold(hull, |(d, r), (depth, reach)| (d.max(depth), r.max(reach)));
+        let (depth, reach) =
+            wheels.fold((0.0f64, 0.0f64), |(d, r), (depth, reach)| (d.max(depth), r.max(reach)));
         self.world.heightfield.highest(at.x, at.y, reach) + depth + 0.1 * self.world.scale
     }
 
@@ -231,13 +232,16 @@ impl Simulation {
         self.chassis.pass_over(self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
     }
 
-    /// Whether neither wheels nor hull touch anything.
-    fn is_free(&mut self) -> bool {
+    /// Whether neither wheels nor hull touch anything. Wheels that are known to be far above the ground needn't be looked at; the
+    /// hull, which remembers where it was clear, is always.
+    fn is_free(&mut self, wheels_are_low: bool) -> bool {
         self.pass_over_soil();
         let ground = &self.world.heightfield;
-        let touches = self.vehicle.hubs().zip(self.vehicle.envelopes()).any(|((hub, axis), envelope)| {
+        let mut wheels = self.vehicle.hubs().zip(self.vehicle.envelopes());
+        let touch = |((hub, axis), envelope): ((V3, V3), &Envelope)| {
             hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
-        });
+        };
+        let touches = wheels_are_low && wheels.any(touch);
         let margin = 0.02 * self.world.scale;
         let body = self.vehicle.body();
         !touches && !self.chassis.may_touch(ground, &self.obstacles, &body.x, &body.q, margin)

@@ -244,7 +244,7 @@ impl Heightfield {
     }
 
     /// The cell at (x, y), the nearest one beyond the edge, and its triangle there.
-    #[inline]
+    #[inline(always)]
     fn cell(&self, x: f64, y: f64) -> Cell {
         let inv = self.inverse_resolution;
         let fx = (x + self.half[0]) * inv;
@@ -275,10 +275,18 @@ impl Heightfield {
     }
 
     /// The triangle at (x, y); beyond the edge, that of the edge cell.
+    #[inline]
     #[must_use]
     pub fn facet(&self, x: f64, y: f64) -> Facet {
+        self.facet_and_height(x, y).0
+    }
+
+    /// The triangle at (x, y) as [`Self::facet`] tells it, and the height there as [`Self::height`] does, m.
+    #[inline(always)]
+    #[must_use]
+    pub fn facet_and_height(&self, x: f64, y: f64) -> (Facet, f64) {
         let c = self.cell(x, y);
-        Facet {
+        let facet = Facet {
             corner: [
                 c.col as f64 * self.resolution - self.half[0],
                 c.row as f64 * self.resolution - self.half[1],
@@ -286,8 +294,9 @@ impl Heightfield {
             resolution: self.resolution,
             upper: c.upper,
             z: c.z,
-            gradient: c.rise.map(|r| r * self.inverse_resolution),
-        }
+            gradient: [c.rise[0] * self.inverse_resolution, c.rise[1] * self.inverse_resolution],
+        };
+        (facet, c.z + c.rise[0] * c.within[0] + c.rise[1] * c.within[1])
     }
 
     /// The height at (x, y), m. Beyond the edge, the planes of the edge cells are continued.
@@ -335,7 +344,8 @@ impl Heightfield {
         for row in rows {
             let start = row * self.cols;
             for z in &self.heights[start + cols.start()..=start + cols.end()] {
-                top = top.max(*z);
+                // One instruction, unlike `max`, which minds what isn't a number.
+                top = if *z > top { *z } else { top };
             }
         }
         top

@@ -201,12 +201,6 @@ impl ChassisContacts {
         self.bound
     }
 
-    /// How far hull and wheels' faces reach below the centre of mass with this attitude, at most, m.
-    pub(crate) fn depth(&self, q: &Quat) -> f64 {
-        let down = -q.to_rotation_matrix().matrix().row(2).transpose();
-        down.dot(&(0.5 * (self.low + self.high))) + down.abs().dot(&(0.5 * (self.high - self.low)))
-    }
-
     /// Whether the hull may come within `margin` of ground or obstacles.
     pub(crate) fn may_touch(
         &mut self,

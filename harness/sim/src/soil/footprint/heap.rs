@@ -85,22 +85,19 @@ impl<const N: usize> Footprint<N> {
                     m.hub + f.along * x + m.axis * y
                 };
                 let at = beside(0);
-                let Some(cell) = grid.at_mut(at.x, at.y) else { continue };
-                cell.raised += each;
-                let mut inner = (at, cell.raised);
+                let Some(mut inner) = grid.touch(at.x, at.y) else { continue };
+                grid.cell_mut(inner).raised += each;
                 for ring in 1..RINGS {
                     let at = beside(ring);
-                    let Some(outer) = grid.at_mut(at.x, at.y) else { break };
-                    let moved = 0.5 * (inner.1 - outer.raised - slope * resolution);
+                    let Some(outer) = grid.touch(at.x, at.y) else { break };
+                    let difference = grid.cell_mut(inner).raised - grid.cell_mut(outer).raised;
+                    let moved = 0.5 * (difference - slope * resolution);
                     if moved <= 0.0 {
                         break;
                     }
-                    outer.raised += moved;
-                    let next = (at, outer.raised);
-                    if let Some(cell) = grid.at_mut(inner.0.x, inner.0.y) {
-                        cell.raised -= moved;
-                    }
-                    inner = next;
+                    grid.cell_mut(outer).raised += moved;
+                    grid.cell_mut(inner).raised -= moved;
+                    inner = outer;
                 }
             }
         }

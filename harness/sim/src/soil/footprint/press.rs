@@ -71,7 +71,7 @@ impl<const N: usize> Footprint<N> {
             seen: f.up.z,
         };
         let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
-        let mut facet = Facet::at(surface, f, &m.hub);
+        let mut facet = Facet::of(surface.facet(m.hub.x, m.hub.y), f);
         let top = surface.ceiling(m.hub.x, m.hub.y, self.shape.reach).unwrap_or(f64::INFINITY);
         let mut field = Field { sinkage: [0.0; N], normal: self.shape.level.normal, fraction: [1.0; N] };
         for strip in 0..self.shape.strips {
@@ -345,12 +345,8 @@ struct Facet {
 }
 
 impl Facet {
-    fn at(surface: &Heightfield, f: &Frame, point: &V3) -> Self {
-        Self::on(surface, f, [point.x, point.y])
-    }
-
-    fn on(surface: &Heightfield, f: &Frame, [x, y]: [f64; 2]) -> Self {
-        let plane = surface.facet(x, y);
+    #[inline(always)]
+    fn of(plane: vb_world::Facet, f: &Frame) -> Self {
         let normal = normal_of(plane.gradient);
         Self { plane, slope: normal.z, normal: f.local(&normal) }
     }
@@ -374,8 +370,9 @@ impl Facet {
         if let Some(z) = self.plane.height(at[0], at[1]) {
             return z;
         }
-        *self = Self::on(surface, f, at);
-        surface.height(at[0], at[1])
+        let (plane, height) = surface.facet_and_height(at[0], at[1]);
+        *self = Self::of(plane, f);
+        height
     }
 }
 
@@ -429,7 +426,7 @@ mod tests {
         for k in 0..4000 {
             // The north-western and the south-eastern half of a cell.
             let middle = if k % 2 == 0 { [0.3, 0.7] } else { [0.7, 0.3] };
-            let facet = Facet::on(&surface, &frame, middle);
+            let facet = Facet::of(surface.facet(middle[0], middle[1]), &frame);
             let mut around = |c: f64| [0; 4].map(|_| c + stream.normal(0.0, 0.3));
             let (x, y) = (around(middle[0]), around(middle[1]));
             let asked = [0; 4].map(|_| stream.normal(0.0, 1.0));
