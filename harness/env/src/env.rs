@@ -72,6 +72,8 @@ struct Running {
     goal_distance: f64,
     steering: f64,
     time: f64,
+    /// Steps of the simulation in which the contacts of the hull were solved, in the last step.
+    contact_steps: u64,
     /// The way until now, m: the place at the start and after each step.
     way: Vec<[f32; 3]>,
     /// How far each wheel has turned until now, rad, for pictures.
@@ -170,6 +172,12 @@ impl Env {
         self.running.as_ref().map(|r| r.episode.simulation().state())
     }
 
+    /// The steps of the simulation in which the contacts of the hull were solved, in the last step of the environment. Each takes
+    /// several times as long as one without.
+    pub(crate) fn contact_steps(&self) -> u64 {
+        self.running.as_ref().map_or(0, |r| r.contact_steps)
+    }
+
     /// A picture of the episode as it is now: rows of pixels from the top, each of red, green and blue.
     ///
     /// # Errors
@@ -236,6 +244,7 @@ impl Running {
         Ok(Self {
             goal_distance: distance(brief.goal, at.x, at.y),
             actuator: Actuator::new(arena.action(), &brief),
+            contact_steps: 0,
             way: vec![[at.x as f32, at.y as f32, at.z as f32]],
             turned: Vec::new(),
             steering: 0.0,
@@ -254,10 +263,12 @@ impl Running {
     fn step(&mut self, arena: &Arena, action: &[f64]) -> Step {
         let command = self.actuator.command(action, &self.observation);
         let taken = self.episode.command(&command);
+        let contact_steps = self.episode.simulation().contact_steps();
         let ended = match self.episode.advance(&mut ()) {
             Ok(is_over) => is_over.then_some(None),
             Err(e) => Some(Some(e)),
         };
+        self.contact_steps = self.episode.simulation().contact_steps() - contact_steps;
         let outcome = ended.map(|error| self.end(arena, error));
         let state = self.episode.simulation().state();
         let at = state.position;

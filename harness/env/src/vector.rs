@@ -188,6 +188,14 @@ struct Place {
     next: Option<String>,
 }
 
+impl Place {
+    /// How long its next job will take compared with others. To begin an episode takes as long as several steps, and one in which the
+    /// hull touches something is mostly followed by another.
+    fn effort(&self) -> u64 {
+        if self.is_over { u64::MAX } else { self.env.contact_steps() }
+    }
+}
+
 struct Shared {
     places: Vec<Mutex<Place>>,
     output: Output,
@@ -441,6 +449,9 @@ impl VectorEnv {
     }
 
     fn hand_out(&mut self, jobs: impl Iterator<Item = (usize, Job)>) {
+        let mut jobs: Vec<_> = jobs.collect();
+        // What takes longest comes first, so that no thread is still at it when the others have nothing left to do.
+        jobs.sort_by_cached_key(|(index, _)| std::cmp::Reverse(lock(&self.shared.places[*index]).effort()));
         let mut queue = lock(&self.shared.jobs);
         for (index, job) in jobs {
             self.at_work[index] = true;
