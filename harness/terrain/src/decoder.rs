@@ -167,6 +167,11 @@ impl Decoder {
     /// The surface of `n` × `n` cells, row-major, from the numbers of the (n + 4)² cells about them, [`NUMBERS`] each: the
     /// latent ones first, then the noise of 4 × 4 and 8 × 8 places, row by row.
     pub(crate) fn run(&self, cells: &[f32], n: usize) -> Vec<f32> {
+        self.run_with(Level::new(), cells, n)
+    }
+
+    /// [`Self::run`] with one of the processor's sets of instructions, which changes no bit.
+    fn run_with(&self, level: Level, cells: &[f32], n: usize) -> Vec<f32> {
         let side = n + 2 * HALO;
         debug_assert_eq!(cells.len(), side * side * NUMBERS);
         let mut planes = Planes::new(CHANNELS, side, side);
@@ -177,7 +182,6 @@ impl Decoder {
         }
         // Places along a cell, and where the next noise begins in a cell's numbers.
         let (mut scale, mut start) = (1, CHANNELS);
-        let level = Level::new();
         for step in &self.steps {
             if step.noise {
                 planes = with_noise(planes, cells, side, scale, start);
@@ -292,6 +296,29 @@ mod tests {
         let spread = (plain.iter().map(|v| v * v).sum::<f64>() / plain.len() as f64).sqrt();
         for (a, b) in made.iter().zip(&plain) {
             assert!((f64::from(*a) - b).abs() < 1e-5 * spread.max(1.0), "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_of_the_processor_gives_the_same_bits() {
+        let decoder = Decoder::new(&random_weights(5));
+        let mut rng = Stream::new(6, &["cells"]);
+        // Rows that fill a run of samples, and some that don't.
+        let n = 5;
+        let cells: Vec<f32> = (0..NUMBERS * (n + 4) * (n + 4)).map(|_| rng.normal(0.0, 1.0) as f32).collect();
+        let bits = |level| -> Vec<u32> {
+            decoder.run_with(level, &cells, n).iter().map(|v: &f32| v.to_bits()).collect()
+        };
+        let plain = bits(Level::baseline());
+        let mut levels = vec![Level::new()];
+        #[cfg(target_arch = "x86_64")]
+        {
+            let best = Level::new();
+            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+            levels.extend(best.as_avx2().map(Level::Avx2));
+        }
+        for level in levels {
+            assert_eq!(bits(level), plain, "{level:?}");
         }
     }
 

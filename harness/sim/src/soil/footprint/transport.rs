@@ -24,6 +24,7 @@ impl<const N: usize> Footprint<N> {
         dt: f64,
     ) {
         let edge = self.shape.xs[Self::LAST];
+        let one = f64x4::splat(simd, 1.0);
         for strip in 0..self.shape.strips {
             let arm = m.axis * self.shape.offset(strip);
             let speed = (m.velocity + m.rotation.cross(&arm)).dot(&f.along);
@@ -39,7 +40,12 @@ impl<const N: usize> Footprint<N> {
             // Upwind differences are stable up to one station a step.
             let parts = (travel * self.shape.finest) as usize + 1;
             let part = travel / parts as f64;
-            let fractions: Row<N> = self.shape.inverse_lengths.map(|i| (part * i).min(1.0));
+            let mut fractions: Row<N> = [0.0; N];
+            for g in (0..N).step_by(LANES) {
+                let share = f64x4::splat(simd, part)
+                    * f64x4::from_slice(simd, &self.shape.inverse_lengths[g..g + LANES]);
+                store(&mut fractions, g, share.simd_lt(one).select(share, one));
+            }
             let [a, b] = &mut self.shear;
             for _ in 0..parts {
                 advect(simd, &mut self.plastic[strip], cell.plastic, forward, &fractions);
