@@ -19,7 +19,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     let skipped = crate::target_dir().join("skipped.tsv");
     let _ = std::fs::remove_file(&skipped);
     let cargo = |args: &[&str]| {
-        let mut command = std::process::Command::new(cargo_program());
+        let mut command = Command::new(cargo_program());
         command.arg("test").args(["--quiet", "--no-fail-fast"]).args(args).env(vb_testing::SKIPPED, &skipped);
         run(command.current_dir(crate::root()))
     };
