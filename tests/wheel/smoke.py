@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -142,6 +143,13 @@ def check_sources(sdist: Path, folder: Path) -> None:
     command = ["cargo", "metadata", "--format-version", "1", "--locked", "--offline", "--no-deps"]
     members = json.loads(_run(command, os.environ, root))["packages"]
     assert {"vb-harness", "vb-python", "xtask"} <= {package["name"] for package in members}
+    # What programs hold within themselves; tests lack what is for them alone.
+    for source in root.rglob("*.rs"):
+        for path in re.findall(r'include_(?:str|bytes)!\(\s*"([^"]+)"', source.read_text(encoding="utf-8")):
+            file = (source.parent / path).resolve()
+            assert file.is_relative_to(root.resolve() / "tests") or file.is_file(), f"{source.relative_to(root)} includes {path}"
+    for example in ("c", "js", "python"):
+        assert (root / f"examples/pursuit-{example}/wit/planner.wit").is_file(), example
 
 
 def main() -> None:

@@ -16,9 +16,13 @@ pub(super) struct File {
 const AUTHORS: &str = "authors: [The Verti-Bench in Rust developers]";
 const WORKFLOW: &str = ".github/workflows/planner.yml";
 
+/// The files of an example, and the interface, which lies beside them by a link that not every copy of the sources has.
 macro_rules! example {
     ($example:literal, $($path:literal),*) => {
-        [$(($path, include_bytes!(concat!("../../../../examples/", $example, "/", $path)) as &[u8])),*]
+        [
+            ("wit/planner.wit", include_bytes!("../../../../sdk/wit/v0_2/planner.wit") as &[u8]),
+            $(($path, include_bytes!(concat!("../../../../examples/", $example, "/", $path)) as &[u8])),*
+        ]
     };
 }
 
@@ -34,8 +38,7 @@ const C: &[(&str, &[u8])] = &example!(
     "following.h",
     "gen/planner_plugin.c",
     "gen/planner_plugin.h",
-    "gen/planner_plugin_component_type.o",
-    "wit/planner.wit"
+    "gen/planner_plugin_component_type.o"
 );
 const PYTHON: &[(&str, &[u8])] = &example!(
     "pursuit-python",
@@ -46,8 +49,7 @@ const PYTHON: &[(&str, &[u8])] = &example!(
     "planner.yaml",
     "guest.py",
     "following.py",
-    "faults.py",
-    "wit/planner.wit"
+    "faults.py"
 );
 const JS: &[(&str, &[u8])] = &example!(
     "pursuit-js",
@@ -56,8 +58,7 @@ const JS: &[(&str, &[u8])] = &example!(
     "build.sh",
     "package.json",
     "planner.yaml",
-    "planner.js",
-    "wit/planner.wit"
+    "planner.js"
 );
 
 /// The files of a project for a planner of this name. `sdk` is where Rust finds the SDK: keys and values of a dependency.

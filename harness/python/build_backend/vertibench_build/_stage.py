@@ -104,7 +104,8 @@ def planners() -> list[str]:
 
 
 def tracked(folder: str = ".") -> list[Path]:
-    """The files of the sources in a folder, relative to their root: those that git tracks; all where there is no git."""
+    """The files of the sources in a folder, relative to their root: those that git tracks, with what lies in folders that links
+    name; all where there is no git."""
     git = ["git", "-C", str(ROOT), "ls-files", "-z", "--", folder]
     if (ROOT / ".git").exists():
         done = subprocess.run(git, capture_output=True, check=False)
@@ -114,9 +115,17 @@ def tracked(folder: str = ".") -> list[Path]:
                 f"error: {ROOT}: git can't list the sources: {reason} (see that `git ls-files` works there)"
             )
         paths = [Path(os.fsdecode(name)) for name in done.stdout.split(b"\0") if name]
-        return sorted(path for path in paths if (ROOT / path).is_file())
+        return sorted(file for path in paths for file in _files_of(path))
     files = [path.relative_to(ROOT) for path in sorted((ROOT / folder).rglob("*")) if path.is_file()]
     return [path for path in files if path.parts[0] != "target" and "__pycache__" not in path.parts]
+
+
+def _files_of(path: Path) -> list[Path]:
+    """A file that git tracks, or those in the folder that a link of it names."""
+    whole = ROOT / path
+    if whole.is_dir():
+        return [path / file.relative_to(whole) for file in whole.rglob("*") if file.is_file()]
+    return [path] if whole.is_file() else []
 
 
 def _existing(path: Path, variable: str) -> Path:
