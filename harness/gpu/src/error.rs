@@ -41,8 +41,8 @@ pub enum GpuError {
     },
     /// It doesn't fit into memory.
     #[error(
-        "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: fewer of \
-             them, or less memory for each"
+        "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: take \
+             fewer of them, or less memory"
     )]
     Memory {
         /// The number of vehicles.
@@ -101,8 +101,7 @@ pub enum GpuError {
 /// What is most likely wrong where a launch fails.
 fn hint(message: &str) -> &'static str {
     if message.contains("LAUNCH_FAILED") {
-        "; most likely a vehicle or a task needed more memory than it has (`vehicle_memory` and `task_memory` of `Options`). The \
-         fleet is lost"
+        "; most likely vehicles needed more memory than is spare (`memory` in Python, `Options::spare_memory`). The fleet is lost"
     } else {
         ""
     }
@@ -127,7 +126,7 @@ mod tests {
     fn messages_say_what_to_do() {
         let launch =
             GpuError::Cuda { doing: "a step", message: "unspecified (CUDA_ERROR_LAUNCH_FAILED)".into() };
-        assert!(launch.to_string().contains("vehicle_memory"), "{launch}");
+        assert!(launch.to_string().contains("spare_memory"), "{launch}");
         let memory = GpuError::Memory { vehicles: 9, tasks: 1, needed: 10, free: 5 };
         assert!(memory.to_string().contains("fewer of them"), "{memory}");
     }

@@ -10,6 +10,7 @@ use cudarc::driver::{
 };
 use cudarc::nvrtc::Ptx;
 use vb_kernel::fleet::{self, GO_ON, STATE};
+use vb_kernel::heap::Pool;
 use vb_kernel::wire::Setting;
 use vb_world::Pose2;
 
@@ -19,39 +20,60 @@ use crate::error::cuda;
 /// The compute capability that kernels are built for (`cargo xtask kernel`).
 const CAPABILITY: (i32, i32) = (9, 0);
 /// Threads of a block, at most: those that a GPU runs together.
-const BLOCK: u64 = 32;
+const BLOCK: u32 = 32;
+/// What is being done where a fleet is made.
+const START: &str = "putting vehicles at their starts";
+/// Memory that a task has to itself, bytes, and that what all share has.
+const TASK_MEMORY: u64 = 256 << 10;
+const SHARED_MEMORY: u64 = 1 << 20;
+/// Memory that a vehicle, a task and a world beside its bytes may need of what is spare, bytes.
+const SPARE: [u64; 3] = [8 << 20, 4 << 20, 8 << 20];
 
 /// How a fleet uses a GPU. None of it changes a state.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// The number of the GPU.
     pub device: usize,
-    /// Memory that a vehicle has, bytes: for its state, and for the ruts that it makes in soft soil, which take up to 5 MB in a
-    /// minute. On rigid ground 1 MB does.
+    /// Memory that a vehicle has to itself, bytes. An HMMWV on rigid ground needs no more than this.
     pub vehicle_memory: u64,
-    /// Memory that a task has, bytes: the vehicle at its start, and what its copies share, of which the ground is the largest
-    /// part.
-    pub task_memory: u64,
-    /// Memory for the worlds, bytes beside what they have as they are sent.
-    pub shared_memory: u64,
+    /// Memory for all that need more, bytes: the ruts that a vehicle makes in soft soil, which take up to 5 MB in a minute,
+    /// worlds, and starts. By default as much as all of them may need, but half of what is free at most.
+    pub spare_memory: Option<u64>,
     /// Memory on the stack of each thread, bytes.
     pub stack: usize,
-    /// Threads of a block: when vehicles start, when they drive, and when hulls touch something. Threads of a block wait for
-    /// each other where they do different things.
-    pub lanes: [u32; 3],
+    /// Groups of vehicles that are stepped beside each other, so that while those of one that touch something are a few long
+    /// threads, others drive.
+    pub groups: usize,
+    /// Threads of a block: when vehicles start, when they drive, when hulls are near to something, and when they touch it. Threads
+    /// of a block wait for each other where they do different things.
+    pub lanes: [u32; 4],
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self {
             device: 0,
-            vehicle_memory: 8 << 20,
-            task_memory: 4 << 20,
-            shared_memory: 64 << 20,
+            vehicle_memory: 128 << 10,
+            spare_memory: None,
             stack: 96 << 10,
-            lanes: [4, 32, 4],
+            groups: 4,
+            lanes: [4, 32, 32, 16],
         }
     }
+}
+
+/// Addresses on the GPU, for those who compute there too. All arrays have a row for each vehicle.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrays {
+    /// The numbers of [`STATE`], `f64`, written by [`Fleet::advance`].
+    pub states: u64,
+    /// Steering, throttle, brake and gear, `f64`, as for [`Fleet::control`]. A vehicle that is told a number that isn't finite is
+    /// [`vb_kernel::fleet::NO_CONTROLS`] from then on.
+    pub controls: u64,
+    /// The number of the task that a vehicle begins with the next [`Fleet::reset_as_told`], `i32`, which makes it −1: to go on.
+    pub resets: u64,
+    /// [`vb_kernel::fleet::FINE`], or what is wrong, `u32`.
+    pub faults: u64,
 }
 
 /// Where a task begins.
@@ -68,8 +90,17 @@ struct Kernels {
     start: CudaFunction,
     reset: CudaFunction,
     drive: CudaFunction,
+    look: CudaFunction,
     collide: CudaFunction,
     observe: CudaFunction,
+}
+
+/// Vehicles of a fleet that are stepped beside others, all launches one after another.
+struct Group {
+    stream: Arc<CudaStream>,
+    /// The `vb_kernel::fleet::Fleet` of these vehicles over there.
+    fleet: CudaSlice<u8>,
+    vehicles: usize,
 }
 
 /// A fleet: vehicles of one kind on a GPU, which are stepped together.
@@ -79,8 +110,7 @@ pub struct Fleet {
     options: Options,
     vehicles: usize,
     tasks: usize,
-    /// The `vb_kernel::fleet::Fleet` over there.
-    fleet: CudaSlice<u8>,
+    groups: Vec<Group>,
     resets: CudaSlice<u32>,
     controls: CudaSlice<f64>,
     faults: CudaSlice<u32>,
@@ -124,25 +154,29 @@ impl Fleet {
             start: function("vb_start")?,
             reset: function("vb_reset")?,
             drive: function("vb_drive")?,
+            look: function("vb_look")?,
             collide: function("vb_collide")?,
             observe: function("vb_observe")?,
         };
 
         let bytes = setting.to_bytes().map_err(|e| GpuError::Encode(e.to_string()))?;
         let tasks = starts.len();
-        // What is sent is kept in other forms, and grows by doubling while it is read.
-        let shared_memory = options.shared_memory + 4 * bytes.len() as u64;
-        let sizes =
-            [shared_memory, options.task_memory, options.vehicle_memory].map(|n| n.next_multiple_of(256));
+        let sizes = [SHARED_MEMORY, TASK_MEMORY, options.vehicle_memory].map(|n| n.next_multiple_of(256));
         let counts = [1, tasks as u64, vehicles as u64];
-        let needed = sizes.iter().zip(counts).map(|(size, count)| size * count).sum::<u64>();
         let (free, _) = context.mem_get_info().map_err(cuda("asking for memory"))?;
-        if needed > free as u64 {
+        let free = free as u64;
+        let own = sizes.iter().zip(counts).map(|(size, count)| size * count).sum::<u64>();
+        let spare = options.spare_memory.unwrap_or_else(|| {
+            let parts = [vehicles, tasks, setting.worlds.len()];
+            let most = SPARE.iter().zip(parts).map(|(size, count)| size * count as u64).sum::<u64>();
+            // What is sent is kept in other forms, and grows by doubling while it is read.
+            (most + 4 * bytes.len() as u64).min(free / 2)
+        });
+        if own + spare > free {
             let mb = |bytes| bytes >> 20;
-            return Err(GpuError::Memory { vehicles, tasks, needed: mb(needed), free: mb(free as u64) });
+            return Err(GpuError::Memory { vehicles, tasks, needed: mb(own + spare), free: mb(free) });
         }
         let memory = Memory { stream: &stream };
-        let threads = (vehicles.max(tasks) as u64 + 2 * BLOCK).next_multiple_of(BLOCK);
         let shared = memory.zeros::<u8>(8)?;
         let (resets, controls) = (memory.copy(&vec![GO_ON; vehicles])?, memory.zeros(4 * vehicles)?);
         let (faults, states) =
@@ -154,43 +188,61 @@ impl Fleet {
             held.push(part);
             at
         };
-        let slots = keep(memory.zeros(8 * threads as usize)?);
-        let told = fleet::Fleet {
+        let pool = Pool::new(keep(memory.raw(spare)?), spare);
+        let near = [keep(memory.zeros(4 * vehicles)?), keep(memory.zeros(4 * vehicles)?)];
+        let all = fleet::Fleet {
             vehicles: vehicles as u64,
             tasks: tasks as u64,
             heaps: [
-                keep(memory.raw(sizes[0] * counts[0])?) as *mut u8,
-                keep(memory.raw(sizes[1] * counts[1])?) as *mut u8,
-                keep(memory.raw(sizes[2] * counts[2])?) as *mut u8,
+                keep(memory.zeros((sizes[0] * counts[0]) as usize)?) as *mut u8,
+                keep(memory.zeros((sizes[1] * counts[1]) as usize)?) as *mut u8,
+                keep(memory.zeros((sizes[2] * counts[2]) as usize)?) as *mut u8,
             ],
             heap_sizes: sizes,
+            pool_memory: keep(memory.copy(bytes_of(&pool))?) as *const _,
             setting: keep(memory.copy(&bytes)?) as *const u8,
             setting_size: bytes.len() as u64,
             shared: address(&stream, &shared) as *mut _,
             starts: keep(memory.copy(&rows(starts))?) as *const _,
             pool: keep(memory.zeros(8 * tasks)?) as *mut _,
             envs: keep(memory.zeros(8 * vehicles)?) as *mut _,
-            near: keep(memory.zeros(4 * vehicles)?) as *mut _,
-            near_count: keep(memory.zeros(8)?) as *const _,
-            resets: address(&stream, &resets) as *const _,
+            resets: address(&stream, &resets) as *mut _,
             controls: address(&stream, &controls) as *const _,
+            gathered: near.map(|list| list as *mut _),
+            counts: std::ptr::null(),
             faults: address(&stream, &faults) as *mut _,
             states: address(&stream, &states) as *mut _,
             hashes: address(&stream, &hashes) as *mut _,
         };
-        // SAFETY: it is made of numbers alone, without gaps.
-        let told =
-            unsafe { std::slice::from_raw_parts((&raw const told).cast::<u8>(), size_of::<fleet::Fleet>()) };
-        let fleet = memory.copy(told)?;
-
-        let one = LaunchConfig { grid_dim: (1, 1, 1), block_dim: (1, 1, 1), shared_mem_bytes: 0 };
-        let place = address(&stream, &fleet);
-        for (name, argument) in [("vb_memory", &slots), ("vb_prepare", &place)] {
-            let kernel = function(name)?;
-            // SAFETY: these kernels take an address each.
-            unsafe { stream.launch_builder(&kernel).arg(argument).launch(one) }
-                .map_err(cuda("preparing the fleet"))?;
+        let size = vehicles.div_ceil(options.groups.clamp(1, vehicles));
+        let mut groups = Vec::new();
+        for first in (0..vehicles).step_by(size) {
+            let mut told = all;
+            told.vehicles = size.min(vehicles - first) as u64;
+            // SAFETY: all arrays have a row for each vehicle. Nothing is read or written here.
+            unsafe {
+                told.heaps[2] = told.heaps[2].add(first * sizes[2] as usize);
+                told.envs = told.envs.add(first);
+                told.resets = told.resets.add(first);
+                told.controls = told.controls.add(first);
+                told.gathered = told.gathered.map(|list| list.add(first));
+                told.faults = told.faults.add(first);
+                told.states = told.states.add(first);
+                told.hashes = told.hashes.add(first);
+            }
+            told.counts = keep(memory.zeros(16)?) as *const _;
+            groups.push(Group {
+                stream: context.new_stream().map_err(cuda("opening the GPU"))?,
+                fleet: memory.copy(bytes_of(&told))?,
+                vehicles: told.vehicles as usize,
+            });
         }
+
+        let place = address(&stream, &groups[0].fleet);
+        let prepare = function("vb_prepare")?;
+        // SAFETY: this kernel takes an address.
+        unsafe { stream.launch_builder(&prepare).arg(&place).launch(shape(1, 1)) }
+            .map_err(cuda("preparing the fleet"))?;
         let prepared = stream.clone_dtoh(&shared).map_err(cuda("preparing the fleet"))?;
         if prepared == [0; 8] {
             return Err(GpuError::Setting);
@@ -202,7 +254,7 @@ impl Fleet {
             options,
             vehicles,
             tasks,
-            fleet,
+            groups,
             resets,
             controls,
             faults,
@@ -212,13 +264,15 @@ impl Fleet {
             _held: (module, held),
         };
         fleet.launch(
+            &fleet.stream,
+            &fleet.groups[0],
             &fleet.kernels.start,
             tasks,
             options.lanes[0],
             None,
-            "putting vehicles at their starts",
+            START,
         )?;
-        fleet.stream.synchronize().map_err(cuda("putting vehicles at their starts"))?;
+        fleet.wait(START)?;
         Ok(fleet)
     }
 
@@ -241,8 +295,18 @@ impl Fleet {
         }
         let told: Vec<u32> = tasks.iter().map(|task| task.map_or(GO_ON, |task| task as u32)).collect();
         self.stream.memcpy_htod(&told, &mut self.resets).map_err(cuda("a reset"))?;
-        self.launch(&self.kernels.reset, self.vehicles, self.options.lanes[0], None, "a reset")?;
-        self.stream.synchronize().map_err(cuda("a reset"))
+        self.reset_as_told()
+    }
+
+    /// Lets vehicles begin the tasks that have been written to [`Arrays::resets`]. What else this process does on the GPU is
+    /// waited for.
+    ///
+    /// # Errors
+    /// Returns an error if the GPU fails.
+    pub fn reset_as_told(&mut self) -> Result<(), GpuError> {
+        self.wait("a reset")?;
+        self.each_group(&self.kernels.reset, 0, None, "a reset")?;
+        self.wait("a reset")
     }
 
     /// Tells all vehicles their controls until they are told others: steering in [−1, 1], throttle and brake in [0, 1], and the
@@ -258,20 +322,23 @@ impl Fleet {
         self.stream.memcpy_htod(controls.as_flattened(), &mut self.controls).map_err(cuda("controls"))
     }
 
-    /// Drives all vehicles on by so many steps, and looks where they are then.
+    /// Drives all vehicles on by so many steps, and looks where they are then. What else this process does on the GPU is waited
+    /// for, so that controls may be written there.
     ///
     /// # Errors
     /// Returns an error if the GPU fails.
     pub fn advance(&mut self, steps: u64) -> Result<(), GpuError> {
-        let [_, drive, collide] = self.options.lanes;
+        self.wait("a step")?;
+        let Kernels { drive, look, collide, observe, .. } = &self.kernels;
         for _ in 0..steps {
-            let turn = self.steps % 2;
-            self.launch(&self.kernels.drive, self.vehicles, drive, Some(turn), "a step")?;
-            self.launch(&self.kernels.collide, self.vehicles, collide, Some(turn), "a step")?;
+            let turn = Some(self.steps % 2);
+            for (kernel, lanes) in [(drive, 1), (look, 2), (collide, 3)] {
+                self.each_group(kernel, lanes, turn, "a step")?;
+            }
             self.steps += 1;
         }
-        self.launch(&self.kernels.observe, self.vehicles, drive, None, "a look at the vehicles")?;
-        self.stream.synchronize().map_err(cuda("a step"))
+        self.each_group(observe, 1, None, "a look at the vehicles")?;
+        self.wait("a step")
     }
 
     /// The state of each vehicle when it was last looked at: the numbers of [`STATE`].
@@ -300,10 +367,20 @@ impl Fleet {
         self.stream.clone_dtoh(&self.hashes).map_err(cuda("reading hashes"))
     }
 
-    /// Where on the GPU the states are, and where the controls: rows of 64-bit numbers, for those who compute there too.
+    /// Where what others may read and write is on the GPU. It stays there as long as the fleet.
     #[must_use]
-    pub fn addresses(&self) -> [u64; 2] {
-        [address(&self.stream, &self.states), address(&self.stream, &self.controls)]
+    pub fn arrays(&self) -> Arrays {
+        Arrays {
+            states: address(&self.stream, &self.states),
+            controls: address(&self.stream, &self.controls),
+            resets: address(&self.stream, &self.resets),
+            faults: address(&self.stream, &self.faults),
+        }
+    }
+
+    /// Waits for all that this process has launched on the GPU.
+    fn wait(&self, doing: &'static str) -> Result<(), GpuError> {
+        self.stream.context().synchronize().map_err(cuda(doing))
     }
 
     fn expect(&self, what: &'static str, given: usize) -> Result<(), GpuError> {
@@ -314,27 +391,50 @@ impl Fleet {
         }
     }
 
+    /// Launches a kernel for all vehicles, each group's behind what was launched for it before. The number of its lanes is the
+    /// place in [`Options::lanes`].
+    fn each_group(
+        &self,
+        kernel: &CudaFunction,
+        lanes: usize,
+        turn: Option<u64>,
+        doing: &'static str,
+    ) -> Result<(), GpuError> {
+        let lanes = self.options.lanes[lanes];
+        let mut groups = self.groups.iter();
+        groups.try_for_each(|g| self.launch(&g.stream, g, kernel, g.vehicles, lanes, turn, doing))
+    }
+
     /// Launches a kernel for the numbers below `count`.
+    #[allow(clippy::too_many_arguments, reason = "a launch has as many parts")]
     fn launch(
         &self,
+        stream: &Arc<CudaStream>,
+        group: &Group,
         kernel: &CudaFunction,
         count: usize,
         lanes: u32,
         turn: Option<u64>,
         doing: &'static str,
     ) -> Result<(), GpuError> {
-        let lanes = lanes.clamp(1, BLOCK as u32);
-        let (fleet, count) = (address(&self.stream, &self.fleet), count as u64);
-        let blocks = count.div_ceil(u64::from(lanes)) as u32;
-        let shape = LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (lanes, 1, 1), shared_mem_bytes: 0 };
-        let mut launch = self.stream.launch_builder(kernel);
+        let (fleet, count) = (address(stream, &group.fleet), count as u64);
+        let mut launch = stream.launch_builder(kernel);
         launch.arg(&fleet).arg(&count);
         if let Some(turn) = &turn {
             launch.arg(turn);
         }
         // SAFETY: the kernels take the fleet, whose addresses stay as long as it, the number of threads, and some the turn.
-        unsafe { launch.launch(shape) }.map(|_| ()).map_err(cuda(doing))
+        unsafe { launch.launch(shape(count, lanes)) }.map(|_| ()).map_err(cuda(doing))
     }
+}
+
+/// Blocks of so many threads, with at least `count` of them together.
+fn shape(count: u64, lanes: u32) -> LaunchConfig {
+    let lanes = lanes.clamp(1, BLOCK);
+    let blocks = count.div_ceil(u64::from(lanes)) as u32;
+    // Each thread notes there where its heap is.
+    let slots = lanes * size_of::<*const u8>() as u32;
+    LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (lanes, 1, 1), shared_mem_bytes: slots }
 }
 
 /// The GPU of this number, if the kernels are for it.
@@ -361,6 +461,12 @@ fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
 fn rows(starts: &[Start]) -> Vec<u8> {
     let numbers = starts.iter().flat_map(|s| [s.world as f64, s.pose.x, s.pose.y, s.pose.yaw]);
     numbers.flat_map(f64::to_le_bytes).collect()
+}
+
+/// What the kernels read a value from: its bytes.
+fn bytes_of<T>(value: &T) -> &[u8] {
+    // SAFETY: only what is made of numbers alone, without gaps, is sent.
+    unsafe { std::slice::from_raw_parts(std::ptr::from_ref(value).cast::<u8>(), size_of::<T>()) }
 }
 
 fn address<T>(stream: &CudaStream, part: &CudaSlice<T>) -> u64 {

@@ -3,12 +3,14 @@
 //! A [`Fleet`] has vehicles of one kind, each in one of its worlds, which are stepped together. Their states are those that a
 //! CPU computes, bit for bit. CUDA is loaded when it is needed, so that a program with this library runs without it too.
 
+mod course;
 mod error;
 mod fleet;
 
+pub use course::{Course, CourseError};
 pub use error::GpuError;
-pub use fleet::{Fleet, Options, Start};
-pub use vb_kernel::fleet::{DIVERGED, FINE, NO_START, STATE};
+pub use fleet::{Arrays, Fleet, Options, Start};
+pub use vb_kernel::fleet::{DIVERGED, FAULTS, FINE, NO_CONTROLS, NO_START, NO_TASK, STATE};
 pub use vb_kernel::wire::{Place, Setting};
 
 /// Whether CUDA's driver is installed here, so that there may be a GPU.

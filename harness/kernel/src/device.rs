@@ -6,8 +6,10 @@ use std::alloc::{GlobalAlloc, Layout};
 use crate::fleet::{self, Fleet};
 use crate::heap::Heap;
 
-/// The heap of each thread of a launch; as long as there are threads.
-static mut HEAPS: *mut *mut Heap = std::ptr::null_mut();
+unsafe extern "C" {
+    /// Where this thread notes its heap: in memory that its block has to itself (`xtask/src/kernel/words.ll`).
+    safe fn vb_slot() -> *mut *mut Heap;
+}
 
 /// The number of this thread in its launch.
 fn number() -> usize {
@@ -18,13 +20,13 @@ fn number() -> usize {
 /// From now on this thread takes memory from this heap.
 pub(crate) fn enter(heap: *mut Heap) {
     // SAFETY: each thread has its own place.
-    unsafe { HEAPS.add(number()).write(heap) }
+    unsafe { vb_slot().write(heap) }
 }
 
 /// The heap of this thread.
 fn heap() -> &'static mut Heap {
     // SAFETY: each thread has its own place, in which [`enter`] has put a heap.
-    unsafe { &mut **HEAPS.add(number()) }
+    unsafe { &mut **vb_slot() }
 }
 
 struct Memory;
@@ -62,16 +64,6 @@ unsafe impl GlobalAlloc for Memory {
     }
 }
 
-/// Tells where each thread of later launches finds its heap.
-///
-/// # Safety
-/// `heaps` has a place for each of those threads.
-#[unsafe(no_mangle)]
-pub unsafe extern "ptx-kernel" fn vb_memory(heaps: *mut *mut Heap) {
-    // SAFETY: one thread runs this, and nothing else does meanwhile.
-    unsafe { HEAPS = heaps }
-}
-
 /// A kernel of a function of [`fleet`], for the first `threads` threads.
 macro_rules! kernel {
     ($name:ident, $function:ident $(, $turn:ident)?) => {
@@ -99,6 +91,7 @@ pub unsafe extern "ptx-kernel" fn vb_prepare(fleet: *const Fleet) {
 kernel!(vb_start, start);
 kernel!(vb_reset, reset);
 kernel!(vb_drive, drive, turn);
+kernel!(vb_look, look, turn);
 kernel!(vb_collide, collide, turn);
 kernel!(vb_observe, observe);
 

@@ -1,19 +1,20 @@
 //! A fleet: many simulations of one vehicle, stepped together. What each kernel does is a function here.
 //!
 //! A launch calls a function for each number from 0 on, in any order and at the same time. [`prepare`] comes first, once,
-//! then [`start`] for each task, and then [`reset`], [`drive`], [`collide`] and [`observe`] as often as one likes. A step of
-//! all is [`drive`] followed by [`collide`]: few vehicles touch something with their hulls at a time, the contact solver
-//! takes longer than the rest of a step, and the threads that run together on a GPU wait for the slowest. So those
-//! that touch are gathered, and threads are full again.
+//! then [`start`] for each task, and then [`reset`], [`drive`], [`look`], [`collide`] and [`observe`] as often as one likes. A
+//! step of all is [`drive`] followed by [`look`] and [`collide`]: few vehicles have their hulls near to something at a time,
+//! to find out what they may touch and to solve the contacts takes longer than the rest of a step, and the threads that run
+//! together on a GPU wait for the slowest. So those that are near are gathered, and so are those of them that touch: threads
+//! are full again.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use vb_sim::{Controls, Gear, SAMPLE_PERIOD, SimOptions, Simulation, SoilSet, StateHash};
+use vb_sim::{Controls, Gear, SAMPLE_PERIOD, SimOptions, Simulation, SoilSet, StateHash, Surroundings};
 use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, World};
 
-use crate::heap::Heap;
+use crate::heap::{Heap, Pool};
 use crate::wire::Setting;
 
 /// What is told of each vehicle: the name of each number, with its unit, in order.
@@ -46,6 +47,18 @@ pub const FINE: u32 = 0;
 pub const NO_START: u32 = 1;
 /// A simulation has come into a state that no vehicle can have.
 pub const DIVERGED: u32 = 2;
+/// A vehicle was told to begin a task that there isn't.
+pub const NO_TASK: u32 = 3;
+/// A vehicle was told a number that isn't finite.
+pub const NO_CONTROLS: u32 = 4;
+/// What [`Fleet::faults`] says: the name of each number.
+pub const FAULTS: [(&str, u32); 5] = [
+    ("fine", FINE),
+    ("no_start", NO_START),
+    ("diverged", DIVERGED),
+    ("no_task", NO_TASK),
+    ("no_controls", NO_CONTROLS),
+];
 /// No task: the vehicle drives on.
 pub const GO_ON: u32 = u32::MAX;
 
@@ -63,6 +76,8 @@ pub struct Fleet {
     pub heaps: [*mut u8; 3],
     /// The size of a heap of each kind, bytes.
     pub heap_sizes: [u64; 3],
+    /// Memory for heaps that are full, whatever their kind.
+    pub pool_memory: *const Pool,
     /// A [`Setting`] as bytes, and how many.
     pub setting: *const u8,
     /// How many bytes the setting has.
@@ -75,14 +90,14 @@ pub struct Fleet {
     pub pool: *mut *const Simulation,
     /// The vehicles, written by [`reset`].
     pub envs: *mut *mut Env,
-    /// The task that a vehicle begins anew with the next [`reset`], or [`GO_ON`].
-    pub resets: *const u32,
+    /// The task that a vehicle begins anew with the next [`reset`], which makes it [`GO_ON`].
+    pub resets: *mut u32,
     /// Steering, throttle, brake, and the gear: 1, 0 or −1.
     pub controls: *const [f64; 4],
-    /// The vehicles whose hulls may touch something in this step, in any order.
-    pub near: *mut u32,
-    /// How many those are: two numbers, used in turn.
-    pub near_count: *const [AtomicU32; 2],
+    /// The vehicles whose hulls may be near to something in this step, and those that may touch something, in any order.
+    pub gathered: [*mut u32; 2],
+    /// How many those are: two numbers each, used in turn.
+    pub counts: *const [[AtomicU32; 2]; 2],
     /// [`FINE`], or what is wrong.
     pub faults: *mut u32,
     /// [`STATE`], written by [`observe`].
@@ -92,12 +107,11 @@ pub struct Fleet {
 }
 
 /// What the simulations of a fleet share.
-#[derive(Debug)]
 pub struct Shared {
     model: VehicleModel,
     soils: SoilSet,
     options: SimOptions,
-    worlds: Vec<Arc<World>>,
+    worlds: Vec<Surroundings>,
 }
 
 /// One vehicle on its way.
@@ -146,8 +160,35 @@ impl Fleet {
     unsafe fn empty(&self, of: Of) {
         let (at, size) = self.heap(of);
         // SAFETY: as the caller promises.
-        unsafe { Heap::place(at, size) };
+        unsafe { Heap::place(at, size, self.pool_memory) };
         self.enter(of);
+    }
+
+    /// Puts a vehicle on a list of this turn.
+    ///
+    /// # Safety
+    /// The fleet's addresses are right, and the vehicle isn't on the list.
+    unsafe fn gather(&self, list: usize, turn: usize, vehicle: usize) {
+        // SAFETY: as the caller promises.
+        unsafe {
+            let place = (&(*self.counts))[list][turn].fetch_add(1, Ordering::Relaxed);
+            self.gathered[list].add(place as usize).write(vehicle as u32);
+        }
+    }
+
+    /// The vehicle at this place of a list of this turn, if nothing is wrong with it.
+    ///
+    /// # Safety
+    /// The fleet's addresses are right, and no other thread has this number.
+    unsafe fn gathered<'a>(&self, list: usize, turn: usize, number: usize) -> Option<(usize, &'a mut Env)> {
+        // SAFETY: as the caller promises.
+        unsafe {
+            if number >= (&(*self.counts))[list][turn].load(Ordering::Relaxed) as usize {
+                return None;
+            }
+            let vehicle = *self.gathered[list].add(number) as usize;
+            env(self, vehicle).map(|env| (vehicle, env))
+        }
     }
 
     /// From now on this thread takes memory from this heap.
@@ -176,7 +217,7 @@ pub unsafe fn prepare(fleet: &Fleet) {
     };
     let Some(setting) = Setting::from_bytes(bytes) else { return };
     let Ok(model) = VehicleModel::new(setting.vehicle) else { return };
-    let worlds = setting.worlds.into_iter().map(|w| Arc::new(World::from(w))).collect();
+    let worlds = setting.worlds.into_iter().map(|w| Surroundings::from(Arc::new(World::from(w)))).collect();
     let shared = Shared { model, soils: setting.soils, options: setting.options, worlds };
     // SAFETY: as the caller promises.
     unsafe { fleet.shared.write(Box::into_raw(Box::new(shared))) };
@@ -210,14 +251,19 @@ pub unsafe fn reset(fleet: &Fleet, vehicle: usize) {
     // SAFETY: as the caller promises. What the vehicle was before is forgotten with its whole heap; it has nothing of others
     // but counted references, which only keep the shared things from being freed.
     unsafe {
-        let task = *fleet.resets.add(vehicle);
+        let task = fleet.resets.add(vehicle).replace(GO_ON);
         if task == GO_ON {
             return;
         }
         fleet.empty(Of::Vehicle(vehicle));
-        let sim = (*fleet.pool.add(task as usize)).as_ref();
+        let is_there = u64::from(task) < fleet.tasks;
+        let sim = if is_there { (*fleet.pool.add(task as usize)).as_ref() } else { None };
         let env = sim.map(|sim| Env { sim: sim.clone(), hash: StateHash::default(), hashed: None });
-        fleet.faults.add(vehicle).write(if env.is_some() { FINE } else { NO_START });
+        fleet.faults.add(vehicle).write(match &env {
+            Some(_) => FINE,
+            None if is_there => NO_START,
+            None => NO_TASK,
+        });
         fleet.envs.add(vehicle).write(env.map_or(std::ptr::null_mut(), |env| Box::into_raw(Box::new(env))));
     }
 }
@@ -234,7 +280,11 @@ unsafe fn env<'a>(fleet: &Fleet, vehicle: usize) -> Option<&'a mut Env> {
     }
 }
 
-/// The first part of a step: forces. A vehicle whose hull may touch something waits for [`collide`] of the same `turn`, which
+/// The list of vehicles that may be near to something, and that of those that may touch something.
+const NEAR: usize = 0;
+const TOUCHING: usize = 1;
+
+/// The first part of a step: forces. A vehicle whose hull may be near to something waits for [`look`] of the same `turn`, which
 /// is 0 and 1 by turns.
 ///
 /// # Safety
@@ -243,38 +293,54 @@ pub unsafe fn drive(fleet: &Fleet, vehicle: usize, turn: usize) {
     // SAFETY: as the caller promises.
     unsafe {
         let Some(env) = env(fleet, vehicle) else { return };
+        let controls = *fleet.controls.add(vehicle);
+        if !controls.iter().all(|x| x.is_finite()) {
+            fleet.faults.add(vehicle).write(NO_CONTROLS);
+            return;
+        }
         env.take_sample(sample_every(fleet));
-        let [steering, throttle, brake, gear] = *fleet.controls.add(vehicle);
+        let [steering, throttle, brake, gear] = controls;
         let gear = match gear {
             g if g > 0.0 => Gear::Forward,
             g if g < 0.0 => Gear::Reverse,
             _ => Gear::Neutral,
         };
         if env.sim.begin_step(Controls { steering, throttle, brake, gear }) {
-            let place = (&(*fleet.near_count))[turn].fetch_add(1, Ordering::Relaxed);
-            fleet.near.add(place as usize).write(vehicle as u32);
+            env.sim.finish_step(false);
+        } else {
+            fleet.gather(NEAR, turn, vehicle);
+        }
+    }
+}
+
+/// The second part of a step, for those that may be near to something: whether they may touch it. There may be more threads than
+/// those.
+///
+/// # Safety
+/// The fleet's addresses are right, [`drive`] has been, and no other thread has this number.
+pub unsafe fn look(fleet: &Fleet, number: usize, turn: usize) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        let Some((vehicle, env)) = fleet.gathered(NEAR, turn, number) else { return };
+        if env.sim.look() {
+            fleet.gather(TOUCHING, turn, vehicle);
         } else {
             env.sim.finish_step(false);
         }
     }
 }
 
-/// The second part of a step, for those that touch something: the contact solver. There may be more threads than those.
+/// The last part of a step, for those that may touch something: the contact solver. There may be more threads than those.
 ///
 /// # Safety
-/// The fleet's addresses are right, [`drive`] has been, and no other thread has this number.
+/// The fleet's addresses are right, [`look`] has been, and no other thread has this number.
 pub unsafe fn collide(fleet: &Fleet, number: usize, turn: usize) {
     // SAFETY: as the caller promises.
     unsafe {
-        let counts = &*fleet.near_count;
         if number == 0 {
-            counts[1 - turn].store(0, Ordering::Relaxed);
+            (*fleet.counts).iter().for_each(|list| list[1 - turn].store(0, Ordering::Relaxed));
         }
-        if number >= counts[turn].load(Ordering::Relaxed) as usize {
-            return;
-        }
-        let vehicle = *fleet.near.add(number) as usize;
-        if let Some(env) = env(fleet, vehicle) {
+        if let Some((_, env)) = fleet.gathered(TOUCHING, turn, number) {
             env.sim.finish_step(true);
         }
     }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 
-use vb_kernel::fleet::{self, FINE, Fleet, GO_ON, NO_START, STATE};
+use vb_kernel::fleet::{self, FINE, Fleet, GO_ON, NO_CONTROLS, NO_START, NO_TASK, STATE};
+use vb_kernel::heap::Pool;
 use vb_kernel::wire::{Place, Setting};
 use vb_math::rng::Stream;
 use vb_sim::{Controls, Gear, SimOptions, Simulation, SoilSet, StateHash};
@@ -48,8 +49,8 @@ fn a_fleet_has_the_states_of_single_simulations() {
     let options = SimOptions::default();
     let spec = vehicle("hmmwv");
     let starts = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.1], [0.0, -5.0, 4.0, 2.0], [7.0, 0.0, 0.0, 0.0]];
-    // Two of one task, and one of a world that isn't there.
-    let tasks = [0, 1, 2, 2, 3];
+    // Two of one task, one of a world that isn't there, one of no task, and one that is told what isn't a number.
+    let tasks = [0, 1, 2, 2, 3, 9, 0];
     let (n, steps) = (tasks.len(), 1500);
     let setting = Setting {
         vehicle: spec.clone(),
@@ -65,17 +66,21 @@ fn a_fleet_has_the_states_of_single_simulations() {
     let (mut shared, mut pool, mut envs) =
         (std::ptr::null(), vec![std::ptr::null(); starts.len()], vec![std::ptr::null_mut(); n]);
     let mut resets = tasks.map(|t| t as u32);
-    let asked = std::array::from_fn::<_, 5, _>(|i| {
+    let mut asked = std::array::from_fn::<_, 7, _>(|i| {
         let c = controls(i);
         [c.steering, c.throttle, c.brake, if c.gear == Gear::Reverse { -1.0 } else { 1.0 }]
     });
-    let (mut near, near_count) = (vec![0; n], [AtomicU32::new(0), AtomicU32::new(0)]);
+    asked[6][1] = f64::NAN;
+    let mut gathered = [vec![0; n], vec![0; n]];
+    let counts = std::array::from_fn(|_| [AtomicU32::new(0), AtomicU32::new(0)]);
+    let no_pool = Pool::new(0, 0);
     let (mut faults, mut states, mut hashes) = (vec![9; n], vec![[0.0; STATE.len()]; n], vec![0; n]);
     let fleet = Fleet {
         vehicles: n as u64,
         tasks: starts.len() as u64,
         heaps: heaps.each_mut().map(|h| h.as_mut_ptr().cast()),
         heap_sizes: [HEAP; 3],
+        pool_memory: &no_pool,
         setting: bytes.as_ptr(),
         setting_size: bytes.len() as u64,
         shared: &mut shared,
@@ -84,8 +89,8 @@ fn a_fleet_has_the_states_of_single_simulations() {
         envs: envs.as_mut_ptr(),
         resets: resets.as_mut_ptr(),
         controls: asked.as_ptr(),
-        near: near.as_mut_ptr(),
-        near_count: &near_count,
+        gathered: gathered.each_mut().map(|list| list.as_mut_ptr()),
+        counts: &counts,
         faults: faults.as_mut_ptr(),
         states: states.as_mut_ptr(),
         hashes: hashes.as_mut_ptr(),
@@ -96,15 +101,16 @@ fn a_fleet_has_the_states_of_single_simulations() {
         assert!(!shared.is_null());
         (0..starts.len()).for_each(|task| fleet::start(&fleet, task));
         (0..n).for_each(|vehicle| fleet::reset(&fleet, vehicle));
-        resets.fill(GO_ON);
+        assert_eq!(resets, [GO_ON; 7], "they go on from now on");
         (0..n).for_each(|vehicle| fleet::reset(&fleet, vehicle));
         for step in 0..steps {
             (0..n).rev().for_each(|vehicle| fleet::drive(&fleet, vehicle, step % 2));
+            (0..n + 1).for_each(|number| fleet::look(&fleet, number, step % 2));
             (0..n + 3).for_each(|number| fleet::collide(&fleet, number, step % 2));
         }
         (0..n).for_each(|vehicle| fleet::observe(&fleet, vehicle));
     }
-    assert_eq!(faults, [FINE, FINE, FINE, FINE, NO_START]);
+    assert_eq!(faults, [FINE, FINE, FINE, FINE, NO_START, NO_TASK, NO_CONTROLS]);
     let model = VehicleModel::new(spec).unwrap();
     let mut touched = 0;
     for (vehicle, task) in tasks.into_iter().take(4).enumerate() {

@@ -4,6 +4,7 @@ mod arena;
 mod arrays;
 mod env;
 mod errors;
+mod gpu;
 mod policy;
 mod vector;
 
@@ -18,6 +19,8 @@ mod _native {
     use crate::arena::Arena;
     #[pymodule_export]
     use crate::env::{Env, Snapshot};
+    #[pymodule_export]
+    use crate::gpu::{Array, Fleet};
     #[pymodule_export]
     use crate::policy::policy_actions;
     #[pymodule_export]
@@ -35,6 +38,18 @@ mod _native {
     #[pyfunction]
     fn version() -> &'static str {
         env!("CARGO_PKG_VERSION")
+    }
+
+    /// The numbers that a fleet tells of each of its vehicles, as (name, unit).
+    #[pyfunction]
+    fn fleet_states() -> Vec<(&'static str, &'static str)> {
+        vb_gpu::STATE.to_vec()
+    }
+
+    /// What can be wrong with a vehicle of a fleet, as (name, number).
+    #[pyfunction]
+    fn fleet_faults() -> Vec<(&'static str, u32)> {
+        vb_gpu::FAULTS.to_vec()
     }
 
     /// All parts that an observation can have, as (name, what it is, the sensor that it takes or None).

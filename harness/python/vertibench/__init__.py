@@ -8,7 +8,9 @@
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
 `vertibench.envs` has environments for reinforcement learning, `vertibench.training` trains policies in them, and
-`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines. Errors are `VertibenchError`s: one line that says where, what, and what to do. Nothing is imported before it is used; results as pandas or polars need these packages.
+`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines, `vertibench.gpu` fleets of
+vehicles on a GPU. Errors are `VertibenchError`s: one line that says where, what, and what to do. Nothing is imported before it is
+used; results as pandas or polars need these packages.
 """
 
 from __future__ import annotations
@@ -21,11 +23,13 @@ __version__ = "0.2.0"
 if TYPE_CHECKING:
     from . import datasets as datasets
     from . import envs as envs
+    from . import gpu as gpu
     from . import scale as scale
     from . import training as training
     from ._errors import ActionError as ActionError
     from ._errors import EnvError as EnvError
     from ._errors import EpisodeError as EpisodeError
+    from ._errors import GpuError as GpuError
     from ._errors import MissingError as MissingError
     from ._errors import MissingPackageError as MissingPackageError
     from ._errors import OptionError as OptionError
@@ -66,6 +70,7 @@ _FROM = {
         "ActionError",
         "EnvError",
         "EpisodeError",
+        "GpuError",
         "MissingError",
         "MissingPackageError",
         "OptionError",
@@ -94,11 +99,14 @@ _FROM = {
 }
 _MODULES = {name: module for module, names in _FROM.items() for name in names}
 
-__all__ = ["datasets", "envs", "training", *sorted(_MODULES)]
+#: Parts of the package, which are imported likewise.
+_PARTS = ("datasets", "envs", "gpu", "scale", "training")
+
+__all__ = [*_PARTS, *sorted(_MODULES)]
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("datasets", "envs", "training"):
+    if name in _PARTS:
         return importlib.import_module(f".{name}", __name__)
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -51,5 +51,9 @@ class EpisodeError(EnvError, RuntimeError):
     """There is no episode, it has ended, the environment is at work, in another process, or closed."""
 
 
+class GpuError(EnvError, RuntimeError):
+    """There is no GPU that a fleet could be on, too little memory on it, or it fails."""
+
+
 class PanicError(EnvError, RuntimeError):
     """A fault of the package itself. The interpreter goes on; the environment should be made anew."""

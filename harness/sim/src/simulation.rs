@@ -269,14 +269,16 @@ impl Simulation {
     }
 
     fn step(&mut self, controls: Controls) {
-        let near = self.begin_step(controls);
+        let near = !self.begin_step(controls) && self.look();
         self.finish_step(near);
     }
 
-    /// The first part of a step: forces change the velocities. It tells whether the hull may touch ground or obstacles at
-    /// the end of the step, which the second part, [`Self::finish_step`], has to be told. A step in two parts is the same
-    /// as one of [`Self::advance`], which also looks for a state that no vehicle can have; they are apart for those who
-    /// step many vehicles at a time and gather the few that touch.
+    /// The first part of a step: forces change the velocities. It tells whether the hull is known to be clear of ground and
+    /// obstacles at the end of the step. If it isn't, the second part, [`Self::look`], finds out; the third,
+    /// [`Self::finish_step`], has to be told. A step in parts is the same as one of [`Self::advance`], which also looks for a
+    /// state that no vehicle can have; they are apart for those who step many vehicles at a time and gather the few that
+    /// are near to something.
+    #[must_use]
     pub fn begin_step(&mut self, controls: Controls) -> bool {
         let dt = self.options.step;
         if self.steps.is_multiple_of(LOOK_AROUND) {
@@ -293,17 +295,25 @@ impl Simulation {
         self.vehicle.accelerate(controls, &mut ground, dt);
         self.pass_over_soil();
         let body = self.vehicle.body();
-        let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * dt;
-        self.chassis.may_touch(
-            &self.world.heightfield,
-            &self.obstacles,
-            &body.x,
-            &body.q,
-            HULL_NEAR * self.world.scale + way,
-        )
+        self.chassis.is_known_clear(&self.obstacles, &body.x, &body.q, self.hull_margin())
     }
 
-    /// The second part of a step: the pose follows the velocities, by way of the contact solver where the hull is `near`
+    /// The second part of a step, where the hull isn't known to be clear: whether it may touch ground or obstacles at the end of
+    /// the step.
+    #[must_use]
+    pub fn look(&mut self) -> bool {
+        let (margin, body) = (self.hull_margin(), self.vehicle.body());
+        self.chassis.may_touch(&self.world.heightfield, &self.obstacles, &body.x, &body.q, margin)
+    }
+
+    /// How near the hull may be to something without touching it within this step, m.
+    fn hull_margin(&self) -> f64 {
+        let body = self.vehicle.body();
+        let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * self.options.step;
+        HULL_NEAR * self.world.scale + way
+    }
+
+    /// The last part of a step: the pose follows the velocities, by way of the contact solver where the hull is `near`
     /// something.
     pub fn finish_step(&mut self, near: bool) {
         if near {

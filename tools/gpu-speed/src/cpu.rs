@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use vb_sim::{SAMPLE_PERIOD, Simulation, StateHash};
+use vb_sim::{SAMPLE_PERIOD, Simulation, StateHash, Surroundings};
 
 use crate::{Drive, timed};
 
@@ -21,13 +21,14 @@ pub(crate) struct Driven {
 /// Drives the first `count` vehicles on all cores.
 pub(crate) fn drive(drive: &Drive, count: usize) -> Driven {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let worlds: Vec<_> = drive.worlds.iter().map(|world| Arc::new(world.clone())).collect();
+    let worlds: Vec<_> =
+        drive.course.worlds.iter().map(|world| Surroundings::from(Arc::new(world.clone()))).collect();
     let starting = |task: usize| {
-        let (start, s) = (&drive.starts[task], &drive.setting);
+        let (start, s) = (&drive.starts[task], &drive.course.setting);
         Simulation::new(worlds[start.world].clone(), &s.model, &s.soils, start.pose, s.options).ok()
     };
     let (pool, starts) = timed(|| side_by_side(threads, drive.starts.len().min(count), starting));
-    let sample_every = (SAMPLE_PERIOD / drive.setting.options.step).round() as u64;
+    let sample_every = (SAMPLE_PERIOD / drive.course.setting.options.step).round() as u64;
     let driving = |vehicle: usize| {
         let mut sim = pool.get(drive.task(vehicle))?.clone()?;
         let mut hash = StateHash::default();

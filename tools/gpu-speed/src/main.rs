@@ -8,15 +8,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use vb_catalog::Catalog;
-use vb_gpu::{FINE, Fleet, GpuError, Options, Place, Setting, Start};
-use vb_score::Rules;
+use vb_gpu::{Course, FINE, Fleet, GpuError, Options, Setting, Start};
 use vb_sim::Controls;
-use vb_world::World;
 
-/// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
-const SOIL_RESOLUTION: f64 = 0.1;
-/// The time step, s, and the time from one command to the next: those of the benchmark's environments.
-const TIME_STEP: f64 = 1e-3;
+/// The time from one command to the next, s: that of the benchmark's environments.
 const CONTROL_PERIOD: f64 = 0.1;
 
 /// Drive fleets of simulations on a GPU, and compare their states with the CPU's
@@ -47,32 +42,27 @@ struct Args {
     /// Vehicles whose states are compared with those of the CPU
     #[arg(long, value_name = "N", default_value_t = 200)]
     compare: usize,
-    /// Memory of each vehicle, kB: 1024 does for rigid ground
-    #[arg(long, value_name = "KB", default_value_t = 8192)]
+    /// Memory that each vehicle has to itself, kB
+    #[arg(long, value_name = "KB", default_value_t = Options::default().vehicle_memory >> 10)]
     memory: u64,
-    /// Memory of each task, kB
-    #[arg(long, value_name = "KB", default_value_t = 4096)]
-    task_memory: u64,
+    /// Memory for all that need more, MB
+    #[arg(long, value_name = "MB")]
+    spare_memory: Option<u64>,
+    /// Groups of vehicles that are stepped beside each other
+    #[arg(long, value_name = "N", default_value_t = Options::default().groups)]
+    groups: usize,
     /// Stack of each thread, kB
     #[arg(long, value_name = "KB", default_value_t = 96)]
     stack: usize,
-    /// Threads of a block when vehicles start, when they drive, and when they touch something
-    #[arg(long, value_names = ["START", "DRIVE", "TOUCH"], num_args = 3, default_values_t = Options::default().lanes)]
+    /// Threads of a block when vehicles start, drive, are near to something, and touch it
+    #[arg(long, value_names = ["START", "DRIVE", "NEAR", "TOUCH"], num_args = 4, default_values_t = Options::default().lanes)]
     lanes: Vec<u32>,
 }
 
 #[derive(Debug, thiserror::Error)]
 enum SpeedError {
     #[error(transparent)]
-    Catalog(#[from] vb_catalog::CatalogError),
-    #[error(transparent)]
-    Selector(#[from] vb_world::SelectorError),
-    #[error(transparent)]
-    Suite(#[from] vb_world::SuiteError),
-    #[error(transparent)]
-    Rules(#[from] vb_score::RulesError),
-    #[error(transparent)]
-    Run(#[from] vb_runner::RunError),
+    Course(#[from] vb_gpu::CourseError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error("{0} of {1} vehicles have other states on the GPU than on the CPU")]
@@ -83,8 +73,7 @@ enum SpeedError {
 
 /// What is driven.
 struct Drive {
-    setting: vb_runner::Setting,
-    worlds: Vec<World>,
+    course: Course,
     starts: Vec<Start>,
     /// Commands.
     periods: u64,
@@ -92,28 +81,10 @@ struct Drive {
 
 impl Drive {
     fn new(args: &Args) -> Result<Self, SpeedError> {
-        let catalog = Catalog::find();
-        let suite = catalog.open_suite(Some(&args.suite))?;
-        let (vehicle, soils) = (catalog.vehicle(&args.vehicle)?, catalog.soils("default", SOIL_RESOLUTION)?);
-        let rules = Rules::resolve("paper")?;
-        let perception = catalog.perception("oracle")?;
-        let scale = vehicle.spec.scale;
-        let setting = vb_runner::Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, 0)?;
-        let (mut worlds, mut starts) = (Vec::<World>::new(), Vec::new());
-        for task in vb_catalog::select(&suite, args.tasks.as_deref())? {
-            let world = match worlds.iter().position(|w| w.id == task.world) {
-                Some(known) => known,
-                None => {
-                    worlds.push(suite.load_world(&task.world)?.at_scale(scale));
-                    worlds.len() - 1
-                }
-            };
-            if let Some(task) = worlds[world].task(&task.task) {
-                starts.push(Start { world, pose: task.start });
-            }
-        }
+        let course = Course::new(&Catalog::find(), Some(&args.suite), args.tasks.as_deref(), &args.vehicle)?;
+        let starts = course.starts();
         let periods = (args.seconds / CONTROL_PERIOD).round().max(1.0) as u64;
-        Ok(Self { setting, worlds, starts, periods })
+        Ok(Self { course, starts, periods })
     }
 
     /// What a vehicle is told.
@@ -128,7 +99,7 @@ impl Drive {
     }
 
     fn steps(&self) -> u64 {
-        (CONTROL_PERIOD / TIME_STEP).round() as u64
+        (CONTROL_PERIOD / self.course.setting.options.step).round() as u64
     }
 }
 
@@ -152,12 +123,7 @@ fn timed<T>(of: impl FnOnce() -> T) -> (T, f64) {
 
 fn run(args: &Args) -> Result<(), SpeedError> {
     let drive = Drive::new(args)?;
-    let setting = Setting {
-        vehicle: drive.setting.model.spec().clone(),
-        soils: drive.setting.soils.clone(),
-        options: drive.setting.options,
-        worlds: drive.worlds.iter().map(Place::from).collect(),
-    };
+    let setting = drive.course.sent();
     let mut out = std::io::stdout();
     let most = args.vehicles.iter().copied().max().unwrap_or(0);
     let cpu = cpu::drive(&drive, args.compare.min(most));
@@ -211,7 +177,8 @@ struct OnGpu {
 fn on_gpu(args: &Args, drive: &Drive, setting: &Setting, vehicles: usize) -> Result<OnGpu, GpuError> {
     let options = Options {
         vehicle_memory: args.memory << 10,
-        task_memory: args.task_memory << 10,
+        spare_memory: args.spare_memory.map(|mb| mb << 20),
+        groups: args.groups,
         stack: args.stack << 10,
         lanes: std::array::from_fn(|k| args.lanes.get(k).copied().unwrap_or(1)),
         ..Options::default()

@@ -1,3 +1,14 @@
+; Where a thread notes its heap: memory of its block, which those who launch a kernel have to give it, a word for each thread.
+@vb_slots = external addrspace(3) global [0 x ptr], align 8
+
+define internal ptr @vb_slot() alwaysinline nounwind {
+  %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+  %number = zext i32 %thread to i64
+  %place = getelementptr [0 x ptr], ptr addrspace(3) @vb_slots, i64 0, i64 %number
+  %address = addrspacecast ptr addrspace(3) %place to ptr
+  ret ptr %address
+}
+
 ; Copies and fills of memory, a word at a time where addresses and size are whole words. LLVM's own for NVPTX go byte by byte, and
 ; wait for each.
 

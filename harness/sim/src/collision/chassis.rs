@@ -201,6 +201,18 @@ impl ChassisContacts {
         self.bound
     }
 
+    /// Whether it is known from the last look that the hull hasn't come within `margin` of ground or obstacles: if so,
+    /// [`Self::may_touch`] says no.
+    pub(crate) fn is_known_clear(&self, obstacles: &Obstacles, x: &V3, q: &Quat, margin: f64) -> bool {
+        let known = |clear| self.is_still_clear(clear, x, q.to_rotation_matrix().matrix(), margin);
+        !obstacles.any_near() && (self.passes_ground() || self.looks.clear.as_ref().is_some_and(known))
+    }
+
+    /// Whether no part meets the ground now.
+    fn passes_ground(&self) -> bool {
+        (0..self.parts.len()).all(|part| self.passing.is(part, self.hull))
+    }
+
     /// Whether the hull may come within `margin` of ground or obstacles.
     pub(crate) fn may_touch(
         &mut self,
@@ -219,7 +231,7 @@ impl ChassisContacts {
         if obstacles.any_within(&hull, margin) {
             return true;
         }
-        if (0..self.parts.len()).all(|part| self.passing.is(part, self.hull)) {
+        if self.passes_ground() {
             return false;
         }
         if self.looks.clear.as_ref().is_some_and(|c| self.is_still_clear(c, x, r.matrix(), margin)) {

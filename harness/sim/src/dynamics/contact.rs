@@ -108,9 +108,10 @@ fn touch(
         }
         _ => None,
     };
-    let before = std::mem::take(&mut contacts.facets);
     let contact = match under {
         Under::Rigid | Under::Mixed if let Some(facets) = &facets => {
+            let before = contacts.facets;
+            contacts.facets.clear();
             for (facet, contact) in facets.iter() {
                 let (x, y) = (contact.point.x, contact.point.y);
                 let fraction = if under == Under::Mixed { rigid(x, y) } else { 1.0 };
@@ -126,6 +127,7 @@ fn touch(
             None
         }
         Under::Rigid => {
+            contacts.facets.clear();
             envelope.query_where(ground.heightfield, hub, axis, &mut contacts.clearance, |_, _| 1.0)
         }
         Under::Soil(_) => None,

@@ -24,6 +24,11 @@ pub(super) struct FacetPatches {
 const ALIKE: f64 = 0.9;
 
 impl FacetPatches {
+    /// Forgets all contacts.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
     fn known(&self) -> &[FacetPatch] {
         &self.patches[..self.count]
     }

@@ -1,0 +1,98 @@
+//! What fleets drive: the tasks of a suite, with one vehicle.
+
+use std::path::Path;
+
+use vb_catalog::Catalog;
+use vb_kernel::wire::{Place, Setting};
+use vb_score::Rules;
+use vb_world::{Task, TaskRef, World};
+
+use crate::Start;
+
+/// The side of the cells in which soil remembers ruts, at scale 1, m, and the time step, s: those of the benchmark.
+const SOIL_RESOLUTION: f64 = 0.1;
+const TIME_STEP: f64 = 1e-3;
+
+/// Why there is nothing to drive.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each is an error of the crate that it is named after")]
+pub enum CourseError {
+    #[error(transparent)]
+    Catalog(#[from] vb_catalog::CatalogError),
+    #[error(transparent)]
+    Selector(#[from] vb_world::SelectorError),
+    #[error(transparent)]
+    Suite(#[from] vb_world::SuiteError),
+    #[error(transparent)]
+    Rules(#[from] vb_score::RulesError),
+    #[error(transparent)]
+    Run(#[from] vb_runner::RunError),
+}
+
+/// Tasks of a suite with one vehicle, by the rules of the benchmark.
+pub struct Course {
+    /// The vehicle, its soils, and how it is stepped.
+    pub setting: vb_runner::Setting,
+    /// The worlds, at the vehicle's scale.
+    pub worlds: Vec<World>,
+    /// The tasks, each with the number of its world.
+    pub tasks: Vec<(usize, Task)>,
+}
+
+impl Course {
+    /// The tasks of this suite, or of the one that is driven by default, that a selector chooses, or all of them. Suite and
+    /// vehicle are names or files, as for `vb-harness run`.
+    ///
+    /// # Errors
+    /// Returns an error if one of them isn't there, or isn't valid.
+    pub fn new(
+        catalog: &Catalog,
+        suite: Option<&Path>,
+        tasks: Option<&str>,
+        vehicle: &str,
+    ) -> Result<Self, CourseError> {
+        let suite = catalog.open_suite(suite)?;
+        let (vehicle, soils) = (catalog.vehicle(vehicle)?, catalog.soils("default", SOIL_RESOLUTION)?);
+        let (rules, perception) = (Rules::resolve("paper")?, catalog.perception("oracle")?);
+        let scale = vehicle.spec.scale;
+        let setting = vb_runner::Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, 0)?;
+        let (mut worlds, mut chosen) = (Vec::<World>::new(), Vec::new());
+        for TaskRef { world: id, task } in vb_catalog::select(&suite, tasks)? {
+            let world = match worlds.iter().position(|world| world.id == id) {
+                Some(known) => known,
+                None => {
+                    worlds.push(suite.load_world(&id)?.at_scale(scale));
+                    worlds.len() - 1
+                }
+            };
+            chosen.extend(worlds[world].task(&task).map(|task| (world, task.clone())));
+        }
+        Ok(Self { setting, worlds, tasks: chosen })
+    }
+
+    /// What the kernels are told.
+    #[must_use]
+    pub fn sent(&self) -> Setting {
+        Setting {
+            vehicle: self.setting.model.spec().clone(),
+            soils: self.setting.soils.clone(),
+            options: self.setting.options,
+            worlds: self.worlds.iter().map(Place::from).collect(),
+        }
+    }
+
+    /// Where the tasks begin.
+    #[must_use]
+    pub fn starts(&self) -> Vec<Start> {
+        self.tasks.iter().map(|(world, task)| Start { world: *world, pose: task.start }).collect()
+    }
+
+    /// The names of the tasks.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let name = |(world, task): &(usize, Task)| {
+            TaskRef { world: self.worlds[*world].id.clone(), task: task.id.clone() }.to_string()
+        };
+        self.tasks.iter().map(name).collect()
+    }
+}

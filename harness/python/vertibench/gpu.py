@@ -1,0 +1,142 @@
+"""Fleets of vehicles on a GPU, for those who train policies there.
+
+>>> import torch, vertibench.gpu
+>>> fleet = vertibench.gpu.Fleet(16384, suite="training", tasks="w*/t00", vehicle="hmmwv", kernel="vb-kernel-sm_90.cubin")
+>>> fleet.reset(torch.arange(16384) % len(fleet.tasks))
+>>> states, controls = torch.from_dlpack(fleet.states), torch.from_dlpack(fleet.controls)
+>>> controls[:] = policy(states)     # written on the GPU, where the fleet reads it
+>>> fleet.advance(0.1)               # 0.1 s of all vehicles; `states` shows the new ones
+
+The states are those of the simulator on a CPU, bit for bit. Rules, rewards and maps are the caller's matter: `starts`, `goals`
+and `ground` have what these need. The arrays are the fleet's own memory on the GPU, and any library that knows DLPack can take
+them: torch, JAX (with `jax_enable_x64`), CuPy. A method returns when the GPU has done it, and waits first for all that its
+process does on the GPU, so nothing else has to be waited for.
+
+The kernels are made by `cargo xtask kernel` in a checkout of Verti-Bench, and are for NVIDIA's H100 and H200.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._errors import MissingError, OptionError
+from ._program import tasks_path
+
+#: Where the kernels are, if nothing else is said.
+KERNEL = "VB_KERNEL"
+#: The names of the columns of `Fleet.states`, each with its unit.
+STATES: tuple[tuple[str, str], ...] = tuple(_native.fleet_states())
+#: The columns of `Fleet.controls`: steering in [−1, 1], positive to the left, throttle and brake in [0, 1], and the gear, which
+#: is 1 for forward, 0 for neutral and −1 for reverse.
+CONTROLS = ("steering", "throttle", "brake", "gear")
+#: What the numbers of `Fleet.faults` say: 0 is "fine". A vehicle with another one stands still until it is reset.
+FAULTS: tuple[str, ...] = tuple(name for name, _ in sorted(_native.fleet_faults(), key=lambda fault: fault[1]))
+#: In `Fleet.resets`: a vehicle goes on.
+GO_ON = -1
+
+
+class Fleet:
+    """Vehicles of one kind on a GPU, each in one of the tasks of a suite, which are stepped together.
+
+    `vehicles` is their number. `suite`, `tasks` and `vehicle` are names or files, and a selector, as for `vertibench.run`. A
+    learner's suite is one that was made for training: nothing here keeps it from the worlds of a benchmark. `kernel` is the file of the
+    kernels, which else the variable `VB_KERNEL` names. `device` is the number of the GPU. `memory` (bytes) is for what vehicles
+    need beyond 128 kB each, which is the ruts that they make in soft soil, up to 5 MB in a minute; by default it is up to half
+    of what is free.
+
+    Raises `OptionError` for options that make no sense, and `GpuError` without a GPU that the kernels are for, or too little
+    memory.
+    """
+
+    def __init__(
+        self,
+        vehicles: int,
+        *,
+        suite: str | os.PathLike[str],
+        tasks: str | None = None,
+        vehicle: str | os.PathLike[str] = "hmmwv",
+        kernel: str | os.PathLike[str] | None = None,
+        device: int = 0,
+        memory: int | None = None,
+    ):
+        for name, value, least in (("vehicles", vehicles, 1), ("device", device, 0), ("memory", memory or 0, 0)):
+            if value < least:
+                raise OptionError(f"{name}: {value} is too few (it must be at least {least})")
+        path = kernel if kernel is not None else os.environ.get(KERNEL)
+        if path is None:
+            to_do = f"make them by `cargo xtask kernel` and give the file as `kernel`, or in the variable {KERNEL}"
+            raise MissingError("kernel", "nothing says where the kernels for the GPU are", to_do)
+        self._native = _native.Fleet(
+            tasks_dir=tasks_path(),
+            kernel=Path(path),
+            suite=Path(suite),
+            tasks=tasks,
+            vehicle=os.fspath(vehicle),
+            vehicles=vehicles,
+            device=device,
+            spare_memory=memory,
+        )
+        #: The number of vehicles.
+        self.vehicles = vehicles
+        #: The names of the tasks, whose numbers are their places here.
+        self.tasks: tuple[str, ...] = tuple(self._native.tasks())
+        #: Where the tasks start: x (m), y (m), yaw (rad), shape (tasks, 3).
+        self.starts: NDArray[np.float64] = self._native.starts()
+        #: Where their goals are: x (m), y (m), shape (tasks, 2).
+        self.goals: NDArray[np.float64] = self._native.goals()
+        #: The number of each task's world, shape (tasks,).
+        self.worlds: NDArray[np.int64] = np.asarray(self._native.worlds(), dtype=np.int64)
+        #: The simulator's time step, s.
+        self.time_step: float = self._native.time_step()
+        states, controls, resets, faults = self._native.arrays()
+        #: The numbers of `STATES` of each vehicle when the fleet was last advanced, float64, shape (vehicles, 20).
+        self.states: _native.Array = states
+        #: What each vehicle is told, until it is told something else: `CONTROLS`, float64, shape (vehicles, 4). Zero at first.
+        self.controls: _native.Array = controls
+        #: The number of the task that each vehicle begins with the next `reset()`, or −1 to go on, int32, shape (vehicles,).
+        self.resets: _native.Array = resets
+        #: What is wrong with each vehicle, by its number in `FAULTS`, int32, shape (vehicles,).
+        self.faults: _native.Array = faults
+
+    def reset(self, tasks: Sequence[int] | NDArray[Any] | Any = None) -> None:
+        """Lets vehicles begin tasks: a number of a task for each vehicle, or −1 for one that goes on.
+
+        Without numbers they are taken from `resets` on the GPU, which are −1 from then on.
+        """
+        if tasks is not None and not isinstance(tasks, np.ndarray):
+            # Tensors of other libraries, also those on the GPU, have this.
+            tasks = tasks.tolist() if hasattr(tasks, "tolist") else list(tasks)
+        if tasks is not None:
+            tasks = np.asarray(tasks)
+            if tasks.ndim != 1 or tasks.dtype.kind not in "iu":
+                raise OptionError(f"reset: tasks must be whole numbers, one for each vehicle, not {tasks.dtype}{tasks.shape}")
+            tasks = tasks.tolist()
+        self._native.reset(tasks)
+
+    def advance(self, seconds: float = 0.1) -> None:
+        """Drives all vehicles on for this time (s), a whole number of time steps, with the controls that they were told."""
+        steps = seconds / self.time_step
+        if not 0.5 <= steps <= 1e9 or abs(steps - round(steps)) > 1e-6:
+            raise OptionError(f"advance: {seconds} s is no whole number of steps of {self.time_step} s")
+        self._native.advance(round(steps))
+
+    def hashes(self) -> NDArray[np.uint64]:
+        """Of each vehicle the hash of all its states since its start, every 10 ms, as records of runs have it."""
+        return np.asarray(self._native.hashes(), dtype=np.uint64)
+
+    def ground(self, world: int) -> tuple[NDArray[np.float64], float]:
+        """The heights (m) of a world's nodes, and the distance (m) between nodes.
+
+        The first row is in the south, the first column in the west, and the middle of the array at x = y = 0.
+        """
+        found = self._native.ground(world) if world >= 0 else None
+        if found is None:
+            raise OptionError(f"ground: there is no world {world}; there are {int(self.worlds.max()) + 1}, counted from 0")
+        return found
