@@ -188,7 +188,8 @@ impl Fleet {
             held.push(part);
             at
         };
-        let pool = Pool::new(keep(memory.raw(spare)?), spare);
+        // CUDA gives no memory of no size.
+        let pool = Pool::new(keep(memory.raw(spare.max(1))?), spare);
         let near = [keep(memory.zeros(4 * vehicles)?), keep(memory.zeros(4 * vehicles)?)];
         let all = fleet::Fleet {
             vehicles: vehicles as u64,

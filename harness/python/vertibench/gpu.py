@@ -49,7 +49,7 @@ class Fleet:
     learner's suite is one that was made for training: nothing here keeps it from the worlds of a benchmark. `kernel` is the file of the
     kernels, which else the variable `VB_KERNEL` names. `device` is the number of the GPU. `memory` (bytes) is for what vehicles
     need beyond 128 kB each, which is the ruts that they make in soft soil, up to 5 MB in a minute; by default it is up to half
-    of what is free.
+    of what is free. A fleet belongs to the process that made it: a fork has no part in it.
 
     Raises `OptionError` for options that make no sense, and `GpuError` without a GPU that the kernels are for, or too little
     memory.
