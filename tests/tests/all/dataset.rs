@@ -260,7 +260,7 @@ fn the_python_package_s_own_tests_pass() {
         .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--basetemp"])
         .arg(bench.path("pytest"));
     // These take the module of Rust: `cargo xtask wheel --check` runs them with the package as it is installed.
-    for name in ["envs", "vector", "policy", "notebook"] {
+    for name in ["envs", "gpu", "vector", "policy", "notebook"] {
         python.arg(format!("--ignore=tests/test_{name}.py"));
     }
     python.env("VB_HARNESS", bench.command::<&str>(&[]).get_program());
