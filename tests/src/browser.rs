@@ -268,8 +268,15 @@ impl Browser {
         self.call("Emulation.setDeviceMetricsOverride", metrics);
     }
 
-    /// What the window shows.
+    /// What the window shows. On a busy machine the browser may give a frame on which nothing has been painted yet: then it is asked
+    /// again.
     pub fn screenshot(&mut self) -> Picture {
+        let blank = |picture: &Picture| picture.content() == 0.0;
+        (0..5).map(|_| self.frame()).find(|picture| !blank(picture)).unwrap_or_else(|| self.frame())
+    }
+
+    /// What the window shows in this moment.
+    fn frame(&mut self) -> Picture {
         // What has just changed is painted with the next frame, which takes its time on a busy machine.
         self.eval(
             "Promise.race([new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0)))), \
