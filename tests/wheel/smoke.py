@@ -120,7 +120,7 @@ def environments(package: Installed) -> None:
     if not package.has("pytest"):
         return print("environments: not tested, since pytest is not installed (--extras [test])", flush=True)
     tests = Path(__file__).parents[2] / "harness/python/tests"
-    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "policy", "training", "notebook", "scale")]
+    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "gpu", "policy", "training", "notebook", "scale")]
     told = package.run("python", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(tests), *files)
     print("environments:", told.splitlines()[-1], flush=True)
     skipped = [line for line in told.splitlines() if line.startswith("SKIPPED")]

@@ -12,7 +12,7 @@ from vertibench import gpu
 def on_gpu(vehicles, **options):
     """A fleet on the GPU; the test is skipped where there is none, or no kernels."""
     if gpu.KERNEL not in os.environ:
-        pytest.skip(f"{gpu.KERNEL} names no kernels")
+        pytest.skip(f"kernels for a GPU are not installed: {gpu.KERNEL} names none")
     return gpu.Fleet(vehicles, suite="smoke", tasks="w*/t00", **options)
 
 
