@@ -264,15 +264,7 @@ impl Fleet {
             steps: 0,
             _held: (module, held),
         };
-        fleet.launch(
-            &fleet.stream,
-            &fleet.groups[0],
-            &fleet.kernels.start,
-            tasks,
-            options.lanes[0],
-            None,
-            START,
-        )?;
+        fleet.launch(&fleet.groups[0], &fleet.kernels.start, tasks, options.lanes[0], None, START)?;
         fleet.wait(START)?;
         Ok(fleet)
     }
@@ -403,14 +395,12 @@ impl Fleet {
     ) -> Result<(), GpuError> {
         let lanes = self.options.lanes[lanes];
         let mut groups = self.groups.iter();
-        groups.try_for_each(|g| self.launch(&g.stream, g, kernel, g.vehicles, lanes, turn, doing))
+        groups.try_for_each(|group| self.launch(group, kernel, group.vehicles, lanes, turn, doing))
     }
 
     /// Launches a kernel for the numbers below `count`.
-    #[allow(clippy::too_many_arguments, reason = "a launch has as many parts")]
     fn launch(
         &self,
-        stream: &Arc<CudaStream>,
         group: &Group,
         kernel: &CudaFunction,
         count: usize,
@@ -418,8 +408,8 @@ impl Fleet {
         turn: Option<u64>,
         doing: &'static str,
     ) -> Result<(), GpuError> {
-        let (fleet, count) = (address(stream, &group.fleet), count as u64);
-        let mut launch = stream.launch_builder(kernel);
+        let (fleet, count) = (address(&group.stream, &group.fleet), count as u64);
+        let mut launch = group.stream.launch_builder(kernel);
         launch.arg(&fleet).arg(&count);
         if let Some(turn) = &turn {
             launch.arg(turn);

@@ -1,7 +1,7 @@
 //! Memory of one simulation: a heap of its own, so that no thread of a GPU waits for another's.
 //!
-//! A GPU's own `malloc` serves all threads from one heap, one after another. Heaps begin small and side by side, as what is
-//! near to each other in memory is found faster; one that is full takes chunks from a [`Pool`] that all share.
+//! A GPU's own `malloc` serves all threads from one heap, one after another. Heaps begin small, so that many fit; one that is
+//! full takes chunks from a [`Pool`] that all share.
 
 use std::alloc::Layout;
 use std::sync::atomic::{AtomicU64, Ordering};
