@@ -19,6 +19,11 @@ class MissingError(VertibenchError):
     """The program, the tasks or a planner isn't where it is looked for."""
 
 
+def missing_module(where: str, reason: ImportError) -> MissingError:
+    """The error for a part of the package whose module in Rust can't be loaded."""
+    return MissingError(where, f"the package's module in Rust can't be loaded: {reason}", "install the wheel (docs/python.md)")
+
+
 class MissingPackageError(VertibenchError, ImportError):
     """A package that is needed for this alone is not installed."""
 

@@ -25,9 +25,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native
-from ._errors import MissingError, OptionError
+from ._errors import MissingError, OptionError, missing_module
 from ._program import tasks_path
+
+try:
+    from . import _native as _native
+except ImportError as e:
+    raise missing_module("vertibench.gpu", e) from None
 
 #: Where the kernels are, if nothing else is said.
 KERNEL = "VB_KERNEL"

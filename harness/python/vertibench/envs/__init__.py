@@ -10,14 +10,12 @@ stable-baselines3, `vertibench.envs.puffer` for PufferLib. `describe_parts()` an
 and a reward can be made of.
 """
 
-from .._errors import MissingError
+from .._errors import missing_module
 
 try:
     from .. import _native as _native
 except ImportError as e:
-    raise MissingError(
-        "vertibench.envs", f"the package's module in Rust can't be loaded: {e}", "install the wheel (docs/python.md)"
-    ) from None
+    raise missing_module("vertibench.envs", e) from None
 
 from ..registration import register
 from ._common import describe_parts, describe_rewards
