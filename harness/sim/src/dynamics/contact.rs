@@ -108,6 +108,9 @@ fn touch(
         }
         _ => None,
     };
+    if facets.is_none() {
+        contacts.facets.clear();
+    }
     let contact = match under {
         Under::Rigid | Under::Mixed if let Some(facets) = &facets => {
             let before = contacts.facets;
@@ -127,7 +130,6 @@ fn touch(
             None
         }
         Under::Rigid => {
-            contacts.facets.clear();
             envelope.query_where(ground.heightfield, hub, axis, &mut contacts.clearance, |_, _| 1.0)
         }
         Under::Soil(_) => None,
