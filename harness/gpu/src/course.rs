@@ -40,18 +40,18 @@ pub struct Course {
 }
 
 impl Course {
-    /// The tasks of this suite, or of the one that is driven by default, that a selector chooses, or all of them. Suite and
-    /// vehicle are names or files, as for `vb-harness run`.
+    /// The tasks of this suite that a selector chooses, or all of them. Suite and vehicle are names or files, as for
+    /// `vb-harness run`.
     ///
     /// # Errors
     /// Returns an error if one of them isn't there, or isn't valid.
     pub fn new(
         catalog: &Catalog,
-        suite: Option<&Path>,
+        suite: &Path,
         tasks: Option<&str>,
         vehicle: &str,
     ) -> Result<Self, CourseError> {
-        let suite = catalog.open_suite(suite)?;
+        let suite = catalog.open_suite(Some(suite))?;
         let (vehicle, soils) = (catalog.vehicle(vehicle)?, catalog.soils("default", SOIL_RESOLUTION)?);
         let (rules, perception) = (Rules::resolve("paper")?, catalog.perception("oracle")?);
         let scale = vehicle.spec.scale;

@@ -146,7 +146,7 @@ impl Fleet {
         let context = open(options.device)?;
         let stream = context.default_stream();
         context.set_limit(CUlimit_enum::CU_LIMIT_STACK_SIZE, options.stack).map_err(cuda("stacks"))?;
-        // SAFETY: all launches are on one stream, one after another.
+        // SAFETY: what a group uses is used on its stream alone; whatever is for several is waited for before others go on.
         unsafe { context.disable_event_tracking() };
         let module = context.load_module(Ptx::from_binary(code)).map_err(cuda("loading the kernels"))?;
         let function = |name| module.load_function(name).map_err(cuda("looking for the kernels"));

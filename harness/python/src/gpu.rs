@@ -82,7 +82,7 @@ impl Fleet {
     ) -> PyResult<Self> {
         let (course, fleet) = work(py, || {
             let catalog = Catalog::at(tasks_dir);
-            let course = Course::new(&catalog, Some(&suite), tasks.as_deref(), &vehicle);
+            let course = Course::new(&catalog, &suite, tasks.as_deref(), &vehicle);
             let course = course.map_err(FleetError::Course)?;
             let options = Options { device, spare_memory, ..Options::default() };
             let fleet = vb_gpu::Fleet::new(&kernel, &course.sent(), &course.starts(), vehicles, options);
@@ -173,33 +173,28 @@ pub(crate) struct Array {
 
 impl Array {
     fn tensor<M: ManagedTensorBase>(&self) -> PyResult<Managed<M>> {
-        let failed = |e: &dyn std::fmt::Display| PyBufferError::new_err(e.to_string());
         let rows = self.rows as i64;
+        match self.columns.map(|columns| columns as i64) {
+            Some(columns) => self.shaped([rows, columns], [columns, 1]),
+            None => self.shaped([rows], [1]),
+        }
+    }
+
+    fn shaped<M: ManagedTensorBase, const N: usize>(
+        &self,
+        shape: [i64; N],
+        strides: [i64; N],
+    ) -> PyResult<Managed<M>> {
         let keeper = Box::new(self.fleet.clone());
-        let finish = |tensor: &mut dlpark::ffi::DLTensor| {
-            tensor.data = self.at as *mut c_void;
-            tensor.device = self.device();
-            tensor.dtype = self.kind;
-        };
+        let made = Fixed::new(shape, strides).initialize_as::<M>(keeper);
+        let mut made = made.map_err(|e| PyBufferError::new_err(e.to_string()))?;
+        let tensor = made.tensor_mut();
+        tensor.data = self.at as *mut c_void;
+        tensor.device = self.device();
+        tensor.dtype = self.kind;
         // SAFETY: the memory has as many numbers as the shape says, never moves, and lives as long as the fleet, which the
         // tensor keeps.
-        unsafe {
-            match self.columns {
-                Some(columns) => {
-                    let columns = columns as i64;
-                    let made = Fixed::new([rows, columns], [columns, 1]).initialize_as::<M>(keeper);
-                    let mut made = made.map_err(|e| failed(&e))?;
-                    finish(made.tensor_mut());
-                    Ok(made.finish())
-                }
-                None => {
-                    let made = Fixed::new([rows], [1]).initialize_as::<M>(keeper);
-                    let mut made = made.map_err(|e| failed(&e))?;
-                    finish(made.tensor_mut());
-                    Ok(made.finish())
-                }
-            }
-        }
+        Ok(unsafe { made.finish() })
     }
 }
 

@@ -8,9 +8,9 @@
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
 `vertibench.envs` has environments for reinforcement learning, `vertibench.training` trains policies in them, and
-`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines, `vertibench.gpu` fleets of
-vehicles on a GPU. Errors are `VertibenchError`s: one line that says where, what, and what to do. Nothing is imported before it is
-used; results as pandas or polars need these packages.
+`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines,
+`vertibench.gpu` fleets of vehicles on a GPU. Errors are `VertibenchError`s: one line that says where, what, and what to do.
+Nothing is imported before it is used; results as pandas or polars need these packages.
 """
 
 from __future__ import annotations

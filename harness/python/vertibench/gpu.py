@@ -114,14 +114,12 @@ class Fleet:
 
         Without numbers they are taken from `resets` on the GPU, which are −1 from then on.
         """
-        if tasks is not None and not isinstance(tasks, np.ndarray):
-            # Tensors of other libraries, also those on the GPU, have this.
-            tasks = tasks.tolist() if hasattr(tasks, "tolist") else list(tasks)
         if tasks is not None:
-            tasks = np.asarray(tasks)
-            if tasks.ndim != 1 or tasks.dtype.kind not in "iu":
-                raise OptionError(f"reset: tasks must be whole numbers, one for each vehicle, not {tasks.dtype}{tasks.shape}")
-            tasks = tasks.tolist()
+            # Tensors of other libraries, also those on the GPU, have `tolist`.
+            told = np.asarray(tasks.tolist() if hasattr(tasks, "tolist") else tasks)
+            if told.ndim != 1 or told.dtype.kind not in "iu":
+                raise OptionError(f"reset: tasks must be whole numbers, one for each vehicle, not {told.dtype}{told.shape}")
+            tasks = told.tolist()
         self._native.reset(tasks)
 
     def advance(self, seconds: float = 0.1) -> None:

@@ -24,10 +24,10 @@ pub(crate) fn drive(drive: &Drive, count: usize) -> Driven {
     let worlds: Vec<_> =
         drive.course.worlds.iter().map(|world| Surroundings::from(Arc::new(world.clone()))).collect();
     let starting = |task: usize| {
-        let (start, s) = (&drive.starts[task], &drive.course.setting);
-        Simulation::new(worlds[start.world].clone(), &s.model, &s.soils, start.pose, s.options).ok()
+        let ((world, task), s) = (&drive.course.tasks[task], &drive.course.setting);
+        Simulation::new(worlds[*world].clone(), &s.model, &s.soils, task.start, s.options).ok()
     };
-    let (pool, starts) = timed(|| side_by_side(threads, drive.starts.len().min(count), starting));
+    let (pool, starts) = timed(|| side_by_side(threads, drive.course.tasks.len().min(count), starting));
     let sample_every = (SAMPLE_PERIOD / drive.course.setting.options.step).round() as u64;
     let driving = |vehicle: usize| {
         let mut sim = pool.get(drive.task(vehicle))?.clone()?;

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use vb_catalog::Catalog;
-use vb_gpu::{Course, FINE, Fleet, GpuError, Options, Setting, Start};
+use vb_gpu::{Course, FINE, Fleet, GpuError, Options, Setting};
 use vb_sim::Controls;
 
 /// The time from one command to the next, s: that of the benchmark's environments.
@@ -74,17 +74,15 @@ enum SpeedError {
 /// What is driven.
 struct Drive {
     course: Course,
-    starts: Vec<Start>,
     /// Commands.
     periods: u64,
 }
 
 impl Drive {
     fn new(args: &Args) -> Result<Self, SpeedError> {
-        let course = Course::new(&Catalog::find(), Some(&args.suite), args.tasks.as_deref(), &args.vehicle)?;
-        let starts = course.starts();
+        let course = Course::new(&Catalog::find(), &args.suite, args.tasks.as_deref(), &args.vehicle)?;
         let periods = (args.seconds / CONTROL_PERIOD).round().max(1.0) as u64;
-        Ok(Self { course, starts, periods })
+        Ok(Self { course, periods })
     }
 
     /// What a vehicle is told.
@@ -95,7 +93,7 @@ impl Drive {
 
     /// The number of the task that a vehicle begins.
     fn task(&self, vehicle: usize) -> usize {
-        vehicle % self.starts.len()
+        vehicle % self.course.tasks.len()
     }
 
     fn steps(&self) -> u64 {
@@ -183,7 +181,8 @@ fn on_gpu(args: &Args, drive: &Drive, setting: &Setting, vehicles: usize) -> Res
         lanes: std::array::from_fn(|k| args.lanes.get(k).copied().unwrap_or(1)),
         ..Options::default()
     };
-    let (fleet, starts) = timed(|| Fleet::new(&args.kernel, setting, &drive.starts, vehicles, options));
+    let (fleet, starts) =
+        timed(|| Fleet::new(&args.kernel, setting, &drive.course.starts(), vehicles, options));
     let mut fleet = fleet?;
     let tasks: Vec<_> = (0..vehicles).map(|vehicle| Some(drive.task(vehicle))).collect();
     let (reset, resets) = timed(|| fleet.reset(&tasks));
