@@ -426,3 +426,25 @@ fn a_contact_deepens_as_the_wheel_approaches_and_not_from_nowhere() {
     }
     assert_eq!(depth, 0.0);
 }
+
+#[test]
+fn a_wheel_that_comes_from_facets_to_soil_forgets_them() {
+    let released = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
+    let mut vehicle = at_rest(&VehicleSpec::parse(released, "hmmwv-released").unwrap());
+    let soils = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tasks/soils/default.yaml");
+    let soils = crate::SoilSet::load(soils.as_ref()).unwrap();
+    let mut facets_on = |class| {
+        let world = vb_world::World::uniform("w", Heightfield::flat(33, 33, 1.0, 0.0), class, 0.6);
+        let mut soil = SoilGround::new(&world, &soils, 0.1).unwrap();
+        let mut ground = Ground {
+            soil: &mut soil,
+            heightfield: &world.heightfield,
+            semantics: &world.semantics,
+            obstacles: &Obstacles::none(),
+        };
+        vehicle.accelerate(Controls::default(), &mut ground, 1e-3);
+        vehicle.state.contacts.iter().map(|c| c.facets.digest().count()).sum::<usize>()
+    };
+    assert!(facets_on(TerrainClass::Concrete) > 0, "it stands on facets");
+    assert_eq!(facets_on(TerrainClass::Mud), 0);
+}
