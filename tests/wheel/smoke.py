@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import lzma
 import os
 import re
 import subprocess
@@ -81,6 +82,16 @@ def paths(package: Installed) -> None:
     assert len(lines) == 4 and all(line.startswith(f"{root}/_data/") and Path(line).exists() for line in lines), told
 
 
+def kernels(package: Installed) -> None:
+    """Kernels for GPUs, if any come with it, are those of its simulator."""
+    own = package.python("import vertibench._native as n; print(n.kernel_sources(), end='')").encode()
+    folder = Path(package.python("import vertibench; print(vertibench.__path__[0])").strip()) / "_data/kernels"
+    files = sorted(folder.glob("*.xz"))
+    print("kernels:", ", ".join(file.name for file in files) or "none", flush=True)
+    for file in files:
+        assert own in lzma.decompress(file.read_bytes()), f"{file.name}: of other sources; `cargo xtask kernel` makes it anew"
+
+
 def planners(package: Installed) -> None:
     """Every planner that comes with it can be loaded, and an unknown one is told in one line."""
     folder = Path(package.python("import vertibench; print(vertibench.plugins_path())").strip())
@@ -127,7 +138,7 @@ def environments(package: Installed) -> None:
     assert all("not installed" in line for line in skipped), skipped
 
 
-CHECKS = [versions, paths, planners, ten_tasks, datasets, environments]
+CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, environments]
 
 
 def check_sources(sdist: Path, folder: Path) -> None:

@@ -40,8 +40,9 @@ Tasks:
                         Build them as WASM alone
   examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
                         npm into ~/.cache/verti-bench [default DIR: target/plugins]
-  wheel [--portable] [--target TRIPLE] [--check] [--out DIR]
+  wheel [--portable] [--target TRIPLE] [--kernels FOLDER] [--check] [--out DIR]
                         Make the Python package as wheel and source distribution [default DIR: target/wheels];
+                        --kernels: with the kernels for GPUs that `kernel` has put there;
                         --portable: for Linux with glibc 2.17 on, by zig; --target: portable, for another processor;
                         --check: install the wheel in a fresh environment, and see that it works
   targets [TRIPLE]...   See whether everything compiles for Linux, macOS and Windows on both kinds of processors, or for
@@ -53,8 +54,8 @@ Tasks:
                         target/releases]; --check: unpack it elsewhere, and see that it works
   install               Install the program for this user as `cargo install` does, with the planners
   abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
-  kernel                Compile the simulator for the GPUs H100 and H200: target/kernel/vb-kernel-sm_90.cubin (needs Debian's
-                        packages, and 9 GB of memory)
+  kernel [ARCH]...      Compile the simulator for GPUs of NVIDIA's, of all architectures or of some (sm_80, sm_90, sm_100,
+                        sm_120): target/kernel/vb-kernel-ARCH.cubin.xz (needs Debian's packages, and 9 GB of memory)
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
@@ -96,7 +97,7 @@ fn main() -> ExitCode {
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["abi"] => abi(),
         ["models"] => models::models(),
-        ["kernel"] => kernel::kernel(),
+        ["kernel", ref architectures @ ..] => kernel::kernel(architectures),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),

@@ -3,6 +3,7 @@
 //! `harness/python/build_backend` makes both. Here it gets the programs that it needs, in pinned versions, and what is built
 //! already.
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::examples::{Compiler, python};
@@ -19,19 +20,28 @@ const MATURIN: &str = "maturin==1.16.0";
 /// What a portable wheel is for if nothing is said.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
-fn options(args: &[&str]) -> Result<Options, Failure> {
-    Options::parse("wheel", args, "wheels", Some(TARGET))
+/// What is asked for, and the folder of the kernels for GPUs that the wheel gets.
+fn options(args: &[&str]) -> Result<(Options, Option<PathBuf>), Failure> {
+    let mut rest = args.to_vec();
+    let kernels = match rest.iter().position(|arg| *arg == "--kernels") {
+        Some(at) if at + 1 < rest.len() => rest.drain(at..at + 2).nth(1).map(PathBuf::from),
+        Some(_) => return Err(Failure::new("wheel --kernels: its value is missing")),
+        None => None,
+    };
+    Ok((Options::parse("wheel", &rest, "wheels", Some(TARGET))?, kernels))
 }
 
 /// Makes both, and checks them if that is asked for.
 pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
-    let Options { target, check, out } = options(args)?;
+    let (Options { target, check, out }, kernels) = options(args)?;
     let maturin = Compiler::of_pip(MATURIN)?;
     maturin.install()?;
     let mut tools = if target.is_some() { portable::tools()? } else { Vec::new() };
     tools.push(maturin);
-    let failure = |e| Failure::new(format!("{}: {e}", out.display()));
-    let out = std::path::absolute(&out).map_err(failure)?;
+    let absolute =
+        |path: &Path| std::path::absolute(path).map_err(|e| Failure::new(format!("{}: {e}", path.display())));
+    let out = absolute(&out)?;
+    let kernels = kernels.as_deref().map(absolute).transpose()?;
     // As `cargo xtask test` builds them, so that nothing is built twice.
     plugins::build_as_wasm(&crate::default_plugin_dir())?;
     let program = match &target {
@@ -55,6 +65,9 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
             Some(target) => portable::environment(&mut command, target, &tools, &modules),
         }
         command.env("VB_WHEEL_HARNESS", &program).env("VB_WHEEL_PLUGINS", crate::default_plugin_dir());
+        if let Some(folder) = &kernels {
+            command.env("VB_WHEEL_KERNELS", folder);
+        }
         if let Some(target) = &target {
             let arguments =
                 format!("--zig --target {target} --compatibility manylinux_{}", GLIBC.replace('.', "_"));
@@ -93,11 +106,10 @@ fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn options_are_read_in_any_order() {
-        let parse = |args: &[&str]| options(args);
+        let parse = |args: &[&str]| options(args).map(|(options, _)| options);
         let plain = parse(&[]).unwrap();
         assert_eq!((plain.target, plain.check), (None, false));
         assert!(plain.out.ends_with("wheels"));
@@ -111,7 +123,11 @@ mod tests {
         }
         let both = parse(&["--check", "--out", "dist"]).unwrap();
         assert_eq!((both.check, both.out.as_path()), (true, Path::new("dist")));
-        assert!(parse(&["--out"]).unwrap_err().to_string().contains("its value is missing"));
+        let (_, kernels) = options(&["--check", "--kernels", "target/kernel", "--portable"]).unwrap();
+        assert_eq!(kernels.as_deref(), Some(Path::new("target/kernel")));
+        for option in ["--out", "--kernels"] {
+            assert!(parse(&[option]).unwrap_err().to_string().contains("its value is missing"));
+        }
         assert!(parse(&["--zig"]).unwrap_err().to_string().contains("--zig"));
     }
 

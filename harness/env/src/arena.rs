@@ -136,9 +136,7 @@ impl Arena {
             return Err(option("control_hz", options.control_hz.to_string(), problem));
         }
         let step = options.time_step;
-        if !((1e-4..=5e-3).contains(&step)
-            && ((SAMPLE_PERIOD / step).round() * step - SAMPLE_PERIOD).abs() < 1e-9)
-        {
+        if !vb_runner::is_time_step(step) {
             let problem =
                 "must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001 (the benchmark's) or 0.002";
             return Err(option("time_step", step.to_string(), problem));

@@ -9,9 +9,10 @@ use vb_world::{Task, TaskRef, World};
 
 use crate::Start;
 
-/// The side of the cells in which soil remembers ruts, at scale 1, m, and the time step, s: those of the benchmark.
+/// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
 const SOIL_RESOLUTION: f64 = 0.1;
-const TIME_STEP: f64 = 1e-3;
+/// The benchmark's time step, s.
+pub const TIME_STEP: f64 = 1e-3;
 
 /// Why there is nothing to drive.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +28,10 @@ pub enum CourseError {
     Rules(#[from] vb_score::RulesError),
     #[error(transparent)]
     Run(#[from] vb_runner::RunError),
+    #[error(
+        "time_step: {0} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
+    )]
+    TimeStep(f64),
 }
 
 /// Tasks of a suite with one vehicle, by the rules of the benchmark.
@@ -41,7 +46,7 @@ pub struct Course {
 
 impl Course {
     /// The tasks of this suite that a selector chooses, or all of them. Suite and vehicle are names or files, as for
-    /// `vb-harness run`.
+    /// `vb-harness run`. The time step (s) is the benchmark's, [`TIME_STEP`], or another one, whose states aren't the benchmark's.
     ///
     /// # Errors
     /// Returns an error if one of them isn't there, or isn't valid.
@@ -50,12 +55,16 @@ impl Course {
         suite: &Path,
         tasks: Option<&str>,
         vehicle: &str,
+        time_step: f64,
     ) -> Result<Self, CourseError> {
+        if !vb_runner::is_time_step(time_step) {
+            return Err(CourseError::TimeStep(time_step));
+        }
         let suite = catalog.open_suite(Some(suite))?;
         let (vehicle, soils) = (catalog.vehicle(vehicle)?, catalog.soils("default", SOIL_RESOLUTION)?);
         let (rules, perception) = (Rules::resolve("paper")?, catalog.perception("oracle")?);
         let scale = vehicle.spec.scale;
-        let setting = vb_runner::Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, 0)?;
+        let setting = vb_runner::Setting::new(&vehicle, &soils, &rules, &perception, time_step, scale, 0)?;
         let (mut worlds, mut chosen) = (Vec::<World>::new(), Vec::new());
         for TaskRef { world: id, task } in vb_catalog::select(&suite, tasks)? {
             let world = match worlds.iter().position(|world| world.id == id) {

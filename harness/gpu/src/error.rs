@@ -22,7 +22,9 @@ pub enum GpuError {
         found: i32,
     },
     /// The kernels are for other GPUs.
-    #[error("the kernels are for GPUs of compute capability 9.0 (H100, H200); {name} has {major}.{minor}")]
+    #[error(
+        "there are kernels for GPUs of compute capability {known} and later ones of these generations; {name} has {major}.{minor}"
+    )]
     Architecture {
         /// The GPU's name.
         name: String,
@@ -30,6 +32,8 @@ pub enum GpuError {
         major: i32,
         /// The number after the point.
         minor: i32,
+        /// What there are kernels for.
+        known: String,
     },
     /// The kernels can't be read.
     #[error("{path}: {source}; `cargo xtask kernel` makes it")]
@@ -38,6 +42,14 @@ pub enum GpuError {
         path: PathBuf,
         /// The reason.
         source: std::io::Error,
+    },
+    /// The kernels' simulator is another one.
+    #[error(
+        "{path}: these kernels were made of other sources than this program, so that their states would differ; `cargo xtask kernel` makes them anew"
+    )]
+    OtherSources {
+        /// The file.
+        path: PathBuf,
     },
     /// It doesn't fit into memory.
     #[error(
@@ -87,6 +99,17 @@ pub enum GpuError {
         task: usize,
         /// How many there are.
         tasks: usize,
+    },
+    /// It computes other states than the CPU.
+    #[error(
+        "{differ} of {of} vehicles come to other states on this GPU than on the CPU: don't use it for this, and report it with its \
+             name and its driver's version"
+    )]
+    Differ {
+        /// Vehicles whose states differ.
+        differ: usize,
+        /// Vehicles that were compared.
+        of: usize,
     },
     /// CUDA says that something failed.
     #[error("{doing}: {message}{}", hint(message))]

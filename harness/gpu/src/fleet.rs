@@ -14,11 +14,11 @@ use vb_kernel::heap::Pool;
 use vb_kernel::wire::Setting;
 use vb_world::Pose2;
 
-use crate::GpuError;
+use crate::code::{self, Gpu};
+use crate::drive::{self, Drive};
 use crate::error::cuda;
+use crate::{Course, GpuError};
 
-/// The compute capability that kernels are built for (`cargo xtask kernel`).
-const CAPABILITY: (i32, i32) = (9, 0);
 /// Threads of a block, at most: those that a GPU runs together.
 const BLOCK: u32 = 32;
 /// What is being done where a fleet is made.
@@ -123,8 +123,8 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// A fleet of so many vehicles by the kernels in this file. Each task's vehicle is put at its start now; [`Self::reset`]
-    /// tells each vehicle which task it begins.
+    /// A fleet of so many vehicles by the kernels in this file, or by those for the GPU in this folder (`cargo xtask kernel`). Each
+    /// task's vehicle is put at its start now; [`Self::reset`] tells each vehicle which task it begins.
     ///
     /// # Errors
     /// Returns an error without a GPU that the kernels are for, and if its memory doesn't do.
@@ -141,9 +141,8 @@ impl Fleet {
         if !crate::is_there() {
             return Err(GpuError::NoDriver);
         }
-        let code =
-            std::fs::read(kernel).map_err(|source| GpuError::Kernel { path: kernel.to_owned(), source })?;
         let context = open(options.device)?;
+        let code = code::read(kernel, &kind(&context)?)?;
         let stream = context.default_stream();
         context.set_limit(CUlimit_enum::CU_LIMIT_STACK_SIZE, options.stack).map_err(cuda("stacks"))?;
         // SAFETY: what a group uses is used on its stream alone; whatever is for several is waited for before others go on.
@@ -344,6 +343,22 @@ impl Fleet {
         Ok(rows.to_vec())
     }
 
+    /// Drives the first `vehicles` vehicles (or all, if they are fewer) through this course, of which the fleet was made, for some
+    /// time (s), here and on the CPU, and looks whether they come to the same states. Returns how many were compared. All
+    /// vehicles have to be reset after it.
+    ///
+    /// # Errors
+    /// Returns an error if a vehicle's states differ, and if the fleet can't go on.
+    pub fn verify(&mut self, course: &Course, vehicles: usize, seconds: f64) -> Result<usize, GpuError> {
+        let drive = Drive::new(course, seconds);
+        let vehicles = vehicles.min(self.vehicles);
+        let on_cpu = drive.on_cpu(&drive.starts_on_cpu(vehicles), vehicles);
+        self.reset(&drive.tasks(self.vehicles))?;
+        drive.on_gpu(self)?;
+        let (same, of) = drive::same(&on_cpu, &self.hashes()?);
+        if same == of { Ok(of) } else { Err(GpuError::Differ { differ: of - same, of }) }
+    }
+
     /// [`vb_kernel::fleet::FINE`] for each vehicle, or what is wrong with it.
     ///
     /// # Errors
@@ -428,7 +443,7 @@ fn shape(count: u64, lanes: u32) -> LaunchConfig {
     LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (lanes, 1, 1), shared_mem_bytes: slots }
 }
 
-/// The GPU of this number, if the kernels are for it.
+/// The GPU of this number.
 fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
     // The first call of all: CUDA is initialised by it.
     let found = match CudaContext::new(0) {
@@ -439,13 +454,13 @@ fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
     if device as i64 >= i64::from(found) {
         return Err(GpuError::NoDevice { wanted: device, found });
     }
-    let context = CudaContext::new(device).map_err(cuda("opening the GPU"))?;
-    let (major, minor) = context.compute_capability().map_err(cuda("asking for the GPU's kind"))?;
-    if (major, minor) != CAPABILITY {
-        let name = context.name().unwrap_or_default();
-        return Err(GpuError::Architecture { name, major, minor });
-    }
-    Ok(context)
+    CudaContext::new(device).map_err(cuda("opening the GPU"))
+}
+
+/// What kind of a GPU it is.
+fn kind(context: &CudaContext) -> Result<Gpu, GpuError> {
+    let capability = context.compute_capability().map_err(cuda("asking for the GPU's kind"))?;
+    Ok(Gpu { name: context.name().unwrap_or_default(), capability })
 }
 
 /// The starts as the kernels read them.

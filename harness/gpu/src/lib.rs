@@ -3,13 +3,17 @@
 //! A [`Fleet`] has vehicles of one kind, each in one of its worlds, which are stepped together. Their states are those that a
 //! CPU computes, bit for bit. CUDA is loaded when it is needed, so that a program with this library runs without it too.
 
+mod code;
 mod course;
+mod drive;
 mod error;
 mod fleet;
 
-pub use course::{Course, CourseError};
+pub use course::{Course, CourseError, TIME_STEP};
+pub use drive::{CONTROL_PERIOD, Drive, same};
 pub use error::GpuError;
 pub use fleet::{Arrays, Fleet, Options, Start};
+pub use vb_kernel::SOURCES;
 pub use vb_kernel::fleet::{DIVERGED, FAULTS, FINE, NO_CONTROLS, NO_START, NO_TASK, STATE};
 pub use vb_kernel::wire::{Place, Setting};
 

@@ -29,6 +29,11 @@ fn heap() -> &'static mut Heap {
     unsafe { &mut **vb_slot() }
 }
 
+/// [`crate::SOURCES`], for whoever looks into the kernels' file.
+#[used]
+#[unsafe(no_mangle)]
+static VB_SOURCES: [u8; crate::SOURCES.len()] = *crate::SOURCES.as_bytes().first_chunk().unwrap();
+
 struct Memory;
 
 #[global_allocator]

@@ -14,3 +14,7 @@ mod device;
 pub mod fleet;
 pub mod heap;
 pub mod wire;
+
+/// What tells of which sources kernels are. It stands in their file, so that a program finds there whether they are of its own: others
+/// would drive otherwise than it.
+pub const SOURCES: &str = concat!("vb-kernel of ", env!("VB_KERNEL_SOURCES"), "\n");

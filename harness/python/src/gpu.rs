@@ -67,7 +67,7 @@ impl Fleet {
 #[pymethods]
 impl Fleet {
     #[new]
-    #[pyo3(signature = (*, tasks_dir, kernel, suite, tasks, vehicle, vehicles, device, spare_memory))]
+    #[pyo3(signature = (*, tasks_dir, kernel, suite, tasks, vehicle, time_step, vehicles, device, spare_memory))]
     #[allow(clippy::too_many_arguments, reason = "each is an option of its own, given by its name")]
     fn new(
         py: Python<'_>,
@@ -76,13 +76,14 @@ impl Fleet {
         suite: PathBuf,
         tasks: Option<String>,
         vehicle: String,
+        time_step: f64,
         vehicles: usize,
         device: usize,
         spare_memory: Option<u64>,
     ) -> PyResult<Self> {
         let (course, fleet) = work(py, || {
             let catalog = Catalog::at(tasks_dir);
-            let course = Course::new(&catalog, &suite, tasks.as_deref(), &vehicle);
+            let course = Course::new(&catalog, &suite, tasks.as_deref(), &vehicle, time_step);
             let course = course.map_err(FleetError::Course)?;
             let options = Options { device, spare_memory, ..Options::default() };
             let fleet = vb_gpu::Fleet::new(&kernel, &course.sent(), &course.starts(), vehicles, options);
@@ -140,6 +141,11 @@ impl Fleet {
     /// Drives all vehicles on by so many steps.
     fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
         self.with(py, |fleet| fleet.advance(steps))
+    }
+
+    /// Compares the first vehicles with the CPU's, over so many seconds; returns how many were compared.
+    fn verify(&self, py: Python<'_>, vehicles: usize, seconds: f64) -> PyResult<usize> {
+        self.with(py, |fleet| fleet.verify(&self.course, vehicles, seconds))
     }
 
     /// Of each vehicle the hash of all its states since its start.

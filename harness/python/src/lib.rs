@@ -40,6 +40,12 @@ mod _native {
         env!("CARGO_PKG_VERSION")
     }
 
+    /// What stands in kernels for a GPU that were made of the same sources as this module.
+    #[pyfunction]
+    fn kernel_sources() -> &'static str {
+        vb_gpu::SOURCES
+    }
+
     /// The numbers that a fleet tells of each of its vehicles, as (name, unit).
     #[pyfunction]
     fn fleet_states() -> Vec<(&'static str, &'static str)> {

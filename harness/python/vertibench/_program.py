@@ -12,6 +12,8 @@ from ._errors import MissingError
 _DATA = Path(__file__).parent / "_data"
 _CHECKOUT = Path(__file__).parent.parent.parent.parent
 _SUFFIX = ".exe" if sys.platform == "win32" else ""
+# The variable that names the kernels for GPUs.
+KERNEL = "VB_KERNEL"
 
 
 def harness_path() -> Path:
@@ -28,6 +30,14 @@ def tasks_path() -> Path:
 def plugins_path() -> Path:
     """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one built in the checkout."""
     return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners", "cargo xtask plugins")
+
+
+def kernels_path() -> Path:
+    """The kernels for GPUs: what VB_KERNEL names, else the folder of the packaged ones, else those made in the checkout."""
+    build = "cargo xtask kernel"
+    # A package that was built from its sources has none.
+    lacking = f"run `{build}` in a checkout of this version"
+    return _find(KERNEL, "kernels", _target() / "kernel", "the folder of kernels for GPUs", build, lacking)
 
 
 def plugin_path(name: str | os.PathLike[str]) -> Path:
@@ -57,7 +67,14 @@ def environment() -> dict[str, str]:
     return found
 
 
-def _find(variable: str, packaged: str, built: Path, what: str, build: str) -> Path:
+def _find(
+    variable: str,
+    packaged: str,
+    built: Path,
+    what: str,
+    build: str,
+    lacking: str = "install vertibench again",
+) -> Path:
     named = os.environ.get(variable)
     if named:
         path = Path(named)
@@ -70,7 +87,7 @@ def _find(variable: str, packaged: str, built: Path, what: str, build: str) -> P
         if built.exists():
             return built
         raise MissingError(built, f"{what} isn't there", f"run `{build}` in the checkout, or set {variable}")
-    raise MissingError(_DATA / packaged, f"{what} isn't there", f"install vertibench again, or set {variable}")
+    raise MissingError(_DATA / packaged, f"{what} isn't there", f"{lacking}, or set {variable}")
 
 
 def _in_checkout() -> bool:

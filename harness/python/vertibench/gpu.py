@@ -1,7 +1,7 @@
 """Fleets of vehicles on a GPU, for those who train policies there.
 
 >>> import torch, vertibench.gpu
->>> fleet = vertibench.gpu.Fleet(16384, suite="training", tasks="w*/t00", vehicle="hmmwv", kernel="vb-kernel-sm_90.cubin")
+>>> fleet = vertibench.gpu.Fleet(16384, suite="training", tasks="w*/t00", vehicle="hmmwv")
 >>> fleet.reset(torch.arange(16384) % len(fleet.tasks))
 >>> states, controls = torch.from_dlpack(fleet.states), torch.from_dlpack(fleet.controls)
 >>> controls[:] = policy(states)     # written on the GPU, where the fleet reads it
@@ -12,7 +12,8 @@ and `ground` have what these need. The arrays are the fleet's own memory on the 
 them: torch, JAX (with `jax_enable_x64`), CuPy. A method returns when the GPU has done it, and waits first for all that its
 process does on the GPU, so nothing else has to be waited for.
 
-The kernels are made by `cargo xtask kernel` in a checkout of Verti-Bench, and are for NVIDIA's H100 and H200.
+The kernels for NVIDIA's GPUs come with the package, or are made by `cargo xtask kernel` in a checkout of Verti-Bench. They were
+tried on the H100 and the H200; `Fleet.verify` tells whether another GPU computes the same.
 """
 
 from __future__ import annotations
@@ -25,16 +26,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import MissingError, OptionError, missing_module
-from ._program import tasks_path
+from ._errors import OptionError, missing_module
+from ._program import KERNEL as KERNEL
+from ._program import kernels_path, tasks_path
 
 try:
     from . import _native as _native
 except ImportError as e:
     raise missing_module("vertibench.gpu", e) from None
 
-#: Where the kernels are, if nothing else is said.
-KERNEL = "VB_KERNEL"
 #: The names of the columns of `Fleet.states`, each with its unit.
 STATES: tuple[tuple[str, str], ...] = tuple(_native.fleet_states())
 #: The columns of `Fleet.controls`: steering in [−1, 1], positive to the left, throttle and brake in [0, 1], and the gear, which
@@ -50,10 +50,12 @@ class Fleet:
     """Vehicles of one kind on a GPU, each in one of the tasks of a suite, which are stepped together.
 
     `vehicles` is their number. `suite`, `tasks` and `vehicle` are names or files, and a selector, as for `vertibench.run`. A
-    learner's suite is one that was made for training: nothing here keeps it from the worlds of a benchmark. `kernel` is the file of the
-    kernels, which else the variable `VB_KERNEL` names. `device` is the number of the GPU. `memory` (bytes) is for what vehicles
-    need beyond 128 kB each, which is the ruts that they make in soft soil, up to 5 MB in a minute; by default it is up to half
-    of what is free. A fleet belongs to the process that made it: a fork has no part in it.
+    learner's suite is one that was made for training: nothing here keeps it from the worlds of a benchmark. `time_step` (s)
+    is the benchmark's, 0.001; longer ones, up to 0.005, are for training, as in environments. `device` is the number of
+    the GPU. `memory` (bytes) is for what vehicles need beyond 128 kB each, which is the ruts that they make in soft soil, up to
+    5 MB in a minute; by default it is up to half of what is free. `kernel` is the file of the kernels, or the folder of those
+    for several kinds of GPUs; by default it is what the variable `VB_KERNEL` names, or what came with the package. A fleet
+    belongs to the process that made it: a fork has no part in it.
 
     Raises `OptionError` for options that make no sense, and `GpuError` without a GPU that the kernels are for, or too little
     memory.
@@ -66,6 +68,7 @@ class Fleet:
         suite: str | os.PathLike[str],
         tasks: str | None = None,
         vehicle: str | os.PathLike[str] = "hmmwv",
+        time_step: float = 0.001,
         kernel: str | os.PathLike[str] | None = None,
         device: int = 0,
         memory: int | None = None,
@@ -73,16 +76,13 @@ class Fleet:
         for name, value, least in (("vehicles", vehicles, 1), ("device", device, 0), ("memory", memory or 0, 0)):
             if value < least:
                 raise OptionError(f"{name}: {value} is too few (it must be at least {least})")
-        path = kernel if kernel is not None else os.environ.get(KERNEL)
-        if path is None:
-            to_do = f"make them by `cargo xtask kernel` and give the file as `kernel`, or in the variable {KERNEL}"
-            raise MissingError("kernel", "nothing says where the kernels for the GPU are", to_do)
         self._native = _native.Fleet(
             tasks_dir=tasks_path(),
-            kernel=Path(path),
+            kernel=Path(kernel) if kernel is not None else kernels_path(),
             suite=Path(suite),
             tasks=tasks,
             vehicle=os.fspath(vehicle),
+            time_step=time_step,
             vehicles=vehicles,
             device=device,
             spare_memory=memory,
@@ -128,6 +128,16 @@ class Fleet:
         if not 0.5 <= steps <= 1e9 or abs(steps - round(steps)) > 1e-6:
             raise OptionError(f"advance: {seconds} s is no whole number of steps of {self.time_step} s")
         self._native.advance(round(steps))
+
+    def verify(self, vehicles: int = 64, seconds: float = 1.0) -> int:
+        """Sees whether the GPU computes what a CPU does; returns how many vehicles were compared.
+
+        The first vehicles begin the tasks in turn and drive for this time (s), each with other controls, here and on the CPU. All
+        vehicles have to be reset after it, and told their controls again. Raises `GpuError` if states differ.
+        """
+        if vehicles < 1 or not 0.0 < seconds <= 1e6:
+            raise OptionError(f"verify: {vehicles} vehicles over {seconds} s is nothing to compare")
+        return self._native.verify(vehicles, seconds)
 
     def hashes(self) -> NDArray[np.uint64]:
         """Of each vehicle the hash of all its states since its start, every 10 ms, as records of runs have it."""

@@ -26,7 +26,7 @@ pub use merge::{MergeError, Merged, merge, shards_in};
 pub use run::{
     Event, RunConfig, RunReport, Soils, Vehicle, check, check_control_period, check_perception, run,
 };
-pub use setting::{Keep, Place, Setting, Wants, start};
+pub use setting::{Keep, Place, Setting, Wants, is_time_step, start};
 pub use shape::{StaticShape, static_shape};
 pub use trial::{Trial, TrialResult, panic_text};
 pub use vb_sim::{SAMPLE_PERIOD, StateHash};

@@ -18,7 +18,7 @@ use crate::brief::{Terms, planner_vehicle};
 use crate::driver::{Driver, Witness};
 use crate::run::{Soils, Vehicle};
 use crate::shape::static_shape;
-use crate::{RunError, Trial, TrialResult};
+use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
 
 /// A world, and what sensors see of it.
 #[derive(Clone)]
@@ -46,6 +46,14 @@ impl Place {
     pub fn load(suite: &Suite, world: &str, scale: f64) -> Result<Self, SuiteError> {
         Ok(Self::new(suite.load_world(world)?, scale))
     }
+}
+
+/// Whether trials can have this time step, s: it lies in 0.1 to 5 ms, and the time between two samples is a whole number of steps.
+#[must_use]
+pub fn is_time_step(step: f64) -> bool {
+    const TOLERANCE: f64 = 1e-9;
+    (1e-4 - TOLERANCE..=5e-3 + TOLERANCE).contains(&step)
+        && ((SAMPLE_PERIOD / step).round() * step - SAMPLE_PERIOD).abs() < TOLERANCE
 }
 
 /// Everything but place, task and driver that decides the result of a trial.

@@ -1,18 +1,12 @@
 //! `vb-gpu-speed`: how fast fleets are on a GPU, and whether their states are those of the CPU.
 
-mod cpu;
-
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
 use vb_catalog::Catalog;
-use vb_gpu::{Course, FINE, Fleet, GpuError, Options, Setting};
-use vb_sim::Controls;
-
-/// The time from one command to the next, s: that of the benchmark's environments.
-const CONTROL_PERIOD: f64 = 0.1;
+use vb_gpu::{CONTROL_PERIOD, Course, Drive, FINE, Fleet, GpuError, Options, TIME_STEP, same};
 
 /// Drive fleets of simulations on a GPU, and compare their states with the CPU's
 ///
@@ -21,8 +15,8 @@ const CONTROL_PERIOD: f64 = 0.1;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The kernels, as `cargo xtask kernel` makes them
-    #[arg(long, value_name = "FILE", default_value = "target/kernel/vb-kernel-sm_90.cubin")]
+    /// The kernels, as `cargo xtask kernel` makes them: a file, or the folder of those for several kinds of GPUs
+    #[arg(long, value_name = "PATH", default_value = "target/kernel")]
     kernel: PathBuf,
     /// The suite: its name or folder
     #[arg(long, value_name = "SUITE", default_value = "smoke")]
@@ -33,6 +27,9 @@ struct Args {
     /// The vehicle
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     vehicle: String,
+    /// The time step, ms; only with 1 the states are the benchmark's
+    #[arg(long, value_name = "MS", default_value_t = 1e3 * TIME_STEP)]
+    time_step: f64,
     /// Vehicles of each fleet
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,4096")]
     vehicles: Vec<usize>,
@@ -65,40 +62,8 @@ enum SpeedError {
     Course(#[from] vb_gpu::CourseError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error("{0} of {1} vehicles have other states on the GPU than on the CPU")]
-    Differ(usize, usize),
     #[error("can't print: {0}")]
     Print(#[from] std::io::Error),
-}
-
-/// What is driven.
-struct Drive {
-    course: Course,
-    /// Commands.
-    periods: u64,
-}
-
-impl Drive {
-    fn new(args: &Args) -> Result<Self, SpeedError> {
-        let course = Course::new(&Catalog::find(), &args.suite, args.tasks.as_deref(), &args.vehicle)?;
-        let periods = (args.seconds / CONTROL_PERIOD).round().max(1.0) as u64;
-        Ok(Self { course, periods })
-    }
-
-    /// What a vehicle is told.
-    fn controls(vehicle: usize) -> Controls {
-        let part = |primes: usize| (vehicle * primes % 101) as f64 / 100.0;
-        Controls { steering: part(37) - 0.5, throttle: 0.2 + 0.6 * part(53), ..Controls::default() }
-    }
-
-    /// The number of the task that a vehicle begins.
-    fn task(&self, vehicle: usize) -> usize {
-        vehicle % self.course.tasks.len()
-    }
-
-    fn steps(&self) -> u64 {
-        (CONTROL_PERIOD / self.course.setting.options.step).round() as u64
-    }
 }
 
 fn main() -> ExitCode {
@@ -120,12 +85,19 @@ fn timed<T>(of: impl FnOnce() -> T) -> (T, f64) {
 }
 
 fn run(args: &Args) -> Result<(), SpeedError> {
-    let drive = Drive::new(args)?;
-    let setting = drive.course.sent();
+    let course = Course::new(
+        &Catalog::find(),
+        &args.suite,
+        args.tasks.as_deref(),
+        &args.vehicle,
+        1e-3 * args.time_step,
+    )?;
+    let drive = Drive::new(&course, args.seconds);
     let mut out = std::io::stdout();
-    let most = args.vehicles.iter().copied().max().unwrap_or(0);
-    let cpu = cpu::drive(&drive, args.compare.min(most));
-    let steps_a_second = |vehicles: usize, seconds: f64| vehicles as f64 * drive.periods as f64 / seconds;
+    let compared = args.vehicles.iter().copied().max().unwrap_or(0).min(args.compare);
+    let (at_starts, starts) = timed(|| drive.starts_on_cpu(compared));
+    let (on_cpu, drives) = timed(|| drive.on_cpu(&at_starts, compared));
+    let steps_a_second = |vehicles: usize, seconds: f64| vehicles as f64 * drive.periods() as f64 / seconds;
     writeln!(
         out,
         "| vehicles | starts, s | resets, s | drives, s | steps of {CONTROL_PERIOD} s a second | same states as the CPU | faults |"
@@ -133,23 +105,18 @@ fn run(args: &Args) -> Result<(), SpeedError> {
     writeln!(out, "|---|---|---|---|---|---|---|")?;
     writeln!(
         out,
-        "| {}, CPU, {} threads | {:.2} | | {:.2} | {:.0} | | {} |",
-        cpu.hashes.len(),
-        cpu.threads,
-        cpu.starts,
-        cpu.drives,
-        steps_a_second(cpu.hashes.len(), cpu.drives),
-        cpu.hashes.iter().filter(|hash| hash.is_none()).count(),
+        "| {compared}, CPU, {} threads | {starts:.2} | | {drives:.2} | {:.0} | | {} |",
+        std::thread::available_parallelism().map_or(1, usize::from),
+        steps_a_second(compared, drives),
+        on_cpu.iter().filter(|hash| hash.is_none()).count(),
     )?;
-    let mut differ = 0;
+    let mut differs = None;
     for &vehicles in &args.vehicles {
-        let on_gpu = on_gpu(args, &drive, &setting, vehicles)?;
-        // A vehicle that has diverged on the CPU has no hash.
-        let compared =
-            cpu.hashes.iter().zip(&on_gpu.hashes).filter_map(|(cpu, gpu)| cpu.map(|cpu| cpu == *gpu));
-        let (same, of) = compared.fold((0, 0), |(same, of), is| (same + usize::from(is), of + 1));
-        differ = differ.max(of - same);
-        let OnGpu { starts, resets, drives, faults, .. } = on_gpu;
+        let OnGpu { starts, resets, drives, hashes, faults } = on_gpu(args, &course, &drive, vehicles)?;
+        let (same, of) = same(&on_cpu, &hashes);
+        if same < of {
+            differs = Some(GpuError::Differ { differ: of - same, of });
+        }
         let speed = steps_a_second(vehicles, drives);
         writeln!(
             out,
@@ -157,7 +124,7 @@ fn run(args: &Args) -> Result<(), SpeedError> {
         )?;
         out.flush()?;
     }
-    if differ > 0 { Err(SpeedError::Differ(differ, cpu.hashes.len())) } else { Ok(()) }
+    differs.map_or(Ok(()), |differs| Err(differs.into()))
 }
 
 /// What became of a fleet on the GPU.
@@ -172,7 +139,7 @@ struct OnGpu {
 }
 
 /// Drives a fleet on the GPU.
-fn on_gpu(args: &Args, drive: &Drive, setting: &Setting, vehicles: usize) -> Result<OnGpu, GpuError> {
+fn on_gpu(args: &Args, course: &Course, drive: &Drive<'_>, vehicles: usize) -> Result<OnGpu, GpuError> {
     let options = Options {
         vehicle_memory: args.memory << 10,
         spare_memory: args.spare_memory.map(|mb| mb << 20),
@@ -181,20 +148,12 @@ fn on_gpu(args: &Args, drive: &Drive, setting: &Setting, vehicles: usize) -> Res
         lanes: std::array::from_fn(|k| args.lanes.get(k).copied().unwrap_or(1)),
         ..Options::default()
     };
-    let (fleet, starts) =
-        timed(|| Fleet::new(&args.kernel, setting, &drive.course.starts(), vehicles, options));
+    let (setting, at_starts) = (course.sent(), course.starts());
+    let (fleet, starts) = timed(|| Fleet::new(&args.kernel, &setting, &at_starts, vehicles, options));
     let mut fleet = fleet?;
-    let tasks: Vec<_> = (0..vehicles).map(|vehicle| Some(drive.task(vehicle))).collect();
-    let (reset, resets) = timed(|| fleet.reset(&tasks));
+    let (reset, resets) = timed(|| fleet.reset(&drive.tasks(vehicles)));
     reset?;
-    let controls = (0..vehicles).map(Drive::controls).map(|c| [c.steering, c.throttle, c.brake, 1.0]);
-    let controls: Vec<[f64; 4]> = controls.collect();
-    let (driven, drives) = timed(|| {
-        (0..drive.periods).try_for_each(|_| {
-            fleet.control(&controls)?;
-            fleet.advance(drive.steps())
-        })
-    });
+    let (driven, drives) = timed(|| drive.on_gpu(&mut fleet));
     driven?;
     let faults = fleet.faults()?.iter().filter(|fault| **fault != FINE).count();
     Ok(OnGpu { starts, resets, drives, hashes: fleet.hashes()?, faults })

@@ -6,17 +6,20 @@
 
 mod words;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use lzma_rust2::{XzOptions, XzWriter};
 use serde_json::{Value, json};
 
 use crate::examples::Compiler;
 use crate::run::{Failure, output, run, step};
 use crate::{root, target_dir};
 
-/// The kinds of GPUs that kernels are built for: the H100 and the H200.
-const ARCHITECTURE: &str = "sm_90";
+/// The kinds of GPUs that kernels are built for: from the A100 on, the H100 and H200, the B200, and the RTX 50. Each file is also for
+/// later GPUs of its generation, as that of the A100 is for the RTX 30 and 40.
+const ARCHITECTURES: [&str; 4] = ["sm_80", "sm_90", "sm_100", "sm_120"];
 /// The assembler and linker. What they make runs with drivers of CUDA 13 on.
 const ASSEMBLER: &str = "nvidia-cuda-nvcc==13.5.37";
 /// A system of which the standard library knows that it has nothing but memory and an end: RISC Zero's virtual machine.
@@ -33,8 +36,13 @@ const ELEMENTARY: [(&str, &str); 8] = [
     ("pow", "powf"),
 ];
 
-/// Builds the kernels; says where they are.
-pub(crate) fn kernel() -> Result<(), Failure> {
+/// Builds the kernels of these architectures, by default of all; says where they are.
+pub(crate) fn kernel(architectures: &[&str]) -> Result<(), Failure> {
+    if let Some(unknown) = architectures.iter().find(|name| !ARCHITECTURES.contains(name)) {
+        let known = ARCHITECTURES.join(", ");
+        return Err(Failure::new(format!("kernel: `{unknown}` is none of the architectures: {known}")));
+    }
+    let architectures = if architectures.is_empty() { &ARCHITECTURES } else { architectures };
     let folder = target_dir().join("kernel");
     std::fs::create_dir_all(&folder).map_err(failure(&folder))?;
     let assembler = Compiler::of_pip(ASSEMBLER)?;
@@ -66,10 +74,25 @@ pub(crate) fn kernel() -> Result<(), Failure> {
     let by_words = folder.join("vb-kernel.ll");
     write(&by_words, &words::by_words(&text))?;
 
+    for architecture in architectures {
+        step(&format!("assembling it for {architecture}, which takes three minutes and 9 GB of memory"));
+        let file = assemble(&folder, [&llc, &tools], &by_words, architecture)?;
+        step(&format!("the kernels are in {}", file.display()));
+    }
+    Ok(())
+}
+
+/// Makes the file of an architecture's kernels out of the module; returns its path.
+fn assemble(
+    folder: &Path,
+    [llc, tools]: [&PathBuf; 2],
+    module: &Path,
+    architecture: &str,
+) -> Result<PathBuf, Failure> {
     let ptx = folder.join("vb-kernel.ptx");
     let mut compile = Command::new(llc);
-    compile.args(["-O3", "-mtriple=nvptx64-nvidia-cuda"]).arg(format!("-mcpu={ARCHITECTURE}"));
-    run(compile.arg(&by_words).arg("-o").arg(&ptx))?;
+    compile.args(["-O3", "-mtriple=nvptx64-nvidia-cuda"]).arg(format!("-mcpu={architecture}"));
+    run(compile.arg(module).arg("-o").arg(&ptx))?;
     let text = std::fs::read_to_string(&ptx).map_err(failure(&ptx))?;
     if let Some(line) = text.lines().find(|line| line.contains("fma.rn") || line.contains(".ftz")) {
         return Err(Failure::new(format!(
@@ -78,21 +101,29 @@ pub(crate) fn kernel() -> Result<(), Failure> {
             line.trim()
         )));
     }
-
-    step("assembling it, which takes two minutes and 9 GB of memory");
-    let object = folder.join("vb-kernel.o");
-    let kernel = folder.join(format!("vb-kernel-{ARCHITECTURE}.cubin"));
+    let (object, code) = (folder.join("vb-kernel.o"), folder.join("vb-kernel.cubin"));
     let mut assemble = Command::new(tools.join("ptxas"));
-    run(assemble.arg("-c").arg(format!("-arch={ARCHITECTURE}")).arg(&ptx).arg("-o").arg(&object))?;
+    run(assemble.arg("-c").arg(format!("-arch={architecture}")).arg(&ptx).arg("-o").arg(&object))?;
     let mut link = Command::new(tools.join("nvlink"));
     link.arg("--suppress-stack-size-warning")
-        .arg(format!("-arch={ARCHITECTURE}"))
+        .arg(format!("-arch={architecture}"))
         .arg(&object)
         .arg("-o")
-        .arg(&kernel);
+        .arg(&code);
     run(&mut link)?;
-    step(&format!("the kernels are in {}", kernel.display()));
-    Ok(())
+
+    let file = folder.join(format!("vb-kernel-{architecture}.cubin.xz"));
+    let bytes = std::fs::read(&code).map_err(failure(&code))?;
+    let packed = pack(&bytes).map_err(failure(&file))?;
+    std::fs::write(&file, packed).map_err(failure(&file))?;
+    Ok(file)
+}
+
+/// Bytes as a file of xz has them.
+fn pack(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
+    let mut packed = XzWriter::new(Vec::new(), XzOptions::default())?;
+    packed.write_all(bytes)?;
+    packed.finish()
 }
 
 /// Debian's compiler, with the sources of the standard library for GPUs, in this folder.
@@ -157,7 +188,7 @@ fn specification(rustc: &Path) -> Result<String, Failure> {
     let read = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
     let mut target = read.ok_or_else(|| Failure::new(format!("{} knows no GPUs", rustc.display())))?;
     target["os"] = json!(SYSTEM);
-    target["cpu"] = json!(ARCHITECTURE);
+    target["cpu"] = json!(ARCHITECTURES[0]);
     Ok(target.to_string())
 }
 

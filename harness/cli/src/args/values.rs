@@ -2,7 +2,6 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use vb_record::{LogMode, TraceMode};
-use vb_runner::SAMPLE_PERIOD;
 use vb_world::{Shard, ShardError};
 
 /// A planner: a file, which may lie in the directory that `VB_PLUGINS` names, or a command.
@@ -79,10 +78,9 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 
 /// A step in milliseconds, of which a whole number makes the time between two samples; returns seconds.
 pub(super) fn time_step(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|v| (0.1..=5.0).contains(v));
+    let value = text.trim().parse::<f64>().ok().map(|ms| 1e-3 * ms);
     value
-        .map(|ms| 1e-3 * ms)
-        .filter(|s| ((SAMPLE_PERIOD / s).round() * s - SAMPLE_PERIOD).abs() < 1e-9)
+        .filter(|seconds| vb_runner::is_time_step(*seconds))
         .ok_or_else(|| "want milliseconds from 0.1 to 5 that divide 10, e.g. 0.5".into())
 }
 

@@ -5,7 +5,8 @@ of `tasks/` and the reference planners as WASM. They are put together in a folde
 in the checkout. An editable install finds the same in the checkout.
 
 Environment variables: `VB_WHEEL_HARNESS` names a program and `VB_WHEEL_PLUGINS` a folder of planners that are taken as
-they are, where both would be built otherwise; `SOURCE_DATE_EPOCH` is the time that the files in archives get.
+they are, where both would be built otherwise; `VB_WHEEL_KERNELS` names a folder of kernels for GPUs, without which there are
+none in the wheel; `SOURCE_DATE_EPOCH` is the time that the files in archives get.
 """
 
 from __future__ import annotations

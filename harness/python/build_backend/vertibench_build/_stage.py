@@ -24,7 +24,7 @@ _SUFFIX = ".exe" if sys.platform == "win32" else ""
 def package(into: Path) -> None:
     """Puts together what the wheel is made of."""
     # What takes longest may fail first.
-    built, planners = program(), plugins()
+    built, planners, gpu_kernels = program(), plugins(), kernels()
     description(into)
     for path in tracked(str(PYTHON / "vertibench")):
         _copy(ROOT / path, into / path.relative_to(PYTHON))
@@ -37,6 +37,8 @@ def package(into: Path) -> None:
         _copy(ROOT / path, data / path)
     for path in planners:
         _copy(path, data / "plugins" / path.name)
+    for path in gpu_kernels:
+        _copy(path, data / "kernels" / path.name)
     (into / "LICENSE-THIRD-PARTY.txt").write_text(_licences.text(ROOT), encoding="utf-8")
 
 
@@ -93,6 +95,18 @@ def plugins() -> list[Path]:
     for file in files:
         if not file.is_file():
             raise SystemExit(f"error: {file}: the planner isn't there (build it with `cargo xtask plugins`)")
+    return files
+
+
+def kernels() -> list[Path]:
+    """The kernels for GPUs: those in the folder that is named, else none, since few can build them."""
+    named = os.environ.get("VB_WHEEL_KERNELS")
+    if not named:
+        return []
+    folder = _existing(Path(named), "VB_WHEEL_KERNELS")
+    files = sorted(folder.glob("vb-kernel-*.cubin.xz"))
+    if not files:
+        raise SystemExit(f"error: {folder}: has no kernels (make them with `cargo xtask kernel`)")
     return files
 
 

@@ -20,6 +20,8 @@ from ._vector import processors
 
 NAME = "VertiBench/Navigation-v0"
 STATE = ("state", "path")
+# The time step with which policies are trained here (`tasks/training/policy.yaml`), s.
+TRAINING_STEP = 0.005
 
 
 def pursue(observation: Any) -> np.ndarray:
@@ -77,7 +79,7 @@ def main() -> None:
         print(f"{what:62} {steps_a_second(env, chosen.seconds, chosen.stretches):8.0f} steps/s", flush=True)
         env.close()
 
-    def vector(tasks: str, threads: int, observation: tuple[str, ...] = STATE) -> Callable[[], Any]:
+    def vector(tasks: str, threads: int, observation: tuple[str, ...] = STATE, **options: Any) -> Callable[[], Any]:
         return lambda: gymnasium.make_vec(
             NAME,
             num_envs=chosen.envs,
@@ -86,6 +88,7 @@ def main() -> None:
             suite="vb-100",
             tasks=tasks,
             observation=observation,
+            **options,
         )
 
     def single(tasks: str) -> gymnasium.Env:
@@ -96,6 +99,9 @@ def main() -> None:
         show(f"{what}: one environment", lambda tasks=tasks: single(tasks))
         for count in sorted({1, threads // 2 or 1, threads}):
             show(f"{what}: {chosen.envs} environments, {count} threads", vector(tasks, count))
+    for what, tasks in (("rigid", rigid), ("deformable", "terrain=deformable")):
+        label = f"{what}: {chosen.envs} environments, {threads} threads, step of {1e3 * TRAINING_STEP:.0f} ms"
+        show(label, vector(tasks, threads, time_step=TRAINING_STEP))
     crops = (*STATE, "height", "class", "friction")
     show(f"rigid: {chosen.envs} environments, {threads} threads, with three crops", vector(rigid, threads, crops))
     env = single(rigid)
