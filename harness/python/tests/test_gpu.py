@@ -28,6 +28,7 @@ def test_columns_and_faults_have_names():
 @pytest.mark.parametrize(("in_checkout", "to_do"), [(True, "in the checkout, or set"), (False, "in a checkout of this version")])
 def test_without_kernels_what_makes_them_is_told(monkeypatch, tmp_path, in_checkout, to_do):
     monkeypatch.delenv(gpu.KERNEL, raising=False)
+    monkeypatch.setenv("VB_TASKS", str(vertibench.tasks_path()))
     monkeypatch.setattr(_program, "_DATA", tmp_path)
     monkeypatch.setattr(_program, "_target", lambda: tmp_path)
     monkeypatch.setattr(_program, "_in_checkout", lambda: in_checkout)

@@ -48,7 +48,8 @@ macro_rules! export_sampling {
         about: $about:literal,
         attention: $attention:literal,
         samples: $samples:literal,
-        params: { $($own:tt)* },
+        params: { $($own:tt)* }
+        $(, without_maps: { $($more:tt)* })? $(,)?
     ) => {
         vb_sdk::export_planner! {
             planner: $planner,
@@ -70,7 +71,8 @@ macro_rules! export_sampling {
                 pitch: 15.0 => "pitch that costs nothing, degrees",
                 learned: 1 => "whether the networks have a say; 0 for a bicycle on the plane through its wheels",
                 explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
-            },
+            }
+            $(, without_maps: { $($more)* })?,
             models: [if $attention { $crate::ATTENTION_MODELS } else { $crate::PATCH_MODELS }],
         }
     };

@@ -3,7 +3,7 @@
 use hybrid::{Hybrid, Objective, beyond};
 use vb_sdk::mppi::{Cost, LANES, Lanes, Mppi, Settings};
 use vb_sdk::speed::SpeedKeeper;
-use vb_sdk::{Command, HeightMap, Observation, PlannerError, Task};
+use vb_sdk::{Command, HeightMap, LabelMap, Observation, PlannerError, Task, Vehicle};
 
 use crate::escape::Escape;
 use crate::twin::{State, Twin};
@@ -17,6 +17,18 @@ const SPACING: usize = 10;
 const GUIDED: f64 = 0.4;
 /// The cosine of the angle between the vehicle's up and the vertical below which it is tipping over, and at which it has.
 const TIPPING: [f32; 2] = [0.8, 0.6];
+
+/// What courses are drawn about.
+pub(crate) trait Proposal {
+    /// Steering and speed (m/s) in so many seconds.
+    fn planned(&self, time: f64) -> [f64; 2];
+}
+
+impl Proposal for Hybrid {
+    fn planned(&self, time: f64) -> [f64; 2] {
+        Self::planned(self, time)
+    }
+}
 
 /// The planner over the twin.
 pub(crate) struct Foresight {
@@ -82,7 +94,11 @@ impl Cost<State, 2> for Price<'_> {
 
 impl Foresight {
     /// The planner of a task, if its parameters want one.
-    pub(crate) fn new(task: &Task, heights: &HeightMap) -> Result<Option<Self>, PlannerError> {
+    pub(crate) fn new(
+        task: &Task,
+        heights: &HeightMap,
+        kinds: Option<&LabelMap>,
+    ) -> Result<Option<Self>, PlannerError> {
         let samples: usize = task.param_as("foresight")?;
         let weight = |key: &str| match task.param_f64(key)? {
             value if value >= 0.0 => Ok(value as f32),
@@ -110,7 +126,7 @@ impl Foresight {
         };
         let recovers = task.param_as::<u8>("recover")? != 0;
         Ok(Some(Self {
-            twin: Twin::new(heights, task.semantics.as_ref(), vehicle, margin),
+            twin: Twin::new(heights, kinds, vehicle, margin),
             mppi: Mppi::new(settings, [0.0, target as f32], task.seed),
             weights,
             keeper: SpeedKeeper::new(vehicle.scale),
@@ -120,11 +136,21 @@ impl Foresight {
         }))
     }
 
+    /// From now on the ground is that of these maps.
+    pub(crate) fn see(&mut self, heights: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) {
+        self.twin.see(heights, kinds, vehicle);
+    }
+
     /// The command at an observation, and whether the vehicle has just been found stuck.
-    pub(crate) fn step(&mut self, o: &Observation, hybrid: &Hybrid) -> Result<(Command, bool), PlannerError> {
+    pub(crate) fn step(
+        &mut self,
+        o: &Observation,
+        objective: &Objective,
+        proposal: &impl Proposal,
+    ) -> Result<(Command, bool), PlannerError> {
         let start = self.twin.state(o, self.keeper.integral())?;
         self.twin.learn(&start, o.time);
-        let price = Price { objective: hybrid.objective(), weights: self.weights, steps: HORIZON as f32 };
+        let price = Price { objective, weights: self.weights, steps: HORIZON as f32 };
         let (manoeuvre, stuck) = match &mut self.escape {
             Some(escape) => escape.update(o, &self.twin, &price, &start)?,
             None => (None, false),
@@ -132,12 +158,12 @@ impl Foresight {
         let [steering, target] = match manoeuvre {
             Some(m) if m.is_backing => m.command,
             m => {
-                let proposal = |knot: usize| match &m {
+                let proposed = |knot: usize| match &m {
                     Some(m) => m.command,
-                    None => hybrid.planned((knot * SPACING) as f64 * DT * self.root),
+                    None => proposal.planned((knot * SPACING) as f64 * DT * self.root),
                 };
                 let guide: Vec<[f32; 2]> =
-                    (0..self.mppi.knots()).map(|knot| proposal(knot).map(|v| v as f32)).collect();
+                    (0..self.mppi.knots()).map(|knot| proposed(knot).map(|v| v as f32)).collect();
                 self.mppi.propose(&guide, GUIDED);
                 self.mppi.improve(&self.twin, &price, &start);
                 let command = self.mppi.command(0.0);

@@ -8,10 +8,14 @@
 //!   one, as [`vb_sdk::recovery`] does.
 //! - Where it was stuck is dearer from then on, and the way to the goal is searched again.
 //!
+//! Where a task comes without maps of the world, there is nothing to search: the twin drives along the global path on what the vehicle
+//! sees of the ground (`scout`).
+//!
 //! `docs/planners.md` tells what each of them is worth.
 
 mod escape;
 mod foresight;
+mod scout;
 mod stance;
 pub mod twin;
 
@@ -20,6 +24,7 @@ use vb_sdk::recovery::{Recovery, Settings};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
 
 use foresight::Foresight;
+use scout::Scout;
 use stance::Stances;
 
 hybrid::export_sampling! {
@@ -50,10 +55,19 @@ hybrid::export_sampling! {
         hull: 4.0 => "weight of a hull that bears the whole vehicle, where courses are simulated",
         recover: 1 => "whether it backs out where it is stuck; 0 for a planner that only drives forward",
     },
+    without_maps: { local_map },
 }
 
 /// The planner.
-struct Ibex {
+enum Ibex {
+    /// Where the task has maps of the world.
+    Searching(Box<Searching>),
+    /// Where it hasn't; and by how much it hurries.
+    Seeing(Box<Scout>, f64),
+}
+
+/// The planner with maps.
+struct Searching {
     hybrid: Hybrid,
     foresight: Option<Foresight>,
     /// Without foresight.
@@ -75,6 +89,30 @@ const BOOST_MOST: f64 = 2.0;
 
 impl Planner for Ibex {
     fn init(task: &Task) -> Result<Self, PlannerError> {
+        Ok(if scout::is_needed(task) {
+            Self::Seeing(Box::new(Scout::new(task)?), 1.0)
+        } else {
+            Self::Searching(Box::new(Searching::new(task)?))
+        })
+    }
+
+    fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
+        match self {
+            Self::Searching(planner) => planner.step(o),
+            Self::Seeing(scout, hurry) => {
+                let (command, stuck) = scout.step(o)?;
+                if stuck {
+                    *hurry = (*hurry + BOOST).min(BOOST_MOST);
+                    scout.hurry(*hurry);
+                }
+                Ok(command)
+            }
+        }
+    }
+}
+
+impl Searching {
+    fn new(task: &Task) -> Result<Self, PlannerError> {
         let vehicle = task.vehicle.clone();
         let price = |key: &str| match task.param_f64(key)? {
             value if value >= 0.0 => Ok(value as f32),
@@ -93,7 +131,7 @@ impl Planner for Ibex {
         });
         let prediction = Prediction { learned: Learned::All, attention: false };
         let hybrid = Hybrid::over(task, Aim::Traversability, prediction, dearer)?;
-        let foresight = Foresight::new(task, heights)?;
+        let foresight = Foresight::new(task, heights, task.semantics.as_ref())?;
         let recovery = (foresight.is_none() && task.param_as::<u8>("recover")? != 0)
             .then(|| Recovery::new(task, Settings::default().scaled(vehicle.scale)));
         Ok(Self { hybrid, foresight, recovery, vehicle, again, hurry: 1.0 })
@@ -102,7 +140,7 @@ impl Planner for Ibex {
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let command = self.hybrid.step(o)?;
         if let Some(foresight) = &mut self.foresight {
-            let (own, stuck) = foresight.step(o, &self.hybrid)?;
+            let (own, stuck) = foresight.step(o, self.hybrid.objective(), &self.hybrid)?;
             if stuck {
                 self.was_stuck(o)?;
             }
@@ -116,9 +154,7 @@ impl Planner for Ibex {
         }
         Ok(command)
     }
-}
 
-impl Ibex {
     /// Hurries more, and plans a way round where it is.
     fn was_stuck(&mut self, o: &Observation) -> Result<(), PlannerError> {
         self.hurry = (self.hurry + BOOST).min(BOOST_MOST);

@@ -1,7 +1,7 @@
-//! What the planner does beyond TNT, on ground that is known beforehand.
+//! What the planner does beyond TNT, on ground that is known beforehand and on ground that it sees.
 
 use super::*;
-use vb_sdk::{Gear, GridFrame, Map, Param, Point2, Pose, Vec3, Wheel};
+use vb_sdk::{Gear, GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Wheel};
 
 const PARAMS: &[(&str, &str)] = &[
     ("speed", "4"),
@@ -89,7 +89,7 @@ fn observed(time: f64, x: f64, speed: f64, gear: Gear) -> Observation {
 }
 
 /// The mean steering after some steps on the way.
-fn steering(planner: &mut Ibex) -> f64 {
+fn steering(planner: &mut Searching) -> f64 {
     let o = observed(0.0, -15.0, 3.0, Gear::Forward);
     (0..20).map(|_| planner.step(&o).unwrap().steering).sum::<f64>() / 20.0
 }
@@ -99,7 +99,7 @@ fn steering(planner: &mut Ibex) -> f64 {
 fn a_bank_that_the_hull_would_sit_on_is_gone_around() {
     for side in [1.0, -1.0] {
         let bank = move |x: f64, y: f64| if (-5.6..-4.4).contains(&x) && y * side < 4.0 { 0.8 } else { 0.0 };
-        let turn = |params: &[(&str, &str)]| steering(&mut Ibex::init(&task(bank, params)).unwrap());
+        let turn = |params: &[(&str, &str)]| steering(&mut Searching::new(&task(bank, params)).unwrap());
         let seen = turn(&[("learned", "0")]);
         let unseen = turn(&[("learned", "0"), ("price_hull", "0"), ("price_tilt", "0")]);
         assert!(seen * side > 0.05 && (seen - unseen) * side > 0.1, "side {side}: {seen} for {unseen}");
@@ -108,7 +108,7 @@ fn a_bank_that_the_hull_would_sit_on_is_gone_around() {
 
 #[test]
 fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place() {
-    let mut planner = Ibex::init(&task(|_, _| 0.0, &[])).unwrap();
+    let mut planner = Searching::new(&task(|_, _| 0.0, &[])).unwrap();
     let stuck: Vec<Gear> = (0..40)
         .map(|k| planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap().gear)
         .collect();
@@ -119,7 +119,7 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     // learned may lead it aside by itself.
     let again = |price: &str| {
         let params = [("learned", "0"), ("price_again", price)];
-        let mut planner = Ibex::init(&task(|_, _| 0.0, &params)).unwrap();
+        let mut planner = Searching::new(&task(|_, _| 0.0, &params)).unwrap();
         planner.was_stuck(&observed(0.0, -8.0, 0.0, Gear::Forward)).unwrap();
         steering(&mut planner).abs()
     };
@@ -130,7 +130,7 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
 /// Without foresight it is `vb_sdk::recovery` that backs out.
 #[test]
 fn a_vehicle_without_foresight_backs_out_too() {
-    let mut planner = Ibex::init(&task(|_, _| 0.0, &[("foresight", "0")])).unwrap();
+    let mut planner = Searching::new(&task(|_, _| 0.0, &[("foresight", "0")])).unwrap();
     let backs = (0..40).any(|k| {
         planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap().gear == Gear::Reverse
     });
@@ -144,7 +144,7 @@ fn a_ridge_that_only_the_simulation_knows_of_is_gone_around() {
     let ridge = |x: f64, y: f64| if (-9.5..-8.5).contains(&x) && y < 2.0 { 1.6 } else { 0.0 };
     let turn = |foresight: &str| {
         let params = [("learned", "0"), ("price_hull", "0"), ("price_tilt", "0"), ("foresight", foresight)];
-        steering(&mut Ibex::init(&task(ridge, &params)).unwrap())
+        steering(&mut Searching::new(&task(ridge, &params)).unwrap())
     };
     let (seen, unseen) = (turn("128"), turn("0"));
     assert!(seen > unseen + 0.1, "{seen} for {unseen}");
@@ -152,7 +152,7 @@ fn a_ridge_that_only_the_simulation_knows_of_is_gone_around() {
 
 #[test]
 fn without_recovery_it_only_drives_forward() {
-    let mut planner = Ibex::init(&task(|_, _| 0.0, &[("recover", "0")])).unwrap();
+    let mut planner = Searching::new(&task(|_, _| 0.0, &[("recover", "0")])).unwrap();
     for k in 0..40 {
         let command = planner.step(&observed(0.1 * f64::from(k), 0.0, 0.0, Gear::Forward)).unwrap();
         assert_eq!(command.gear, Gear::Forward);
@@ -162,7 +162,7 @@ fn without_recovery_it_only_drives_forward() {
 #[test]
 fn a_price_below_0_is_an_error() {
     for key in ["price_hull", "price_tilt", "price_again", "clearance", "hull"] {
-        let error = Ibex::init(&task(|_, _| 0.0, &[(key, "-1")])).err().expect("an error").to_string();
+        let error = Searching::new(&task(|_, _| 0.0, &[(key, "-1")])).err().expect("an error").to_string();
         assert!(error.contains(key) && error.contains("below 0"), "{error}");
     }
 }
@@ -173,7 +173,71 @@ fn a_map_that_is_no_surface_is_an_error() {
         let mut task = task(|_, _| 0.0, &[]);
         let frame = GridFrame { rows, cols: 1, resolution: 1.0, origin_x: 0.0, origin_y: 0.0 };
         task.elevation = Some(Map { frame, data: vec![0.0; rows as usize] });
-        let error = Ibex::init(&task).err().expect("an error").to_string();
+        let error = Searching::new(&task).err().expect("an error").to_string();
         assert!(error.contains("fewer than 2 x 2"), "{error}");
     }
+}
+
+/// The same task without any map.
+fn unknown(params: &[(&str, &str)]) -> Task {
+    Task { elevation: None, semantics: None, occupancy: None, ..task(|_, _| 0.0, params) }
+}
+
+/// What a vehicle 15 m before the middle sees within 10 m: heights, and where there are obstacles.
+fn seen(height: impl Fn(f64, f64) -> f64, blocked: impl Fn(f64, f64) -> bool) -> LocalMap {
+    let frame = GridFrame { rows: 81, cols: 81, resolution: 0.25, origin_x: -25.0, origin_y: -10.0 };
+    let places: Vec<(f64, f64)> = (0..81 * 81).map(|k| frame.position(k / 81, k % 81)).collect();
+    LocalMap {
+        time: 0.0,
+        elevation: Map { frame, data: places.iter().map(|(x, y)| height(*x, *y) as f32).collect() },
+        semantics: Map { frame, data: vec![4; places.len()] },
+        occupancy: Map { frame, data: places.iter().map(|(x, y)| u8::from(blocked(*x, *y))).collect() },
+    }
+}
+
+/// The mean steering after some steps of a vehicle that has no map and sees this.
+fn steering_by_sight(map: LocalMap) -> f64 {
+    let mut planner = Ibex::init(&unknown(&[("foresight", "256")])).unwrap();
+    let o = Observation { local_map: Some(map), ..observed(0.0, -15.0, 3.0, Gear::Forward) };
+    (0..20).map(|_| planner.step(&o).unwrap().steering).sum::<f64>() / 20.0
+}
+
+#[test]
+fn without_maps_a_ridge_and_an_obstacle_that_it_sees_are_gone_around() {
+    let free = |_: f64, _: f64| false;
+    for side in [1.0, -1.0] {
+        let ridge = move |x: f64, y: f64| if (-8.0..-7.0).contains(&x) && y * side < 0.5 { 1.6 } else { 0.0 };
+        let turn = steering_by_sight(seen(ridge, free));
+        assert!(turn * side > 0.05, "a ridge, side {side}: {turn}");
+        let rock = move |x: f64, y: f64| (-9.0..-7.0).contains(&x) && (-2.0..1.0).contains(&(y * side));
+        let turn = steering_by_sight(seen(|_, _| 0.0, rock));
+        assert!(turn * side > 0.05, "a rock, side {side}: {turn}");
+    }
+}
+
+#[test]
+fn without_maps_it_waits_for_its_first_look_and_then_goes_on_by_the_last() {
+    let mut planner = Ibex::init(&unknown(&[])).unwrap();
+    let blind = observed(0.0, -15.0, 0.0, Gear::Forward);
+    assert_eq!(planner.step(&blind).unwrap(), Command::default());
+    // Nothing of the ground is seen, which is not known to be a danger.
+    let map = seen(|_, _| f64::NAN, |_, _| false);
+    let looks = Observation { local_map: Some(map), ..blind.clone() };
+    for o in [&looks, &blind] {
+        let command = planner.step(o).unwrap();
+        assert!(command.throttle > 0.0 && command.steering.is_finite(), "{command:?}");
+    }
+}
+
+#[test]
+fn without_maps_a_stuck_vehicle_backs_out() {
+    let mut planner = Ibex::init(&unknown(&[])).unwrap();
+    let map = seen(|_, _| 0.0, |_, _| false);
+    let backs = (0..40).any(|k| {
+        let o = observed(0.1 * f64::from(k), -15.0, 0.0, Gear::Forward);
+        planner.step(&Observation { local_map: Some(map.clone()), ..o }).unwrap().gear == Gear::Reverse
+    });
+    assert!(backs);
+    let error = Ibex::init(&unknown(&[("foresight", "0")])).err().expect("an error").to_string();
+    assert!(error.contains("`foresight`"), "{error}");
 }

@@ -47,11 +47,27 @@ fn another_vehicle_than_the_models_is_driven_and_told() {
 #[test]
 fn without_maps_of_the_world_they_say_so_at_once() {
     let bench = Bench::new();
-    for name in PLANNERS {
+    for name in PLANNERS.into_iter().filter(|name| *name != "ibex") {
         let plugin = plugin(name, PluginKind::Wasm);
         let run = ["--plugin", text(&plugin), "--suite", "smoke", "--perception", "degraded", "--out", name];
         let error = bench.run(&run).error(FAIL_FAST);
         assert!(error.contains(name) && error.contains("gives no map of heights"), "{name}: {error}");
+    }
+}
+
+#[test]
+fn without_maps_of_the_world_ibex_drives_by_what_it_sees() {
+    let bench = Bench::new();
+    let drive = |profile: &str, kind: PluginKind| {
+        let (plugin, out) = (plugin("ibex", kind), format!("{profile}-{kind:?}"));
+        let run = ["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001/t00"];
+        bench.ok(&[&run[..], &["--perception", profile, "--out", &out]].concat());
+        bench.records(&out).remove("w001/t00").expect("the task is recorded")
+    };
+    for profile in ["onboard", "degraded"] {
+        let (wasm, native) = (drive(profile, PluginKind::Wasm), drive(profile, PluginKind::Native));
+        assert_eq!(wasm["outcome"], "success", "{profile}: {wasm}");
+        assert_eq!(wasm["state_hash"], native["state_hash"], "{profile}");
     }
 }
 

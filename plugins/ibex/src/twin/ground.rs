@@ -95,6 +95,11 @@ impl Ground {
         }
     }
 
+    /// The ground of other maps, of which as much is known.
+    pub(super) fn of(&self, map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) -> Self {
+        Self { deeper: self.deeper, ..Self::new(map, kinds, vehicle) }
+    }
+
     /// The heights of the corners about these places (south-west, south-east, north-west, north-east), and the places in their
     /// cells. Beyond the edge they are those of the edge.
     fn cell(&self, x: f32x8, y: f32x8) -> ([f32x8; 4], [f32x8; 2]) {

@@ -110,6 +110,11 @@ impl Twin {
         }
     }
 
+    /// From now on the ground is that of these maps. How deep it has been found to be stays.
+    pub(crate) fn see(&mut self, map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) {
+        self.ground = self.ground.of(map, kinds, vehicle);
+    }
+
     /// The state in which every vehicle is as observed, with this integral of the speed controller.
     ///
     /// # Errors
