@@ -39,7 +39,7 @@ macro_rules! export_hybrid {
 }
 
 /// Makes a plugin of a planner that has a [`Hybrid`](crate::Hybrid): its name, what it does, whether its networks pay attention,
-/// how many courses it draws, and the parameters that it has beside those of all.
+/// how many courses it draws, the parameters that it has beside those of all, and what it asks for where there are no maps, if anything.
 #[macro_export]
 macro_rules! export_sampling {
     (
