@@ -239,11 +239,15 @@ except KeyboardInterrupt:
     print("goes on", flush=True)
 """
     child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
-    assert child.stdout.readline() == "begun\n"
-    threading.Event().wait(0.5)
-    child.send_signal(signal.SIGINT)
-    told, _ = child.communicate(timeout=60)
-    assert told == "interrupted\ngoes on\n" and child.returncode == 0
+    try:
+        assert child.stdout.readline() == "begun\n"
+        threading.Event().wait(0.5)
+        child.send_signal(signal.SIGINT)
+        told, _ = child.communicate(timeout=60)
+        assert told == "interrupted\ngoes on\n" and child.returncode == 0
+    finally:
+        # One that can't be interrupted would drive for ever.
+        child.kill()
 
 
 def test_two_threads_at_once_are_told(make):
