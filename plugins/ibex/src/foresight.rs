@@ -100,10 +100,7 @@ impl Foresight {
         kinds: Option<&LabelMap>,
     ) -> Result<Option<Self>, PlannerError> {
         let samples: usize = task.param_as("foresight")?;
-        let weight = |key: &str| match task.param_f64(key)? {
-            value if value >= 0.0 => Ok(value as f32),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
-        };
+        let weight = |key| crate::weight(task, key);
         let weights = Weights { hull: weight("hull")?, over: weight("over")? };
         let margin = f64::from(weight("clearance")?);
         let frame = heights.frame;

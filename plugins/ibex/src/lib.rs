@@ -62,8 +62,8 @@ hybrid::export_sampling! {
 enum Ibex {
     /// Where the task has maps of the world.
     Searching(Box<Searching>),
-    /// Where it hasn't; and by how much it hurries.
-    Seeing(Box<Scout>, f64),
+    /// Where it hasn't.
+    Seeing(Box<Scout>),
 }
 
 /// The planner with maps.
@@ -87,10 +87,23 @@ const REACH: f64 = 0.8;
 const BOOST: f64 = 0.4;
 const BOOST_MOST: f64 = 2.0;
 
+/// How much a vehicle hurries that has been stuck once more, as a multiple of the target speed.
+fn hurried(hurry: f64) -> f64 {
+    (hurry + BOOST).min(BOOST_MOST)
+}
+
+/// The parameter of this name, which is 0 or above.
+fn weight(task: &Task, key: &str) -> Result<f32, PlannerError> {
+    match task.param_f64(key)? {
+        value if value >= 0.0 => Ok(value as f32),
+        value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
+    }
+}
+
 impl Planner for Ibex {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         Ok(if scout::is_needed(task) {
-            Self::Seeing(Box::new(Scout::new(task)?), 1.0)
+            Self::Seeing(Box::new(Scout::new(task)?))
         } else {
             Self::Searching(Box::new(Searching::new(task)?))
         })
@@ -99,14 +112,7 @@ impl Planner for Ibex {
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         match self {
             Self::Searching(planner) => planner.step(o),
-            Self::Seeing(scout, hurry) => {
-                let (command, stuck) = scout.step(o)?;
-                if stuck {
-                    *hurry = (*hurry + BOOST).min(BOOST_MOST);
-                    scout.hurry(*hurry);
-                }
-                Ok(command)
-            }
+            Self::Seeing(scout) => scout.step(o),
         }
     }
 }
@@ -114,11 +120,8 @@ impl Planner for Ibex {
 impl Searching {
     fn new(task: &Task) -> Result<Self, PlannerError> {
         let vehicle = task.vehicle.clone();
-        let price = |key: &str| match task.param_f64(key)? {
-            value if value >= 0.0 => Ok(value as f32),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
-        };
-        let (hull, tilt, again) = (price("price_hull")?, price("price_tilt")?, price("price_again")?);
+        let price = |key: &str| weight(task, &format!("price_{key}"));
+        let (hull, tilt, again) = (price("hull")?, price("tilt")?, price("again")?);
         let heights = task.elevation()?;
         // Of a map that is no surface, the planner below tells.
         let surface = heights.frame.rows.min(heights.frame.cols) > 1;
@@ -157,7 +160,7 @@ impl Searching {
 
     /// Hurries more, and plans a way round where it is.
     fn was_stuck(&mut self, o: &Observation) -> Result<(), PlannerError> {
-        self.hurry = (self.hurry + BOOST).min(BOOST_MOST);
+        self.hurry = hurried(self.hurry);
         self.hybrid.hurry(self.hurry);
         if self.again > 0.0 {
             let pose = o.pose()?;

@@ -23,6 +23,7 @@ pub(crate) struct Scout {
     objective: Objective,
     /// The target speed before any hurry, m/s.
     target: f32,
+    hurry: f64,
     vehicle: Vehicle,
     /// The corners of the world.
     edges: [(f64, f64); 2],
@@ -47,11 +48,8 @@ impl Scout {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
         let positive = |key| task.param_positive(key);
-        let weight = |key: &str| match task.param_f64(key)? {
-            value if value >= 0.0 => Ok(value as f32),
-            value => Err(PlannerError::new(format!("parameter `{key}`: {value} is below 0"))),
-        };
-        let level = level(task.half_extent.x.min(task.half_extent.y), 0.0);
+        let weight = |key| crate::weight(task, key);
+        let level = level(task.half_extent.x.min(task.half_extent.y));
         let foresight = Foresight::new(task, &level, None)?.ok_or_else(|| {
             PlannerError::new(
                 "parameter `foresight`: 0 leaves nothing to drive by where the task has no map of obstacles",
@@ -90,6 +88,7 @@ impl Scout {
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             target: objective.target,
+            hurry: 1.0,
             objective,
             vehicle: vehicle.clone(),
             edges,
@@ -97,20 +96,15 @@ impl Scout {
         })
     }
 
-    /// From now on it aims at so many times the target speed of its parameters.
-    pub(crate) fn hurry(&mut self, times: f64) {
-        self.objective.target = (f64::from(self.target) * times) as f32;
-    }
-
-    /// The command at an observation, and whether the vehicle has just been found stuck.
-    pub(crate) fn step(&mut self, o: &Observation) -> Result<(Command, bool), PlannerError> {
+    /// The command at an observation.
+    pub(crate) fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let pose = o.pose()?;
         if let Some(seen) = &o.local_map {
             self.see(seen, pose);
         }
         if !self.sees {
             // It waits for its first look.
-            return Ok((Command::default(), false));
+            return Ok(Command::default());
         }
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
@@ -122,7 +116,12 @@ impl Scout {
         let curvature = 2.0 * aside / (ahead * ahead + aside * aside).max(1e-6);
         let steering = (curvature * self.vehicle.min_turn_radius).clamp(-1.0, 1.0);
         let pursuit = Pursuit { steering, speed: f64::from(self.objective.target) };
-        self.foresight.step(o, &self.objective, &pursuit)
+        let (command, stuck) = self.foresight.step(o, &self.objective, &pursuit)?;
+        if stuck {
+            self.hurry = crate::hurried(self.hurry);
+            self.objective.target = (f64::from(self.target) * self.hurry) as f32;
+        }
+        Ok(command)
     }
 
     /// Takes the ground and the obstacles from what it sees.
@@ -144,9 +143,9 @@ impl Scout {
 }
 
 /// Level ground about the origin, as far as this, of few samples.
-fn level(half: f64, height: f32) -> HeightMap {
+fn level(half: f64) -> HeightMap {
     let frame = GridFrame { rows: 2, cols: 2, resolution: 2.0 * half, origin_x: -half, origin_y: -half };
-    Map { frame, data: vec![height; 4] }
+    Map { frame, data: vec![0.0; 4] }
 }
 
 /// Heights of which those that weren't seen are those of the nearest seen ones, and `otherwise` where nothing was seen.

@@ -213,6 +213,31 @@ fn failure(path: &Path) -> impl Fn(std::io::Error) -> Failure {
 mod tests {
     use super::*;
 
+    /// Files that are made and aren't looked for would never be found.
+    #[test]
+    fn fleets_look_for_the_kernels_of_all_architectures() {
+        let looks = include_str!("../../../harness/gpu/src/code.rs");
+        let capabilities = ARCHITECTURES.map(|name| {
+            let number: u32 = name.trim_start_matches("sm_").parse().unwrap();
+            format!("({}, {})", number / 10, number % 10)
+        });
+        assert!(looks.contains(&format!("= [{}];", capabilities.join(", "))), "{capabilities:?}");
+    }
+
+    /// What kernels are made of and their hash leaves out could change without anybody noticing.
+    #[test]
+    fn the_hash_of_kernels_is_over_all_crates_that_they_are_made_of() {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["tree", "--offline", "--prefix", "none", "--edges", "normal", "--package", "vb-kernel"]);
+        let told = output(cargo.current_dir(root())).unwrap();
+        let names = told.lines().filter_map(|line| line.strip_prefix("vb-")?.split(' ').next());
+        let mut names: Vec<_> = names.map(|name| format!("\"{name}\"")).collect();
+        names.sort();
+        names.dedup();
+        let hashed = include_str!("../../../harness/kernel/build.rs");
+        assert!(hashed.contains(&format!("= [{}];", names.join(", "))), "{names:?}");
+    }
+
     #[test]
     fn elementary_functions_are_changed_once() {
         let library: String = ELEMENTARY
