@@ -1,7 +1,7 @@
 //! Environments: tasks that are driven step by step from outside, as reinforcement learning does.
 //!
 //! An [`Arena`] holds what environments of one kind share: the tasks, the vehicle, what is observed, what an action means,
-//! what a step is worth. An [`Env`] drives one episode after another in it, and a [`VectorEnv`] many at a time on worker
+//! what a step is worth. An [`Env`] drives one episode after another in it, and a [`VectorEnv`] many at a time on several
 //! threads. Observations and actions are those of [`vb_sdk::policy`], so that a policy drives as a plugin as it does here, and
 //! episodes are those of [`vb_runner::Episode`], so that its records are those of the benchmark, bit for bit.
 //!
@@ -12,6 +12,7 @@ mod arena;
 mod cache;
 mod env;
 mod error;
+mod output;
 mod recall;
 mod reward;
 mod rows;
@@ -20,7 +21,8 @@ mod vector;
 pub use arena::{Arena, Options};
 pub use env::{Env, Reset, Snapshot, Step};
 pub use error::{EnvError, guarded};
+pub use output::{Output, Pointer};
 pub use recall::{Column, Frame};
 pub use reward::{Reward, TERMS, Term, Terms};
 pub use vb_render::{Size, View};
-pub use vector::{Arrival, Autoreset, Output, Pointer, VectorEnv};
+pub use vector::{Arrival, Autoreset, VectorEnv};

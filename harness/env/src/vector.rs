@@ -1,17 +1,15 @@
-//! Many environments at a time, stepped by worker threads.
+//! Many environments at a time, stepped by several threads.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use vb_curriculum::{Curriculum, Ending, Spec};
 use vb_score::{Outcome, TaskRecord};
-use vb_sdk::policy::{Dtype, Row};
 
 use crate::error::guarded;
-use crate::rows::Rows;
-use crate::{Arena, Env, EnvError, Reset, Step, TERMS};
+use crate::{Arena, Env, EnvError, Output, Reset, Step};
 
 /// The stack of a worker, bytes. Simulations keep little there.
 const STACK: usize = 8 << 20;
@@ -28,139 +26,6 @@ pub enum Autoreset {
     SameStep,
     /// When it is asked for.
     Disabled,
-}
-
-/// The numbers of all environments, a row for each. What an environment has written is there once it was received, and stays
-/// until it is sent on.
-pub struct Output {
-    /// For each part of the observation, or for the flat one.
-    observations: Vec<Numbers>,
-    /// The last observations of episodes, with [`Autoreset::SameStep`]; else none.
-    finals: Vec<Numbers>,
-    rewards: Rows<f64>,
-    terms: Rows<f64>,
-    terminated: Rows<bool>,
-    truncated: Rows<bool>,
-}
-
-enum Numbers {
-    F32(Rows<f32>),
-    U8(Rows<u8>),
-}
-
-/// Where an array lies: for each environment a row of `width` numbers.
-#[derive(Clone, Copy, Debug)]
-pub enum Pointer {
-    /// Numbers of 32 bits.
-    F32(*mut f32, usize),
-    /// Labels.
-    U8(*mut u8, usize),
-    /// Numbers of 64 bits.
-    F64(*mut f64, usize),
-    /// Flags.
-    Bool(*mut bool, usize),
-}
-
-impl Numbers {
-    fn pointer(&self) -> Pointer {
-        match self {
-            Self::F32(rows) => Pointer::F32(rows.pointer(), rows.width()),
-            Self::U8(rows) => Pointer::U8(rows.pointer(), rows.width()),
-        }
-    }
-}
-
-impl Output {
-    fn new(arena: &Arena, count: usize, flat: bool, with_finals: bool) -> Self {
-        let numbers = || -> Vec<Numbers> {
-            if flat {
-                return vec![Numbers::F32(Rows::new(count, arena.layout().flat_width()))];
-            }
-            let of = |p: &vb_sdk::policy::Part| match p.dtype {
-                Dtype::F32 => Numbers::F32(Rows::new(count, p.width())),
-                Dtype::U8 => Numbers::U8(Rows::new(count, p.width())),
-            };
-            arena.layout().parts().iter().map(of).collect()
-        };
-        Self {
-            observations: numbers(),
-            finals: if with_finals { numbers() } else { Vec::new() },
-            rewards: Rows::new(count, 1),
-            terms: Rows::new(count, TERMS.len()),
-            terminated: Rows::new(count, 1),
-            truncated: Rows::new(count, 1),
-        }
-    }
-
-    /// Where the observations lie, part by part, or the flat one.
-    #[must_use]
-    pub fn observations(&self) -> Vec<Pointer> {
-        self.observations.iter().map(Numbers::pointer).collect()
-    }
-
-    /// Where the last observations of episodes lie, with [`Autoreset::SameStep`].
-    #[must_use]
-    pub fn finals(&self) -> Vec<Pointer> {
-        self.finals.iter().map(Numbers::pointer).collect()
-    }
-
-    /// Where the rewards lie.
-    #[must_use]
-    pub fn rewards(&self) -> Pointer {
-        Pointer::F64(self.rewards.pointer(), 1)
-    }
-
-    /// Where the terms of the rewards lie, in the order of [`TERMS`].
-    #[must_use]
-    pub fn terms(&self) -> Pointer {
-        Pointer::F64(self.terms.pointer(), TERMS.len())
-    }
-
-    /// Where the flags lie that tell which episodes have ended by what the vehicle did.
-    #[must_use]
-    pub fn terminated(&self) -> Pointer {
-        Pointer::Bool(self.terminated.pointer(), 1)
-    }
-
-    /// Where the flags lie that tell which episodes have ended by something else.
-    #[must_use]
-    pub fn truncated(&self) -> Pointer {
-        Pointer::Bool(self.truncated.pointer(), 1)
-    }
-
-    /// Writes an environment's observation.
-    ///
-    /// # Safety
-    /// Nobody else uses the rows of this index.
-    unsafe fn observe(to: &[Numbers], flat: bool, index: usize, env: &Env) {
-        for (part, numbers) in to.iter().enumerate() {
-            // SAFETY: as the caller promises.
-            let row = unsafe {
-                match numbers {
-                    Numbers::F32(rows) => Row::F32(rows.row(index)),
-                    Numbers::U8(rows) => Row::U8(rows.row(index)),
-                }
-            };
-            match row {
-                Row::F32(row) if flat => env.observe_flat(row),
-                row => env.observe(part, row),
-            }
-        }
-    }
-
-    /// Writes what a step came to.
-    ///
-    /// # Safety
-    /// Nobody else uses the rows of this index.
-    unsafe fn write(&self, index: usize, step: &Step) {
-        // SAFETY: as the caller promises.
-        unsafe {
-            self.rewards.row(index)[0] = step.reward;
-            self.terms.row(index).copy_from_slice(&step.terms);
-            self.terminated.row(index)[0] = step.terminated;
-            self.truncated.row(index)[0] = step.truncated;
-        }
-    }
 }
 
 /// What an environment has done, beside the numbers of [`Output`].
@@ -199,8 +64,9 @@ impl Place {
 struct Shared {
     places: Vec<Mutex<Place>>,
     output: Output,
-    flat: bool,
     autoreset: Autoreset,
+    /// How many jobs are done at a time.
+    threads: usize,
     jobs: Mutex<Jobs>,
     there_are_jobs: Condvar,
     done: Mutex<VecDeque<(usize, Result<Arrival, EnvError>)>>,
@@ -210,12 +76,23 @@ struct Shared {
 #[derive(Default)]
 struct Jobs {
     waiting: VecDeque<(usize, Job)>,
+    /// How many are being done.
+    running: usize,
     stop: bool,
 }
 
-/// Many environments of an arena, which worker threads step.
+impl Jobs {
+    /// The next job, if one waits and fewer than `most` are being done.
+    fn take(&mut self, most: usize) -> Option<(usize, Job)> {
+        let next = if self.running < most { self.waiting.pop_front() } else { None };
+        self.running += usize::from(next.is_some());
+        next
+    }
+}
+
+/// Many environments of an arena, stepped by several threads.
 ///
-/// [`Self::reset`] and [`Self::send`] hand out work, [`Self::receive`] waits for what is done. What an environment does
+/// [`Self::reset`] and [`Self::send`] hand out work to workers, [`Self::receive`] waits for what is done and helps them. What an environment does
 /// depends on its own seed and actions alone; only the order in which environments are done depends on the threads.
 pub struct VectorEnv {
     arena: Arc<Arena>,
@@ -237,6 +114,11 @@ enum Phase {
     Driving,
     /// Its episode has ended, for this reason.
     Over(String),
+}
+
+#[allow(clippy::disallowed_methods, reason = "it tells when the caller is asked, which changes no result")]
+fn now() -> Instant {
+    Instant::now()
 }
 
 /// A panic while a lock is held is told as an error of its environment; what the lock holds is whole.
@@ -268,12 +150,11 @@ impl VectorEnv {
         let place = |k: usize| {
             Mutex::new(Place { env: Env::new(arena.clone(), k as u64), is_over: true, next: None })
         };
-        let with_finals = autoreset == Autoreset::SameStep;
         let shared = Arc::new(Shared {
             places: (0..count).map(place).collect(),
-            output: Output::new(&arena, count, flat, with_finals),
-            flat,
+            output: Output::new(&arena, count, flat, autoreset),
             autoreset,
+            threads: threads.min(count),
             jobs: Mutex::default(),
             there_are_jobs: Condvar::new(),
             done: Mutex::default(),
@@ -282,7 +163,7 @@ impl VectorEnv {
         let phases = vec![Phase::Fresh; count];
         let at_work = vec![false; count];
         let mut own = Self { arena, shared, workers: Vec::new(), at_work, phases, curriculum: None };
-        for _ in 0..threads.min(count) {
+        for _ in 0..own.shared.threads {
             let shared = Arc::clone(&own.shared);
             let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
             own.workers.push(thread.spawn(move || shared.work()).map_err(EnvError::Thread)?);
@@ -457,12 +338,19 @@ impl VectorEnv {
             self.at_work[index] = true;
             queue.waiting.push_back((index, job));
         }
+        let workers = queue.waiting.len().min(self.shared.threads - 1).max(1);
         drop(queue);
-        self.shared.there_are_jobs.notify_all();
+        // One fewer than there are, since this thread may do the work of one. If it doesn't, they wake the last.
+        for _ in 0..workers {
+            self.shared.there_are_jobs.notify_one();
+        }
     }
 
     /// Waits until `count` environments are done, and returns them in the order in which they came. `wants_more` is asked every
     /// 50 ms; if it says no, `None` is returned, and what is done can be received later.
+    ///
+    /// The thread that waits takes the place of a worker meanwhile: on as many processors as there are threads it has one already,
+    /// while a worker would have to be woken, and would leave it to this thread when all is done.
     ///
     /// # Errors
     /// Returns an error if so many aren't at work, and the first error of an environment.
@@ -475,24 +363,26 @@ impl VectorEnv {
         if count == 0 || pending < count {
             return Err(if pending == 0 { EnvError::Nothing } else { EnvError::Pending(pending) });
         }
-        let mut done = lock(&self.shared.done);
-        while done.len() < count {
-            let (guard, waited) = self
-                .shared
-                .something_is_done
-                .wait_timeout(done, LOOK)
-                .unwrap_or_else(PoisonError::into_inner);
-            done = guard;
-            if waited.timed_out() && done.len() < count {
-                drop(done);
+        let mut asked = now();
+        let taken = loop {
+            let mut done = lock(&self.shared.done);
+            if done.len() >= count {
+                break done.drain(..count).collect::<Vec<_>>();
+            }
+            drop(done);
+            if asked.elapsed() >= LOOK {
                 if !wants_more() {
+                    // A worker may have left its place to this thread.
+                    self.shared.there_are_jobs.notify_all();
                     return Ok(None);
                 }
-                done = lock(&self.shared.done);
+                asked = now();
             }
-        }
-        let taken: Vec<_> = done.drain(..count).collect();
-        drop(done);
+            let waits_for_all = count == pending;
+            if !(waits_for_all && self.shared.help()) {
+                self.shared.wait_for(count);
+            }
+        };
         for (index, arrival) in &taken {
             self.at_work[*index] = false;
             match arrival {
@@ -533,22 +423,47 @@ impl Drop for VectorEnv {
 }
 
 impl Shared {
+    /// Does jobs until there is an end.
     fn work(&self) {
-        loop {
-            let mut jobs = lock(&self.jobs);
-            let (index, job) = loop {
-                if jobs.stop {
-                    return;
+        let mut jobs = lock(&self.jobs);
+        while !jobs.stop {
+            if let Some((index, job)) = jobs.take(self.threads) {
+                let is_room = jobs.running < self.threads && !jobs.waiting.is_empty();
+                drop(jobs);
+                if is_room {
+                    self.there_are_jobs.notify_one();
                 }
-                if let Some(next) = jobs.waiting.pop_front() {
-                    break next;
-                }
+                self.finish(index, &job);
+                jobs = lock(&self.jobs);
+                jobs.running -= 1;
+            } else {
                 jobs = self.there_are_jobs.wait(jobs).unwrap_or_else(PoisonError::into_inner);
-            };
-            drop(jobs);
-            let arrival = guarded(|| self.job(index, &job));
-            lock(&self.done).push_back((index, arrival));
-            self.something_is_done.notify_one();
+            }
+        }
+    }
+
+    /// Does one job in place of a worker, if one waits and fewer than all threads are at work; tells whether it did.
+    fn help(&self) -> bool {
+        let next = lock(&self.jobs).take(self.threads);
+        let Some((index, job)) = next else { return false };
+        self.finish(index, &job);
+        lock(&self.jobs).running -= 1;
+        true
+    }
+
+    /// Does a job that was taken.
+    fn finish(&self, index: usize, job: &Job) {
+        let arrival = guarded(|| self.job(index, job));
+        lock(&self.done).push_back((index, arrival));
+        self.something_is_done.notify_one();
+    }
+
+    /// Waits until another job is done, unless `count` are, but not for long.
+    fn wait_for(&self, count: usize) {
+        let done = lock(&self.done);
+        if done.len() < count {
+            let waited = self.something_is_done.wait_timeout(done, LOOK);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
         }
     }
 
@@ -575,7 +490,7 @@ impl Shared {
             }
             if ended.is_some() {
                 // SAFETY: this worker has the job of this index.
-                unsafe { Output::observe(&self.output.finals, self.flat, index, env) };
+                unsafe { self.output.observe_last(index, env) };
             }
             env.reset(&reset)?;
             *is_over = env.record().is_some();
@@ -583,7 +498,7 @@ impl Shared {
         }
         // SAFETY: this worker has the job of this index.
         unsafe {
-            Output::observe(&self.output.observations, self.flat, index, env);
+            self.output.observe(index, env);
             self.output.write(index, &step);
         }
         Ok(Arrival { index, began, ended })
