@@ -138,9 +138,28 @@ def test_pairs_are_of_one_episode_and_so_far_apart(explored):
     assert np.array_equal(now["episode_index"], later["episode_index"])
     assert (later["frame_index"] - now["frame_index"] == 5).all()
     assert len(now["frame_index"]) == sum(max(e.length - 5, 0) for e in dataset.episodes)
-    for seconds in (0.25, 0.0, -1.0):
+    for seconds in (0.25, 0.0, -1.0, float("nan"), float("inf"), "a"):
         with pytest.raises(datasets.DatasetError, match="whole number of frames"):
             dataset.pairs(seconds=seconds)
+
+
+def test_a_dataset_is_a_sequence_of_episodes(explored):
+    dataset = datasets.open(explored)
+    part = dataset[2:7:2]
+    assert part.episodes == dataset.episodes[2:7:2] and np.array_equal(part[1]["index"], dataset[4]["index"])
+    assert dataset.episodes[4] in part and dataset.episodes[3] not in part and dataset[4] not in part
+    assert part.index(dataset.episodes[6]) == 2 and part.count(dataset.episodes[3]) == 0
+    assert [f["index"][0] for f in reversed(part)] == [dataset[k]["index"][0] for k in (6, 4, 2)]
+    with pytest.raises(ValueError):
+        part.index(dataset.episodes[3])
+    nothing = dataset.where(lambda e: False)
+    now, later = nothing.pairs(0.5, ["action", "timestamp"])
+    assert now["action"].shape == later["action"].shape == (0, 4) and now["timestamp"].dtype == dataset.columns["timestamp"].dtype
+    with pytest.raises(IndexError, match="there are 0"):
+        nothing[0]
+    with pytest.raises(datasets.DatasetError, match="no column speed"):
+        nothing.pairs(0.5, ["speed"])
+    assert list(dataset.frames(0, "action")) == ["action"]
 
 
 def _edited(folder, name, change):

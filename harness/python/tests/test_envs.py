@@ -1,8 +1,10 @@
 """One environment: gymnasium's conventions, the benchmark's episodes, and errors that say what to do."""
 
+import copy
 import json
 import pickle
 import warnings
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -225,7 +227,21 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"reward": {"success": float("nan")}}, "weights.success: NaN"),
     ({"reward": "nowhere.yaml"}, "nowhere.yaml: cannot read the reward"),
     ({"suite": None, "tasks": None, "world_seed": 1}, "training worlds have a seed from 7000 to 7999"),
-    ({"suite": None, "tasks": None, "worlds": -1}, "an option has a value of the wrong kind"),
+    ({"suite": None, "tasks": None, "worlds": -1}, "worlds: -1 must be a whole number of 1 at least"),
+    ({"suite": 5}, "suite: 5 must be a name or a path"),
+    ({"tasks": 5}, "tasks: 5 must be a selector"),
+    ({"tasks": [1]}, "tasks: [1] must be a selector"),
+    ({"action": 5}, "an option has a value of the wrong kind"),
+    ({"sight": 5}, "sight: 5 must be a dictionary"),
+    ({"sight": {"cells": 16.7}}, "sight: cells: 16.7 must be a whole number"),
+    ({"sight": {"points": 1.9}}, "sight: points: 1.9 must be a whole number"),
+    ({"speed_range": (0, 1, 2)}, "speed_range: (0, 1, 2) must be two speeds"),
+    ({"speed_range": 5}, "speed_range: 5 must be two speeds"),
+    ({"scale": 10**400}, "is no number"),
+    ({"apart_from": "nowhere", "suite": None, "tasks": None, "worlds": 1}, "nowhere"),
+    ({"foo": 1}, "there is no option 'foo': help(NavigationEnv) has all"),
+    ({"render_size": (64.5, 64)}, "render_size: (64.5, 64) must be (width, height)"),
+    ({"render_size": (float("inf"), 5)}, "render_size: (inf, 5) must be (width, height)"),
     ({"render_mode": "human"}, "render_mode: 'human' must be"),
     ({"camera": "moon", "render_mode": "rgb_array"}, "camera: 'moon' must be"),
     ({"render_size": (0, 9), "render_mode": "rgb_array"}, "render_size"),
@@ -256,22 +272,50 @@ def test_what_is_no_action_or_no_seed_is_told_and_changes_nothing(make):
         ([0.0, float("nan")], r"action\[1\] \(speed\) is NaN"),
         ([[0.0, 0.0]], r"an action has the shape \(2,\)"),
         (["left", 1], "an action is 2 numbers"),
+        (["0.1", "1"], "an action is 2 numbers"),
+        ([0.1 + 1j, 0.0], "an action is 2 numbers"),
+        (np.zeros(2, "M8[s]"), "an action is 2 numbers"),
+        (np.ma.array([0.0, 0.0], mask=[True, False]), "an action is 2 numbers"),
+        ([10**400, 0], "an action is 2 numbers"),
         (None, "an action"),
     ]:
         with pytest.raises(vertibench.ActionError, match=message):
             env.step(action)
-    for seed in (2**63, 1.5, "one"):
+    for seed in (2**63, 1.5, "one", float("inf")):
         with pytest.raises(vertibench.OptionError, match="seed"):
             env.reset(seed=seed)
     with pytest.raises(vertibench.UnknownError, match="^there is no task w999/t00 among the 30 tasks"):
         env.reset(options={"task": "w999/t00"})
     with pytest.raises(vertibench.OptionError, match="options has 'taks'"):
         env.reset(options={"taks": "w001/t00"})
+    for options in (5, "ab"):
+        with pytest.raises(vertibench.OptionError, match="it must be a dictionary of 'task' and 'run_seed'"):
+            env.reset(options=options)
+    with pytest.raises(vertibench.OptionError, match="^run_seed: -1 must lie in"):
+        env.reset(options={"run_seed": -1})
     with pytest.raises(vertibench.OptionError, match="set_state: dict is no State"):
         env.set_state({})
     observation, *_ = env.step([0.0, 0.0])
     env.reset(seed=0)
     assert np.array_equal(env.step([0.0, 0.0])[0]["state"], observation["state"])
+
+
+def test_positions_of_options_are_told(envs):
+    for arguments, options in [(("smoke", "w001", 3), {}), (("smoke",), {"suite": "smoke"})]:
+        with pytest.raises(vertibench.OptionError, match="only suite and tasks may be given without their names"):
+            envs.NavigationEnv(*arguments, **options)
+
+
+def test_a_copy_is_a_fresh_one_of_the_same_options(make):
+    env = make(observation=["state"], render_mode="rgb_array", render_size=(64, 48))
+    first, info = env.reset(seed=5)
+    for again in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert again.spec == env.spec and again.unwrapped.spec == env.unwrapped.spec
+        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+            again.unwrapped.step([0.0, 0.0])
+        seen, told = again.reset(seed=5)
+        assert np.array_equal(seen["state"], first["state"]) and told == info and again.render().shape == (48, 64, 3)
+        again.close()
 
 
 def test_a_closed_environment_says_so(envs):
@@ -283,12 +327,32 @@ def test_a_closed_environment_says_so(envs):
             call()
 
 
+@pytest.mark.parametrize("wrong", ["--stretches=0", "--envs=0", "--seconds=-1"])
+def test_measurements_of_nothing_are_refused(envs, wrong, monkeypatch, capsys):
+    from vertibench.envs import bench
+
+    monkeypatch.setattr("sys.argv", ["bench", wrong])
+    monkeypatch.setattr(gymnasium, "make", None)
+    with pytest.raises(SystemExit) as ended:
+        bench.main()
+    assert ended.value.code == 2 and f"argument {wrong.split('=')[0]}: " in capsys.readouterr().err
+
+
 def test_what_there_is_can_be_read(envs):
     parts, rewards = envs.describe_parts(), envs.describe_rewards()
     assert "m" in rewards["progress"] and set(EVERY_PART + SENSED) <= set(parts)
     for name in ("reset", "step", "state", "set_state", "render"):
         assert getattr(envs.NavigationEnv, name).__doc__
     assert "speed_range" in envs.NavigationEnv.__doc__ and "autoreset_mode" in envs.NavigationVectorEnv.__doc__
+
+
+def test_numbers_of_all_kinds_are_actions(make):
+    env = make(observation=["state"]).unwrapped
+    seen = []
+    for action in ([0.5, 1], np.array([0.5, 1], np.float32), np.array([0.5, 1], object), (np.float16(0.5), True), [Fraction(1, 2), 1]):
+        env.reset(seed=0)
+        seen.append(env.step(action)[0]["state"].tobytes())
+    assert len(set(seen)) == 1
 
 
 def test_the_errors_are_kinds_of_python_s(envs):

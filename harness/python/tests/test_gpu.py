@@ -51,6 +51,16 @@ def test_packaged_kernels_are_found(monkeypatch, tmp_path):
         ({"vehicles": 0}, "vehicles: 0"),
         ({"device": -1}, "device: -1"),
         ({"memory": -1}, "memory: -1"),
+        ({"vehicles": "four"}, "vehicles: 'four'"),
+        ({"vehicles": 2.5}, "vehicles: 2.5"),
+        ({"device": None}, "device: None"),
+        ({"memory": 10**30}, "memory: 1000"),
+        ({"suite": 5}, "suite: 5 must be a name or a path"),
+        ({"vehicle": 5}, "vehicle: 5 must be a name or a path"),
+        ({"kernel": 5}, "kernel: 5 must be a name or a path"),
+        ({"tasks": 5}, "tasks: 5 must be a selector"),
+        ({"tasks": ["w001/t00", "w999/t00"]}, "w999"),
+        ({"time_step": "a"}, "time_step: 'a' is no number"),
         ({"suite": "no-suite"}, "no-suite"),
         ({"tasks": "w999/t00"}, "w999"),
         ({"vehicle": "no-vehicle"}, "no-vehicle"),
@@ -72,7 +82,7 @@ def test_without_a_gpu_the_driver_is_asked_for():
 def test_a_gpu_has_the_states_of_the_cpu():
     fleet = on_gpu(64)
     assert fleet.verify(vehicles=32, seconds=1.0) == 32
-    with pytest.raises(vertibench.OptionError, match="0 vehicles"):
+    with pytest.raises(vertibench.OptionError, match="vehicles: 0"):
         fleet.verify(vehicles=0)
 
 

@@ -96,7 +96,20 @@ def test_the_command_converts(explored, minari, tmp_path):
         (("to-minari", str(tmp_path / "none"), "x-v0"), "no such folder"),
         (("to-minari", str(explored), "explored-v1"), "explored-v1"),
         (("to-minari", str(explored), "no version"), "no version"),
+        (("to-minari", str(explored), "badid"), "'badid' is no name in Minari's store"),
     ]:
+        before = sorted(tmp_path.rglob("*"))
         failed = run(*arguments)
         assert failed.returncode == 3 and failed.stderr.startswith("error: ") and told in failed.stderr, failed.stderr
         assert failed.stderr.count("\n") == 1, failed.stderr
+        assert sorted(tmp_path.rglob("*")) == before, "nothing is left half made"
+
+
+def test_what_minari_can_not_finish_is_removed(explored, minari, tmp_path, monkeypatch):
+    dataset = datasets.open(explored)
+    monkeypatch.setattr(dataset, "_places", dataset._places[:3])
+    with pytest.raises(IndexError):
+        datasets.to_minari(dataset, "own/half-v0")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(datasets.DatasetError, match="is no name in Minari's store"):
+        datasets.to_minari(dataset, 5)

@@ -1,6 +1,8 @@
 """Where program, tasks and planners are found."""
 
+import copy
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -9,6 +11,7 @@ from pathlib import Path
 import pytest
 import vertibench
 from vertibench import MissingError, __main__, _program, datasets, harness_path, plugin_path, plugins_path, tasks_path
+from vertibench.training import TrainingError
 
 ROOT = Path(__file__).parents[3]
 
@@ -84,6 +87,21 @@ def test_every_error_is_one_line_and_of_one_kind():
     assert issubclass(MissingError, vertibench.VertibenchError)
     assert issubclass(datasets.DatasetError, vertibench.VertibenchError)
     assert str(vertibench.VertibenchError("a", "is\nbroken", "mend it")) == "a: is broken (mend it)"
+
+
+def test_an_error_comes_whole_out_of_another_process():
+    made = [
+        vertibench.VertibenchError("a", "is broken", "mend it"),
+        MissingError("a", "isn't there", "fetch it"),
+        vertibench.MissingPackageError("polars", "frames"),
+        vertibench.UnknownError("there is no task"),
+        datasets.DatasetError("a", "is no dataset", "make one"),
+        TrainingError("a", "is no run", "make one"),
+        vertibench.UsageError("what, where (what to do)", 2, ["vb-harness", "run"]),
+    ]
+    for error in made:
+        for again in (pickle.loads(pickle.dumps(error)), copy.copy(error)):
+            assert type(again) is type(error) and str(again) == str(error) and vars(again) == vars(error)
 
 
 def test_the_command_becomes_the_program_with_its_tasks_and_planners(packaged):

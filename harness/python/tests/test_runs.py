@@ -71,6 +71,9 @@ def test_errors_have_the_programs_words_and_code(program, tmp_path):
         (vertibench.UsageError, 2, {"params": {"sped": 5}}, "--param sped: the planner `pid` has no such parameter"),
         (vertibench.UsageError, 2, {"tasks": "w099"}, "w099"),
         (vertibench.UsageError, 2, {"trace": "20hz"}, "20hz"),
+        (vertibench.UsageError, 2, {"tasks": 5}, "tasks: 5 must be a selector"),
+        (vertibench.UsageError, 2, {"tasks": [1]}, "tasks: [1] must be a selector"),
+        (vertibench.UsageError, 2, {"params": 5}, "params=5: they are no parameters"),
         (vertibench.InputError, 3, {"suite": "none"}, "there is no suite none"),
         (vertibench.InputError, 3, {"vehicle": "none"}, "there is no vehicle none"),
         (vertibench.OutputError, 4, {"out": tmp_path / "full"}, "is not empty"),
@@ -81,6 +84,8 @@ def test_errors_have_the_programs_words_and_code(program, tmp_path):
         message = str(caught.value)
         assert caught.value.code == code and told in message and "\n" not in message, message
         assert not message.startswith("error") and isinstance(caught.value, vertibench.VertibenchError)
+    with pytest.raises(vertibench.UsageError, match="plugin=5: it is no planner"):
+        vertibench.run(5)
     with pytest.raises(vertibench.InputError, match="none.wasm"):
         vertibench.run("none.wasm", suite="smoke")
 

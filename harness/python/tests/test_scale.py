@@ -117,7 +117,15 @@ def test_a_cost_is_that_of_the_slowest_step() -> None:
     assert (many.limit, many.writing) == ("the file system", pytest.approx((270_000 * 50 + 2.7e6 * 14) / 5000))
     copied = cost.cost(2700, 1000, 100, 0.15, 10_000, 10_000, traces=False, scratch=True)
     assert copied.writing == pytest.approx(270_000 * 30 / 5000)
-    assert cost.main(["--runs", "0", "--seconds", "1", "--cores", "1"]) == 2
+    with pytest.raises(ValueError, match="above 0"):
+        cost.cost(1, 1000, 100, float("nan"), 10, 10)
+
+
+@pytest.mark.parametrize("wrong", ["--runs=0", "--seconds=nan", "--seconds=-1", "--cores=0", "--shards=0", "--operations=inf"])
+def test_costs_of_nothing_are_refused(wrong: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cost.main(["--runs", "1", "--seconds", "1", "--cores", "1", wrong])
+    assert ended.value.code == 2 and f"argument {wrong.split('=')[0]}: " in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -209,6 +209,7 @@ def test_what_cannot_be_shown_is_told(driven, tmp_path, monkeypatch):
         ),
         (lambda: vertibench.show_task(tmp_path, "w001/t00"), "suite.yaml: cannot be read"),
         (lambda: run.show("w003/t00", suite=other), "its task w003/t00 is another than that of"),
+        *((lambda s=s: vertibench.show_task("smoke", "w001/t00", scale=s), "scale is ") for s in (0, -1, float("nan"), "1/6")),
         (lambda: vertibench.show([], "w001/t00"), "no run is given"),
         (lambda: vertibench.show(tmp_path, "w001/t00"), "run.json is missing"),
     ]

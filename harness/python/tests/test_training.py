@@ -3,9 +3,12 @@
 import hashlib
 import io
 import json
+import os
 import re
 import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -164,6 +167,17 @@ def test_configurations_are_read_and_changed():
         ({"speed_range": "[1]"}, "must be two speeds"),
         ({"action": "pedals"}, "action: 'pedals' must be speed or rate"),
         ({"network.widths": "64"}, "network.widths: 64 must be a list"),
+        ({"network.widths": "[-5, 64]"}, "network.widths: [-5, 64] must have entries from 1 to"),
+        ({"network.widths": "[64, true]"}, "network.widths: [64, True] must be a list of ints"),
+        ({"labels": "[7, 256]"}, "labels: [7, 256] must have entries from 0 to 255"),
+        ({"speed_range": "[6, 0]"}, "speed_range: [6, 0] must be two speeds, the lower one first"),
+        ({"speed_range": "[0, 100]"}, "speed_range: [0, 100] must have entries from -10 to 30"),
+        ({"ppo.batch": "256.5"}, "ppo.batch: 256.5 must be a whole number"),
+        ({"network.kernel": "2.5"}, "network.kernel: 2.5 must be a whole number"),
+        ({"worlds.count": "2.5"}, "worlds.count: 2.5 must be a whole number"),
+        ({"environments": "64.0"}, "environments: 64.0 must be a whole number"),
+        ({"time_step": "0.003"}, "time_step: 0.003 must divide 0.01 s"),
+        ({"planners": "{rl: 5}"}, "planners: {'rl': 5} must be names with their curricula"),
         ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of environments, 64"),
         ({"checkpoint": "64000", "algorithm": "ppo"}, "checkpoint: 64000 is no multiple of environments times ppo.steps, 8192"),
     ],
@@ -171,6 +185,34 @@ def test_configurations_are_read_and_changed():
 def test_flaws_of_configurations_are_told(changes, told):
     with pytest.raises(TrainingError, match=re.escape(told)):
         read_config("policy", changes)
+
+
+def test_the_parts_of_an_observation_are_those_of_environments(envs):
+    with pytest.raises(TrainingError, match=re.escape("observation: ['state', 'nope'] must be made of state, pose, ")):
+        read_config("policy", {"observation": "[state, nope]"})
+
+
+@pytest.mark.parametrize("option", ["--until", "--threads"])
+def test_a_number_of_nothing_is_refused(option, tmp_path, capsys):
+    from vertibench.training.__main__ import main
+
+    for number in ("0", "-5", "1.5"):
+        with pytest.raises(SystemExit) as ended:
+            main(["train", "rl", "--out", str(tmp_path / "run"), f"{option}={number}"])
+        assert ended.value.code == 2 and f"'{number}' must be a whole number of 1 at least" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["train", "rl", "--out", "x"], ["evaluate", "x"], ["export", "x", "y"], ["card", "x", "y"]])
+def test_without_torch_the_extra_is_told(envs, command, tmp_path):
+    code = "import sys; sys.modules['torch'] = None; from vertibench.training.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    done = subprocess.run([sys.executable, "-c", code, *command], cwd=tmp_path, capture_output=True, text=True, check=False, env=_path())
+    assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.endswith("(pip install 'vertibench[train]')\n")
+
+
+def _path():
+    own = str(Path(vertibench.__file__).parents[1])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([own, os.environ.get("PYTHONPATH", "")])}
 
 
 def test_files_of_configurations_are_checked(tmp_path):

@@ -1,6 +1,8 @@
 """Many environments: what each does is what it would do alone, and the forms of the libraries that learn."""
 
+import copy
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -125,8 +127,31 @@ def test_send_and_recv_give_what_a_step_gives(make):
                 assert observation["state"][row].tobytes() == known[k][counts[k]]
             counts[k] += 1
         apart.send(all_pursue(observation), ids)
-    with pytest.raises(vertibench.EpisodeError, match="at work: call recv first"):
+    with pytest.raises(vertibench.EpisodeError, match="4 environments are still at work: call recv until none is, or reset"):
         apart.step(np.zeros((4, 2)))
+
+
+def test_what_is_at_work_can_be_received_or_dropped(make):
+    env = make(4, threads=2, batch_size=3, autoreset_mode="DISABLED")
+    env.reset(seed=1)
+    env.send(np.zeros((4, 2)))
+    # The last batch has what is left.
+    assert sorted([*env.recv()[-1]["env_id"], *env.recv()[-1]["env_id"]]) == [0, 1, 2, 3]
+    with pytest.raises(vertibench.EpisodeError, match="no environment is at work"):
+        env.recv()
+    env.send(np.zeros((4, 2)))
+    for error, options in [
+        (vertibench.UnknownError, {"task": "w999/t00"}),
+        (vertibench.OptionError, {"taks": "w001/t00"}),
+        (vertibench.EpisodeError, {"reset_mask": np.array([True] * 4)}),
+    ]:
+        with pytest.raises(error):
+            env.reset(options=options)
+        assert env._native().pending() == 4, "what was refused has dropped nothing"
+    observation, infos = env.reset(seed=1)
+    again = make(4).reset(seed=1)
+    assert np.array_equal(observation["state"], again[0]["state"]) and list(infos["task"]) == list(again[1]["task"])
+    env.step(np.zeros((4, 2)))
 
 
 def test_episodes_begin_where_it_is_asked_for(make):
@@ -139,11 +164,13 @@ def test_episodes_begin_where_it_is_asked_for(make):
     again, infos = env.reset(options={"reset_mask": mask, "task": "w001/t03"})
     assert infos["task"][1] == "w001/t03" and list(infos["_task"]) == list(mask)
     assert np.array_equal(again["state"][[0, 2]], observation["state"][[0, 2]])
-    for wrong in (np.zeros(3, bool), np.ones(2, bool), np.ones(3)):
-        with pytest.raises(vertibench.OptionError, match="reset_mask: it must be 3 booleans"):
+    for wrong in (np.zeros(3, bool), np.ones(2, bool), np.ones(3), [[True], [True, False]]):
+        with pytest.raises(vertibench.OptionError, match="reset_mask: it must be 3 booleans of which at least one is True"):
             env.reset(options={"reset_mask": wrong})
     with pytest.raises(vertibench.OptionError, match="task: there must be 3"):
         env.reset(options={"task": ["w001/t00"]})
+    for seeds in (np.arange(4, 7), np.array(4)):
+        assert list(env.reset(seed=seeds)[1]["task"]) == list(env.reset(seed=[4, 5, 6])[1]["task"])
 
 
 def test_a_state_of_one_goes_on_alone(make, envs):
@@ -166,15 +193,37 @@ def test_what_is_wrong_is_told_before_anything_is_stepped(make, envs):
     observation, _ = env.reset(seed=0)
     for actions, message in [
         (np.zeros((3, 2)), r"actions have the shape \(2, 2\)"),
-        (np.full((2, 2), np.nan), r"action\[0\] \(steering\) is NaN"),
+        ([[0, 0], [0, np.nan]], r"environment 1: action\[1\] \(speed\) is NaN"),
         ([["a", "b"]] * 2, "actions must be numbers"),
+        ([["1", "0"]] * 2, "actions must be numbers"),
+        (np.zeros((2, 2), complex), "actions must be numbers"),
+        (np.zeros((2, 2), "M8[s]"), "actions must be numbers"),
+        (np.ma.zeros((2, 2)), "actions must be numbers"),
+        ([[10**400, 0]] * 2, "actions must be numbers"),
+        ([[0, 0], [0]], "actions must be numbers"),
     ]:
         with pytest.raises(vertibench.ActionError, match=message):
             env.step(actions)
     with pytest.raises(vertibench.OptionError, match="names an environment twice"):
         env.send(np.zeros((2, 2)), [1, 1])
-    with pytest.raises(vertibench.UnknownError, match="there is no environment"):
-        env.send(np.zeros((1, 2)), [7])
+    for index in (7, -1, 2**63):
+        for call in (lambda k: env.send(np.zeros((1, 2)), [k]), env.state):
+            with pytest.raises(vertibench.UnknownError, match=f"there is no environment {index}: there are 2"):
+                call(index)
+    for wrong in ([0.0, 1.0], [True, False], [[0], [1]], ["a"], [None], [[0], [0, 1]]):
+        with pytest.raises(vertibench.OptionError, match="env_id must be made of whole numbers in one dimension"):
+            env.send(np.zeros((2, 2)), wrong)
+    for error, options in [
+        (vertibench.UnknownError, {"task": 1.5}),
+        (vertibench.UnknownError, {"task": ["w001/t00", 5]}),
+        (vertibench.OptionError, {"run_seed": 1.5}),
+        (vertibench.OptionError, 5),
+        (vertibench.OptionError, "ab"),
+    ]:
+        with pytest.raises(error):
+            env.reset(options=options)
+    with pytest.raises(vertibench.OptionError, match="run_seed: -1 must lie in"):
+        env.reset(options={"run_seed": -1})
     with pytest.raises(vertibench.EpisodeError, match="no environment is at work"):
         env.recv()
     assert np.array_equal(env.step(all_pursue(observation))[0]["state"].shape, (2, 11))
@@ -183,12 +232,116 @@ def test_what_is_wrong_is_told_before_anything_is_stepped(make, envs):
         ({"threads": -1}, "threads: -1 must"),
         ({"autoreset_mode": "never"}, "autoreset_mode: 'never' must be one of NEXT_STEP"),
         ({"num_envs": 2, "batch_size": 3}, "batch_size: 3 must lie in 1 to num_envs, which is 2"),
+        ({"num_envs": float("inf")}, "num_envs: inf must be a whole number"),
+        ({"threads": 0}, "threads: 0 must be a whole number"),
+        ({"curriculum": 5}, "curriculum: 5 must be a name or a path"),
+        ({"curriculum": "uniform", "curriculum_seed": None}, "curriculum_seed: None must be a whole number"),
+        ({"curriculum": "uniform", "curriculum_seed": -1}, "curriculum_seed: -1 must be a whole number"),
+        ({"max_episode_steps": 0}, "max_episode_steps: 0 must be a whole number"),
+        ({"max_episode_steps": 9, "curriculum": "uniform"}, "max_episode_steps: 9: a curriculum isn't told"),
+        ({"num_envs": 2, "batch_size": 1, "autoreset_mode": "SAME_STEP", "max_episode_steps": 9}, "it takes a batch_size of all"),
     ]:
         with pytest.raises(vertibench.OptionError, match=message):
             envs.NavigationVectorEnv(**{**OPTIONS, **options})
     env.close()
     with pytest.raises((vertibench.EpisodeError, gymnasium.error.ClosedEnvironmentError)):
         env.step(np.zeros((2, 2)))
+
+
+def test_closing_while_another_thread_steps_is_told(make):
+    env = make(2)
+    env.reset(seed=0)
+    native, closed = env._native(), []
+
+    class Closing:
+        def __getattr__(self, name):
+            return getattr(native, name)
+
+        def receive(self, count):
+            arrivals = native.receive(count)
+            closed.append(env.close())
+            return arrivals
+
+    env._env = Closing()
+    with pytest.raises(vertibench.EpisodeError, match="the environment is closed"):
+        env.step(np.zeros((2, 2)))
+    assert closed
+
+
+def test_a_copy_is_a_fresh_one_of_the_same_options(make, envs):
+    class Own(envs.NavigationVectorEnv):
+        pass
+
+    env = gymnasium.make_vec(NAME, num_envs=2, threads=1, batch_size=1, curriculum="uniform", max_episode_steps=None, **OPTIONS)
+    first, infos = env.reset(seed=3)
+    for again in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert (again.num_envs, again.batch_size, again.spec, again.tasks) == (2, 1, env.spec, env.tasks)
+        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+            again.step(np.zeros((2, 2)))
+        seen, told = again.reset(seed=3)
+        assert np.array_equal(seen["state"], first["state"]) and list(told["task"]) == list(infos["task"])
+        again.close()
+    env.close()
+    own = Own(1, **OPTIONS)
+    own.mine = [7]
+    again = copy.deepcopy(own)
+    assert type(again) is Own and again.mine == [7] and again.mine is not own.mine
+
+
+@pytest.mark.parametrize("mode", ["NEXT_STEP", "SAME_STEP"])
+def test_a_limit_of_steps_is_that_of_gymnasium(envs, mode):
+    from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+    # One stands still, and so is stuck after 100 steps.
+    for most in (7, 100):
+        own = gymnasium.make_vec(NAME, num_envs=2, threads=2, autoreset_mode=mode, max_episode_steps=most, **OPTIONS)
+        single = [lambda: gymnasium.make(NAME, max_episode_steps=most, **OPTIONS)] * 2
+        other = SyncVectorEnv(single, autoreset_mode=AutoresetMode[mode])
+        mine, theirs = own.reset(seed=7), other.reset(seed=7)
+        ends = 0
+        for _ in range(2 * most + 10):
+            assert np.array_equal(mine[0]["state"], theirs[0]["state"])
+            actions = np.array([pursue(mine[0]["path"][0], 0.5), [0.0, -1.0]])
+            mine, theirs = own.step(actions), other.step(actions)
+            for k in (1, 2, 3):
+                assert np.array_equal(mine[k], theirs[k]), k
+            done = mine[2] | mine[3]
+            ends += done.sum()
+            if mode == "SAME_STEP" and done.any():
+                k = np.flatnonzero(done)[0]
+                assert np.array_equal(mine[-1]["final_obs"][k]["state"], theirs[-1]["final_obs"][k]["state"])
+        assert ends >= 3 and mine[0]["state"].shape == (2, 11)
+        own.close()
+        other.close()
+
+
+def test_a_limit_of_steps_without_autoreset_asks_for_a_reset(make):
+    env = make(2, autoreset_mode="DISABLED", max_episode_steps=3, batch_size=1)
+    env.reset(seed=0)
+    for k in range(3):
+        truncated = env.step(np.zeros((2, 2)))[3]
+        assert list(truncated) == [k == 2] * 2
+    with pytest.raises(vertibench.EpisodeError, match=r"the episode has ended \(max_episode_steps is 3\): call reset"):
+        env.step(np.zeros((2, 2)))
+    env.reset(options={"reset_mask": np.array([True, False])})
+    env.send(np.zeros((1, 2)), [0])
+    assert not env.recv()[3].any()
+
+
+def test_a_curriculum_is_told_what_makes_no_sense(make):
+    env = make(2, curriculum="replay")
+    with pytest.raises(vertibench.OptionError, match="restore: NoneType is no state of a curriculum"):
+        env.curriculum.restore(None)
+    for score in ("a", float("nan")):
+        with pytest.raises(vertibench.OptionError, match="score: "):
+            env.curriculum.score(env.tasks[0], score)
+    with pytest.raises(vertibench.UnknownError, match="there is no task 5"):
+        env.curriculum.score(5, 1.0)
+
+
+def test_stages_without_tasks_ask_for_more_worlds(envs):
+    with pytest.raises(vertibench.OptionError, match="manual: stages.* matches none of .*: make more training worlds, e.g. worlds=36"):
+        envs.NavigationVectorEnv(1, worlds=1, curriculum="manual")
 
 
 def test_pictures_of_all(make):
@@ -233,8 +386,7 @@ try:
         env.step(np.zeros((64, 2)))
 except KeyboardInterrupt:
     print("interrupted", flush=True)
-    while env._native().pending():
-        env._receive(env._native(), env._native().pending())
+    env.reset(seed=0)
     env.step(np.zeros((64, 2)))
     print("goes on", flush=True)
 """
@@ -290,6 +442,59 @@ def test_stable_baselines_trains_on_it(envs):
     assert all(e["episode"]["l"] == 100 and e["terminal_observation"].shape == observation[0].shape for e in ends)
     model = PPO("MlpPolicy", VecNormalize(make_vec(4, **{**OPTIONS, "observation": "flat"})), n_steps=32, batch_size=64, seed=0)
     model.learn(256)
+    env.close()
+
+
+@pytest.fixture
+def sb3(envs, monkeypatch):
+    """The form of stable-baselines3, over the base class that its release 2.9 publishes where the library isn't installed."""
+    try:
+        import stable_baselines3  # noqa: F401
+    except ImportError:
+
+        class VecEnv:
+            def __init__(self, num_envs, observation_space, action_space):
+                self.num_envs, self.observation_space, self.action_space = num_envs, observation_space, action_space
+                self._reset_seeds()
+                self._reset_options()
+
+            def _reset_seeds(self):
+                self._seeds = [None] * self.num_envs
+
+            def _reset_options(self):
+                self._options = [{} for _ in range(self.num_envs)]
+
+            def set_options(self, options):
+                self._options = [options] * self.num_envs if isinstance(options, dict) else options
+
+        for name in ("stable_baselines3", "stable_baselines3.common", "stable_baselines3.common.vec_env"):
+            monkeypatch.setitem(sys.modules, name, types.SimpleNamespace(VecEnv=VecEnv))
+    sys.modules.pop("vertibench.envs.sb3", None)
+    import vertibench.envs.sb3
+
+    yield vertibench.envs.sb3
+    sys.modules.pop("vertibench.envs.sb3", None)
+
+
+def test_the_form_of_stable_baselines_keeps_its_promises(sb3):
+    env = sb3.make_vec(2, **OPTIONS, max_episode_steps=5)
+    env.set_options([{"task": "w001/t02", "run_seed": 7}, {"task": "w003/t01"}])
+    env.reset()
+    assert [info["task"] for info in env.reset_infos] == ["w001/t02", "w003/t01"] and env.reset_infos[0]["run_seed"] == 7
+    env.set_options({"task": "w002/t00"})
+    # A step that nobody has waited for is dropped.
+    env.step_async(np.zeros((2, 2)))
+    env.reset()
+    assert [info["task"] for info in env.reset_infos] == ["w002/t00"] * 2
+    for k in range(5):
+        env.step_async(np.tile([0.0, 1.0], (2, 1)))
+        _, rewards, dones, infos = env.step_wait()
+        assert np.allclose([sum(info["reward_terms"].values()) for info in infos], rewards, atol=1e-6)
+    assert dones.all() and all(info["TimeLimit.truncated"] and info["episode"]["l"] == 5 for info in infos)
+    assert infos[0]["terminal_observation"]["state"].shape == (11,) and infos[0]["episode"]["t"] == pytest.approx(0.5)
+    env.set_options({"taks": "w002/t00"})
+    with pytest.raises(vertibench.OptionError, match="options has 'taks'"):
+        env.reset()
     env.close()
 
 

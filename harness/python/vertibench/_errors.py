@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 def one_line(text: object) -> str:
     """A text on one line."""
@@ -14,6 +16,17 @@ class VertibenchError(Exception):
     def __init__(self, where: object, what: str, to_do: str):
         super().__init__(one_line(f"{where}: {what} ({to_do})"))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An error has other arguments than its message, so that a process which is sent one can't make it of these.
+        return _again, (type(self), self.args), self.__dict__
+
+
+def _again(kind: type[VertibenchError], args: tuple[Any, ...]) -> VertibenchError:
+    """An error as it was in another process."""
+    error = kind.__new__(kind, *args)
+    super(VertibenchError, error).__init__(*args)
+    return error
+
 
 class MissingError(VertibenchError):
     """The program, the tasks or a planner isn't where it is looked for."""
@@ -25,10 +38,11 @@ def missing_module(where: str, reason: ImportError) -> MissingError:
 
 
 class MissingPackageError(VertibenchError, ImportError):
-    """A package that is needed for this alone is not installed."""
+    """A package that is needed for this alone is not installed. `extra` is the one of this package that brings it, if one does."""
 
-    def __init__(self, package: str, what_for: str):
-        super().__init__(package, f"it is not installed, but needed for {what_for}", f"pip install {package}")
+    def __init__(self, package: str, what_for: str, extra: str | None = None):
+        to_do = f"pip install 'vertibench[{extra}]'" if extra else f"pip install {package}"
+        super().__init__(package, f"it is not installed, but needed for {what_for}", to_do)
 
 
 class EnvError(VertibenchError):
@@ -49,7 +63,7 @@ class UnknownError(EnvError, KeyError):
 
 
 class ActionError(EnvError, ValueError):
-    """An action has the wrong shape, or is no number."""
+    """An action has the wrong shape, or isn't made of finite, real numbers."""
 
 
 class EpisodeError(EnvError, RuntimeError):

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _options
 from ._errors import OptionError, missing_module
 from ._program import KERNEL as KERNEL
 from ._program import kernels_path, tasks_path
@@ -66,26 +67,24 @@ class Fleet:
         vehicles: int,
         *,
         suite: str | os.PathLike[str],
-        tasks: str | None = None,
+        tasks: str | Sequence[str] | None = None,
         vehicle: str | os.PathLike[str] = "hmmwv",
         time_step: float = 0.001,
         kernel: str | os.PathLike[str] | None = None,
         device: int = 0,
         memory: int | None = None,
     ):
-        for name, value, least in (("vehicles", vehicles, 1), ("device", device, 0), ("memory", memory or 0, 0)):
-            if value < least:
-                raise OptionError(f"{name}: {value} is too few (it must be at least {least})")
+        vehicles = _options.whole("vehicles", vehicles, 1, 2**31 - 1)
         self._native = _native.Fleet(
             tasks_dir=tasks_path(),
-            kernel=Path(kernel) if kernel is not None else kernels_path(),
-            suite=Path(suite),
-            tasks=tasks,
-            vehicle=os.fspath(vehicle),
-            time_step=time_step,
+            kernel=kernels_path() if kernel is None else Path(_options.path("kernel", kernel)),
+            suite=Path(_options.path("suite", suite)),
+            tasks=_options.selector(tasks),
+            vehicle=_options.path("vehicle", vehicle),
+            time_step=_options.number("time_step", time_step),
             vehicles=vehicles,
-            device=device,
-            spare_memory=memory,
+            device=_options.whole("device", device, 0, 2**31 - 1),
+            spare_memory=None if memory is None else _options.whole("memory", memory, 0, 2**63 - 1),
         )
         #: The number of vehicles.
         self.vehicles = vehicles
@@ -116,7 +115,10 @@ class Fleet:
         """
         if tasks is not None:
             # Tensors of other libraries, also those on the GPU, have `tolist`.
-            told = np.asarray(tasks.tolist() if hasattr(tasks, "tolist") else tasks)
+            try:
+                told = np.asarray(tasks.tolist() if hasattr(tasks, "tolist") else tasks)
+            except ValueError:
+                told = np.array(None)
             if told.ndim != 1 or told.dtype.kind not in "iu":
                 raise OptionError(f"reset: tasks must be whole numbers, one for each vehicle, not {told.dtype}{told.shape}")
             tasks = told.tolist()
@@ -124,7 +126,7 @@ class Fleet:
 
     def advance(self, seconds: float = 0.1) -> None:
         """Drives all vehicles on for this time (s), a whole number of time steps, with the controls that they were told."""
-        steps = seconds / self.time_step
+        steps = _options.number("advance", seconds) / self.time_step
         if not 0.5 <= steps <= 1e9 or abs(steps - round(steps)) > 1e-6:
             raise OptionError(f"advance: {seconds} s is no whole number of steps of {self.time_step} s")
         self._native.advance(round(steps))
@@ -135,8 +137,9 @@ class Fleet:
         The first vehicles begin the tasks in turn and drive for this time (s), each with other controls, here and on the CPU. All
         vehicles have to be reset after it, and told their controls again. Raises `GpuError` if states differ.
         """
-        if vehicles < 1 or not 0.0 < seconds <= 1e6:
-            raise OptionError(f"verify: {vehicles} vehicles over {seconds} s is nothing to compare")
+        vehicles, seconds = _options.whole("verify: vehicles", vehicles), _options.number("verify: seconds", seconds)
+        if not 0.0 < seconds <= 1e6:
+            raise OptionError(f"verify: {seconds} s is nothing to compare")
         return self._native.verify(vehicles, seconds)
 
     def hashes(self) -> NDArray[np.uint64]:
@@ -148,7 +151,7 @@ class Fleet:
 
         The first row is in the south, the first column in the west, and the middle of the array at x = y = 0.
         """
-        found = self._native.ground(world) if world >= 0 else None
+        found = self._native.ground(_options.whole("ground: world", world, 0, 2**31 - 1))
         if found is None:
             raise OptionError(f"ground: there is no world {world}; there are {int(self.worlds.max()) + 1}, counted from 0")
         return found

@@ -15,6 +15,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from .._errors import OptionError
+from .._options import selector
 from .._program import environment, harness_path
 from .errors import ProgramError, UsageError, of_program
 from .store import Run
@@ -78,9 +80,15 @@ def run(
     Raises the `ProgramError` of its exit code, with the program's own message, if the run doesn't come about; `HostError`
     and `FailedStartError` have the tasks that were done as `run`. Tasks whose simulation failed are a warning.
     """
+    if not isinstance(plugin, (str, PathLike)):
+        raise UsageError(f"plugin={plugin!r}: it is no planner (give a file, a command, or pid.wasm)", 2)
+    if params is not None and not isinstance(params, Mapping):
+        raise UsageError(f"params={params!r}: they are no parameters (give a dictionary by their names)", 2)
+    try:
+        tasks = selector(tasks)
+    except OptionError as e:
+        raise UsageError(str(e), 2) from None
     command = [str(harness_path()), "run", "--message-format", "json", "--plugin", os.fspath(plugin)]
-    if tasks is not None and not isinstance(tasks, str):
-        tasks = ",".join(tasks)
     named = {
         "suite": suite, "tasks": tasks, "vehicle": vehicle, "perception": perception, "rules": rules, "soils": soils,
         "limits": limits, "scale": scale, "seed": seed, "trace": trace, "logs": logs, "jobs": jobs, "out": out,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 import tempfile
 from collections.abc import Sequence
 from os import PathLike
@@ -118,6 +119,8 @@ def show_task(suite: str | PathLike[str], task: str, *, scale: float = 1.0) -> S
 
     Raises `RunError` if there is no such suite or task, or a file is damaged.
     """
+    if not isinstance(scale, (int, float)) or not 0.0 < scale < math.inf:
+        raise VertibenchError("show_task", f"scale is {scale!r}", "give a number above 0")
     scene = read_task(suite_folder(suite), task, scale)
     return Shown(task, f"of {scene.suite}", svg(scene), None)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -146,7 +146,8 @@ _AGAIN = "the file is truncated or damaged: make or fetch the dataset again"
 
 class Dataset(Sequence):
     """Episodes of driving. `dataset[i]` has the frames of the episode `dataset.episodes[i]`, and iterating goes through
-    all of them, with one data file in memory at a time."""
+    all of them, with one data file in memory at a time. `dataset[i:j]` is the part with these episodes. `in`, `index` and
+    `count` look for an `Episode`."""
 
     def __init__(
         self, folder: Path, info: Info, columns: dict[str, Column], episodes: Sequence[Episode], places: Sequence[_Place]
@@ -167,8 +168,27 @@ class Dataset(Sequence):
         """The number of episodes."""
         return len(self.episodes)
 
-    def __getitem__(self, index: int) -> dict[str, np.ndarray]:  # type: ignore[override]
+    @overload
+    def __getitem__(self, index: int) -> dict[str, np.ndarray]: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Dataset: ...
+
+    def __getitem__(self, index: int | slice) -> dict[str, np.ndarray] | Dataset:
+        if isinstance(index, slice):
+            return Dataset(self.folder, self.info, self.columns, self.episodes[index], self._places[index])
         return self.frames(index)
+
+    def __contains__(self, episode: object) -> bool:
+        return isinstance(episode, Episode) and episode in self.episodes
+
+    def index(self, episode: Any, start: int = 0, stop: int | None = None) -> int:
+        """The place of an episode. Raises `ValueError` if it is none of them."""
+        return self.episodes.index(episode, start, len(self) if stop is None else stop)
+
+    def count(self, episode: Any) -> int:
+        """1 for one of the episodes, else 0."""
+        return self.episodes.count(episode)
 
     def __iter__(self) -> Iterator[dict[str, np.ndarray]]:
         return (self.frames(k) for k in range(len(self)))
@@ -177,17 +197,18 @@ class Dataset(Sequence):
         frames = sum(e.length for e in self.episodes)
         return f"<Dataset {self.info.name}: {len(self)} episodes, {frames} frames at {self.info.hz} Hz>"
 
-    def frames(self, episode: int | Episode, columns: Sequence[str] | None = None) -> dict[str, np.ndarray]:
+    def frames(self, episode: int | Episode, columns: str | Sequence[str] | None = None) -> dict[str, np.ndarray]:
         """The frames of an episode – one of `episodes`, or its place among them: an array for each column, or for those
-        that `columns` names, with the frames along its first axis."""
+        that `columns` names, with the frames along its first axis. One column may be given by its name alone."""
         if isinstance(episode, Episode):
             if episode not in self.episodes:
                 raise DatasetError(self.folder, f"episode {episode.index} is not in this part", "give one of `episodes`")
             episode = self.episodes.index(episode)
         if not -len(self) <= episode < len(self):
-            raise IndexError(f"{self.folder}: no episode {episode}, there are {len(self)} (give 0 to {len(self) - 1})")
+            to_do = f"give 0 to {len(self) - 1}" if len(self) else "take another part"
+            raise IndexError(f"{self.folder}: no episode {episode}, there are {len(self)} ({to_do})")
         place = self._places[episode]
-        names = list(self.columns) if columns is None else list(columns)
+        names = self._names(columns)
         self._load(place.file, names)
         frames = {name: self._loaded[name][place.start : place.stop].copy() for name in names}
         length = self.episodes[episode].length
@@ -196,19 +217,25 @@ class Dataset(Sequence):
         return frames
 
     def pairs(
-        self, seconds: float, columns: Sequence[str] | None = None
+        self, seconds: float, columns: str | Sequence[str] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """All pairs of frames of the same episode that are so many seconds apart: the earlier and the later ones, each as
         `frames` has them. They are all in memory at once; `columns` says which are needed."""
-        steps = round(seconds * self.info.hz)
-        if steps < 1 or abs(steps - seconds * self.info.hz) > 1e-6:
+        try:
+            steps = round(seconds * self.info.hz)
+            is_whole = abs(steps - seconds * self.info.hz) <= 1e-6
+        except (TypeError, ValueError, OverflowError):
+            steps, is_whole = 0, False
+        if steps < 1 or not is_whole:
             raise DatasetError(
                 self.folder,
                 f"{seconds} s are not a whole number of frames at {self.info.hz} Hz",
                 f"give a multiple of {1 / self.info.hz:g} s",
             )
-        parts = [self.frames(k, columns) for k in range(len(self))]
-        names = list(self.columns) if columns is None else list(columns)
+        names = self._names(columns)
+        parts = [self.frames(k, names) for k in range(len(self))]
+        if not parts:
+            parts = [{name: np.empty((0, *self.columns[name].shape), self.columns[name].dtype) for name in names}]
         earlier = {name: np.concatenate([p[name][:-steps] for p in parts]) for name in names}
         later = {name: np.concatenate([p[name][steps:] for p in parts]) for name in names}
         return earlier, later
@@ -246,11 +273,18 @@ class Dataset(Sequence):
         episodes, places = [self.episodes[k] for k in kept], [self._places[k] for k in kept]
         return Dataset(self.folder, self.info, self.columns, episodes, places)
 
-    def _load(self, file: Path, names: Sequence[str]) -> None:
-        """Reads columns of a data file, unless they are in memory."""
+    def _names(self, columns: str | Sequence[str] | None) -> list[str]:
+        """The names of the columns that are asked for."""
+        if columns is None:
+            return list(self.columns)
+        names = [columns] if isinstance(columns, str) else list(columns)
         for name in names:
             if name not in self.columns:
                 raise DatasetError(self.folder, f"no column {name}", f"give one of {', '.join(self.columns)}")
+        return names
+
+    def _load(self, file: Path, names: Sequence[str]) -> None:
+        """Reads columns of a data file, unless they are in memory."""
         if file != self._file:
             self._file, self._loaded = file, {}
         missing = [name for name in names if name not in self._loaded]

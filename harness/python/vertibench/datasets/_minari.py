@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import re
+import shutil
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,8 @@ from ._errors import DatasetError
 _LOW, _HIGH = np.array([-1, 0, 0, -1], np.float32), np.array([1, 1, 1, 1], np.float32)
 #: Outcomes by which the state ends an episode; any other cuts it off.
 _ENDS = ("success", "rollover", "stuck", "out_of_bounds")
+#: Names in the store.
+_NAME = re.compile(r"([-_a-zA-Z0-9]+/)*[-_a-zA-Z0-9]+-v[0-9]+")
 
 
 def to_minari(
@@ -30,11 +35,17 @@ def to_minari(
 
     `author` and `author_email` are those who are named in the dataset; `more` goes to
     `minari.create_dataset_from_buffers`. Licence and origin are in the description.
+
+    Raises `DatasetError` if the name is none or there is a dataset of it, a package is missing, or nothing may be trained on the
+    dataset. What was begun is removed if it can't be finished.
     """
+    if not isinstance(dataset_id, str) or not _NAME.fullmatch(dataset_id):
+        raise DatasetError("to_minari", f"{dataset_id!r} is no name in Minari's store", "give one such as vertibench/explore-v0")
     try:
         import gymnasium
         import minari
         from minari.data_collector import EpisodeBuffer
+        from minari.storage.datasets_root_dir import get_dataset_path
     except ImportError as e:
         raise _missing(e) from None
     if dataset.info.of_a_suite:
@@ -71,10 +82,20 @@ def to_minari(
         settings.pop("jpeg_encoding")
     observations = gymnasium.spaces.Dict(spaces)
     actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
+    path = Path(get_dataset_path(dataset_id))
+    if path.exists():
+        raise DatasetError(path, "there is a dataset of this name already", "give another name or version, or delete it")
+    # The outermost folder that comes with it, which may be one that datasets are in.
+    begun = path
+    while not begun.parent.exists():
+        begun = begun.parent
     try:
         return make(dataset_id, buffers, observation_space=observations, action_space=actions, **settings)
-    except ImportError as e:
-        raise _missing(e) from None
+    except BaseException as e:
+        shutil.rmtree(begun, ignore_errors=True)
+        if isinstance(e, ImportError):
+            raise _missing(e) from None
+        raise
 
 
 def _missing(e: ImportError) -> DatasetError:

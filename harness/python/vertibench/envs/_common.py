@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
-import os
+import numbers
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
@@ -11,14 +12,15 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from .. import _native
-from .._errors import OptionError
+from .. import _native, _options
+from .._errors import EpisodeError, OptionError, UnknownError
 from .._program import tasks_path
 
 #: The parts of an observation where none are named.
 DEFAULT_PARTS = ("state", "goal", "path", "command", "height")
 #: The terms of a reward, in order.
 TERMS = tuple(name for name, _, _ in _native.terms())
+_ANOTHER = "another thread is using the environment: use it from one thread at a time"
 
 
 def describe_parts() -> dict[str, str]:
@@ -41,7 +43,7 @@ class Setup:
         *,
         worlds: int = 18,
         world_seed: int = 7000,
-        apart_from: Sequence[str | PathLike[str]] = (),
+        apart_from: str | PathLike[str] | Sequence[str | PathLike[str]] = (),
         vehicle: str | PathLike[str] = "hmmwv",
         perception: str | PathLike[str] = "oracle",
         soils: str | PathLike[str] = "default",
@@ -56,33 +58,32 @@ class Setup:
         speed_range: tuple[float, float] = (0.0, 6.0),
         reward: str | PathLike[str] | Mapping[str, float] = "default",
     ) -> None:
-        if observation == "flat":
-            observation, flat = DEFAULT_PARTS, True
-        elif isinstance(observation, str):
-            observation = (observation,)
-        if tasks is not None and not isinstance(tasks, str):
-            tasks = ",".join(tasks)
-        weights = {str(k): _number(f"reward[{k!r}]", v) for k, v in reward.items()} if isinstance(reward, Mapping) else None
+        if isinstance(observation, str):
+            flat = flat or observation == "flat"
+            observation = DEFAULT_PARTS if observation == "flat" else (observation,)
+        if isinstance(apart_from, (str, PathLike)):
+            apart_from = (apart_from,)
+        weights = {str(k): _options.number(f"reward[{k!r}]", v) for k, v in reward.items()} if isinstance(reward, Mapping) else None
         try:
             self.arena = _native.Arena(
                 tasks_dir=tasks_path(),
-                suite=None if suite is None else os.fspath(suite),
-                tasks=tasks,
-                worlds=worlds,
-                world_seed=world_seed,
-                apart_from=[os.fspath(s) for s in apart_from],
-                vehicle=os.fspath(vehicle),
-                perception=os.fspath(perception),
-                soils=os.fspath(soils),
-                rules=os.fspath(rules),
-                scale=None if scale is None else _number("scale", scale),
-                control_hz=_number("control_hz", control_hz),
-                time_step=_number("time_step", time_step),
+                suite=None if suite is None else _options.path("suite", suite),
+                tasks=_options.selector(tasks),
+                worlds=_options.whole("worlds", worlds),
+                world_seed=_options.whole("world_seed", world_seed, 0, 2**63 - 1),
+                apart_from=[_options.path("apart_from", s) for s in apart_from],
+                vehicle=_options.path("vehicle", vehicle),
+                perception=_options.path("perception", perception),
+                soils=_options.path("soils", soils),
+                rules=_options.path("rules", rules),
+                scale=None if scale is None else _options.number("scale", scale),
+                control_hz=_options.number("control_hz", control_hz),
+                time_step=_options.number("time_step", time_step),
                 observation=list(observation),
-                sight={str(k): _number(f"sight[{k!r}]", v) for k, v in (sight or {}).items()},
+                sight=_sight(sight),
                 action=action,
-                speed_range=tuple(_number("speed_range", v) for v in speed_range),
-                reward=os.fspath(reward) if weights is None else weights,  # type: ignore[arg-type]
+                speed_range=_speeds(speed_range),
+                reward=_options.path("reward", reward) if weights is None else weights,
             )
         except (TypeError, OverflowError) as e:
             raise OptionError(f"an option has a value of the wrong kind: {e}") from None
@@ -114,34 +115,104 @@ class Setup:
         return {part["name"]: array for part, array in zip(self.parts, arrays)}
 
 
-def began(task: str, run_seed: int) -> dict[str, Any]:
+def setup_of(arguments: Sequence[Any], options: Mapping[str, Any], kind: str) -> Setup:
+    """The options of environments of this kind as they were given."""
+    known = inspect.signature(Setup)
+    for name in options:
+        if name not in known.parameters:
+            raise OptionError(f"there is no option {name!r}: help({kind}) has all")
+    try:
+        known.bind(*arguments, **options)
+    except TypeError as e:
+        raise OptionError(f"only suite and tasks may be given without their names, and each once: {e}") from None
+    return Setup(*arguments, **options)
+
+
+class Remade:
+    """An environment that is copied and pickled by its options: the copy is a fresh one that was never reset."""
+
+    #: How it was made: arguments, and options by their names.
+    _made_of: tuple[tuple[Any, ...], dict[str, Any]]
+    #: What a copy has of its own: what is in Rust, and all that came with episodes.
+    _OWN = ("_setup", "_env", "_arrays", "_limit", "_all", "curriculum", "closed", "_is_seeded", "_np_random", "_np_random_seed")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """How it was made, and what others have added to it."""
+        return {name: value for name, value in self.__dict__.items() if name not in self._OWN}
+
+    def _remake(self, state: dict[str, Any], init: Any) -> None:
+        arguments, options = state["_made_of"]
+        init(self, *arguments, **options)
+        self.__dict__.update(state)
+
+
+def options_of(options: Any, *known: str) -> list[Any]:
+    """The options of a reset in the order of their names, None where one isn't given."""
+    if options is not None and not isinstance(options, Mapping):
+        raise OptionError(f"reset: options is {options!r}; it must be a dictionary of {_told(known)}")
+    given = dict(options or {})
+    values = [given.pop(name, None) for name in known]
+    if given:
+        raise OptionError(f"reset: options has {', '.join(map(repr, given))}; there are {_told(known)}")
+    return values
+
+
+def _told(names: Sequence[str]) -> str:
+    return f"{', '.join(map(repr, names[:-1]))} and {names[-1]!r}"
+
+
+def task_of(value: Any) -> str | None:
+    """The name of a task, or None."""
+    if value is not None and not isinstance(value, str):
+        raise UnknownError(f"there is no task {value!r}: give a name such as 'w001/t03'")
+    return value
+
+
+def real_numbers(given: Any) -> np.ndarray | None:
+    """What was given as an array of float64; None where it isn't made of real numbers."""
+    if isinstance(given, np.ma.MaskedArray):
+        return None
+    try:
+        array = np.asarray(given)
+        kind = array.dtype.kind
+        if kind == "O" and not all(isinstance(value, numbers.Real) for value in array.flat):
+            return None
+        # Libraries that learn have short floats of their own, whose kind is V, as that of tables.
+        if kind not in "biufO" and (kind != "V" or array.dtype.type is np.void):
+            return None
+        return np.ascontiguousarray(array, dtype=np.float64) if array.ndim else array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError, RuntimeError):
+        # Rows of several lengths, too large numbers, tensors that aren't in the processor's memory, or that want a gradient.
+        return None
+
+
+def began(episode: tuple[str, int] | None) -> dict[str, Any]:
     """What is told when an episode begins."""
-    return {"task": task, "run_seed": run_seed}
+    if episode is None:
+        raise EpisodeError(_ANOTHER)
+    return {"task": episode[0], "run_seed": episode[1]}
 
 
-def ended(record: str) -> dict[str, Any]:
+def ended(record: str | None) -> dict[str, Any]:
     """What is told when an episode ends: how, and the record of the benchmark."""
+    if record is None:
+        raise EpisodeError(_ANOTHER)
     told = json.loads(record)
     return {"outcome": told["outcome"], "is_success": told["outcome"] == "success", "record": told}
 
 
-def seed_of(value: Any) -> int | None:
-    """A seed, checked: None or a whole number below 2^63."""
-    if value is None:
-        return None
-    try:
-        seed = int(value)
-        if seed != value:
-            raise ValueError
-    except (TypeError, ValueError):
-        raise OptionError(f"seed: {value!r} is no whole number") from None
-    if not 0 <= seed < 2**63:
-        raise OptionError(f"seed: {seed} must lie in 0 to 2**63 - 1")
-    return seed
+def _sight(sight: Any) -> dict[str, float]:
+    if sight is None:
+        return {}
+    if not isinstance(sight, Mapping):
+        raise OptionError(f"sight: {sight!r} must be a dictionary of cells, resolution, ahead, points and spacing")
+    counts = ("cells", "points")
+    return {str(k): _options.whole(f"sight: {k}", v) if k in counts else _options.number(f"sight[{k!r}]", v) for k, v in sight.items()}
 
 
-def _number(name: str, value: Any) -> float:
+def _speeds(speed_range: Any) -> tuple[float, float]:
     try:
-        return float(value)
+        slowest, fastest = speed_range
     except (TypeError, ValueError):
-        raise OptionError(f"{name}: {value!r} is no number") from None
+        raise OptionError(f"speed_range: {speed_range!r} must be two speeds, the slowest and the fastest") from None
+    return _options.number("speed_range", slowest), _options.number("speed_range", fastest)

@@ -8,8 +8,9 @@ import gymnasium
 import numpy as np
 
 from .. import _native
-from .._errors import ActionError, EpisodeError, OptionError, UnknownError
-from ._common import TERMS, Setup, began, ended, seed_of
+from .._errors import ActionError, EpisodeError, OptionError
+from .._options import seed as seed_of
+from ._common import TERMS, Remade, began, ended, options_of, real_numbers, setup_of, task_of
 from ._render import Camera
 
 
@@ -22,7 +23,7 @@ class State:
         self._snapshot = snapshot
 
 
-class NavigationEnv(gymnasium.Env[Any, np.ndarray]):
+class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
     """Drives a vehicle over rough ground to a goal: `gymnasium.make("VertiBench/Navigation-v0", …)`.
 
     Tasks: `suite` is a directory or a name such as `"vb-100"`, `tasks` a selector (`"w001-w004,elevation=high"`) or a list of
@@ -54,6 +55,9 @@ class NavigationEnv(gymnasium.Env[Any, np.ndarray]):
     `"run_seed"` the noise of the sensors, as `vb-harness run --seed` does.
 
     `render_mode="rgb_array"` gives pictures of `render_size` (width, height) from the `camera` `"chase"` or `"top"`.
+
+    An environment that is copied or pickled is made anew of its options: the copy was never reset. `state()` and `set_state` are for
+    a search that goes back.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
@@ -66,14 +70,18 @@ class NavigationEnv(gymnasium.Env[Any, np.ndarray]):
         render_size: tuple[int, int] = (640, 480),
         **options: Any,
     ) -> None:
+        self._made_of = (arguments, {"render_mode": render_mode, "camera": camera, "render_size": render_size, **options})
         self._camera = Camera(render_mode, camera, render_size)
-        self._setup = Setup(*arguments, **options)
+        self._setup = setup_of(arguments, options, "NavigationEnv")
         self.observation_space = self._setup.observation_space
         self.action_space = self._setup.action_space
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self._setup.arena.control_period)}
         self._env: _native.Env | None = _native.Env(self._setup.arena, 0)
         self._is_seeded = False
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._remake(state, NavigationEnv.__init__)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -84,31 +92,26 @@ class NavigationEnv(gymnasium.Env[Any, np.ndarray]):
         sense.
         """
         env = self._native()
-        seed = seed_of(seed)
+        seed = seed_of("seed", seed)
+        task, run_seed = options_of(options, "task", "run_seed")
+        task, run_seed = task_of(task), seed_of("run_seed", run_seed)
         super().reset(seed=seed)
-        options = dict(options or {})
-        task, run_seed = options.pop("task", None), seed_of(options.pop("run_seed", None))
-        if options:
-            raise OptionError(f"reset: options has {', '.join(map(repr, options))}; there are 'task' and 'run_seed'")
-        if task is not None and not isinstance(task, str):
-            raise UnknownError(f"there is no task {task!r}: give a name such as 'w001/t03'")
         if seed is None and not self._is_seeded:
             seed = int(self.np_random.integers(2**63))
         env.reset(seed, task, run_seed)
         self._is_seeded = True
-        return self._observe(env), began(*env.episode())
+        return self._observe(env), began(env.episode())
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Drives on with an action for 1/`control_hz` seconds, or until the episode ends.
 
-        Raises `ActionError` for an action of the wrong shape or with what is no finite number, and `EpisodeError` without an
+        Raises `ActionError` for an action of the wrong shape or with what is no finite, real number, and `EpisodeError` without an
         episode; the episode stays as it was.
         """
         env = self._native()
-        try:
-            numbers = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ActionError(f"an action is {len(self._setup.action_names)} numbers, not {action!r}") from None
+        numbers = real_numbers(action)
+        if numbers is None:
+            raise ActionError(f"an action is {len(self._setup.action_names)} numbers, not {action!r}")
         if numbers.ndim != 1:
             names = ", ".join(self._setup.action_names)
             raise ActionError(f"an action has the shape ({len(self._setup.action_names)},) ({names}), not {numbers.shape}")

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _native
 from .._errors import OptionError
+from .._options import whole
 
 
 class Picture:
@@ -50,11 +51,9 @@ class Camera:
         if camera not in ("chase", "top"):
             raise OptionError(f"camera: {camera!r} must be 'chase' or 'top'")
         try:
-            width, height = (int(n) for n in size)
+            width, height = (whole("render_size", n, 1, 4096) for n in size)
         except (TypeError, ValueError):
-            raise OptionError(f"render_size: {size!r} must be (width, height)") from None
-        if not (1 <= width <= 4096 and 1 <= height <= 4096):
-            raise OptionError(f"render_size: {size!r} must lie in 1 to 4096")
+            raise OptionError(f"render_size: {size!r} must be (width, height), whole numbers from 1 to 4096") from None
         self._mode, self._camera, self._size = mode, camera, (width, height)
 
     def picture(self, env: _native.Env) -> np.ndarray | None:

@@ -16,6 +16,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from .._command import above_zero, whole_number
 from ._vector import processors
 
 NAME = "VertiBench/Navigation-v0"
@@ -68,9 +69,9 @@ def reset_ms(env: gymnasium.Env, tasks: list[str]) -> tuple[float, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m vertibench.envs.bench", description=__doc__)
-    parser.add_argument("--seconds", type=float, default=2.0, help="length of a stretch (default: 2)")
-    parser.add_argument("--stretches", type=int, default=5, help="number of stretches (default: 5)")
-    parser.add_argument("--envs", type=int, default=16, help="environments of a vector environment (default: 16)")
+    parser.add_argument("--seconds", type=above_zero, default=2.0, help="length of a stretch (default: 2)")
+    parser.add_argument("--stretches", type=whole_number, default=5, help="number of stretches (default: 5)")
+    parser.add_argument("--envs", type=whole_number, default=16, help="environments of a vector environment (default: 16)")
     chosen = parser.parse_args()
     threads = processors()
 

@@ -57,12 +57,13 @@ class PufferNavigation(pufferlib.PufferEnv):
         self._lengths += 1
         infos = []
         for k in np.flatnonzero(terminated | truncated):
-            record = told["final_info"]["record"][k]
+            # What `max_episode_steps` has cut off has no record.
+            record = told["final_info"]["record"][k] if "final_info" in told and told["_final_info"][k] else {}
             infos.append({
                 "episode_return": float(self._returns[k]),
                 "episode_length": int(self._lengths[k]),
-                "success": float(record["outcome"] == "success"),
-                "time_s": record["time_s"],
+                "success": float(record.get("outcome") == "success"),
+                "time_s": record.get("time_s", self.vector._setup.arena.control_period * int(self._lengths[k])),
             })
             self._returns[k], self._lengths[k] = 0.0, 0
         return self.observations, self.rewards, self.terminals, self.truncations, infos
@@ -73,5 +74,5 @@ class PufferNavigation(pufferlib.PufferEnv):
         return None if pictures is None else pictures[0]
 
     def close(self) -> None:
-        """Ends the threads."""
+        """Lets go of everything; the threads end when no array of the environments is held any more."""
         self.vector.close()

@@ -17,14 +17,17 @@ try:
 except ImportError as e:
     from .._errors import MissingPackageError
 
-    raise MissingPackageError("stable-baselines3", "vertibench.envs.sb3") from e
+    raise MissingPackageError("stable-baselines3", "vertibench.envs.sb3", "sb3") from e
 
+from .._errors import OptionError
+from ._common import TERMS
 from ._vector import NavigationVectorEnv
 
 
 class Sb3VecEnv(VecEnv):
     """A `NavigationVectorEnv` in stable-baselines3's form: it begins the next episode at once, and tells the last observation in
-    `infos[k]["terminal_observation"]` and whether time ran out in `infos[k]["TimeLimit.truncated"]`."""
+    `infos[k]["terminal_observation"]` and whether time ran out in `infos[k]["TimeLimit.truncated"]`. What each term of
+    the reward was worth is in `infos[k]["reward_terms"]`."""
 
     def __init__(self, num_envs: int, **options: Any) -> None:
         self.vector = NavigationVectorEnv(num_envs, autoreset_mode="SAME_STEP", **options)
@@ -33,15 +36,25 @@ class Sb3VecEnv(VecEnv):
         self._returns, self._lengths = np.zeros(num_envs), np.zeros(num_envs, dtype=np.int64)
 
     def reset(self) -> Any:
-        """Begins episodes in all environments; gives their first observations."""
+        """Begins episodes in all environments, with the seeds of `seed` and the `"task"` and `"run_seed"` of `set_options`; gives their
+        first observations. A step that nobody has waited for is dropped."""
         seeds = list(self._seeds)
-        observations, infos = self.vector.reset(seed=seeds if any(s is not None for s in seeds) else None)
+        options = self._chosen()
+        observations, infos = self.vector.reset(seed=seeds if any(s is not None for s in seeds) else None, options=options)
         self._reset_seeds()
         self._reset_options()
-        self.reset_infos = [{"task": task} for task in infos["task"]]
+        self.reset_infos = [{"task": task, "run_seed": int(seed)} for task, seed in zip(infos["task"], infos["run_seed"])]
         self._returns[:] = 0.0
         self._lengths[:] = 0
         return observations
+
+    def _chosen(self) -> dict[str, list[Any]]:
+        """What `set_options` has given for each environment."""
+        given = self._options
+        if len(given) != self.num_envs or not all(isinstance(own, dict) for own in given):
+            raise OptionError(f"set_options: there must be a dictionary, or {self.num_envs}, one for each environment")
+        names = dict.fromkeys(name for own in given for name in own)
+        return {name: [own.get(name) for own in given] for name in names}
 
     def step_async(self, actions: np.ndarray) -> None:
         """Begins a step of all environments."""
@@ -56,21 +69,26 @@ class Sb3VecEnv(VecEnv):
         rewards, terminated, truncated = self.vector._numbers(None)
         self._returns += rewards
         self._lengths += 1
-        infos: list[dict[str, Any]] = [{"TimeLimit.truncated": False} for _ in range(self.num_envs)]
+        worth = zip(*(values.tolist() for values in told["reward_terms"].values()))
+        infos: list[dict[str, Any]] = [{"reward_terms": dict(zip(TERMS, w)), "TimeLimit.truncated": False} for w in worth]
+        period = self.vector._setup.arena.control_period
         for k in np.flatnonzero(terminated | truncated):
-            final = {name: values[k] for name, values in told["final_info"].items() if not name.startswith("_")}
-            infos[k] = {
-                **final,
-                "next_task": told["task"][k],
-                "terminal_observation": told["final_obs"][k],
-                "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
-                "episode": {"r": float(self._returns[k]), "l": int(self._lengths[k]), "t": final["record"]["time_s"]},
-            }
+            # What `max_episode_steps` has cut off has no record.
+            has_record = "final_info" in told and told["_final_info"][k]
+            final = {name: v[k] for name, v in told["final_info"].items() if not name.startswith("_")} if has_record else {}
+            seconds = final["record"]["time_s"] if has_record else period * int(self._lengths[k])
+            infos[k].update(
+                final,
+                next_task=told["task"][k],
+                terminal_observation=told["final_obs"][k],
+                episode={"r": float(self._returns[k]), "l": int(self._lengths[k]), "t": seconds},
+            )
+            infos[k]["TimeLimit.truncated"] = bool(truncated[k] and not terminated[k])
             self._returns[k], self._lengths[k] = 0.0, 0
         return observations, rewards.astype(np.float32), terminated | truncated, infos
 
     def close(self) -> None:
-        """Ends the threads."""
+        """Lets go of everything; the threads end."""
         self.vector.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from dataclasses import dataclass
+
+from .._command import above_zero, whole_number
 
 # What docs/scale.md has measured.
 
@@ -66,7 +69,7 @@ def cost(
     folder for each run that it has a part of. `operations` are those that the file system does in a second; with `scratch`, it sees
     results once, when they are whole.
     """
-    if not (min(runs, tasks, worlds, seconds, cores, shards, operations) > 0):
+    if not all(0 < number < math.inf for number in (runs, tasks, worlds, seconds, cores, shards, operations)):
         raise ValueError("all numbers must be above 0")
     folders = min(runs * worlds, runs * shards)
     largest = -(-runs * worlds // shards)
@@ -84,22 +87,19 @@ def cost(
 def main(arguments: list[str] | None = None) -> int:
     """Does what the command line says; gives the exit code."""
     options = argparse.ArgumentParser(prog="python -m vertibench.scale.cost", description="What a sweep costs on so many cores.")
-    options.add_argument("--runs", type=float, required=True, help="planners × parameters × vehicles × profiles × seeds")
-    options.add_argument("--tasks", type=float, default=1000, help="tasks of each run (default: 1000)")
-    options.add_argument("--worlds", type=float, default=100, help="worlds of each run (default: 100)")
-    options.add_argument("--seconds", type=float, required=True, help="what a task takes of one core, s: `vb-harness run --jobs 1` tells")
-    options.add_argument("--cores", type=int, required=True)
-    options.add_argument("--shards", type=int, help="default: as many as cores")
+    options.add_argument("--runs", type=above_zero, required=True, help="planners × parameters × vehicles × profiles × seeds")
+    options.add_argument("--tasks", type=above_zero, default=1000, help="tasks of each run (default: 1000)")
+    options.add_argument("--worlds", type=above_zero, default=100, help="worlds of each run (default: 100)")
+    tells = "what a task takes of one core, s: `vb-harness run --jobs 1` tells"
+    options.add_argument("--seconds", type=above_zero, required=True, help=tells)
+    options.add_argument("--cores", type=whole_number, required=True)
+    options.add_argument("--shards", type=whole_number, help="default: as many as cores")
     options.add_argument("--no-traces", action="store_true", help="with `trace: none`")
     options.add_argument("--scratch", action="store_true", help="shards write to a disk of their machine first")
-    options.add_argument("--operations", type=float, default=5000, help="operations a second of the file system (default: 5000)")
+    options.add_argument("--operations", type=above_zero, default=5000, help="operations a second of the file system (default: 5000)")
     own = options.parse_args(arguments)
     shards, traces = own.shards or own.cores, not own.no_traces
-    try:
-        found = cost(own.runs, own.tasks, own.worlds, own.seconds, own.cores, shards, traces, own.operations, own.scratch)
-    except ValueError as e:
-        print(f"error: the options: {e} (give others)", file=sys.stderr)
-        return 2
+    found = cost(own.runs, own.tasks, own.worlds, own.seconds, own.cores, shards, traces, own.operations, own.scratch)
     rows = [
         ("tasks", f"{own.runs * own.tasks:,.0f}"),
         ("hours of cores", f"{found.core_seconds / 3600:,.1f}"),

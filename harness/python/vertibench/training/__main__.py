@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .._command import ended
+from .._command import ended, whole_number
 
 # The same instructions on every x86 processor that has them, and the same kernels: weights mustn't depend on the machine. This must be
 # set before torch is loaded.
@@ -38,8 +38,8 @@ def _parser() -> argparse.ArgumentParser:
     train.add_argument("--seed", type=int, default=0)
     train.add_argument("--config", default="policy", help="a name of tasks/training, or a file")
     train.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", help="changes a field of the configuration")
-    train.add_argument("--until", type=int, help="stop after so many steps; the configuration's where it isn't given")
-    train.add_argument("--threads", type=int, help="threads that step environments; all processors where it isn't given")
+    train.add_argument("--until", type=whole_number, help="stop after so many steps; the configuration's where it isn't given")
+    train.add_argument("--threads", type=whole_number, help="threads that step environments; all processors where it isn't given")
 
     train.add_argument("--clone", type=Path, metavar="DATASET", help="begin with what planners did in this dataset of demonstrations")
 

@@ -76,7 +76,17 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "steps": (1, 10**12),
     "checkpoint": (1, 10**12),
 }
+#: The fields among them that count something.
+_COUNTS = {
+    *("schema", "worlds.count", "worlds.seed", "held_out.count", "held_out.seed", "environments", "network.planes", "network.kernel"),
+    *("network.stride", "sac.buffer", "sac.begin", "sac.batch", "sac.updates", "sac.returns", "ppo.steps", "ppo.batch", "ppo.epochs"),
+    *("ppo.hold", "clone.epochs", "clone.batch", "clone.critic", "steps", "checkpoint"),
+}
 _LISTS = {"observation": str, "labels": int, "speed_range": float, "network.widths": int}
+#: The least and the greatest entries of lists of numbers.
+_ENTRIES: dict[str, tuple[float, float]] = {"labels": (0, 255), "speed_range": (-10, 30), "network.widths": (1, 65536)}
+#: The time between two looks at what has happened, s, which a time step must divide.
+_TICK = 0.01
 #: The values of fields that have a few only.
 _CHOICES: dict[str, tuple[Any, ...]] = {"algorithm": ("sac", "ppo"), "action": ("speed", "rate"), "sac.mirror": (True, False)}
 
@@ -188,22 +198,56 @@ def _flat(path: Path, read: Any) -> dict[str, Any]:
 
 
 def _check(path: Path, field: str, value: Any, bounds: tuple[float, float] | None) -> None:
+    problem = _problem(field, value, bounds)
+    if problem is not None:
+        to_do = "see tasks/training/policy.yaml" if field == "planners" else "correct it"
+        raise TrainingError(path, f"{field}: {value!r} must {problem}", to_do)
+
+
+def _problem(field: str, value: Any, bounds: tuple[float, float] | None) -> str | None:
+    """What a value must be, if it isn't."""
     if bounds is not None:
-        low, high = bounds
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-            raise TrainingError(path, f"{field}: {value!r} must lie in {low} to {high}", "correct it")
+        if not _is_number(value) or not bounds[0] <= value <= bounds[1]:
+            return f"lie in {bounds[0]} to {bounds[1]}"
+        if field in _COUNTS and not isinstance(value, int):
+            return "be a whole number, without a point"
+        if field == "time_step" and abs(_TICK / value - round(_TICK / value)) > 1e-9:
+            return f"divide {_TICK} s"
     elif field in _LISTS:
-        kinds = (int, float) if _LISTS[field] is float else (_LISTS[field],)
-        if not isinstance(value, list) or not value or not all(isinstance(v, kinds) for v in value):
-            raise TrainingError(path, f"{field}: {value!r} must be a list of {_LISTS[field].__name__}s", "correct it")
-        if field == "speed_range" and len(value) != 2:
-            raise TrainingError(path, f"{field}: {value!r} must be two speeds", "correct it")
+        return _problem_of_list(field, value)
     elif field == "planners":
-        if not isinstance(value, dict) or not value:
-            raise TrainingError(path, "planners: they must be names with their curricula", "see tasks/training/policy.yaml")
+        if not isinstance(value, dict) or not value or not all(isinstance(c, str) and c for c in value.values()):
+            return "be names with their curricula"
     elif field in _CHOICES:
         if not any(value is choice or (isinstance(value, str) and value == choice) for choice in _CHOICES[field]):
-            told = " or ".join(str(choice).lower() for choice in _CHOICES[field])
-            raise TrainingError(path, f"{field}: {value!r} must be {told}", "correct it")
+            return f"be {' or '.join(str(choice).lower() for choice in _CHOICES[field])}"
     elif not isinstance(value, str) or not value:
-        raise TrainingError(path, f"{field}: {value!r} must be a text", "correct it")
+        return "be a text"
+    return None
+
+
+def _problem_of_list(field: str, value: Any) -> str | None:
+    kind = _LISTS[field]
+    kinds = (int, float) if kind is float else (kind,)
+    if not isinstance(value, list) or not value or not all(isinstance(v, kinds) and not isinstance(v, bool) for v in value):
+        return f"be a list of {kind.__name__}s"
+    if field in _ENTRIES:
+        low, high = _ENTRIES[field]
+        if not all(low <= v <= high for v in value):
+            return f"have entries from {low} to {high}"
+    if field == "speed_range" and (len(value) != 2 or not value[0] < value[1]):
+        return "be two speeds, the lower one first"
+    if field == "observation":
+        try:
+            from .._native import parts
+        except ImportError:
+            # Without it there are no environments either, which say so.
+            return None
+        known = [name for name, _, _ in parts()]
+        if not set(value) <= set(known):
+            return f"be made of {', '.join(known)}"
+    return None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

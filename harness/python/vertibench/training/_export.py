@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
 from .. import _native
 from ..envs import NavigationVectorEnv
 from ._config import Config, TrainingError
+from ._libraries import torch
 from ._method import Method
 from ._network import rows
 from ._run import load

@@ -6,16 +6,9 @@ import json
 from pathlib import Path
 from typing import Any, TextIO
 
-from .._errors import MissingPackageError
-from ._config import Config, TrainingError, checked, read_config
-
-try:
-    import torch as torch
-    import stable_baselines3 as stable_baselines3
-except ImportError as e:
-    raise MissingPackageError("stable-baselines3", "vertibench.training") from e
-
 from ..envs._vector import processors
+from . import _libraries as _libraries
+from ._config import Config, TrainingError, checked, read_config
 from ._learn import MODEL, Learner, last_checkpoint, read_parameters, read_state, success
 from ._method import Method, make_method
 from ._network import Rows
@@ -43,7 +36,7 @@ def train(
         _same(folder, read_state(checkpoint), planner, seed, config)
     folder.mkdir(parents=True, exist_ok=True)
     print(f"{planner}, seed {seed}: making worlds", file=out, flush=True)
-    learner = Learner(folder, config, planner, seed, threads or processors())
+    learner = Learner(folder, config, planner, seed, processors() if threads is None else threads)
     try:
         if checkpoint is not None:
             learner.resume(checkpoint)
@@ -58,7 +51,7 @@ def train(
                 print(json.dumps(line), file=log, flush=True)
                 print(_short(line), file=out, flush=True)
 
-            learner.learn(min(until or config["steps"], config["steps"]), told)
+            learner.learn(config["steps"] if until is None else min(until, config["steps"]), told)
     finally:
         learner.close()
 

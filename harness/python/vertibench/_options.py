@@ -1,0 +1,61 @@
+"""Values of options, checked before they go to Rust: what is wrong is told by the option's name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+from ._errors import OptionError
+
+
+def whole(name: str, value: Any, least: int = 1, most: int | None = None) -> int:
+    """A whole number within these bounds."""
+    try:
+        count = int(value)
+        if count != value or count < least or (most is not None and count > most):
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        within = f"of {least} at least" if most is None else f"from {least} to {most}"
+        raise OptionError(f"{name}: {value!r} must be a whole number {within}") from None
+    return count
+
+
+def number(name: str, value: Any) -> float:
+    """A number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"{name}: {value!r} is no number") from None
+
+
+def seed(name: str, value: Any) -> int | None:
+    """A seed: None or a whole number below 2^63."""
+    if value is None:
+        return None
+    try:
+        own = int(value)
+        if own != value:
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"{name}: {value!r} is no whole number") from None
+    if not 0 <= own < 2**63:
+        raise OptionError(f"{name}: {own} must lie in 0 to 2**63 - 1")
+    return own
+
+
+def path(name: str, value: Any) -> str:
+    """A name or a file."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise OptionError(f"{name}: {value!r} must be a name or a path")
+    return os.fsdecode(value)
+
+
+def selector(tasks: Any) -> str | None:
+    """A selector of tasks: None, a text, or a list of names."""
+    if tasks is None or isinstance(tasks, str):
+        return tasks
+    names = list(tasks) if isinstance(tasks, Iterable) else [tasks]
+    if not all(isinstance(name, str) for name in names):
+        raise OptionError(f"tasks: {tasks!r} must be a selector such as 'w001/t03', or a list of names")
+    return ",".join(names)
