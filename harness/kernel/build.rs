@@ -52,10 +52,14 @@ fn hash(root: &Path) -> Result<String> {
     println!("cargo::rerun-if-changed={}", lock.display());
     let text = read(&lock)?;
     for name in LIBRARIES {
-        let mut versions = text.lines().skip_while(|line| *line != format!("name = \"{name}\""));
-        let version =
-            versions.nth(1).ok_or_else(|| Error::other(format!("{} has no {name}", lock.display())))?;
-        add(name, version.as_bytes());
+        // Of a library that is there in several versions, all: which of them the simulator has isn't told here.
+        let named = format!("name = \"{name}\"");
+        let lines: Vec<&str> = text.lines().collect();
+        let versions: Vec<&str> = lines.windows(2).filter(|two| two[0] == named).map(|two| two[1]).collect();
+        if versions.is_empty() {
+            return Err(Error::other(format!("{} has no {name}", lock.display())));
+        }
+        add(name, versions.join("\n").as_bytes());
     }
     Ok(hash.hex())
 }

@@ -69,6 +69,20 @@ pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliErr
     std::fs::write(path, content).map_err(|e| unwritten(path, &e))
 }
 
+/// Looks whether a file can be written, before the work for it is done.
+///
+/// # Errors
+/// Returns the error that writing it would end in.
+pub(crate) fn must_be_writable(path: &Path) -> Result<(), CliError> {
+    let was_there = path.exists();
+    let opened = std::fs::OpenOptions::new().append(true).create(true).open(path);
+    opened.map_err(|e| unwritten(path, &e))?;
+    if !was_there {
+        std::fs::remove_file(path).map_err(|e| unwritten(path, &e))?;
+    }
+    Ok(())
+}
+
 /// Makes a folder, and those that it is in.
 pub(crate) fn create_dir(path: &Path) -> Result<(), CliError> {
     std::fs::create_dir_all(path).map_err(|e| unwritten(path, &e))

@@ -170,6 +170,8 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         )));
     }
     let plugin_sha256 = vb_submission::sha256_file(&args.plugin).map_err(failed)?;
+    let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
+    output::must_be_writable(&out)?;
     let draw = match (args.sample, args.seed) {
         (Some(count), Some(seed)) => Some((count as usize, seed)),
         (Some(count), None) => Some((count as usize, random()?)),
@@ -198,7 +200,6 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     };
     let verdict = vb_submission::verify(&submission, &expected, &load, &sampling, &mut ended, &cancel)
         .map_err(failed)?;
-    let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
     write_json(&out, &verdict)?;
     if json {
         output::json(&Message::Verification { verdict: &verdict, out: &out });
@@ -259,6 +260,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
             args.plugin.display()
         )));
     }
+    args.out.as_deref().map(output::must_be_writable).transpose()?;
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
     let mut wanted = RunArgs::new(&args.plugin);
     wanted.suite = Some(suite.dir().to_owned());

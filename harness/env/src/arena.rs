@@ -26,7 +26,7 @@ const STARTS: usize = 2048;
 const PAINTERS: usize = 16;
 
 /// How environments are made. Names are those of what comes with the harness, or paths of files.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The suite whose tasks are driven; `None` for training worlds.
     pub suite: Option<PathBuf>,
@@ -107,6 +107,7 @@ pub struct Arena {
     pub(crate) layout: Layout,
     pub(crate) action: ActionKind,
     pub(crate) reward: Reward,
+    options: Options,
     suite: Suite,
     tasks: Vec<TaskRef>,
     places: Cache<Place>,
@@ -189,7 +190,8 @@ impl Arena {
             wants,
             layout,
             action: options.action,
-            reward: options.reward,
+            reward: options.reward.clone(),
+            options,
             suite,
             tasks,
             places,
@@ -209,6 +211,11 @@ impl Arena {
             }
         }
         Ok(worlds)
+    }
+
+    /// Whether it was made with the same options, so that an environment of one can go on in the other.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other) || self.options == other.options
     }
 
     /// The suite that the tasks are of.

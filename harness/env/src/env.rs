@@ -53,6 +53,7 @@ pub struct Env {
 /// An environment as it was at some time. It goes on exactly as the environment did.
 #[derive(Clone)]
 pub struct Snapshot {
+    arena: Arc<Arena>,
     draws: Stream,
     running: Option<Running>,
 }
@@ -97,7 +98,8 @@ impl Env {
     /// Begins an episode.
     ///
     /// # Errors
-    /// Returns an error if there is no such task, or it can't be begun; the last episode goes on then.
+    /// Returns an error if there is no such task, or it can't be begun; the last episode goes on then. A drawn task that can't be
+    /// begun isn't drawn again: the next reset goes on with the numbers that follow.
     pub fn reset(&mut self, reset: &Reset) -> Result<(), EnvError> {
         let fixed = reset.task.as_deref().map(|name| self.arena.find(name)).transpose()?;
         let mut stream = reset.seed.map_or_else(|| self.draws.clone(), draws);
@@ -106,8 +108,11 @@ impl Env {
         // Below 2^63: gymnasium puts whole numbers into arrays of signed ones.
         let noise = stream.next_u64() >> 1;
         let (index, run_seed) = (fixed.unwrap_or(drawn), reset.run_seed.unwrap_or(noise));
-        let running = Running::new(&self.arena, index, run_seed)?;
-        (self.draws, self.running) = (stream, Some(running));
+        let running = Running::new(&self.arena, index, run_seed);
+        if running.is_ok() || fixed.is_none() {
+            self.draws = stream;
+        }
+        self.running = Some(running?);
         Ok(())
     }
 
@@ -162,8 +167,8 @@ impl Env {
 
     /// What is told about the task: maps, path, vehicle.
     #[must_use]
-    pub fn brief(&self) -> Option<&vb_sdk::Task> {
-        self.running.as_ref().map(|r| &*r.brief)
+    pub fn brief(&self) -> Option<&Arc<vb_sdk::Task>> {
+        self.running.as_ref().map(|r| &r.brief)
     }
 
     /// The state of the vehicle, in truth.
@@ -208,13 +213,23 @@ impl Env {
     /// The environment as it is now.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot { draws: self.draws.clone(), running: self.running.clone() }
+        let (arena, draws) = (Arc::clone(&self.arena), self.draws.clone());
+        Snapshot { arena, draws, running: self.running.clone() }
     }
 
-    /// Goes back to how an environment of the same arena was.
-    pub fn restore(&mut self, snapshot: &Snapshot) {
-        let Snapshot { draws, running } = snapshot.clone();
+    /// Goes back to how an environment was that was made with the same options.
+    ///
+    /// # Errors
+    /// Returns an error, and changes nothing, if it was made with others, or had no episode yet.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), EnvError> {
+        if !snapshot.arena.is_like(&self.arena) {
+            return Err(EnvError::Unlike);
+        }
+        let Snapshot { draws, running: running @ Some(_), .. } = snapshot.clone() else {
+            return Err(EnvError::NoEpisode);
+        };
         (self.draws, self.running) = (draws, running);
+        Ok(())
     }
 }
 

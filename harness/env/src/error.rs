@@ -103,6 +103,14 @@ pub enum EnvError {
         /// The value.
         value: f64,
     },
+    /// An environment is named twice in one call.
+    #[error("environment {0} is named twice")]
+    Twice(usize),
+    /// A state is that of an environment that was made with other options.
+    #[error(
+        "the state is of an environment that was made with other options: restore it in one that was made with the same"
+    )]
+    Unlike,
     /// The environment has no episode.
     #[error("there is no episode: call reset first")]
     NoEpisode,
@@ -132,6 +140,14 @@ pub enum EnvError {
     /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (ask for fewer)")]
     Thread(std::io::Error),
+}
+
+impl EnvError {
+    /// Whether the simulation failed at the start of a task.
+    #[must_use]
+    pub fn is_divergence(&self) -> bool {
+        matches!(self, Self::Start { source: SimError::Diverged { .. }, .. })
+    }
 }
 
 /// Does some work; a panic, which is a fault of the harness, becomes an error, so that who called goes on.

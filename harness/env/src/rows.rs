@@ -4,8 +4,8 @@ use std::cell::UnsafeCell;
 
 /// Rows of numbers, one for each environment, in one piece of memory that never moves.
 ///
-/// Whoever is at work on environment `i` owns row `i`: [`crate::VectorEnv`] hands a row to a worker with the job, and has it
-/// back when the worker says that the job is done, over locks, so that two never touch a row at the same time.
+/// Whoever is at work on environment `i` owns row `i`: [`crate::VectorEnv`] hands a row to a thread with the job, and has it
+/// back when the thread says that the job is done, over locks, so that two never touch a row at the same time.
 pub(crate) struct Rows<T> {
     data: Box<[UnsafeCell<T>]>,
     width: usize,

@@ -92,12 +92,14 @@ impl Jobs {
 
 /// Many environments of an arena, stepped by several threads.
 ///
-/// [`Self::reset`] and [`Self::send`] hand out work to workers, [`Self::receive`] waits for what is done and helps them. What an environment does
-/// depends on its own seed and actions alone; only the order in which environments are done depends on the threads.
+/// [`Self::reset`] and [`Self::send`] hand out work to workers, [`Self::receive`] waits for what is done and may help them. What an
+/// environment does depends on its own seed and actions alone; only the order in which environments are done depends on the threads.
 pub struct VectorEnv {
     arena: Arc<Arena>,
     shared: Arc<Shared>,
     workers: Vec<JoinHandle<()>>,
+    /// The process that the workers are in.
+    process: u32,
     /// The environments that are at work.
     at_work: Vec<bool>,
     /// How far each is, as far as it was received.
@@ -162,7 +164,8 @@ impl VectorEnv {
         });
         let phases = vec![Phase::Fresh; count];
         let at_work = vec![false; count];
-        let mut own = Self { arena, shared, workers: Vec::new(), at_work, phases, curriculum: None };
+        let (workers, process) = (Vec::new(), std::process::id());
+        let mut own = Self { arena, shared, workers, process, at_work, phases, curriculum: None };
         for _ in 0..own.shared.threads {
             let shared = Arc::clone(&own.shared);
             let thread = std::thread::Builder::new().name("vertibench".into()).stack_size(STACK);
@@ -272,10 +275,10 @@ impl VectorEnv {
     /// Begins episodes in these environments.
     ///
     /// # Errors
-    /// Returns an error, and begins nothing, if there is no such environment or task, or one is at work.
+    /// Returns an error, and begins nothing, if there is no such environment or task, or one is at work or named twice.
     pub fn reset(&mut self, resets: Vec<(usize, Reset)>) -> Result<(), EnvError> {
-        for (index, reset) in &resets {
-            self.is_free(*index)?;
+        self.are_free(resets.iter().map(|(index, _)| *index))?;
+        for (_, reset) in &resets {
             if let Some(task) = &reset.task {
                 self.arena.find(task)?;
             }
@@ -287,8 +290,8 @@ impl VectorEnv {
     /// Steps these environments, with the numbers of their actions one after the other.
     ///
     /// # Errors
-    /// Returns an error, and steps none, if there is no such environment, one is at work, was never reset, or has ended its episode
-    /// without [`Autoreset`], or if an action isn't made of as many finite numbers as an action has.
+    /// Returns an error, and steps none, if there is no such environment, one is at work or named twice, was never reset, or has
+    /// ended its episode without [`Autoreset`], or if an action isn't made of as many finite numbers as an action has.
     pub fn send(&mut self, indices: &[usize], actions: &[f64]) -> Result<(), EnvError> {
         let dimensions = self.arena.action().dimensions();
         if actions.len() != indices.len() * dimensions.len() {
@@ -300,8 +303,8 @@ impl VectorEnv {
             let index = at % dimensions.len();
             return Err(EnvError::Action { index, name: dimensions[index].name, value: actions[at] });
         }
+        self.are_free(indices.iter().copied())?;
         for index in indices {
-            self.is_free(*index)?;
             match &self.phases[*index] {
                 Phase::Fresh => return Err(EnvError::NoEpisode),
                 Phase::Over(reason) if self.autoreset() == Autoreset::Disabled => {
@@ -312,6 +315,17 @@ impl VectorEnv {
         }
         let jobs = indices.iter().zip(actions.chunks(dimensions.len()));
         self.hand_out(jobs.map(|(index, action)| (*index, Job::Step(action.to_vec()))));
+        Ok(())
+    }
+
+    fn are_free(&self, indices: impl Iterator<Item = usize>) -> Result<(), EnvError> {
+        let mut named = vec![false; self.count()];
+        for index in indices {
+            self.is_free(index)?;
+            if std::mem::replace(&mut named[index], true) {
+                return Err(EnvError::Twice(index));
+            }
+        }
         Ok(())
     }
 
@@ -347,13 +361,15 @@ impl VectorEnv {
     }
 
     /// Waits until `count` environments are done, and returns them in the order in which they came. `wants_more` is asked every
-    /// 50 ms; if it says no, `None` is returned, and what is done can be received later.
+    /// 50 ms, or once the environment is done that this thread is at; if it says no, `None` is returned, and what is done can be
+    /// received later.
     ///
-    /// The thread that waits takes the place of a worker meanwhile: on as many processors as there are threads it has one already,
-    /// while a worker would have to be woken, and would leave it to this thread when all is done.
+    /// A thread that waits for all that is at work takes the place of a worker meanwhile: it has a processor already, on which a
+    /// worker would have to be woken.
     ///
     /// # Errors
-    /// Returns an error if so many aren't at work, and the first error of an environment.
+    /// Returns an error if so many aren't at work, and the first error of an environment. The curriculum has been told of the others
+    /// then.
     pub fn receive(
         &mut self,
         count: usize,
@@ -393,9 +409,15 @@ impl VectorEnv {
                 Ok(_) | Err(_) => {}
             }
         }
-        let arrivals = taken.into_iter().map(|(_, arrival)| arrival).collect::<Result<Vec<_>, _>>()?;
+        let (mut arrivals, mut failed) = (Vec::with_capacity(count), None);
+        for (_, arrival) in taken {
+            match arrival {
+                Ok(arrival) => arrivals.push(arrival),
+                Err(e) => failed = failed.or(Some(e)),
+            }
+        }
         self.learn(&arrivals)?;
-        Ok(Some(arrivals))
+        failed.map_or(Ok(Some(arrivals)), Err)
     }
 
     /// Looks at an environment.
@@ -410,6 +432,11 @@ impl VectorEnv {
 
 impl Drop for VectorEnv {
     fn drop(&mut self) {
+        if std::process::id() != self.process {
+            // A fork has none of the threads, and its locks are as they were left.
+            self.workers.drain(..).for_each(std::mem::forget);
+            return;
+        }
         let mut jobs = lock(&self.shared.jobs);
         jobs.stop = true;
         jobs.waiting.clear();
@@ -489,14 +516,14 @@ impl Shared {
                 reset.task = next.take();
             }
             if ended.is_some() {
-                // SAFETY: this worker has the job of this index.
+                // SAFETY: this thread has the job of this index.
                 unsafe { self.output.observe_last(index, env) };
             }
             env.reset(&reset)?;
             *is_over = env.record().is_some();
             began = env.task().map(str::to_owned).zip(env.run_seed());
         }
-        // SAFETY: this worker has the job of this index.
+        // SAFETY: this thread has the job of this index.
         unsafe {
             self.output.observe(index, env);
             self.output.write(index, &step);

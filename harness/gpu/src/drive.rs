@@ -1,5 +1,6 @@
 //! Drives that a GPU and a CPU make alike, to see whether they come to the same states.
 
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -113,7 +114,8 @@ fn side_by_side<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T>
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut all = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
-        workers.into_iter().flat_map(|w| w.join().unwrap_or_default()).collect::<Vec<_>>()
+        let made = workers.into_iter().map(|w| w.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        made.flatten().collect::<Vec<_>>()
     });
     all.sort_by_key(|(k, _)| *k);
     all.into_iter().map(|(_, made)| made).collect()

@@ -302,7 +302,7 @@ impl Fleet {
     }
 
     /// Tells all vehicles their controls until they are told others: steering in [−1, 1], throttle and brake in [0, 1], and the
-    /// gear, which is 1 for forward, 0 for neutral and −1 for reverse.
+    /// gear, which is 1 for forward, 0 for neutral and −1 for reverse. What is beyond a range is brought to its end.
     ///
     /// # Errors
     /// Returns an error for numbers that aren't finite, and if the GPU fails.

@@ -48,7 +48,7 @@ pub enum LoadError {
         reason: String,
     },
     /// The metadata can't be read.
-    #[error("{}: the plugin's metadata can't be read: {source}; build it again with export_planner!", .path.display())]
+    #[error("{}: the plugin's metadata can't be read: {source}{}", .path.display(), hint::metadata(.source))]
     Metadata {
         /// The path of the file.
         path: PathBuf,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use serde::Serialize;
+use vb_worker::protocol::MALFORMED;
 
 use crate::code::{Blame, FaultCode};
 use crate::hint;
@@ -61,14 +62,20 @@ pub enum FaultCause {
         budget: u64,
     },
     /// The planner wanted more memory than it may have, was refused, and gave up.
-    #[error("wanted {}, it may have {limit}", amount(*.what, *.wanted))]
+    #[error("wanted {wanted} {what}, it may have {limit}")]
     OutOfMemory {
         /// The resource of which it wanted more.
         what: Resource,
-        /// The amount that it would have had then; `None` where that isn't known.
-        wanted: Option<u64>,
+        /// The amount that it would have had then.
+        wanted: u64,
         /// The amount that it may have.
         limit: u64,
+    },
+    /// The planner's process had no memory left and gave up.
+    #[error("{}", used_up(*.limit))]
+    ProcessOutOfMemory {
+        /// The memory that it may have, bytes; `None` for a command, which the harness sets no limit.
+        limit: Option<u64>,
     },
     /// The planner's calls were nested more deeply than its stack allows.
     #[error("overflowed its stack{}{}", of_bytes(*.limit), in_functions(.backtrace))]
@@ -77,6 +84,12 @@ pub enum FaultCause {
         limit: Option<u64>,
         /// The innermost functions, the failing one first.
         backtrace: Vec<String>,
+    },
+    /// The calls in the planner's process were nested more deeply than its stack allows.
+    #[error("overflowed its stack{}", of_bytes(*.limit))]
+    ProcessStackOverflow {
+        /// The stack that the system lets it have, bytes; `None` if that isn't known.
+        limit: Option<u64>,
     },
     /// The planner's WebAssembly code trapped.
     #[error("trapped: {message}{}", in_functions(.backtrace))]
@@ -197,8 +210,8 @@ impl FaultCause {
     pub fn code(&self) -> FaultCode {
         match self {
             Self::OutOfFuel { .. } | Self::OutOfTaskFuel { .. } => FaultCode::OutOfFuel,
-            Self::OutOfMemory { .. } => FaultCode::OutOfMemory,
-            Self::StackOverflow { .. } => FaultCode::StackOverflow,
+            Self::OutOfMemory { .. } | Self::ProcessOutOfMemory { .. } => FaultCode::OutOfMemory,
+            Self::StackOverflow { .. } | Self::ProcessStackOverflow { .. } => FaultCode::StackOverflow,
             Self::Trap { .. } => FaultCode::Trap,
             Self::Panic { .. } => FaultCode::Panic,
             Self::Error { .. } => FaultCode::Error,
@@ -227,12 +240,25 @@ impl FaultCause {
             Self::OutOfTaskFuel { .. } => {
                 "compute less a call or less often, or raise fuel_per_task (--limits)"
             }
-            Self::OutOfMemory { .. } => "allocate less, or raise memory_bytes or table_elements (--limits)",
+            Self::OutOfMemory { what: Resource::Memory, .. }
+            | Self::ProcessOutOfMemory { limit: Some(_) } => {
+                "allocate less, or raise memory_bytes (--limits)"
+            }
+            Self::OutOfMemory { what: Resource::Table, .. } => {
+                "make fewer tables, or raise table_elements (--limits)"
+            }
+            Self::ProcessOutOfMemory { limit: None } => {
+                "allocate less, or free memory of the machine; the harness sets commands no limit"
+            }
             Self::StackOverflow { limit: None, .. } => {
                 "recurse less deeply and keep big arrays on the heap, or link it with a larger stack (-z stack-size)"
             }
             Self::StackOverflow { .. } => {
                 "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (--limits)"
+            }
+            Self::ProcessStackOverflow { .. } => {
+                "recurse less deeply and keep big arrays on the heap; the system sets the size (ulimit -s), and no limit of the \
+                 harness does"
             }
             Self::Trap { .. } => "look at the functions named; --debug shows more of them",
             Self::Panic { message } => hint::panic(message),
@@ -244,6 +270,9 @@ impl FaultCause {
             Self::AbiMismatch { .. } => "build the plugin again with the harness's vb-sdk",
             Self::Crashed { .. } => "run the planner under a debugger, or build it for WASM for a backtrace",
             Self::Hung { .. } => "compute less a call, or raise watchdog_ms (--limits)",
+            Self::Protocol { message } if message.starts_with(MALFORMED) => {
+                "compare it with the table of fields in docs/worker-protocol.md, and print nothing to standard output"
+            }
             Self::Protocol { .. } => "send nothing but the protocol's messages to standard output",
             Self::Machine { .. } => "free memory or lower --jobs; --resume runs the task again",
             Self::Watchdog { .. } => {
@@ -328,8 +357,8 @@ impl fmt::Display for ProcessEnd {
     }
 }
 
-fn amount(what: Resource, wanted: Option<u64>) -> String {
-    wanted.map_or_else(|| format!("more {what}"), |n| format!("{n} {what}"))
+fn used_up(limit: Option<u64>) -> String {
+    limit.map_or_else(|| "ran out of memory".into(), |n| format!("used up its memory: it may have {n} bytes"))
 }
 
 fn of_bytes(limit: Option<u64>) -> String {
@@ -348,6 +377,8 @@ fn in_functions(backtrace: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use vb_worker::protocol::FrameError;
+
     use super::*;
 
     #[test]
@@ -363,12 +394,24 @@ mod tests {
 
     #[test]
     fn a_refusal_of_memory_tells_what_was_wanted_and_the_limit() {
-        let cause = |what, wanted| FaultCause::OutOfMemory { what, wanted, limit: 64 };
-        assert_eq!(
-            cause(Resource::Memory, Some(128)).to_string(),
-            "wanted 128 bytes of memory, it may have 64"
-        );
-        assert_eq!(cause(Resource::Table, None).to_string(), "wanted more table elements, it may have 64");
+        let cause = |what| FaultCause::OutOfMemory { what, wanted: 128, limit: 64 };
+        assert_eq!(cause(Resource::Memory).to_string(), "wanted 128 bytes of memory, it may have 64");
+        assert_eq!(cause(Resource::Table).to_string(), "wanted 128 table elements, it may have 64");
+        // Each names the limit that is to be raised, and no other.
+        assert!(!cause(Resource::Memory).hint().contains("table_elements"));
+        assert!(!cause(Resource::Table).hint().contains("memory_bytes"));
+        let process = |limit| FaultCause::ProcessOutOfMemory { limit };
+        assert_eq!(process(Some(64)).to_string(), "used up its memory: it may have 64 bytes");
+        assert_eq!(process(None).to_string(), "ran out of memory");
+        assert!(!process(None).hint().contains("--limits"));
+    }
+
+    #[test]
+    fn a_message_of_the_wrong_shape_is_told_apart_from_one_at_the_wrong_time() {
+        let hint = |message: String| FaultCause::Protocol { message }.hint();
+        let shape = FrameError::Malformed("missing field `brake`".into()).to_string();
+        assert!(hint(shape).contains("fields in docs/worker-protocol.md"));
+        assert!(hint("it closed its output".into()).contains("nothing but the protocol's messages"));
     }
 
     #[test]

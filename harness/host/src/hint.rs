@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use vb_sdk::metadata::MetadataError;
+
 /// Endings of the names of native libraries.
 const LIBRARIES: [&str; 3] = ["so", "dylib", "dll"];
 /// Endings of scripts, and the program that runs each as a command.
@@ -68,6 +70,35 @@ pub(crate) fn of_another_kind(path: &Path, bytes: &[u8]) -> Option<String> {
         ),
         None => None,
     }
+}
+
+/// About a plugin without metadata.
+pub(crate) fn no_metadata(is_native: bool) -> &'static str {
+    if is_native {
+        "they are written by vb_sdk::export_planner! in Rust, and by VB_PLANNER_METADATA of vb_planner.h in C and C++"
+    } else {
+        "they are written by vb_sdk::export_planner! in Rust, and by `vb-harness plugin stamp` for other languages"
+    }
+}
+
+/// About metadata that can't be read: the rule that they break.
+pub(crate) fn metadata(error: &MetadataError) -> String {
+    let rule = match error {
+        MetadataError::BadLine { text, .. } => match text.split_once(": ") {
+            None => ", but a line is `key: value`",
+            Some(("name", _)) => ", but a name is of a-z, 0-9, - and _ only",
+            Some(("control-period", _)) => {
+                ", but a control period is a positive multiple of 0.001, in seconds"
+            }
+            Some(("default" | "help", _)) => ", but it must follow a param",
+            Some(_) => ", but after a backslash only n, r or another backslash may come",
+        },
+        // Their own texts name it.
+        _ => "",
+    };
+    format!(
+        "{rule}; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and build the plugin again"
+    )
 }
 
 /// Names of imports for people: the first few.

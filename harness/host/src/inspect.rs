@@ -110,7 +110,7 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
     };
     let text = text.ok_or_else(|| LoadError::NotAPlugin {
         path: path.into(),
-        reason: "it carries no planner metadata; planners are exported by vb_sdk::export_planner!".into(),
+        reason: format!("it carries no planner metadata; {}", hint::no_metadata(format == Format::Native)),
     })?;
     // The version decides how the rest is to be read.
     let outside = |found: &str| LoadError::AbiVersion { path: path.into(), found: one_line(found) };

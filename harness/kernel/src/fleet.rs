@@ -300,6 +300,9 @@ pub unsafe fn drive(fleet: &Fleet, vehicle: usize, turn: usize) {
         }
         env.take_sample(sample_every(fleet));
         let [steering, throttle, brake, gear] = controls;
+        // As a planner's commands are brought within range.
+        let (steering, throttle, brake) =
+            (steering.clamp(-1.0, 1.0), throttle.clamp(0.0, 1.0), brake.clamp(0.0, 1.0));
         let gear = match gear {
             g if g > 0.0 => Gear::Forward,
             g if g < 0.0 => Gear::Reverse,

@@ -38,6 +38,9 @@ fn soils() -> SoilSet {
 
 /// What each vehicle is told.
 fn controls(vehicle: usize) -> Controls {
+    if vehicle == 1 {
+        return Controls { steering: 1.0, throttle: 1.0, brake: 0.0, gear: Gear::Forward };
+    }
     let steering = 0.3 - 0.1 * vehicle as f64;
     let gear = if vehicle == 3 { Gear::Reverse } else { Gear::Forward };
     Controls { steering, throttle: 0.6, brake: 0.0, gear }
@@ -71,6 +74,8 @@ fn a_fleet_has_the_states_of_single_simulations() {
         [c.steering, c.throttle, c.brake, if c.gear == Gear::Reverse { -1.0 } else { 1.0 }]
     });
     asked[6][1] = f64::NAN;
+    // What is beyond a range is brought to its end.
+    asked[1] = [7.0, 1.5, -3.0, 1.0];
     let mut gathered = [vec![0; n], vec![0; n]];
     let counts = std::array::from_fn(|_| [AtomicU32::new(0), AtomicU32::new(0)]);
     let no_pool = Pool::new(0, 0);

@@ -24,6 +24,8 @@ pub(crate) struct Snapshot {
 }
 
 impl Env {
+    /// The environment. It must be let go of before anything of Python is made: that may let another thread of Python run, which
+    /// would wait for it and never give Python's lock back.
     fn lock(&self) -> MutexGuard<'_, vb_env::Env> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -56,27 +58,30 @@ impl Env {
 
     /// The parts of the observation as fresh arrays, in order.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let env = self.lock();
+        let arena = self.lock().arena().clone();
         let part = |(k, part): (usize, &vb_sdk::policy::Part)| match part.dtype {
             Dtype::F32 => {
                 let mut to = vec![0f32; part.width()];
-                env.observe(k, Row::F32(&mut to));
+                self.lock().observe(k, Row::F32(&mut to));
                 copied(py, &to, &part.shape)
             }
             Dtype::U8 => {
                 let mut to = vec![0u8; part.width()];
-                env.observe(k, Row::U8(&mut to));
+                self.lock().observe(k, Row::U8(&mut to));
                 copied(py, &to, &part.shape)
             }
         };
-        env.arena().layout().parts().iter().enumerate().map(part).collect()
+        arena.layout().parts().iter().enumerate().map(part).collect()
     }
 
     /// The flat observation as a fresh array.
     fn observe_flat<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let env = self.lock();
-        let mut to = vec![0f32; env.arena().layout().flat_width()];
-        env.observe_flat(&mut to);
+        let to = {
+            let env = self.lock();
+            let mut to = vec![0f32; env.arena().layout().flat_width()];
+            env.observe_flat(&mut to);
+            to
+        };
         copied(py, &to, &[to.len()])
     }
 
@@ -97,8 +102,8 @@ impl Env {
     }
 
     /// Goes back to how it was.
-    fn restore(&self, py: Python<'_>, snapshot: &Snapshot) {
-        py.detach(|| self.lock().restore(&snapshot.inner));
+    fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
+        errors::guarded(py, || self.lock().restore(&snapshot.inner))
     }
 
     /// The true state of the vehicle as a dictionary; None without an episode.
@@ -122,8 +127,7 @@ impl Env {
 
     /// Start (x, y, heading), goal (x, y), its radius, and the path's points of the task; None without an episode.
     fn task<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let env = self.lock();
-        let Some(brief) = env.brief() else { return Ok(None) };
+        let Some(brief) = self.lock().brief().cloned() else { return Ok(None) };
         let all = PyDict::new(py);
         all.set_item("name", &brief.id)?;
         all.set_item("start", (brief.start.x, brief.start.y, brief.start.yaw))?;
@@ -150,9 +154,7 @@ impl Env {
 
     /// Whether there is an episode; raises what a step would raise without one.
     fn check(&self, py: Python<'_>) -> PyResult<()> {
-        match self.lock().task() {
-            Some(_) => Ok(()),
-            None => Err(errors::exception(py, &EnvError::NoEpisode)),
-        }
+        let is_there = self.lock().task().is_some();
+        if is_there { Ok(()) } else { Err(errors::exception(py, &EnvError::NoEpisode)) }
     }
 }

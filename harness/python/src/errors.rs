@@ -8,6 +8,8 @@ pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
     let class = match error {
         EnvError::ActionLength { .. } | EnvError::Action { .. } => "ActionError",
         EnvError::NoEpisode | EnvError::Ended(_) | EnvError::Pending(_) | EnvError::Nothing => "EpisodeError",
+        // No option is wrong: another task can be begun.
+        error if error.is_divergence() => "EpisodeError",
         EnvError::NoTask { .. } | EnvError::NoEnv { .. } => "UnknownError",
         EnvError::Panic(_) => "PanicError",
         _ => "OptionError",

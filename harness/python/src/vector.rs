@@ -16,7 +16,7 @@ use crate::errors;
 /// The name of an episode's task with the seed of its noise.
 type Began = Option<(String, u64)>;
 
-/// Many environments at a time, stepped by worker threads.
+/// Many environments at a time, stepped by several threads.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct VectorEnv {
     inner: Mutex<vb_env::VectorEnv>,
@@ -70,7 +70,7 @@ impl VectorEnv {
         Ok(Self { inner, process: std::process::id(), flat })
     }
 
-    /// Arrays over the memory that the workers write: observations (a list in the order of the parts, or of the flat one alone),
+    /// Arrays over the memory that the threads write: observations (a list in the order of the parts, or of the flat one alone),
     /// finals (the same, or empty), rewards, terms, terminated, truncated. A row is valid from when its environment was received
     /// until it is sent on.
     fn arrays<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {

@@ -94,7 +94,12 @@ impl RunStore {
         }
         let path = dir.join(TASKS);
         let (mut records, mut len) = read_tasks::<T>(dir)?;
-        let checksums = Mutex::new(ChecksumWriter::open(dir)?);
+        let has_sums = dir.join(CHECKSUMS).exists();
+        let mut checksums = ChecksumWriter::open(dir)?;
+        if !has_sums {
+            adopt(dir, len, &mut checksums)?;
+        }
+        let checksums = Mutex::new(checksums);
         if !records.iter().all(&counts) {
             let bytes = fs::read(&path).map_err(StoreError::io("read", &path))?;
             // Every whole line is a record, in the same order.
@@ -390,6 +395,26 @@ pub(crate) fn pretty<T: Serialize>(what: &'static str, value: &T) -> Result<Vec<
         serde_json::to_vec_pretty(value).map_err(|e| StoreError::Encode { what, detail: e.to_string() })?;
     text.push(b'\n');
     Ok(text)
+}
+
+/// Adds the checksums of all that is in a run's directory, whose records take up `len` bytes: without its checksums, a run is taken as
+/// it is.
+fn adopt(dir: &Path, len: u64, checksums: &mut ChecksumWriter) -> Result<(), StoreError> {
+    let read = |path: &Path| fs::read(path).map_err(StoreError::io("read", path));
+    checksums.add(HEADER, &read(&dir.join(HEADER))?)?;
+    let records = if len > 0 { read(&dir.join(TASKS))? } else { Vec::new() };
+    for line in records[..len as usize].split(|b| *b == b'\n').filter(|line| !line.is_empty()) {
+        let key: Key = serde_json::from_slice(line)
+            .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
+        for name in [trace_name(&key.task)?, debug_name(&key.task)?] {
+            let path = dir.join(&name);
+            if path.exists() {
+                checksums.add(&name, &read(&path)?)?;
+            }
+        }
+        checksums.add(&record_name(&key.task), line)?;
+    }
+    Ok(())
 }
 
 fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {

@@ -469,6 +469,24 @@ fn a_bit_that_was_flipped_anywhere_is_found_by_whoever_reads_it() {
 }
 
 #[test]
+fn a_run_without_checksums_is_gone_on_with_and_has_them_from_then_on() {
+    let tmp = tempfile::tempdir().unwrap();
+    let store = RunStore::create(tmp.path(), &header()).unwrap();
+    store.append(&record("w/a", 1.0)).unwrap();
+    drop(store);
+    fs::remove_file(tmp.path().join("checksums.txt")).unwrap();
+    let (store, done) = resume(tmp.path()).unwrap();
+    assert_eq!(done, [record("w/a", 1.0)]);
+    store.append(&record("w/b", 2.0)).unwrap();
+    drop(store);
+    assert_eq!(RunReader::open(tmp.path()).unwrap().records::<Record>().unwrap().len(), 2);
+    let path = tmp.path().join("tasks.jsonl");
+    let changed = fs::read_to_string(&path).unwrap().replace("w/a", "w/c");
+    fs::write(&path, changed).unwrap();
+    assert!(RunReader::open(tmp.path()).and_then(|run| run.records::<Record>()).is_err());
+}
+
+#[test]
 fn what_a_kill_leaves_of_checksums_is_gone_on_with() {
     let tmp = tempfile::tempdir().unwrap();
     let store = RunStore::create(tmp.path(), &header()).unwrap();

@@ -4,7 +4,7 @@ use vb_host::ParamError;
 use vb_record::StoreError;
 use vb_sense::SenseError;
 use vb_sim::SimError;
-use vb_vehicle::VehicleError;
+use vb_vehicle::{SCALES, VehicleError};
 use vb_world::SuiteError;
 
 /// An error of a run. What planners do wrong is not such an error but a task's outcome.
@@ -75,7 +75,7 @@ pub enum RunError {
     /// There are no tasks to run.
     #[error("no task is chosen")]
     NoTasks,
-    /// The scale is a factor that no world can have.
-    #[error("a scale of {0} is not a positive number")]
+    /// The scale is one that no world has.
+    #[error("a scale of {0} is not in {least} to {most}", least = SCALES.start(), most = SCALES.end())]
     Scale(f64),
 }

@@ -11,7 +11,7 @@ use vb_sdk::metadata::Need;
 use vb_sense::rays::Scene;
 use vb_sense::{Perception, Profile};
 use vb_sim::{SimOptions, SoilSet, Start, Surroundings};
-use vb_vehicle::VehicleModel;
+use vb_vehicle::{SCALES, VehicleModel};
 use vb_world::{Suite, SuiteError, Task, World};
 
 use crate::brief::{Terms, planner_vehicle};
@@ -123,7 +123,7 @@ impl Setting {
     /// A setting; `time_step` is that of the simulation, s.
     ///
     /// # Errors
-    /// Returns an error if the scale is no positive number, or the vehicle can't be simulated.
+    /// Returns an error if no world has such a scale, or the vehicle can't be simulated.
     pub fn new(
         vehicle: &Vehicle,
         soils: &Soils,
@@ -133,7 +133,7 @@ impl Setting {
         scale: f64,
         seed: u64,
     ) -> Result<Self, RunError> {
-        if !(scale.is_finite() && scale > 0.0) {
+        if !SCALES.contains(&scale) {
             return Err(RunError::Scale(scale));
         }
         let options = SimOptions {

@@ -56,12 +56,13 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
     let axles: Vec<[f64; 2]> =
         hubs(model).iter().map(|[left, right]| [left[0], left[1] - right[1]]).collect();
     let mass = spec.total_mass();
-    let max_reverse_speed = backwards(&standing)?;
+    let period = (PERIOD / options.step).round() as u64;
+    let max_reverse_speed = backwards(&standing, period)?;
     let ground_clearance = if lowest.is_finite() { state.position.z + lowest } else { 0.0 };
     if spec.tracks.is_some() {
         let (first, last) = (axles[1], axles[axles.len() - 2]);
         let wheelbase = first[0] - last[0];
-        let curvature = |command: f64| skid_steer(&standing, command);
+        let curvature = |command: f64| skid_steer(&standing, command, period);
         return Ok(StaticShape {
             length,
             width,
@@ -103,13 +104,16 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
     })
 }
 
+/// The time for which controls are held where the vehicle is driven to be measured, s: a whole number of all time steps.
+const PERIOD: f64 = 0.01;
+
 /// The command by which a tracked vehicle's answer to small ones is measured.
 const SMALL_COMMAND: f64 = 0.2;
 
-/// Curvature of a tracked vehicle's way at a steering command, 1/m: driven on level ground for eight seconds at 3 m/s.
-fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
+/// Curvature of a tracked vehicle's way at a steering command, 1/m: driven on level ground for eight seconds at 3 m/s, with
+/// `period` steps in [`PERIOD`].
+fn skid_steer(standing: &Simulation, steering: f64, period: u64) -> Result<f64, SimError> {
     let mut sim = standing.clone();
-    let period = 10;
     for _ in 0..800 {
         let e = 3.0 - sim.state().velocity.x;
         let (throttle, brake) = (e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
@@ -120,12 +124,12 @@ fn skid_steer(standing: &Simulation, steering: f64) -> Result<f64, SimError> {
     Ok(s.angular_velocity.z / s.velocity.x)
 }
 
-/// The speed backwards after ten seconds of full throttle on level ground, m/s.
-fn backwards(standing: &Simulation) -> Result<f64, SimError> {
+/// The speed backwards after ten seconds of full throttle on level ground, m/s, with `period` steps in [`PERIOD`].
+fn backwards(standing: &Simulation, period: u64) -> Result<f64, SimError> {
     let mut sim = standing.clone();
     let controls = Controls { throttle: 1.0, gear: Gear::Reverse, ..Controls::default() };
     for _ in 0..1000 {
-        sim.advance(controls, 10)?;
+        sim.advance(controls, period)?;
     }
     Ok((-sim.state().velocity.x).max(0.0))
 }
@@ -227,6 +231,19 @@ mod tests {
             // Camber and toe turn a tyre by up to a degree.
             let near = |a: f64, b: f64| (a - b).abs() < 0.01 * scale;
             assert!(near(shape.length, length) && near(shape.width, width), "{name}: {shape:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_measured_hardly_depends_on_the_time_step() {
+        for name in ["hmmwv", "m113"] {
+            let file = format!("{}/../../tasks/vehicles/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
+            let model = VehicleModel::new(VehicleSpec::load(file.as_ref()).unwrap()).unwrap();
+            let at = |step: f64| static_shape(&model, SimOptions { step, ..SimOptions::default() }).unwrap();
+            let [fine, coarse] = [at(0.2e-3), at(1e-3)];
+            let near = |a: f64, b: f64| (a - b).abs() < 0.02 * b;
+            assert!(near(fine.max_reverse_speed, coarse.max_reverse_speed), "{name}: {fine:?}, {coarse:?}");
+            assert!(near(fine.max_steer_angle, coarse.max_steer_angle), "{name}: {fine:?}, {coarse:?}");
         }
     }
 

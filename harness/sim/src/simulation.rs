@@ -34,7 +34,7 @@ pub enum Start {
     /// The clock starts with the vehicle level and at rest in the air, and it falls under the planner's commands.
     Dropped {
         /// The height of the reference point above the ground there, m. It is greater where the vehicle would otherwise
-        /// touch something.
+        /// touch the ground; obstacles aren't looked for.
         height: f64,
         /// The number by which the start's coordinates are divided to find the place whose ground height is taken: 1,
         /// or how far the raster is stretched from which that height is read.
@@ -50,11 +50,14 @@ impl Default for SimOptions {
     }
 }
 
-/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks, m, unless the simulation has failed.
+/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks at full scale, m, unless the simulation has failed.
 const FASTEST: f64 = 200.0;
 const DEEPEST: f64 = 1.5;
 /// Steps between two looks for obstacles in reach.
 const LOOK_AROUND: u64 = 16;
+/// How far around the vehicle obstacles are looked for beside the way until the next look, m: for what it turns by until then, and
+/// for wheels that have moved in their springs.
+const AROUND: f64 = 0.2;
 /// Vertical part of the vehicle's up direction below which it lies on its side or roof.
 const LYING: f64 = 0.5;
 /// How near the middle of a wheel's face comes to the ground on which the wheel stands, in radii of the wheel.
@@ -130,7 +133,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Sets the vehicle down as low as it goes without touching, aligned with the ground under its wheels.
+    /// Sets the vehicle down as low as it goes without touching the ground, aligned with the ground under its wheels.
     fn place(&mut self, start: Pose2) {
         let ground = &self.world.heightfield;
         let heading = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
@@ -182,7 +185,7 @@ impl Simulation {
     }
 
     /// Leaves the vehicle level in the air with its reference point `height` above the ground, whose height is read at the
-    /// place over `stretch`, or as much higher as it takes to touch nothing.
+    /// place over `stretch`, or as much higher as it takes not to touch the ground.
     fn place_above(&mut self, start: Pose2, height: f64, stretch: f64) {
         let ground = &self.world.heightfield;
         let (_, high) = ground.range();
@@ -232,7 +235,7 @@ impl Simulation {
         self.chassis.pass_over(self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
     }
 
-    /// Whether neither wheels nor hull touch anything. Wheels that are known to be far above the ground needn't be looked at; the
+    /// Whether neither wheels nor hull touch the ground. Wheels that are known to be far above the ground needn't be looked at; the
     /// hull, which remembers where it was clear, is always.
     fn is_free(&mut self, wheels_are_low: bool) -> bool {
         self.pass_over_soil();
@@ -282,9 +285,7 @@ impl Simulation {
     pub fn begin_step(&mut self, controls: Controls) -> bool {
         let dt = self.options.step;
         if self.steps.is_multiple_of(LOOK_AROUND) {
-            let body = self.vehicle.body();
-            let reach = self.chassis.bound() + 0.2 + body.v.norm() * dt * LOOK_AROUND as f64;
-            self.obstacles.look_around(&body.x, reach);
+            self.look_around();
         }
         let mut ground = Ground {
             soil: &mut self.soil,
@@ -296,6 +297,14 @@ impl Simulation {
         self.pass_over_soil();
         let body = self.vehicle.body();
         self.chassis.is_known_clear(&self.obstacles, &body.x, &body.q, self.hull_margin())
+    }
+
+    /// Notes which obstacles hull, wheels and belts may come near to until the next look.
+    fn look_around(&mut self) {
+        let body = self.vehicle.body();
+        let bound = self.chassis.bound().max(self.vehicle.bound());
+        let way = body.v.norm() * self.options.step * LOOK_AROUND as f64;
+        self.obstacles.look_around(&body.x, bound + AROUND + way);
     }
 
     /// The second part of a step, where the hull isn't known to be clear: whether it may touch ground or obstacles at the end of
@@ -364,6 +373,7 @@ impl Simulation {
         // Beyond the edge the ground is made up, and a vehicle may fall for as long as the rules let it.
         let ground = &self.world.heightfield;
         let inside = ground.contains(body.x.x, body.x.y);
+        let deepest = DEEPEST * self.world.scale;
         let what = if !finite(&body.x) || !body.q.coords.iter().all(|x| x.is_finite()) {
             "a pose that is not finite"
         } else if !finite(&body.v) || !finite(&body.w) {
@@ -374,7 +384,7 @@ impl Simulation {
             "a speed beyond 200 m/s or rad/s"
         } else if vehicle
             .hubs()
-            .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + DEEPEST)
+            .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + deepest)
         {
             "a wheel deep below the ground"
         } else if self.energy.exceeded() {
@@ -391,11 +401,11 @@ impl Simulation {
         let wheels: Vec<String> = (0..vehicle.wheel_count())
             .map(|i| {
                 let w = vehicle.wheel(i);
-                format!("[{}, {}, {}, {}]", w.speed, w.deflection, w.load, w.sinkage)
+                format!("[{:?}, {:?}, {:?}, {:?}]", w.speed, w.deflection, w.load, w.sinkage)
             })
             .collect();
         format!(
-            "x {:?}, q {:?}, v {:?}, w {:?}, steering {}, wheels (spin, travel, load, sinkage) {}",
+            "x {:?}, q {:?}, v {:?}, w {:?}, steering {:?}, wheels (spin, travel, load, sinkage) {}",
             body.x.as_slice(),
             body.q.coords.as_slice(),
             body.v.as_slice(),
@@ -487,8 +497,8 @@ impl Simulation {
         self.vehicle.drive_state()
     }
 
-    /// Turns the vehicle about its long axis by `roll` (rad, positive with the right side down) and lifts its reference
-    /// point to `height` (m) above the ground under it, at rest: for tests of rollovers.
+    /// Turns the vehicle about its long axis by `roll` (rad, positive with the right side down) and lifts the centre of mass
+    /// of its chassis to `height` (m) above the ground under it, at rest: for tests of rollovers.
     pub fn overturn(&mut self, roll: f64, height: f64) {
         let body = self.vehicle.body_mut();
         body.q *= Quat::from_axis_angle(&V3::x_axis(), roll);

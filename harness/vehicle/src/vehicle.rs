@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::VehicleError;
 use crate::powertrain::Powertrain;
-use crate::suspension::{SteeredBy, Steering, SteeringGear, Suspension};
+use crate::suspension::{Steering, SteeringGear, Suspension};
 use crate::tracks::Tracks;
 use crate::tyre::TyreSpec;
 
@@ -176,11 +176,5 @@ impl VehicleSpec {
         let belt = self.tracks.as_ref().map_or(0.0, |t| t.thickness);
         let size = |a: &Axle| [self.tyre_of(a).radius() - belt, self.tyre_of(a).width()];
         self.axles.iter().flat_map(|a| [size(a); 2]).collect()
-    }
-
-    /// Tells whether steering commands go to the driveline instead of the wheels.
-    #[must_use]
-    pub fn steers_by_driveline(&self) -> bool {
-        self.steering.by == SteeredBy::Differential
     }
 }

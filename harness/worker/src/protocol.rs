@@ -217,13 +217,16 @@ pub enum FrameError {
     Malformed(String),
 }
 
+/// How the text of [`FrameError::Malformed`] begins.
+pub const MALFORMED: &str = "a message can't be read";
+
 impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooLong { bytes, limit } => {
                 write!(f, "a message of {bytes} bytes came; at most {limit} are allowed")
             }
-            Self::Malformed(text) => write!(f, "a message can't be read: {text}"),
+            Self::Malformed(text) => write!(f, "{MALFORMED}: {text}"),
         }
     }
 }

@@ -19,7 +19,8 @@ fn c_program(body: &str, compiler: &str, extension: &str) -> Option<String> {
     let (source, program) = (dir.path().join(format!("p.{extension}")), dir.path().join("p"));
     let text = format!(
         "#include <stdio.h>\n#include \"vb_planner.h\"\n\
-         VB_PLANNER_METADATA(\"p\", \"1\", \"a\", \"b\", \"0.1\", VB_PARAM(\"k\", \"1\", \"h\"));\n\
+         VB_PLANNER_METADATA(\"p\", \"1\", \"a\", \"b\", \"0.1\", VB_PARAM(\"k\", \"1\", \"h\") \
+         VB_NEED(\"lidar 10\") VB_NEED_WITHOUT_MAPS(\"local-map\") VB_MODEL(\"weights 00ff\"));\n\
          int main(void) {{\n{body}\nreturn 0; }}\n"
     );
     std::fs::write(&source, text).unwrap();
@@ -77,5 +78,10 @@ fn the_metadata_macro_writes_what_the_harness_reads() {
         let metadata = vb_sdk::metadata::Metadata::parse(text.as_bytes()).unwrap();
         assert_eq!((metadata.name.as_str(), metadata.abi.as_str()), ("p", vb_sdk::ABI_VERSION));
         assert_eq!((metadata.control_period, metadata.params[0].key.as_str()), (0.1, "k"));
+        let texts =
+            |needs: &[vb_sdk::metadata::Need]| needs.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert_eq!(texts(&metadata.needs), ["lidar 10"]);
+        assert_eq!(texts(&metadata.needs_without_maps), ["local-map"]);
+        assert_eq!(metadata.models, ["weights 00ff"]);
     }
 }

@@ -59,6 +59,9 @@ pub(crate) const MAX_SIDE: usize = 8193;
 /// Largest Coulomb coefficient a patch may have. Dry rubber on dry rock stays below 1.5.
 const MAX_FRICTION: f64 = 2.0;
 
+/// The least and the greatest size of an obstacle at full scale, m: a smaller one has no faces that numbers tell apart.
+const OBSTACLE_SIZES: [f64; 2] = [1e-3, 1e3];
+
 /// Largest distance from the ground at its centre to an obstacle that hangs above it or lies wholly below it, m at
 /// scale 1. The original's data have both, by 2.8 m at most (measured over its 100 worlds); more is a typing error.
 const MAX_GAP: f64 = 10.0;
@@ -217,16 +220,19 @@ impl World {
             return flaw(".yaw", format!("{} is not a finite angle in radians", o.yaw));
         }
         let height = o.size()[2];
+        let [least, most] = OBSTACLE_SIZES.map(|size| size * self.scale);
+        let sizes = least..=most;
         match o.kind {
             ObstacleKind::Boulder { size, .. } | ObstacleKind::Box { size } => {
-                if !size.iter().all(|l| l.is_finite() && *l > 0.0) {
-                    return flaw(".size", format!("{size:?} must be three positive lengths in metres"));
+                if !size.iter().all(|l| sizes.contains(l)) {
+                    let lengths = format!("three lengths from {least} to {most} m");
+                    return flaw(".size", format!("{size:?} must be {lengths}"));
                 }
             }
             ObstacleKind::Trunk { radius, height } => {
                 for (name, value) in [(".radius", radius), (".height", height)] {
-                    if !(value.is_finite() && value > 0.0) {
-                        return flaw(name, format!("{value} must be a positive length in metres"));
+                    if !sizes.contains(&value) {
+                        return flaw(name, format!("{value} must be a length from {least} to {most} m"));
                     }
                 }
             }

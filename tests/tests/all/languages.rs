@@ -176,19 +176,68 @@ fn new_projects_in_other_languages_build_and_drive() {
         let Some(environment) = environment(lang) else { continue };
         let bench = Bench::new();
         let dir = project(&bench, lang);
-        if lang == "python" {
-            plant_a_bug(&dir.join("guest.py"));
-            plant_prints(&dir.join("guest.py"));
+        match lang {
+            "python" => {
+                plant_a_bug(&dir.join("guest.py"));
+                plant_prints(&dir.join("guest.py"));
+            }
+            "js" => plant(&dir.join("planner.js"), JS_BUGS),
+            _ => plant(&dir.join("planner.c"), C_BUGS),
         }
         let mut command = Command::new("./build.sh");
         command.current_dir(&dir).env("VB_HARNESS", vb_tests::release_harness()).envs(environment);
         let _ = Done::of(&mut command).ok();
         let built = dir.join("build/fox.wasm");
         assert_drives(&bench, &built, &compiled);
-        if lang == "python" {
-            assert_tells_bugs(&bench, &built);
+        match lang {
+            "python" => assert_tells_bugs(&bench, &built),
+            "js" => {
+                for (speed, told) in
+                    [("13", "step returned undefined;"), ("14", "step returned brake = undefined,")]
+                {
+                    let record = fails(&bench, &built, speed);
+                    assert_eq!(record["fault"], "planner/error");
+                    let reason = record["reason"].as_str().expect("a reason");
+                    assert!(reason.contains(told), "{reason}");
+                }
+            }
+            _ => {
+                let record = fails(&bench, &built, "13");
+                assert_eq!(record["fault"], "planner/trap");
+                let reason = record["reason"].as_str().expect("a reason");
+                assert!(reason.contains("abort <") && reason.contains("planner_step"), "{reason}");
+                assert!(record["log"].to_string().contains("info: printed at 0"), "{record}");
+            }
         }
     }
+}
+
+/// What is put before a line of a planner's source.
+type Bugs = (&'static str, &'static str);
+const JS_BUGS: Bugs = (
+    "    // Progress never goes back",
+    "    if (this.speed === 13) return;\n    if (this.speed === 14) return { steering: 0, throttle: 0 };\n",
+);
+const C_BUGS: Bugs = (
+    "  double angle = turn(",
+    "  if (planner->speed == 13.0) {\n    printf(\"printed at %d\\n\", (int)time(NULL));\n    abort();\n  }\n",
+);
+
+/// Bugs at speeds that nobody drives at.
+fn plant(file: &Path, (at, bugs): Bugs) {
+    let source = std::fs::read_to_string(file).expect("the planner can be read");
+    assert!(source.contains(at));
+    let source = source.replacen(at, &format!("{bugs}{at}"), 1);
+    let source =
+        source.replacen("#include <math.h>", "#include <math.h>\n#include <stdio.h>\n#include <time.h>", 1);
+    std::fs::write(file, source).expect("the planner can be written");
+}
+
+/// The record of a task at a speed at which the planner fails.
+fn fails(bench: &Bench, built: &Path, speed: &str) -> Value {
+    let param = format!("speed={speed}");
+    bench.ok(&["--plugin", text(built), "--tasks", "w001/t00", "--param", &param, "--out", speed]);
+    bench.records(speed)["w001/t00"].clone()
 }
 
 /// What was planted by [`plant_a_bug`] and [`plant_prints`] is told.

@@ -40,7 +40,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
         native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
-        native("memory", "planner/out-of-memory", "wanted more bytes of memory, it may have 33554432", 4),
+        native("memory", "planner/out-of-memory", "used up its memory: it may have 33554432 bytes", 4),
         native("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
         native("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
         native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),

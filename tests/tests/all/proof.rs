@@ -48,6 +48,12 @@ fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
     let error = bench.run(&["suite", "prove", "smoke", "a", "dev", "--out", "p.json"]).error(BAD_INPUT);
     assert!(error.contains("differs from the first run"), "{error}");
     assert!(!bench.path("p.json").exists());
+    // The proof that lies beside the suite isn't replaced by one of fewer tasks.
+    let file = root().join("tasks/smoke/proof.json");
+    let before = std::fs::read(&file).expect("the suite's proof");
+    let error = bench.run(&["suite", "prove", "smoke", "a", "b"]).error(2);
+    assert!(error.contains("proof.json proves ") && error.contains("another file with --out"), "{error}");
+    assert!(std::fs::read(&file).expect("the suite's proof") == before);
 }
 
 /// A snapshot: the proof of the small suite is of today's physics. If it fails, drive anew with `cargo xtask prove`, also

@@ -208,6 +208,10 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     }
     let scores = mini.bench.json("scores.json");
     assert_eq!((&scores["suite"], &scores["tasks"]), (&"holdout".into(), &10.into()));
+    // Nothing is driven for scores that have no place.
+    let nowhere = ["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault", "--out", "no/where.json"];
+    let told = mini.run(&nowhere).error(4);
+    assert!(told.contains("cannot write no/where.json"), "{told}");
     // A suite that is damaged: not even that is told, nor where it lies.
     fs::remove_file(mini.path("cellar/vault/worlds/w001/elevation.png")).expect("a file of the world");
     let done = mini.run(&["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault"]);

@@ -60,7 +60,8 @@ pub(crate) struct StampArgs {
     /// The planner: a WASM component, or a core module as wit-bindgen leaves it
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// What the planner says of itself, as YAML: name, version, authors, about, control_period, params
+    /// What the planner says of itself, as YAML: name, version, authors, about, control_period, params, needs,
+    /// needs_without_maps, models
     #[arg(long, value_name = "FILE")]
     pub(crate) meta: PathBuf,
     /// Where to write it; default: in place

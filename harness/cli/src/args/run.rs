@@ -71,7 +71,7 @@ pub(crate) struct RunArgs {
     /// Fuel of a WASM planner for one step (about one unit an instruction), whatever --limits says
     #[arg(long, value_name = "N")]
     pub(crate) fuel_per_step: Option<u64>,
-    /// Memory of a WASM planner in bytes, or with a suffix K, M or G, whatever --limits says
+    /// Memory of a WASM or native planner in bytes, or with a suffix K, M or G, whatever --limits says
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) memory: Option<u64>,
     /// Show the functions in which a planner trapped, and every log that is kept, not those of errors alone

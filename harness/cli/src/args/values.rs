@@ -2,6 +2,7 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use vb_record::{LogMode, TraceMode};
+use vb_vehicle::SCALES;
 use vb_world::{Shard, ShardError};
 
 /// A planner: a file, which may lie in the directory that `VB_PLUGINS` names, or a command.
@@ -72,7 +73,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
         None => number(text),
     };
     value
-        .filter(|v| v.is_finite() && *v >= 0.01 && *v <= 10.0)
+        .filter(|v| SCALES.contains(v))
         .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
 }
 

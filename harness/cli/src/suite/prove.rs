@@ -6,6 +6,7 @@ use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_score::{Outcome, TaskRecord};
 use vb_suite_report::proof::{Conditions, Named, Proof, ProofError, Prover};
+use vb_world::Suite;
 
 use crate::args::ProveArgs;
 use crate::error::CliError;
@@ -54,7 +55,13 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
     }
     // The arguments demand a run.
     let Some(proof) = proof else { return Ok(()) };
-    let path = args.out.clone().unwrap_or_else(|| Proof::path(&suite));
+    let path = match &args.out {
+        Some(path) => path.clone(),
+        None => {
+            keep(&suite, &proof)?;
+            Proof::path(&suite)
+        }
+    };
     proof.write(&path).map_err(|e| match e {
         ProofError::File { .. } => CliError::output(e),
         other => CliError::input(other),
@@ -66,6 +73,20 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
         output::text(&format!("{}: {proven} of {tasks} tasks are proven\n", path.display()));
     }
     Ok(())
+}
+
+/// Sees to it that the suite's own proof names no task that the new one doesn't.
+fn keep(suite: &Suite, new: &Proof) -> Result<(), CliError> {
+    // One that is damaged, or of another suite, proves nothing.
+    let Ok(Some(old)) = Proof::read(suite) else { return Ok(()) };
+    let lost = old.tasks.keys().filter(|task| !new.tasks.contains_key(*task)).count();
+    if lost == 0 {
+        return Ok(());
+    }
+    Err(CliError::usage(format!(
+        "{} proves {lost} tasks that these runs don't: name the runs that do, too, or another file with --out",
+        Proof::path(suite).display()
+    )))
 }
 
 fn conditions(header: &RunHeader) -> Conditions {

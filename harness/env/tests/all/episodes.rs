@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use vb_env::{Env, EnvError, TERMS};
+use vb_env::{Env, EnvError, Options, Reset, TERMS};
 use vb_host::{LogSink, PlannerFault};
 use vb_runner::{Driver, Keep, Place, Wants};
 use vb_score::Outcome;
@@ -130,10 +130,48 @@ fn a_snapshot_goes_on_as_the_environment_did() {
     let record = env.record().cloned();
     let mut other = Env::new(env.arena().clone(), 99);
     for env in [&mut env, &mut other] {
-        env.restore(&snapshot);
+        env.restore(&snapshot).unwrap();
         assert_eq!(drive(env, 50).unwrap(), steps);
         assert_eq!((part(env, 0), env.record().cloned()), (seen.clone(), record.clone()));
     }
+}
+
+#[test]
+fn a_snapshot_is_refused_by_an_environment_with_other_options_and_one_of_no_episode_by_all() {
+    let mut env = Env::new(arena(options()), 0);
+    assert!(matches!(env.restore(&env.snapshot()), Err(EnvError::NoEpisode)));
+    env.reset(&on("w003/t02")).unwrap();
+    let snapshot = env.snapshot();
+    // Made anew in the same way.
+    Env::new(arena(options()), 0).restore(&snapshot).unwrap();
+    let others = [
+        Options { vehicle: "gator".into(), ..options() },
+        Options { tasks: Some("w001".into()), ..options() },
+        Options { time_step: 0.002, ..options() },
+    ];
+    for options in others {
+        let mut other = Env::new(arena(options), 0);
+        assert!(matches!(other.restore(&snapshot), Err(EnvError::Unlike)));
+        assert!(other.task().is_none());
+    }
+}
+
+#[test]
+fn a_drawn_task_that_cannot_be_begun_is_not_drawn_again_and_again() {
+    // At a step of 5 ms a car of a tenth of the size can't be simulated on this soil.
+    let small = Options { vehicle: "verti4wheeler".into(), time_step: 0.005, ..options() };
+    let mut env = Env::new(arena(small), 0);
+    let failed = |env: &mut Env, reset: &Reset| match env.reset(reset) {
+        Ok(()) => None,
+        Err(e) => Some((e.is_divergence(), e.to_string())),
+    };
+    let first =
+        (0..50).find(|seed| failed(&mut env, &Reset { seed: Some(*seed), ..Reset::default() }).is_some());
+    let seed = Reset { seed: first, ..Reset::default() };
+    let (is_divergence, told) = failed(&mut env, &seed).expect("a start that can't be simulated");
+    assert!(is_divergence && told.starts_with("w003/t"), "{told}");
+    let next: Vec<_> = (0..20).map(|_| failed(&mut env, &Reset::default()).map(|(_, told)| told)).collect();
+    assert!(next.iter().any(Option::is_none), "other tasks can be begun: {next:?}");
 }
 
 #[test]

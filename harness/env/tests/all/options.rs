@@ -31,7 +31,7 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     );
     assert!(told(|o| o.suite = Some("vb-1000".into())).starts_with("there is no suite vb-1000"));
     assert!(told(|o| o.tasks = Some("w777".into())).contains("w777"));
-    assert!(told(|o| o.scale = Some(-1.0)).contains("a scale of -1 is not a positive number"));
+    assert!(told(|o| o.scale = Some(-1.0)).contains("a scale of -1 is not in 0.01 to 10"));
     assert!(told(|o| o.perception = "psychic".into()).contains("there is no perception profile psychic"));
     assert!(told(|o| o.rules = "mine".into()).contains("mine"));
     let training = |seed: u64, worlds: u32| {

@@ -21,7 +21,7 @@ use vb_worker::sandbox::{self, OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, sys
 use vb_worker::v0_1;
 
 use crate::abi::AbiVersion;
-use crate::fault::{FaultCause, ProcessEnd, Resource};
+use crate::fault::{FaultCause, ProcessEnd};
 use crate::log::Log;
 use crate::process::{End, Process, Trouble};
 use crate::system::{self, Role};
@@ -279,9 +279,10 @@ impl ProcessPlugin {
         }
         let said = |text: &str| end.words.iter().any(|w| w.contains(text));
         if said(STACK_OVERFLOW) {
-            FaultCause::StackOverflow { limit: system::stack_limit(), backtrace: Vec::new() }
+            FaultCause::ProcessStackOverflow { limit: system::stack_limit() }
         } else if MEMORY.iter().any(|text| said(text)) {
-            FaultCause::OutOfMemory { what: Resource::Memory, wanted: None, limit: self.0.memory_bytes }
+            let is_limited = matches!(self.0.kind, Kind::Worker { .. });
+            FaultCause::ProcessOutOfMemory { limit: is_limited.then_some(self.0.memory_bytes) }
         } else {
             FaultCause::Crashed { how: end.how }
         }

@@ -314,7 +314,7 @@ fn cause(error: &Error, state: &State, budget: Budget) -> FaultCause {
             Resource::Memory => state.memory.limit,
             Resource::Table => state.memory.table_limit,
         };
-        return FaultCause::OutOfMemory { what, wanted: Some(wanted), limit: limit as u64 };
+        return FaultCause::OutOfMemory { what, wanted, limit: limit as u64 };
     }
     // The engine's type for this is private; a test holds its text.
     if trap.is_none() && error.root_cause().to_string().starts_with("too much data is being copied") {

@@ -17,7 +17,7 @@ fn a_table_bomb_is_told_as_such() {
     let limits = Limits { table_elements: 5000, ..Limits::default() };
     let found = fault("(call $tables) unreachable", &limits);
     // Two elements to begin with, the plugin's and the component's, then thousands.
-    let cause = FaultCause::OutOfMemory { what: Resource::Table, wanted: Some(5002), limit: 5000 };
+    let cause = FaultCause::OutOfMemory { what: Resource::Table, wanted: 5002, limit: 5000 };
     assert_eq!(found.cause, cause);
     assert_eq!(found.code().name(), "planner/out-of-memory");
 }

@@ -119,6 +119,7 @@ fn wasm_that_is_no_planner() {
     let (error, message) = refusal(&wat::parse_str("(component)").unwrap());
     assert!(matches!(error, LoadError::NotAPlugin { .. }));
     assert!(message.contains("no planner metadata"), "{message}");
+    assert!(message.contains("export_planner!") && message.contains("plugin stamp"), "{message}");
     // Metadata but nothing exported.
     let (error, message) = refusal(&with_metadata(wat::parse_str("(component)").unwrap(), METADATA));
     assert!(matches!(error, LoadError::NotAPlugin { .. }));
@@ -134,6 +135,7 @@ fn a_native_library_that_is_no_planner() {
     let own = std::env::current_exe().unwrap();
     let message = inspect(&own).unwrap_err().to_string();
     assert!(message.contains("no planner metadata"), "{message}");
+    assert!(message.contains("export_planner!") && message.contains("VB_PLANNER_METADATA"), "{message}");
 }
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
@@ -153,6 +155,28 @@ fn metadata_that_are_damaged_or_of_another_version() {
     let (error, message) = refusal(&with("abi: 0.1\nname"));
     assert!(matches!(error, LoadError::Metadata { .. }));
     assert!(message.contains("line 2 is `name`"), "{message}");
+    // The rule that a line breaks is told, and the place in each language.
+    let place = "; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and build the plugin again";
+    for (was, is, told) in [
+        ("name: probe", "name: C Lab", "line 2 is `name: C Lab`, but a name is of a-z, 0-9, - and _ only"),
+        (
+            "control-period: 0.1",
+            "control-period: 0.1 s",
+            "line 6 is `control-period: 0.1 s`, but a control period is a positive multiple of 0.001, in seconds",
+        ),
+        (
+            "about: b",
+            "about: b\\t",
+            "line 5 is `about: b\\t`, but after a backslash only n, r or another backslash may come",
+        ),
+        ("about: b", "help: b", "line 5 is `help: b`, but it must follow a param"),
+        ("about: b", "about", "line 5 is `about`, but a line is `key: value`"),
+        ("version: 1.0.0\n", "", "`version` is missing"),
+    ] {
+        let (error, message) = refusal(&with(&METADATA.replace(was, is)));
+        assert!(matches!(error, LoadError::Metadata { .. }), "{message}");
+        assert!(message.ends_with(&format!("{told}{place}")), "{message}");
+    }
     let (error, message) = refusal(&with(&METADATA.replace("abi: 0.1", "abi: 0.3")));
     assert!(matches!(error, LoadError::AbiVersion { .. }));
     assert!(

@@ -77,6 +77,49 @@ fn what_a_planner_prints_is_in_the_log_and_its_input_is_empty() {
 }
 
 #[test]
+fn what_a_planner_prints_without_a_flush_is_in_the_log_of_its_task() {
+    let Some(plugin) = hostile() else { return };
+    for place in ["init", "step", "free"] {
+        let (sink, lines) = keeper();
+        let mut session = plugin.start(&harmful(&plugin, "mutter", place), sink).unwrap();
+        session.step(&observation()).unwrap();
+        drop(session);
+        let expected = [(LogLevel::Info, "stderr: said without a flush".to_owned())];
+        assert_eq!(*lines.lock().unwrap(), expected, "{place}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_linker_that_drops_what_nobody_uses_keeps_the_metadata() {
+    let dir = tempfile::tempdir().unwrap();
+    let library = dir.path().join("hostile.so");
+    let options = ["-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections"];
+    if crate::common::compile_c_with(Path::new("hostile.c"), &library, &options).is_none() {
+        return;
+    }
+    assert_eq!(vb_host::inspect(&library).unwrap().name, "hostile");
+}
+
+#[test]
+fn a_native_planner_is_told_only_of_limits_that_it_has() {
+    let Some(plugin) = hostile() else { return };
+    let fault = |what: &str| {
+        let mut session = plugin.start(&harmful(&plugin, what, "step"), LogSink::discard()).unwrap();
+        session.step(&observation()).unwrap_err()
+    };
+    let memory = fault("memory");
+    assert_eq!(memory.code(), FaultCode::OutOfMemory);
+    assert!(memory.to_string().ends_with("used up its memory: it may have 67108864 bytes"), "{memory}");
+    let hint = memory.cause.hint();
+    assert!(hint.contains("memory_bytes") && !hint.contains("table_elements"), "{hint}");
+    let stack = fault("stack");
+    assert_eq!(stack.code(), FaultCode::StackOverflow);
+    let hint = stack.cause.hint();
+    assert!(hint.contains("ulimit -s") && !hint.contains("raise stack_bytes"), "{hint}");
+}
+
+#[test]
 fn a_flood_of_log_lines_is_cut() {
     let Some((_dir, path)) = compile(&[]) else { return };
     let limits = Limits { log_bytes: 100, ..limits() };

@@ -91,8 +91,7 @@ fn endless_logging_runs_out_of_fuel_too() {
 fn a_memory_hog_is_told_as_such() {
     let fault = step_fault("(call $hog) unreachable");
     // The module has 4 pages, and asks for 16 more until it is refused.
-    let cause =
-        |wanted, limit| FaultCause::OutOfMemory { what: Resource::Memory, wanted: Some(wanted), limit };
+    let cause = |wanted, limit| FaultCause::OutOfMemory { what: Resource::Memory, wanted, limit };
     assert_eq!(fault.cause, cause((4 + 4 * 16) << 16, 4 << 20));
     // More at the start than it may have.
     let small = Limits { memory_bytes: 100_000, ..limits() };

@@ -138,12 +138,17 @@ pub fn keeper() -> (LogSink, Lines) {
 /// Compiles a C planner of `tests/hostile`, or any other file, into a library, with macros as `NAME=VALUE`; none where
 /// there is no compiler.
 pub fn compile_c(source: &Path, library: &Path, macros: &[&str]) -> Option<()> {
+    let macros: Vec<String> = macros.iter().map(|text| format!("-D{text}")).collect();
+    compile_c_with(source, library, &macros.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// The same with any options of the compiler.
+pub fn compile_c_with(source: &Path, library: &Path, options: &[&str]) -> Option<()> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hostile").join(source);
     let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/c");
     let mut command = Command::new("cc");
     command.args(["-O1", "-fPIC", "-shared", "-w", "-pthread", "-I"]).arg(header);
-    command.args(macros.iter().map(|text| format!("-D{text}")));
-    let Ok(built) = command.arg("-o").arg(library).arg(source).output() else {
+    let Ok(built) = command.args(options).arg("-o").arg(library).arg(source).output() else {
         vb_testing::skip("there is no C compiler");
         return None;
     };

@@ -70,7 +70,13 @@ pub fn table() -> Vec<Case> {
         script("a command that leaves", "exit 3", Load, Unloadable, "exit code 3"),
         script("a command that prints", "echo hello", Load, Protocol, "print to standard error"),
         script("a command that repeats the question", "exec cat", Load, NotAPlugin, "its name is ``"),
-        script("a command of zeros", "exec head -c 4096 /dev/zero", Load, Protocol, ""),
+        script(
+            "a command of zeros",
+            "exec head -c 4096 /dev/zero",
+            Load,
+            Protocol,
+            "docs/worker-protocol.md",
+        ),
         script(
             "a command with three bytes too many",
             "head -c 3 /dev/zero; exec cat hello",
@@ -160,7 +166,7 @@ pub fn table() -> Vec<Case> {
             "cat hello; echo MemoryError >&2; exit 1",
             Init,
             OutOfMemory,
-            "it may have",
+            "ran out of memory",
         ),
     ]
 }

@@ -188,6 +188,7 @@ static int32_t harm(const char *what, const vb_host *host, vb_error *error) {
         snprintf(error->message, sizeof error->message, "standard input gives %d", standard);
         return 1;
     }
+    if (strcmp(what, "mutter") == 0) printf("said without a flush\n");
     if (strcmp(what, "passwd") == 0 || strcmp(what, "write") == 0) {
         int file = strcmp(what, "passwd") == 0 ? open("/etc/passwd", O_RDONLY)
                                                : open("/tmp/vb-hostile", O_WRONLY | O_CREAT, 0600);

@@ -20,7 +20,8 @@ pub(super) fn check(once: &TaskRecord, again: &TaskRecord) -> Check {
 
 /// Whether the planner failed before its first command, so that two trials have nothing in which they could differ.
 pub(super) fn gave_nothing(trial: &TaskRecord) -> bool {
-    trial.outcome == Outcome::PlannerError && trial.planner_steps == 0
+    // The step in which it failed counts.
+    trial.outcome == Outcome::PlannerError && trial.planner_steps <= 1
 }
 
 /// What is said in that case.
@@ -53,10 +54,15 @@ mod tests {
 
     #[test]
     fn a_planner_that_fails_before_its_first_command_is_not_said_to_be_deterministic() {
-        let once = TaskRecord { planner_steps: 0, ..driven("w001/t00", Outcome::PlannerError) };
-        let found = check(&once, &once);
-        assert_eq!(found.verdict, Verdict::Skip);
-        assert!(found.detail.starts_with("it couldn't be checked"), "{}", found.detail);
+        let after = |planner_steps| TaskRecord { planner_steps, ..driven("w001/t00", Outcome::PlannerError) };
+        // In the first of its steps, or before it had one.
+        for once in [after(0), after(1)] {
+            let found = check(&once, &once);
+            assert_eq!(found.verdict, Verdict::Skip);
+            assert!(found.detail.starts_with("it couldn't be checked"), "{}", found.detail);
+        }
+        assert_eq!(check(&after(2), &after(2)).verdict, Verdict::Pass);
+        let once = after(1);
         // Faults that differ are seen all the same.
         let other = TaskRecord { fault: Some("planner/panic".into()), ..once.clone() };
         assert_eq!(check(&once, &other).verdict, Verdict::Fail);

@@ -14,6 +14,9 @@ const MOST_RAYS: u64 = 1 << 20;
 const MOST_CELLS: f64 = 1024.0;
 /// The least resolution of a prior map at full scale, m, which bounds its memory in the largest worlds.
 const LEAST_RESOLUTION: f64 = 0.05;
+/// How many times as wide as the resolution of a prior the squares may be, at most, over which it is smoothed: they overlap by then,
+/// and the time to make it rises with the square.
+const MOST_SMOOTHING: f64 = 30.0;
 
 /// A flaw: the field, and its value with what would be right.
 pub(super) struct Flaw {
@@ -208,6 +211,8 @@ fn prior(p: &ProfileData) -> Checked {
                 ("error_correlation_m", error_correlation_m, LEAST_RESOLUTION, 1e6),
             ],
         )?;
+        // Each node is the mean over such a square of the world's own heights.
+        within("prior.elevation.coarse.smoothing_m", smoothing_m, 0.0, MOST_SMOOTHING * resolution_m)?;
     }
     if let Some(PriorSemantics::Coarse { resolution_m, confusions: c }) = &p.prior.semantics {
         within("prior.semantics.coarse.resolution_m", *resolution_m, LEAST_RESOLUTION, 1000.0)?;

@@ -64,9 +64,9 @@ pub struct Fan<'a> {
     sweep: Option<Sweep>,
 }
 
-/// What one ray of a fan from above the ground tells the next. Where the ground is nowhere so steep that it leans over in the fan's plane, what lies
-/// above a point over the ground lies over the ground as well. So the ground is in the way of no ray before it is in that of
-/// a lower one, and rays that come in order of rise go over all the ground between them only once.
+/// What one ray of a fan from above the ground tells the next. Where the ground is nowhere so steep that it leans over in the
+/// fan's plane, what lies above a point over the ground lies over the ground as well. So the ground is in the way of no ray before
+/// it is in that of a lower one, and rays that come in order of rise go over all the ground between them only once.
 #[derive(Clone, Copy, Debug)]
 struct Sweep {
     /// Unit vectors in the plane: ahead, and up from there.

@@ -88,6 +88,7 @@ fn a_profile_that_cannot_be_is_refused_with_its_field_and_value() {
             "local_map.resolution_m: 0.3 must divide side_m, 20",
         ),
         ("onboard", "resolution_m: 4", "resolution_m: 0.001", "prior.elevation.coarse.resolution_m: 0.001"),
+        ("onboard", "smoothing_m: 4", "smoothing_m: 121", "smoothing_m: 121 must lie in 0 to 120"),
         (
             "onboard",
             "bias_instability: 2.9e-4",

@@ -163,6 +163,11 @@ impl WheelShape {
         Self { core, margin, bound: vb_math::hypot(radius, 0.5 * width), hard }
     }
 
+    /// The distance from the hub within which the wheel lies, m.
+    pub(crate) fn bound(&self) -> f64 {
+        self.bound
+    }
+
     pub(crate) fn hard(&self) -> Option<&HardWheel> {
         self.hard.as_ref()
     }

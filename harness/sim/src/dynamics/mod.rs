@@ -112,6 +112,11 @@ impl Vehicle {
         self.design.composite()
     }
 
+    /// The distance from the chassis' centre of mass within which wheels and belts lie at design height, m.
+    pub(crate) fn bound(&self) -> f64 {
+        self.design.bound
+    }
+
     pub(crate) fn wheel_count(&self) -> usize {
         self.design.corners.len()
     }

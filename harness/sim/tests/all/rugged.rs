@@ -141,3 +141,29 @@ fn on_its_roof_it_comes_to_rest_and_stays_above_ground() {
     assert!(s.velocity.norm() < 0.05, "{}", s.velocity);
     assert!(s.position.z > 0.5 && s.position.z < 2.0, "{}", s.position.z);
 }
+
+#[test]
+fn wheels_meet_obstacles_that_the_hull_is_far_from() {
+    // Without a hull, and with a stump in the way of the left wheels, which is farther from the vehicle's middle than its own size.
+    let mut vehicle = hmmwv();
+    vehicle.chassis.hull.clear();
+    let kind = ObstacleKind::Trunk { radius: 0.2, height: 1.0 };
+    let stump = Obstacle { x: 8.0, y: 0.91, yaw: 0.0, buried: 0.1, kind };
+    let w = world(Heightfield::flat(129, 129, 1.0, 0.0), 0.8, vec![stump]);
+    let place = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };
+    let model = crate::common::model(vehicle);
+    let mut sim = Simulation::new(w, &model, &soils(), place, SimOptions::default()).unwrap();
+    let mut hit = false;
+    for _ in 0..600 {
+        let c = hold_speed(&sim, 3.0, 0.0);
+        sim.advance(c, 10).unwrap();
+        let s = sim.state();
+        hit |= s.position.x > 2.0 && s.velocity.x < 1.0;
+    }
+    assert!(
+        hit,
+        "it passes through the stump: at {} m, {} m/s",
+        sim.state().position.x,
+        sim.state().velocity.x
+    );
+}

@@ -6,6 +6,7 @@ mod suspension;
 mod tracks;
 mod tyre;
 
+use crate::SCALES;
 use crate::VehicleError;
 use crate::VehicleSpec;
 use parry3d_f64::math::Vector;
@@ -100,7 +101,10 @@ impl Check<'_> {
         {
             self.positive(field, value)?;
         }
-        self.positive("scale", v.scale)?;
+        if !SCALES.contains(&v.scale) {
+            let (least, most) = (SCALES.start(), SCALES.end());
+            return self.fail("scale", format!("{} must lie in {least} to {most}", v.scale));
+        }
         self.chassis(v)?;
         if v.axles.len() < 2 {
             return self.fail("axles", format!("{} given, at least 2 needed", v.axles.len()));
@@ -174,6 +178,8 @@ mod tests {
     fn messages_name_file_field_value_and_reason() {
         let e = broken("mass: 2095.592", "mass: -3.0");
         assert_eq!(e, "car.yaml: chassis.mass: -3 must be a positive number");
+        let e = broken("schema: 1\n", "schema: 1\nscale: 0.001\n");
+        assert_eq!(e, "car.yaml: scale: 0.001 must lie in 0.01 to 10");
         let e = broken("inertia: [1078.52, 2955.66, 3570.2]", "inertia: [1078.52, 2955.66, 9570.2]");
         assert!(e.starts_with("car.yaml: chassis.inertia[2]: 9570.2 exceeds the sum"), "{e}");
         let e = broken("stiffness: 167070.939", "stiffness: 0");

@@ -224,6 +224,12 @@ fn each_flaw_is_named_with_file_field_and_value() {
         ("obstacles.yaml", "radius: 0.5", "radius: -0.5", &["obstacles.yaml: obstacles[2].radius: -0.5"]),
         (
             "obstacles.yaml",
+            "radius: 0.5",
+            "radius: 1e-200",
+            &["obstacles[2].radius: ", "from 0.001 to 1000 m"],
+        ),
+        (
+            "obstacles.yaml",
             "radius: 0.5, ",
             "",
             &["obstacles.yaml: obstacles[2].radius: is missing: a trunk"],

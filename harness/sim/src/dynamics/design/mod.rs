@@ -43,6 +43,8 @@ pub(crate) struct Design {
     pub(crate) bars: Vec<Bar>,
     /// Left and right, or none.
     pub(crate) tracks: Vec<Track>,
+    /// The distance from the chassis' centre of mass within which wheels and belts lie at design height, m.
+    pub(crate) bound: f64,
 }
 
 /// One wheel with its suspension.
@@ -100,6 +102,7 @@ impl Design {
             beams: Vec::new(),
             bars: Vec::new(),
             tracks: Vec::new(),
+            bound: 0.0,
         };
         for (i, (axle, kinematics)) in spec.axles.iter().zip(axles).enumerate() {
             let suspension = &axle.suspension;
@@ -143,6 +146,13 @@ impl Design {
         }
         let hubs: Vec<V3> = design.corners.iter().map(|c| design.hub(c)).collect();
         design.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs)).collect();
+        // A belt is no farther from its wheels than its width.
+        let belt = design.tracks.first().map_or(0.0, |track| 0.5 * track.width);
+        let farthest = hubs
+            .iter()
+            .zip(&design.corners)
+            .map(|(hub, c)| hub.norm() + design.shapes[c.tyre].bound() + belt);
+        design.bound = farthest.fold(0.0, f64::max);
         design
     }
 
