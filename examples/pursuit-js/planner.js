@@ -109,6 +109,25 @@ function number(task, key) {
   return value;
 }
 
+/** What `step` returned, if it is a command. Anything else would end the task as a trap, without a word on the reason. */
+function checked(command) {
+  const wrong = (what) => {
+    throw new Error(`step returned ${what}; return { steering, throttle, brake, gear, debug }`);
+  };
+  if (typeof command !== 'object' || command === null) wrong(`${command}`);
+  for (const field of ['steering', 'throttle', 'brake']) {
+    if (typeof command[field] !== 'number') wrong(`${field} = ${command[field]}, which is no number`);
+  }
+  const { gear, debug } = command;
+  const gears = ['forward', 'neutral', 'reverse'];
+  if (!gears.includes(gear)) wrong(`gear = ${gear}, which is none of ${gears.join(', ')}`);
+  const isNumber = (value) => typeof value === 'number';
+  const areNumbers = (list) => ArrayBuffer.isView(list) || (Array.isArray(list) && list.every(isNumber));
+  const isSeries = (series) => typeof series?.name === 'string' && areNumbers(series.values);
+  if (!Array.isArray(debug) || !debug.every(isSeries)) wrong('debug that is no array of { name, values }');
+  return command;
+}
+
 /** One planner for one task. All state lives in this object. */
 class Planner {
   static init(task) {
@@ -143,5 +162,10 @@ class Planner {
     return { steering: clamp(steering, -1, 1), throttle, brake, gear: 'forward', debug: [] };
   }
 }
+
+const { step } = Planner.prototype;
+Planner.prototype.step = function (o) {
+  return checked(step.call(this, o));
+};
 
 export const guest = { Planner };

@@ -416,7 +416,7 @@ typedef struct vb_command {
     /* The direction of travel. A change between forward and reverse waits until the vehicle is slower than
      * direction_change_speed, with the throttle closed; brake to bring that about. One of VB_GEAR_…. */
     uint32_t gear;
-    /* Series that are recorded beside the trajectory and drawn by vb_harness replay. Leave this empty in normal
+    /* Series that are recorded beside the trajectory and drawn by vb-harness replay. Leave this empty in normal
      * runs. */
     const vb_series *debug;
     size_t debug_len;
@@ -458,7 +458,15 @@ typedef struct vb_planner_functions {
 #if defined(__APPLE__)
 #define VB_SECTION __attribute__((used, section("__DATA,__vb_planner")))
 #else
+/* What nobody uses stays, even for a linker that is told to drop it (-Wl,--gc-sections). */
+#if defined(__ELF__) && defined(__has_attribute)
+#if __has_attribute(retain)
+#define VB_SECTION __attribute__((used, retain, section(".vb.planner")))
+#endif
+#endif
+#ifndef VB_SECTION
 #define VB_SECTION __attribute__((used, section(".vb.planner")))
+#endif
 #endif
 
 #define VB_TEXT_(x) #x
@@ -467,8 +475,18 @@ typedef struct vb_planner_functions {
 /* A parameter, for the last argument of VB_PLANNER_METADATA; write several one after the other, or "" for none. */
 #define VB_PARAM(key, default_value, help) "param: " key "\ndefault: " default_value "\nhelp: " help "\n"
 
+/* A sensor to be read, in the same argument: VB_NEED("lidar 10") for ten times a second, VB_NEED("lidar") for as often
+ * as the perception profile says; pose and wheel-odometry come at every step then. A planner without any gets these two.
+ * VB_NEED_WITHOUT_MAPS asks for a sensor only where the profile leaves out one of the task's maps. */
+#define VB_NEED(sensor) "need: " sensor "\n"
+#define VB_NEED_WITHOUT_MAPS(sensor) "need-without-maps: " sensor "\n"
+
+/* Learned weights in the library, with their hash, in the same argument. */
+#define VB_MODEL(text) "model: " text "\n"
+
 /* The metadata, all arguments string literals without line breaks or backslashes: name (a-z, 0-9, - and _), version,
- * authors (separated by colons), one sentence about it, control period in seconds (a multiple of 0.001), parameters. */
+ * authors (separated by colons), one sentence about it, control period in seconds (a multiple of 0.001), parameters
+ * and whatever else stands in lines of its own (VB_PARAM, VB_NEED, VB_NEED_WITHOUT_MAPS, VB_MODEL). */
 #define VB_PLANNER_METADATA(name, version, authors, about, control_period, params)                              \
     VB_SECTION static const char vb_planner_metadata[] =                                                         \
         "abi: " VB_TEXT(VB_ABI_MAJOR) "." VB_TEXT(VB_ABI_MINOR) "\nname: " name "\nversion: " version            \

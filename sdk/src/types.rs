@@ -425,7 +425,7 @@ pub struct Command {
     /// `direction_change_speed`, with the throttle closed; brake to bring that about.
     #[cfg_attr(feature = "serde", serde(default))]
     pub gear: Gear,
-    /// Series that are recorded beside the trajectory and drawn by `vb_harness replay`. Leave this empty in normal runs.
+    /// Series that are recorded beside the trajectory and drawn by `vb-harness replay`. Leave this empty in normal runs.
     #[cfg_attr(feature = "serde", serde(default))]
     pub debug: Vec<Series>,
 }

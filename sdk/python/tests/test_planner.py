@@ -1,6 +1,8 @@
 """The module against hand-made messages: what docs/worker-protocol.md says is what it does."""
 
 import io
+import os
+import select
 import struct
 import subprocess
 import sys
@@ -9,6 +11,7 @@ from pathlib import Path
 import msgpack
 import numpy as np
 import pytest
+import vertibench_planner
 from vertibench_planner import Command, Follower, Grid, Planner, serve
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
@@ -177,6 +180,62 @@ def test_a_field_of_a_command_that_is_no_number_is_named():
     assert replies.pop()[1]["message"] == told
     assert replies[-2][1]["message"] == "TypeError: the command's steering is 'left'; it must be a number"
     assert replies[-1][1]["message"] == "TypeError: the command's debug[\"cost\"] is 'high'; it must be numbers"
+
+
+PRINTS = """
+from vertibench_planner import Command, Planner, main
+
+class Prints(Planner):
+    def init(self, task):
+        print("init of", task.id)
+
+    def step(self, obs):
+        print("step at", obs.time)
+        return Command(brake=1.0)
+
+main(Prints)
+"""
+
+
+def test_what_a_planner_prints_is_there_before_the_answer():
+    # Where this is set, Python buffers nothing at all.
+    env = {key: value for key, value in os.environ.items() if key != "PYTHONUNBUFFERED"}
+    env["PYTHONPATH"] = os.pathsep.join([str(Path(vertibench_planner.__file__).parents[1]), *sys.path])
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    told = []
+    with subprocess.Popen([sys.executable, "-c", PRINTS], env=env, **pipes) as process:
+        for request in [("hello", {"protocol": 1, "abi": "0.2"}), ("init", TASK), ("step", OBSERVATION)]:
+            process.stdin.write(frame(*request))
+            process.stdin.flush()
+            (length,) = struct.unpack("<I", process.stdout.read(4))
+            process.stdout.read(length)
+            there, _, _ = select.select([process.stderr], [], [], 0)
+            told.append(os.read(process.stderr.fileno(), 1000).decode() if there else "")
+    assert told == ["", "init of w001/t00\n", "step at 0.1\n"]
+
+
+def test_a_level_of_the_log_that_there_isnt_is_refused_with_those_that_there_are():
+    class Warns(Probe):
+        def init(self, task):
+            self.log("fine", level="warn")
+            self.log("not fine", level="warning")
+
+    replies = talk(Warns, ("init", TASK))
+    assert replies[0] == ("log", {"level": "warn", "message": "fine"})
+    told = "ValueError: the level of a line of the log is 'warning'; it must be one of error, warn, info, debug"
+    assert replies[1][1]["message"].startswith(told), replies[1:]
+
+
+def test_sensors_and_models_are_part_of_the_introduction():
+    class Learned(Probe):
+        needs = ("pose", "lidar 10")
+        needs_without_maps = ("local-map",)
+        models = ("weights 00ff",)
+
+    hello = talk(Learned, ("hello", {"protocol": 1, "abi": "0.2"}))[0][1]
+    assert hello["needs"] == ["pose", "lidar 10"] and hello["needs_without_maps"] == ["local-map"]
+    assert hello["models"] == ["weights 00ff"]
+    assert talk(Probe, ("hello", {"protocol": 1, "abi": "0.2"}))[0][1]["models"] == []
 
 
 def test_what_pip_leaves_behind_is_not_part_of_the_checkout():

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::HEADER;
 use crate::c_layout::used;
-use crate::model::{Model, Record, Type, camel, snake, with_names};
+use crate::model::{Model, Record, Type, camel, snake, snake_if_name, with_names};
 
 pub(crate) fn write(model: &Model) -> Result<String, String> {
     let mut out = String::new();
@@ -79,7 +79,7 @@ fn structure(out: &mut String, r: &Record) {
 
 /// A comment, wrapped at 120 columns.
 fn comment(out: &mut String, indent: &str, docs: &str) {
-    let docs = with_names(docs, snake).replace('`', "");
+    let docs = with_names(docs, snake_if_name).replace('`', "");
     let mut line = format!("{indent}/*");
     for word in docs.split_whitespace() {
         if line.chars().count() + 1 + word.chars().count() > 116 {

@@ -172,6 +172,11 @@ pub(crate) fn snake(name: &str) -> String {
     name.replace('-', "_")
 }
 
+/// The same for what stands between backticks: names of fields have no spaces, as a command line has.
+pub(crate) fn snake_if_name(text: &str) -> String {
+    if text.contains(char::is_whitespace) { text.to_owned() } else { snake(text) }
+}
+
 /// `goal-radius` as `GoalRadius`.
 pub(crate) fn camel(name: &str) -> String {
     name.split('-').map(|word| word[..1].to_uppercase() + &word[1..]).collect()
@@ -184,4 +189,16 @@ pub(crate) fn with_names(docs: &str, rename: impl Fn(&str) -> String) -> String 
         .map(|(i, part)| if i % 2 == 1 { rename(part) } else { part.to_owned() })
         .collect::<Vec<_>>()
         .join("`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_fields_are_rewritten_and_command_lines_are_not() {
+        let docs = "Drawn by `vb-harness replay` within the `goal-radius`, row-major";
+        let expected = "Drawn by `vb-harness replay` within the `goal_radius`, row-major";
+        assert_eq!(with_names(docs, snake_if_name), expected);
+    }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::HEADER;
 use crate::c_layout::used;
-use crate::model::{Model, Record, Type, camel, snake, with_names};
+use crate::model::{Model, Record, Type, camel, snake, snake_if_name, with_names};
 
 /// Records that are another thing in Python: what is said of them, how they are made of what came over the wire, and how
 /// they are called in annotations.
@@ -97,7 +97,7 @@ fn class(out: &mut String, model: &Model, r: &Record) {
             Type::List(_) => " = field(default_factory=dict)".into(),
             _ => " = 0.0".into(),
         };
-        let text = f.docs.replace("row-major", "by rows");
+        let text = f.docs.replace("row-major", "by rows") + &components(model, &f.ty);
         let _ = write!(
             out,
             "    {}: {}{default}\n    \"\"\"{}\"\"\"\n",
@@ -136,9 +136,31 @@ fn class(out: &mut String, model: &Model, r: &Record) {
     out.push_str("        )\n");
 }
 
+/// What an array holds that stands for a vector, or for a list of them.
+fn components(model: &Model, ty: &Type) -> String {
+    let of = |name: &str| {
+        let fields = model.record(name).map_or(&[][..], |r| &r.fields);
+        fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    match ty {
+        Type::Record(name) if model.is_vector(name) => format!(" An array of {}.", of(name)),
+        Type::List(inner) => match &**inner {
+            Type::Record(name) if model.is_vector(name) => {
+                format!(" An array with a row of {} for each point.", of(name))
+            }
+            _ => String::new(),
+        },
+        _ => String::new(),
+    }
+}
+
 fn docs(text: &str) -> String {
     with_names(text, |n| {
-        if ["wheel-odometry", "local-map"].contains(&n) || n.contains('/') { n.into() } else { snake(n) }
+        if ["wheel-odometry", "local-map"].contains(&n) || n.contains('/') {
+            n.into()
+        } else {
+            snake_if_name(n)
+        }
     })
     .replace('`', "``")
     .replace('\n', "\n    ")

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::HEADER;
-use crate::model::{Enum, Item, Model, Record, Type, camel, snake, with_names};
+use crate::model::{Enum, Item, Model, Record, Type, camel, snake, snake_if_name, with_names};
 
 /// Maps are one generic type with methods, written by hand; the text of WIT knows no generics.
 const ALIASES: [(&str, &str); 2] = [("height-map", "Map<f32>"), ("label-map", "Map<u8>")];
@@ -61,7 +61,7 @@ fn snake_unless_named(text: &str) -> String {
     if ["wheel-odometry", "local-map"].contains(&text) || text.contains('/') {
         text.to_owned()
     } else {
-        snake(text)
+        snake_if_name(text)
     }
 }
 

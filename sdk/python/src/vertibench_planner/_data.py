@@ -82,7 +82,7 @@ class Mount(MountMethods):
     """The place and the attitude of a sensor on the vehicle."""
 
     position: np.ndarray
-    """The position of the sensor in the body frame, m."""
+    """The position of the sensor in the body frame, m. An array of x, y, z."""
     roll: float
     """The roll of the sensor against the body, rad."""
     pitch: float
@@ -188,13 +188,13 @@ class Task(TaskMethods):
     """The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is covered by
     an obstacle, else 0; absent if it gives none."""
     half_extent: np.ndarray
-    """Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y."""
+    """Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y. An array of x, y."""
     path: np.ndarray
-    """The global path, from the start to the goal."""
+    """The global path, from the start to the goal. An array with a row of x, y for each point."""
     start: np.ndarray
-    """The pose from which the vehicle starts, at rest."""
+    """The pose from which the vehicle starts, at rest. An array of x, y, yaw."""
     goal: np.ndarray
-    """The point to which the vehicle must go."""
+    """The point to which the vehicle must go. An array of x, y."""
     goal_radius: float
     """The distance from the goal within which the task is done, m."""
     time_limit: float
@@ -240,7 +240,7 @@ class Pose:
     """An estimate of the vehicle's state, as the perception profile lets it be: the truth under ``oracle``."""
 
     position: np.ndarray
-    """The position of the vehicle's reference point in the world frame, m."""
+    """The position of the vehicle's reference point in the world frame, m. An array of x, y, z."""
     roll: float
     """The roll, rad, positive with the right side down."""
     pitch: float
@@ -248,9 +248,9 @@ class Pose:
     yaw: float
     """The heading, rad, counter-clockwise from east."""
     linear_velocity: np.ndarray
-    """The velocity of the reference point in body axes, m/s."""
+    """The velocity of the reference point in body axes, m/s. An array of x, y, z."""
     angular_velocity: np.ndarray
-    """The angular velocity in body axes, rad/s."""
+    """The angular velocity in body axes, rad/s. An array of x, y, z."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -289,9 +289,9 @@ class ImuSample:
     """The simulated time of the measurement, s."""
     specific_force: np.ndarray
     """The specific force at the vehicle's reference point in body axes, m/s²: the acceleration less that of gravity, so
-    +9.81 along z at rest."""
+    +9.81 along z at rest. An array of x, y, z."""
     angular_velocity: np.ndarray
-    """The angular velocity in body axes, rad/s."""
+    """The angular velocity in body axes, rad/s. An array of x, y, z."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -309,7 +309,7 @@ class GnssFix:
     time: float
     """The simulated time of the measurement, s."""
     position: np.ndarray
-    """The measured position of the vehicle's reference point in the world frame, m."""
+    """The measured position of the vehicle's reference point in the world frame, m. An array of x, y, z."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -451,7 +451,7 @@ class Command(CommandMethods):
     """The direction of travel. A change between forward and reverse waits until the vehicle is slower than
     ``direction_change_speed``, with the throttle closed; brake to bring that about."""
     debug: Dict[str, np.ndarray] = field(default_factory=dict)
-    """Series that are recorded beside the trajectory and drawn by ``vb_harness replay``. Leave this empty in normal runs."""
+    """Series that are recorded beside the trajectory and drawn by ``vb-harness replay``. Leave this empty in normal runs."""
 
     def _to_wire(self):
         wire = {}

@@ -11,6 +11,7 @@ from ._data import Command, Observation, Task
 
 PROTOCOL = 1
 ABI = "0.2"
+LEVELS = ("error", "warn", "info", "debug")
 
 
 class Planner:
@@ -32,6 +33,8 @@ class Planner:
     """Sensors to be read, and how many times a second: ``("pose", "lidar 10")``. Pose and wheels at every step if empty."""
     needs_without_maps = ()
     """The same, in addition, where the perception profile leaves out one of the task's maps."""
+    models = ()
+    """Learned weights that it has, as texts with their hashes: ``("hills.npz sha256 …, learned from …",)``."""
 
     def init(self, task):
         """Called once with the :class:`Task`. What it raises ends the task."""
@@ -42,6 +45,8 @@ class Planner:
 
     def log(self, message, level="info"):
         """Appends a line to the task's log; level is error, warn, info or debug."""
+        if level not in LEVELS:
+            raise ValueError(f"the level of a line of the log is {level!r}; it must be one of {', '.join(LEVELS)}")
         if self._send is not None:
             self._send("log", {"level": level, "message": str(message)})
 
@@ -60,6 +65,9 @@ def main(planner):
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
     os.dup2(2, 1)
+    # Python has taken standard output for a pipe, and would keep lines back until a later task, or cut them apart.
+    if hasattr(sys.stdout, "reconfigure"):  # unless the planner has put something of its own there
+        sys.stdout.reconfigure(line_buffering=True)
     serve(planner, reader, writer)
 
 
@@ -130,6 +138,7 @@ def _introduction(planner):
         ],
         "needs": [str(need) for need in planner.needs],
         "needs_without_maps": [str(need) for need in planner.needs_without_maps],
+        "models": [str(model) for model in planner.models],
     }
 
 
