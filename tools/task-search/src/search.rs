@@ -77,7 +77,7 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
         let from = choose(&reached, &mut random);
         reached[from].tries += 1;
         let piece = Piece::draw(&mut random);
-        env.restore(&reached[from].snapshot);
+        env.restore(&reached[from].snapshot)?;
         let (own, ended) = piece.drive(&mut env, &way)?;
         if ended == Some(Outcome::Success) {
             let actions = Some(actions(&reached, from, own));

@@ -39,7 +39,7 @@ impl Drive {
     pub(crate) fn new(arena: &Arc<Arena>, name: &str) -> Result<Self, EnvError> {
         let mut env = Env::new(Arc::clone(arena), 0);
         env.reset(&Reset { task: Some(name.to_owned()), run_seed: Some(0), seed: None })?;
-        let task = env.brief().ok_or(EnvError::NoEpisode)?.clone();
+        let task = Task::clone(env.brief().ok_or(EnvError::NoEpisode)?);
         let (period, root) = (arena.control_period(), task.vehicle.scale.sqrt());
         let second = ((root / period).round() as usize).max(1);
         let mut random = Stream::new(0, &["twin check", name]);
