@@ -162,7 +162,7 @@ impl Channel {
     fn write(&mut self, reply: &Reply) -> io::Result<()> {
         // C keeps back what is printed without a flush, since standard error is a pipe here: it would be in the log of a
         // later task, or nowhere.
-        // SAFETY: a null pointer stands for all streams, which nothing else uses: the process has one thread.
+        // SAFETY: a null pointer stands for all streams, and C locks each of them.
         unsafe { libc::fflush(std::ptr::null_mut()) };
         send(&self.output, &mut self.outbox, reply)
     }
