@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_record::{RunReader, StoreError};
+use vb_record::RunReader;
 use vb_runner::{MergeError, shards_in};
 use vb_score::Summary;
 
@@ -17,7 +17,14 @@ const NAMED: usize = 10;
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Merged { out: &'a Path, shards: usize, missing: &'a [String], twice: &'a [String], summary: &'a Summary },
+    Merged {
+        out: &'a Path,
+        shards: usize,
+        missing: &'a [String],
+        twice: &'a [String],
+        untraced: &'a [String],
+        summary: &'a Summary,
+    },
 }
 
 pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
@@ -37,6 +44,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
             shards: shards.len(),
             missing: &merged.missing,
             twice: &merged.twice,
+            untraced: &merged.untraced,
             summary,
         }),
         MessageFormat::Human => {
@@ -44,6 +52,12 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
             if !merged.twice.is_empty() {
                 let (n, which) = (merged.twice.len(), some(&merged.twice));
                 output::note(&format!("{n} tasks were driven twice, with the same results: {which}"));
+            }
+            if !merged.untraced.is_empty() {
+                let (n, which) = (merged.untraced.len(), some(&merged.untraced));
+                output::note(&format!(
+                    "{n} tasks have no trace, for their shards have lost it: {which} (they can't be scored again or replayed)"
+                ));
             }
             output::note(&format!("results: {}", args.out.display()));
         }
@@ -77,13 +91,7 @@ fn some(tasks: &[String]) -> String {
 
 pub(crate) fn merge_error(e: MergeError) -> CliError {
     match e {
-        MergeError::Store(StoreError::NotEmpty(dir)) => CliError::output(format!(
-            "output directory {} is not empty (choose another with --out)",
-            dir.display()
-        )),
-        MergeError::Store(StoreError::Io { action, .. }) if !action.starts_with("read") => {
-            CliError::output(e)
-        }
+        MergeError::Store(e) if e.is_of_output() => CliError::output(e),
         _ => CliError::input(e),
     }
 }

@@ -253,7 +253,7 @@ impl Player {
         let mut runs = Vec::new();
         for part in &self.parts {
             let Some(record) = part.records.get(task) else { return Ok(None) };
-            if !part.reader.has_trace(task) {
+            if !part.reader.has_trace(task).map_err(CliError::input)? {
                 return Err(CliError::input(ReplayError::NoTrace {
                     dir: part.reader.dir().to_owned(),
                     task: task.to_owned(),

@@ -100,6 +100,15 @@ fn damaged(path: &Path, detail: String) -> StoreError {
     StoreError::Damaged { path: path.to_owned(), detail, hint: HINT }
 }
 
+/// The error of a file that was written and isn't there.
+pub(crate) fn missing(path: &Path) -> StoreError {
+    StoreError::Damaged {
+        path: path.to_owned(),
+        detail: format!("the file is missing, though {CHECKSUMS} has it"),
+        hint: "restore it from where the run was whole; if it was removed on purpose, delete the run's checksums.txt",
+    }
+}
+
 /// The checksums of a run, for writing.
 #[derive(Debug)]
 pub(crate) struct ChecksumWriter {

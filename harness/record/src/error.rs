@@ -23,11 +23,14 @@ pub enum StoreError {
         .0.display()
     )]
     NotEmpty(PathBuf),
+    /// Something else that is made as a whole was asked for there.
+    #[error("output directory {} is not empty (choose another with --out)", .0.display())]
+    Taken(PathBuf),
     /// There is no run in the directory.
     #[error("{} holds no run: run.json is missing (give the directory that --out named)", .0.display())]
     NoRun(PathBuf),
-    /// Another process writes to this run.
-    #[error("run {} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
+    /// Another process writes to this directory.
+    #[error("{} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
     Locked(PathBuf),
     /// The run in the directory was made with something else than what is to be resumed.
     #[error(
@@ -84,6 +87,16 @@ impl StoreError {
     pub(crate) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { action, path, source }
+    }
+
+    /// Tells whether it is about where something is to be written, and not about what is read.
+    #[must_use]
+    pub fn is_of_output(&self) -> bool {
+        match self {
+            Self::Io { action, .. } => !action.starts_with("read"),
+            Self::NotEmpty(_) | Self::Taken(_) | Self::Locked(_) | Self::Differs { .. } => true,
+            _ => false,
+        }
     }
 
     /// Tells whether the disk (or a quota) is full.

@@ -10,6 +10,7 @@ mod checksums;
 mod debug;
 mod error;
 mod files;
+mod folder;
 mod header;
 mod join;
 mod log_mode;
@@ -21,6 +22,7 @@ mod trace;
 
 pub use debug::{DebugEntry, DebugSeries};
 pub use error::StoreError;
+pub use folder::{FolderLock, NewFolder};
 pub use header::{
     DataHeader, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, SandboxHeader, ShardHeader, SuiteHeader,
 };

@@ -1,7 +1,7 @@
 //! The run directory.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -9,15 +9,19 @@ use std::sync::{Mutex, PoisonError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, record_name};
+use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, missing, record_name};
 use crate::files::{is_temporary, sync_dir, write_atomic};
+use crate::folder::FolderLock;
 use crate::header::OLDEST_SCHEMA;
-use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace};
+use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace, TraceMode};
 
 pub(crate) const HEADER: &str = "run.json";
 pub(crate) const TASKS: &str = "tasks.jsonl";
 pub(crate) const SUMMARY: &str = "summary.json";
+/// The lock is on a file of its own, since run.json is replaced by renaming.
 pub(crate) const LOCK: &str = "run.lock";
+/// The directory with all traces and debug series.
+const TRACES: &str = "traces";
 /// Longest record that is read, bytes; logs in it are bounded far below.
 const LINE: u64 = 64 << 20;
 
@@ -27,7 +31,8 @@ pub struct RunStore {
     dir: PathBuf,
     tasks: Mutex<TaskFile>,
     checksums: Mutex<ChecksumWriter>,
-    lock: File,
+    /// Held as long as it is open.
+    _lock: FolderLock,
 }
 
 #[derive(Debug)]
@@ -37,28 +42,13 @@ struct TaskFile {
     len: u64,
 }
 
-impl Drop for RunStore {
-    fn drop(&mut self) {
-        // Closing the file would unlock it too, but not while a child process, being started on another thread,
-        // has a copy of the descriptor. Nothing is left to be done about an error here.
-        let _ = self.lock.unlock();
-    }
-}
-
 impl RunStore {
     /// Starts a run in `dir`, which is made if need be and must be empty.
     ///
     /// # Errors
     /// Returns [`StoreError::NotEmpty`], [`StoreError::Locked`], or an error of the file system.
     pub fn create(dir: &Path, header: &RunHeader) -> Result<Self, StoreError> {
-        fs::create_dir_all(dir).map_err(StoreError::io("make directory", dir))?;
-        let lock_exists = dir.join(LOCK).exists();
-        if !lock_exists {
-            refuse_unless_empty(dir)?;
-        }
-        // A directory with a lock file is ours: that it is in use says more than that it is not empty.
-        let lock = lock(dir)?;
-        refuse_unless_empty(dir)?;
+        let lock = FolderLock::of_empty(dir, LOCK, is_begun)?;
         let header = pretty("run.json", header)?;
         let mut checksums = ChecksumWriter::open(dir)?;
         checksums.add(HEADER, &header)?;
@@ -69,7 +59,7 @@ impl RunStore {
         file.sync_all().map_err(StoreError::io("sync", &path))?;
         sync_dir(dir);
         let (tasks, checksums) = (Mutex::new(TaskFile { file, len: 0 }), Mutex::new(checksums));
-        Ok(Self { dir: dir.to_owned(), tasks, checksums, lock })
+        Ok(Self { dir: dir.to_owned(), tasks, checksums, _lock: lock })
     }
 
     /// Goes on with the run in `dir`, which must have been made with the same settings: see [`RunHeader::difference`].
@@ -87,7 +77,7 @@ impl RunStore {
         if !dir.join(HEADER).exists() {
             return Err(StoreError::NoRun(dir.to_owned()));
         }
-        let lock = lock(dir)?;
+        let lock = FolderLock::by(dir, LOCK)?;
         let recorded = read_header(dir)?;
         if let Some((field, recorded, wanted)) = recorded.difference(header) {
             return Err(StoreError::Differs { dir: dir.to_owned(), field, recorded, wanted });
@@ -125,7 +115,7 @@ impl RunStore {
         file.seek(SeekFrom::Start(len)).map_err(StoreError::io("seek in", &path))?;
         file.sync_all().map_err(StoreError::io("sync", &path))?;
         let tasks = Mutex::new(TaskFile { file, len });
-        Ok((Self { dir: dir.to_owned(), tasks, checksums, lock }, records))
+        Ok((Self { dir: dir.to_owned(), tasks, checksums, _lock: lock }, records))
     }
 
     /// The run directory.
@@ -248,6 +238,15 @@ pub struct RunReader {
 }
 
 impl RunReader {
+    /// Whether a path is that of a file which a run in this directory may have. Both are absolute.
+    #[must_use]
+    pub fn owns(dir: &Path, path: &Path) -> bool {
+        path.strip_prefix(dir).is_ok_and(|own| {
+            [HEADER, TASKS, CHECKSUMS, SUMMARY, LOCK].iter().any(|name| own == Path::new(name))
+                || own.starts_with(TRACES)
+        })
+    }
+
     /// Opens a run.
     ///
     /// # Errors
@@ -293,9 +292,23 @@ impl RunReader {
     }
 
     /// Tells whether the run has a trace of this task.
-    #[must_use]
-    pub fn has_trace(&self, task: &str) -> bool {
-        trace_name(task).is_ok_and(|name| self.dir.join(name).exists())
+    ///
+    /// # Errors
+    /// Returns [`StoreError::TaskName`], and [`StoreError::Damaged`] if the trace was written and is lost.
+    pub fn has_trace(&self, task: &str) -> Result<bool, StoreError> {
+        Ok(self.header.trace != TraceMode::None && self.is_there(&trace_name(task)?)?)
+    }
+
+    /// Whether a file of the run is there, which must be if it has a checksum.
+    fn is_there(&self, name: &str) -> Result<bool, StoreError> {
+        let path = self.dir.join(name);
+        if path.exists() {
+            return Ok(true);
+        }
+        match Checksums::read(&self.dir)? {
+            Some(sums) if sums.has(name) => Err(missing(&path)),
+            _ => Ok(false),
+        }
     }
 
     /// The trajectory of a task.
@@ -312,7 +325,7 @@ impl RunReader {
     /// Returns [`StoreError::TaskName`], or an error of [`DebugSeries::read`].
     pub fn debug(&self, task: &str) -> Result<Vec<DebugEntry>, StoreError> {
         let name = debug_name(task)?;
-        if self.dir.join(&name).exists() { DebugSeries::read(&self.checked(&name)?) } else { Ok(Vec::new()) }
+        if self.is_there(&name)? { DebugSeries::read(&self.checked(&name)?) } else { Ok(Vec::new()) }
     }
 
     /// The path of a file of the run, which is as it was written.
@@ -339,13 +352,13 @@ pub(crate) fn names(tasks: &[String]) -> Result<Vec<String>, StoreError> {
 /// Where a task's trace lies in a run.
 pub(crate) fn trace_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
-    Ok(format!("traces/{world}/{name}.parquet"))
+    Ok(format!("{TRACES}/{world}/{name}.parquet"))
 }
 
 /// Where a task's debug series lie in a run.
 pub(crate) fn debug_name(task: &str) -> Result<String, StoreError> {
     let (world, name) = split_task(task)?;
-    Ok(format!("traces/{world}/{name}.debug.parquet"))
+    Ok(format!("{TRACES}/{world}/{name}.debug.parquet"))
 }
 
 /// `WORLD/TASK` in two, if both are safe as file names on every system.
@@ -359,34 +372,9 @@ fn split_task(task: &str) -> Result<(&str, &str), StoreError> {
         .ok_or_else(|| StoreError::TaskName(task.to_owned()))
 }
 
-/// The lock is on a file of its own, since run.json is replaced by renaming.
-fn lock(dir: &Path) -> Result<File, StoreError> {
-    let path = dir.join(LOCK);
-    let file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(&path)
-        .map_err(StoreError::io("create", &path))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(StoreError::Locked(dir.to_owned())),
-        // Some network file systems have no locks: better to run unprotected than not at all.
-        Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => Ok(file),
-        Err(TryLockError::Error(source)) => Err(StoreError::Io { action: "lock", path, source }),
-    }
-}
-
-/// What a process killed before it wrote run.json left behind does not count.
-pub(crate) fn refuse_unless_empty(dir: &Path) -> Result<(), StoreError> {
-    for entry in fs::read_dir(dir).map_err(StoreError::io("read directory", dir))? {
-        let name = entry.map_err(StoreError::io("read directory", dir))?.file_name();
-        let name = name.to_string_lossy();
-        if name != LOCK && name != CHECKSUMS && !is_temporary(&name) {
-            return Err(StoreError::NotEmpty(dir.to_owned()));
-        }
-    }
-    Ok(())
+/// Whether a process that was killed before it wrote run.json may have left a file of this name.
+fn is_begun(name: &str) -> bool {
+    name == CHECKSUMS || is_temporary(name)
 }
 
 /// A document as it is written.

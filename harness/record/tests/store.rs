@@ -109,7 +109,7 @@ fn what_is_written_reads_back() {
     let reader = RunReader::open(&dir).unwrap();
     assert_eq!(reader.header(), &header());
     assert_eq!(reader.records::<Record>().unwrap(), records);
-    assert!(reader.has_trace("w001/t00") && !reader.has_trace("w001/t01"));
+    assert!(reader.has_trace("w001/t00").unwrap() && !reader.has_trace("w001/t01").unwrap());
     assert_eq!(reader.trace("w001/t00").unwrap(), trace);
     assert!(dir.join("traces/w001/t00.debug.parquet").exists() && dir.join("summary.json").exists());
 }
@@ -187,7 +187,7 @@ fn a_run_that_is_joined_of_others_has_the_bytes_of_one_that_was_driven() {
     };
     join().unwrap();
     assert_eq!(files(&joined), files(&one));
-    assert!(matches!(join().unwrap_err(), StoreError::NotEmpty(_)));
+    assert!(matches!(join().unwrap_err(), StoreError::Taken(_)));
 
     // A damaged trace isn't handed on, and nothing is left behind.
     fs::remove_dir_all(&joined).unwrap();
@@ -195,6 +195,47 @@ fn a_run_that_is_joined_of_others_has_the_bytes_of_one_that_was_driven() {
     assert!(join().unwrap_err().to_string().contains("its checksum is another"));
     let left: Vec<_> = fs::read_dir(tmp.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left.len(), 3, "{left:?}");
+}
+
+#[test]
+fn a_file_that_is_lost_in_a_part_is_not_lost_in_silence() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (part, joined) = (tmp.path().join("part"), tmp.path().join("joined"));
+    drop(driven(&part, &["w1/a"]));
+    let join = || {
+        let run = RunReader::open(&part).unwrap();
+        let mut joiner = RunJoiner::new(&joined, &header())?;
+        let mut line = Vec::new();
+        run.each_line(|_: Record, own| line = own.to_vec()).unwrap();
+        joiner.add("w1/a", &line, &run)?;
+        joiner.finish(&"summary")
+    };
+    for lost in ["traces/w1/a.parquet", "traces/w1/a.debug.parquet"] {
+        let kept = fs::read(part.join(lost)).unwrap();
+        fs::remove_file(part.join(lost)).unwrap();
+        let e = join().unwrap_err().to_string();
+        assert!(e.contains(lost) && e.contains("missing") && e.contains("checksums.txt"), "{e}");
+        assert!(!joined.exists());
+        let reader = RunReader::open(&part).unwrap();
+        assert!(reader.has_trace("w1/a").is_err() || reader.debug("w1/a").is_err(), "{lost}");
+        fs::write(part.join(lost), kept).unwrap();
+    }
+    // Who removes files on purpose removes what tells of them, too.
+    fs::remove_file(part.join("traces/w1/a.parquet")).unwrap();
+    fs::remove_file(part.join("checksums.txt")).unwrap();
+    join().unwrap();
+    assert!(!joined.join("traces/w1/a.parquet").exists());
+    assert!(joined.join("traces/w1/a.debug.parquet").exists());
+}
+
+#[test]
+fn two_who_join_into_one_directory_do_not_spoil_it() {
+    let tmp = tempfile::tempdir().unwrap();
+    let joined = tmp.path().join("joined");
+    let first = RunJoiner::new(&joined, &header()).unwrap();
+    assert!(matches!(RunJoiner::new(&joined, &header()).unwrap_err(), StoreError::Locked(_)));
+    first.finish(&"summary").unwrap();
+    assert_eq!(RunReader::open(&joined).unwrap().header(), &header());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use vb_record::{RunHeader, RunJoiner, RunReader, StoreError};
+use vb_record::{RunHeader, RunJoiner, RunReader, StoreError, TraceMode};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_world::{Selector, SelectorError, Suite};
 
@@ -90,6 +90,8 @@ pub struct Merged {
     pub missing: Vec<String>,
     /// The tasks that several shards have done, all with the same record.
     pub twice: Vec<String>,
+    /// The tasks of which the run would have a trace, but the shard has none, and no checksums that tell of it.
+    pub untraced: Vec<String>,
 }
 
 /// The runs in a folder: itself if it is one, or the shards in it, in order.
@@ -120,7 +122,7 @@ pub fn shards_in(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
 /// Shards may be missing, and tasks in them: the run that is made can be resumed.
 ///
 /// # Errors
-/// Returns an error if the shards don't belong together, contradict each other, or can't be read, or if `out` can't be written.
+/// Returns an error if the shards don't belong together, contradict each other, lack a file that they had, or can't be read, or if `out` can't be written.
 pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, MergeError> {
     let runs = shards.iter().map(|dir| RunReader::open(dir)).collect::<Result<Vec<_>, _>>()?;
     let header = common_header(&runs)?;
@@ -147,13 +149,18 @@ pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, Me
     }
 
     let mut joiner = RunJoiner::new(out, &header)?;
-    let (mut records, mut missing, mut twice) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut records, mut missing, mut twice, mut untraced) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for task in tasks {
         let Some(Done { by: Some((record, line, run)), again }) = done.remove(&task) else {
             missing.push(task);
             continue;
         };
         joiner.add(&task, &line, run)?;
+        // Who ended before the first sample has no trace.
+        if header.trace != TraceMode::None && record.metrics.is_some() && !run.has_trace(&task)? {
+            untraced.push(task.clone());
+        }
         records.push(record);
         if again {
             twice.push(task);
@@ -161,7 +168,7 @@ pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, Me
     }
     let summary = Summary::new(&header, &rules, &records, Vec::new());
     joiner.finish(&summary)?;
-    Ok(Merged { summary, missing, twice })
+    Ok(Merged { summary, missing, twice, untraced })
 }
 
 /// Who has done a task.

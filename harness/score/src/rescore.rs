@@ -62,7 +62,7 @@ pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
             _ => None,
         };
         // A planner that failed before the first sample left nothing to judge.
-        if fault.is_some() && record.metrics.is_none() && !run.has_trace(&record.task) {
+        if fault.is_some() && record.metrics.is_none() && !run.has_trace(&record.task)? {
             decided.push(record);
             continue;
         }

@@ -159,7 +159,7 @@ pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
 /// Looks through a run: whether it is finished, and which tasks are to be shown.
 fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, SubmissionError> {
     let header = reader.header();
-    let mut done = 0;
+    let (mut done, mut lost) = (0, None);
     let mut names = BTreeSet::new();
     let mut first: std::collections::BTreeMap<Outcome, String> = std::collections::BTreeMap::new();
     reader.each_record(|r: TaskRecord| {
@@ -170,13 +170,20 @@ fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, Submi
         if wanted.is_some_and(|w| w.contains(&r.task)) {
             names.insert(r.task.clone());
         }
-        if reader.has_trace(&r.task) {
-            let best = first.entry(r.outcome).or_insert_with(|| r.task.clone());
-            if r.task < *best {
-                *best = r.task;
+        match reader.has_trace(&r.task) {
+            Ok(true) => {
+                let best = first.entry(r.outcome).or_insert_with(|| r.task.clone());
+                if r.task < *best {
+                    *best = r.task;
+                }
             }
+            Ok(false) => {}
+            Err(e) => lost = Some(e),
         }
     })?;
+    if let Some(e) = lost {
+        return Err(e.into());
+    }
     if done != header.tasks {
         return Err(SubmissionError::Unfinished {
             path: reader.dir().to_owned(),
@@ -195,7 +202,7 @@ fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, Submi
         if !names.contains(task) {
             return fail(task, "not a task of the run".into());
         }
-        if !reader.has_trace(task) {
+        if !reader.has_trace(task)? {
             return fail(task, "the run has no trace of it (run with --trace 10hz)".into());
         }
     }

@@ -95,6 +95,26 @@ fn what_is_missing_is_named_and_driven_by_resume_and_what_was_driven_twice_is_to
 }
 
 #[test]
+fn a_trace_that_a_shard_has_lost_is_told() {
+    let bench = Bench::new();
+    for k in ["1/2", "2/2"] {
+        shard(&bench, k);
+    }
+    let part = "parts/shard-0001-of-0002";
+    let task = bench.records(part).into_keys().next().expect("a task");
+    fs::remove_file(bench.path(part).join(format!("traces/{task}.parquet"))).unwrap();
+    let merge = ["merge", "parts", "--out", "merged"];
+    let told = bench.run(&merge).error(3);
+    assert!(told.contains(&format!("traces/{task}.parquet")) && told.contains("is missing"), "{told}");
+    assert!(!bench.path("merged").exists());
+    // Who has removed it on purpose removes the checksums, and is told all the same.
+    fs::remove_file(bench.path(part).join("checksums.txt")).unwrap();
+    let told = bench.run(&merge);
+    assert!(told.stderr.contains(&format!("1 tasks have no trace, for their shards have lost it: {task}")));
+    let _ = told.ok();
+}
+
+#[test]
 fn the_same_command_goes_on_where_a_shard_was_stopped_and_is_done_at_once_after_it() {
     let bench = Bench::new();
     shard(&bench, "1/2");

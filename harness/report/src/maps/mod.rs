@@ -75,7 +75,7 @@ impl Report {
         for (run, own) in self.runs.runs.iter().enumerate() {
             let reader = RunReader::open(&own.dir)?;
             for row in own.rows.iter().filter(|r| r.task.starts_with(&prefix)) {
-                let points = if reader.has_trace(&row.task) {
+                let points = if reader.has_trace(&row.task)? {
                     let samples = reader.trace(&row.task)?.samples;
                     let all: Vec<[f64; 2]> = samples.iter().map(|s| [s.x, s.y]).collect();
                     vb_map::simplified(&all, FLAT * world.scale)
