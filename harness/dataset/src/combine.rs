@@ -1,39 +1,78 @@
 //! Several datasets in one, and one in several.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::json;
 use vb_math::rng::Stream;
-use vb_record::DataHeader;
+use vb_record::{DataHeader, NewFolder};
 use vb_world::Suite;
 
+use crate::episode::EpisodeInfo;
 use crate::error::DatasetError;
 use crate::header::{Header, Kind};
+use crate::part::Part;
 use crate::reader::Dataset;
 use crate::worlds::{subset, union};
 use crate::writer::{DatasetWriter, Finished};
 
 /// The most frames of an episode.
-fn longest(datasets: &[&Dataset]) -> usize {
-    datasets.iter().flat_map(|d| d.infos().map(|(_, frames)| frames)).max().unwrap_or(1)
+fn longest<'a>(datasets: impl IntoIterator<Item = &'a Dataset>) -> usize {
+    datasets.into_iter().flat_map(|d| d.infos().map(|(_, frames)| frames)).max().unwrap_or(1)
 }
 
 fn worlds_header(suite: &Suite) -> DataHeader {
     DataHeader { name: suite.meta().name.clone(), hash: suite.hash() }
 }
 
-/// A folder for a suite while a dataset is made beside it.
-fn workshop(out: &Path) -> Result<tempfile::TempDir, DatasetError> {
-    let parent = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(parent).map_err(DatasetError::io("create", parent))?;
-    let made = tempfile::Builder::new().prefix(".making-").tempdir_in(parent);
-    made.map_err(DatasetError::io("create a folder in", parent))
+/// Where the worlds of a dataset are gathered while its folder is made.
+const GATHERED: &str = "worlds";
+
+/// What an episode is told apart by: the simulation's states, or else where it was cut out, and how it began and how long it took.
+/// Its world doesn't count, whose hash changes with its name. Nothing is known of an episode that a person ended.
+fn identity(info: &EpisodeInfo) -> Option<String> {
+    let of = if info.state_hash.is_empty() { &info.origin } else { &info.state_hash };
+    (!of.is_empty()).then(|| format!("{of} {:?} {}", info.start, info.time_s))
+}
+
+/// Refuses a dataset that is there twice, or that another has within itself: its episodes would count twice.
+fn refuse_repeated(datasets: &[Dataset]) -> Result<(), DatasetError> {
+    let place = |d: &Dataset| std::fs::canonicalize(d.dir()).map_err(DatasetError::io("read", d.dir()));
+    let places = datasets.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+    let frames = datasets.iter().map(Dataset::frames_hash).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<BTreeSet<_>> =
+        datasets.iter().map(|d| d.infos().filter_map(|(info, _)| identity(info)).collect()).collect();
+    for (k, inner) in datasets.iter().enumerate() {
+        for (j, outer) in datasets.iter().enumerate().filter(|(j, _)| *j != k) {
+            let is_within =
+                || inner.infos().all(|(info, _)| identity(info).is_some_and(|i| known[j].contains(&i)));
+            if places[j] == places[k] || frames[j] == frames[k] || is_within() {
+                let (outer, inner) = (outer.dir().to_owned(), inner.dir().to_owned());
+                return Err(DatasetError::Repeated { inner, outer });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The number of episodes that an earlier one of the datasets has as well: they will count as often as they are there.
+#[must_use]
+pub fn repeated(datasets: &[Dataset]) -> usize {
+    let mut seen = BTreeSet::new();
+    let mut count = 0;
+    for dataset in datasets {
+        let own: Vec<_> = dataset.infos().filter_map(|(info, _)| identity(info)).collect();
+        count += own.iter().filter(|i| seen.contains(*i)).count();
+        seen.extend(own);
+    }
+    count
 }
 
 /// Puts the episodes of several datasets into one, in their order. The worlds are named anew.
 ///
 /// # Errors
-/// Returns an error if the datasets have other columns, rates, vehicles or settings, or can't be read or written.
+/// Returns an error if the datasets have other columns, rates, vehicles or settings, one is there twice, or they can't be read or
+/// written.
 pub fn merge(
     datasets: &[Dataset],
     out: &Path,
@@ -59,9 +98,11 @@ pub fn merge(
             return Err(DatasetError::Unlike { a, b, what: format!("they differ in {what}") });
         }
     }
+    refuse_repeated(datasets)?;
+    datasets.iter().try_for_each(|dataset| dataset.must_not_hold(out))?;
     let suites = datasets.iter().map(Dataset::worlds).collect::<Result<Vec<_>, _>>()?;
-    let workshop = workshop(out)?;
-    let (suite, names) = union(&suites, &workshop.path().join("suite"))?;
+    let folder = NewFolder::new(out)?;
+    let (suite, names) = union(&suites, &folder.workshop().join(GATHERED))?;
     let of: Vec<_> = datasets
         .iter()
         .map(|d| Ok(json!({"name": d.header().name, "hash": d.hash()?})))
@@ -76,8 +117,7 @@ pub fn merge(
         options: [("of".to_owned(), json!(of))].into(),
         ..a.clone()
     };
-    let mut writer =
-        DatasetWriter::create(out, header, &suite, longest(&datasets.iter().collect::<Vec<_>>()))?;
+    let mut writer = DatasetWriter::create_whole(folder, header, &suite, longest(datasets))?;
     for (k, dataset) in datasets.iter().enumerate() {
         for (index, episode) in dataset.episodes().enumerate() {
             let mut episode = episode?;
@@ -99,19 +139,10 @@ pub fn merge(
     writer.finish()
 }
 
-/// A part of a dataset: its name, and its fraction of the worlds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// The name, which is that of its folder.
-    pub name: String,
-    /// The fraction, between 0 and 1.
-    pub fraction: f64,
-}
-
 /// Splits a dataset by its worlds, so that no world is in two parts. Which world goes where depends on the seed alone.
 ///
 /// # Errors
-/// Returns an error if a part has no episode, or something can't be read or written.
+/// Returns an error if the parts make no sense, one has no episode, or something can't be read or written. Then none is there.
 pub fn split(
     dataset: &Dataset,
     parts: &[Part],
@@ -119,19 +150,27 @@ pub fn split(
     out: &Path,
     command: &[String],
 ) -> Result<Vec<Finished>, DatasetError> {
+    Part::check(parts)?;
+    dataset.must_not_hold(out)?;
     let suite = dataset.worlds()?;
     let mut worlds: Vec<&str> = suite.worlds().iter().map(|w| w.id.as_str()).collect();
     Stream::new(seed, &["split"]).shuffle(&mut worlds);
-    let whole: f64 = parts.iter().map(|p| p.fraction).sum();
-    let (mut from, mut sum) = (0, 0.0);
-    let mut finished = Vec::new();
-    let workshop = workshop(out)?;
-    for part in parts {
-        sum += part.fraction;
-        let to = (worlds.len() as f64 * sum / whole).round() as usize;
-        let own = &worlds[from..to];
-        from = to;
-        let of_worlds = subset(&suite, own, &workshop.path().join(&part.name))?;
+    let shares = Part::deal(parts, &worlds);
+    let driven: BTreeSet<&str> = dataset.infos().map(|(info, _)| info.world.as_str()).collect();
+    for (part, own) in parts.iter().zip(&shares) {
+        if !own.iter().any(|world| driven.contains(world)) {
+            return Err(DatasetError::Empty(format!(
+                "the part {} of {} worlds has none (give it a larger fraction)",
+                part.name,
+                own.len()
+            )));
+        }
+    }
+    let folders = parts.iter().map(|part| NewFolder::new(&out.join(&part.name)));
+    let folders = folders.collect::<Result<Vec<_>, _>>()?;
+    let mut writers = Vec::new();
+    for ((part, own), folder) in parts.iter().zip(shares).zip(folders) {
+        let of_worlds = subset(&suite, own, &folder.workshop().join(GATHERED))?;
         let header = dataset.header();
         let options = [
             ("of".to_owned(), json!({"name": header.name, "hash": dataset.hash()?})),
@@ -146,22 +185,15 @@ pub fn split(
             options: options.into(),
             ..header.clone()
         };
-        let dir = out.join(&part.name);
-        let mut writer = DatasetWriter::create(&dir, header, &of_worlds, longest(&[dataset]))?;
+        let mut writer = DatasetWriter::create_whole(folder, header, &of_worlds, longest([dataset]))?;
         for episode in dataset.episodes() {
             let episode = episode?;
             if own.contains(&episode.info.world.as_str()) {
                 writer.add(&episode)?;
             }
         }
-        if writer.episodes() == 0 {
-            return Err(DatasetError::Empty(format!(
-                "the part {} of {} worlds has none (give it a larger fraction)",
-                part.name,
-                own.len()
-            )));
-        }
-        finished.push(writer.finish()?);
+        writers.push(writer);
     }
-    Ok(finished)
+    // Not one by one on the way: what is split half would look as if it were split.
+    writers.into_iter().map(DatasetWriter::finish).collect()
 }

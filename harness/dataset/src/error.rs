@@ -39,6 +39,17 @@ pub enum DatasetError {
         /// What is wrong.
         detail: String,
     },
+    /// A file is not as it was written.
+    #[error(
+        "{}: {problem} (take the dataset from where it is whole, or make it again by the command in its dataset.json; `vb-harness dataset validate` tells all that is wrong)",
+        .path.display()
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// A table can't be encoded.
     #[error("a table can't be encoded: {detail}; please report it")]
     Encode {
@@ -66,6 +77,14 @@ pub enum DatasetError {
         found: u64,
         /// The version that is read.
         supported: u32,
+    },
+    /// The folder is in a dataset.
+    #[error("{} is in the dataset {}, which would no longer be what it was (give another --out)", .out.display(), .dir.display())]
+    Within {
+        /// The folder.
+        out: PathBuf,
+        /// The dataset.
+        dir: PathBuf,
     },
     /// The dataset was begun with other settings.
     #[error("cannot resume {}: {field} is {now}, and was {before} (give the same options, or another --out)", .dir.display())]
@@ -152,6 +171,23 @@ pub enum DatasetError {
         b: PathBuf,
         /// In what they differ.
         what: String,
+    },
+    /// The same dataset is there twice.
+    #[error(
+        "all episodes of {} are in {} too, and would count twice (name each dataset once, and none that is a part of another)",
+        .inner.display(), .outer.display()
+    )]
+    Repeated {
+        /// The dataset.
+        inner: PathBuf,
+        /// The dataset that has its episodes.
+        outer: PathBuf,
+    },
+    /// Parts are no split of a dataset.
+    #[error("--parts: {problem} (give them as in train=0.8,validation=0.1,test=0.1)")]
+    Parts {
+        /// What is wrong.
+        problem: String,
     },
     /// A trial can't be made.
     #[error(transparent)]

@@ -9,11 +9,10 @@ use crate::error::DatasetError;
 use crate::feature::{Feature, Values};
 use crate::header::{DATASET_SCHEMA, Header};
 use crate::lerobot::{Batch, Row, data_path, episodes_path, read_data, read_episodes};
+use crate::sums::{Flaw, SUMS, Sums, hash_file, must_be_whole};
 
 /// The file that says what a dataset follows from.
 pub(crate) const HEADER: &str = "dataset.json";
-/// The file with the hashes of all others, which is written last.
-pub(crate) const SUMS: &str = "SHA256SUMS";
 /// The folder of the suite that the worlds are of.
 pub(crate) const WORLDS: &str = "suite";
 
@@ -33,6 +32,12 @@ pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
     serde_json::from_value(value).map_err(damaged)
 }
 
+/// Reads `dataset.json` of a dataset that must be finished.
+pub(crate) fn finished_header(dir: &Path) -> Result<Header, DatasetError> {
+    let header = read_header(dir)?;
+    if dir.join(SUMS).is_file() { Ok(header) } else { Err(DatasetError::Unfinished { dir: dir.to_owned() }) }
+}
+
 /// A finished dataset in a folder.
 pub struct Dataset {
     dir: PathBuf,
@@ -47,20 +52,50 @@ impl Dataset {
     /// # Errors
     /// Returns an error if there is none, it isn't finished, or what tells of its episodes can't be read.
     pub fn open(dir: &Path) -> Result<Self, DatasetError> {
-        let header = read_header(dir)?;
-        if !dir.join(SUMS).is_file() {
-            return Err(DatasetError::Unfinished { dir: dir.to_owned() });
-        }
+        let header = finished_header(dir)?;
+        let sums = Sums::read(dir, SUMS)?;
         let mut rows = Vec::new();
         for number in 0.. {
-            let path = dir.join(episodes_path(number));
+            let file = episodes_path(number);
+            let path = dir.join(&file);
             if !path.is_file() {
+                // Files are numbered without gaps: one that is lost must not look like the end.
+                if sums.has(&file) {
+                    return Err(Flaw::missing(file).of(dir));
+                }
                 break;
             }
             rows.extend(read_episodes(&path)?);
         }
         let features = header.layout.features();
         Ok(Self { dir: dir.to_owned(), header, features, rows })
+    }
+
+    /// The same after each file was held against its hash, for what makes another dataset of it: damage must not get new hashes,
+    /// by which it would look as it should.
+    ///
+    /// # Errors
+    /// Returns [`DatasetError::Changed`] for the first file that is not as it was written, missing or not of the dataset, and the
+    /// errors of [`Dataset::open`].
+    pub fn open_whole(dir: &Path) -> Result<Self, DatasetError> {
+        finished_header(dir)?;
+        must_be_whole(dir)?;
+        Self::open(dir)
+    }
+
+    /// Refuses to write within the dataset: what isn't of it makes it another.
+    ///
+    /// # Errors
+    /// Returns [`DatasetError::Within`].
+    pub fn must_not_hold(&self, out: &Path) -> Result<(), DatasetError> {
+        let real = |path: &Path| std::fs::canonicalize(path).map_err(DatasetError::io("read", path));
+        let absolute = std::path::absolute(out).map_err(DatasetError::io("find", out))?;
+        // A folder that isn't there yet will be in the nearest that is.
+        let there = absolute.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("/"));
+        if real(there)?.starts_with(real(&self.dir)?) {
+            return Err(DatasetError::Within { out: out.to_owned(), dir: self.dir.clone() });
+        }
+        Ok(())
     }
 
     /// The folder.
@@ -96,7 +131,8 @@ impl Dataset {
     /// # Errors
     /// Returns an error if that file can't be read.
     pub fn hash(&self) -> Result<String, DatasetError> {
-        crate::writer::hash_file(&self.dir.join(SUMS))
+        let path = self.dir.join(SUMS);
+        hash_file(&path).map_err(DatasetError::io("read", &path))
     }
 
     /// The hash of the frames alone, which is the same whatever version of the harness made them: the SHA-256 of the lines of

@@ -1,6 +1,6 @@
 //! Checking whether a dataset is what it should be.
 
-use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use vb_score::Outcome;
@@ -10,8 +10,8 @@ use crate::error::DatasetError;
 use crate::feature::Values;
 use crate::lerobot::{Batch, data_path, read_data};
 use crate::make::{ENDED, keep_apart};
-use crate::reader::{Dataset, SUMS, read_header};
-use crate::writer::{files, hash_file};
+use crate::reader::{Dataset, finished_header};
+use crate::sums::{SUMS, Sums};
 
 /// Findings that are told at most.
 const FINDINGS: usize = 50;
@@ -34,12 +34,9 @@ impl Findings {
 /// # Errors
 /// Returns an error if there is no dataset, or it isn't finished.
 pub fn validate(dir: &Path, suites: &[Suite]) -> Result<Findings, DatasetError> {
-    read_header(dir)?;
-    if !dir.join(SUMS).is_file() {
-        return Err(DatasetError::Unfinished { dir: dir.to_owned() });
-    }
+    finished_header(dir)?;
     let mut findings = Findings::default();
-    sums(dir, &mut findings)?;
+    hold(dir, &mut findings)?;
     // What can't be opened has been told, by its hash.
     let dataset = match Dataset::open(dir) {
         Ok(dataset) => dataset,
@@ -63,30 +60,20 @@ pub fn validate(dir: &Path, suites: &[Suite]) -> Result<Findings, DatasetError> 
 }
 
 /// Holds each file against its hash.
-fn sums(dir: &Path, findings: &mut Findings) -> Result<(), DatasetError> {
-    let path = dir.join(SUMS);
-    let text = vb_files::read_text(&path, vb_files::DATA).map_err(DatasetError::io("read", &path))?;
-    let mut known = BTreeSet::new();
-    for line in text.lines() {
-        let Some((hash, name)) = line.split_once("  ") else {
-            findings.add(format!("{SUMS}: \"{line}\" is no hash and file"));
-            continue;
-        };
-        known.insert(name.to_owned());
-        // A name that leads out of the folder is nobody's file.
-        let inside = Path::new(name).components().all(|c| matches!(c, std::path::Component::Normal(_)));
-        match hash_file(&dir.join(name)) {
-            _ if !inside => findings.add(format!("{SUMS}: {name} is not in the dataset")),
-            Ok(own) if own == hash => {}
-            Ok(_) => findings.add(format!("{name}: it is not as it was written (its SHA-256 differs)")),
-            Err(e) => findings.add(e.to_string()),
+fn hold(dir: &Path, findings: &mut Findings) -> Result<(), DatasetError> {
+    let sums = match Sums::read(dir, SUMS) {
+        Ok(sums) => sums,
+        Err(e) => {
+            findings.add(e.to_string());
+            return Ok(());
         }
-    }
-    for path in files(dir)? {
-        let name = path.to_string_lossy().replace('\\', "/");
-        if !known.contains(&name) {
-            findings.add(format!("{name}: it is not of the dataset ({SUMS} doesn't have it)"));
-        }
+    };
+    sums.check(dir, |flaw| {
+        findings.add(flaw.to_string());
+        ControlFlow::Continue(())
+    });
+    for flaw in sums.strangers(dir)? {
+        findings.add(flaw.to_string());
     }
     Ok(())
 }

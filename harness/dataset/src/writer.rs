@@ -1,9 +1,11 @@
 //! Writing a dataset, file by file, so that nothing is lost or doubled if the program is killed.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use vb_files::{Hash, sha256};
+use vb_files::sha256;
+use vb_record::{FolderLock, NewFolder, StoreError};
 use vb_world::Suite;
 
 use crate::card::card;
@@ -12,22 +14,29 @@ use crate::error::DatasetError;
 use crate::feature::Feature;
 use crate::header::Header;
 use crate::lerobot::{
-    Batch, Place, Row, Stats, Totals, data_path, episodes_path, info, pooled, read_episodes, write_data,
-    write_episodes, write_tasks,
+    Batch, Place, Row, Stats, Totals, data_path, episodes_path, info, pooled, read_data, read_episodes,
+    write_data, write_episodes, write_tasks,
 };
-use crate::reader::{HEADER, SUMS, WORLDS, read_header};
+use crate::reader::{HEADER, WORLDS, read_header};
+use crate::sums::{SUMS, SUMS_SO_FAR, Sums, files, hash_file, must_be_whole};
 
 /// The bytes of frames in a data file, at most and before compression, unless one episode has more.
 const FILE_BYTES: usize = 48 << 20;
 /// The episodes of a data file, at most.
 const FILE_EPISODES: usize = 256;
 
-/// A dataset while it is written.
+/// The files that tell of the whole, which are written again when it grows.
+const OF_ALL: [&str; 4] = ["meta/info.json", "meta/stats.json", "meta/tasks.parquet", "README.md"];
+
+/// A dataset while it is written, by this process alone.
 ///
 /// Episodes are gathered until a data file is full. First the data file is written, whole and synced, then the file that tells
 /// of its episodes: an episode is in the dataset once it is in the latter. `SHA256SUMS` comes last.
 pub struct DatasetWriter {
     dir: PathBuf,
+    lock: FolderLock,
+    /// What the folder is the content of, if it is one that is there only when it is whole.
+    folder: Option<NewFolder>,
     header: Header,
     features: Vec<Feature>,
     /// Episodes of a data file.
@@ -39,6 +48,8 @@ pub struct DatasetWriter {
     /// The first frame that is in no file.
     from: usize,
     done: Done,
+    /// The hashes, as they were written, of the files that stay as they are: worlds, header, frames and episodes.
+    sums: Sums,
 }
 
 /// What is on disk.
@@ -89,58 +100,144 @@ impl DatasetWriter {
     /// the most that an episode may have.
     ///
     /// # Errors
-    /// Returns an error if the folder holds something or can't be written.
+    /// Returns an error if the folder holds something, is in use or can't be written.
     pub fn create(dir: &Path, header: Header, worlds: &Suite, frames: usize) -> Result<Self, DatasetError> {
-        if fs::read_dir(dir).is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(DatasetError::NotEmpty { dir: dir.to_owned() });
-        }
-        fs::create_dir_all(dir).map_err(DatasetError::io("create", dir))?;
-        copy_suite(worlds, &dir.join(WORLDS))?;
-        let writer = Self::new(dir, header, frames);
+        let lock = FolderLock::take_empty(dir).map_err(|e| match e {
+            StoreError::NotEmpty(dir) => DatasetError::NotEmpty { dir },
+            e => e.into(),
+        })?;
+        Self::begin(dir, lock, header, worlds, frames)
+    }
+
+    /// The same in a new folder, whose content is there only when it is whole.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::create`].
+    pub fn create_whole(
+        folder: NewFolder,
+        header: Header,
+        worlds: &Suite,
+        frames: usize,
+    ) -> Result<Self, DatasetError> {
+        let mut writer = Self::create(&folder.dir(), header, worlds, frames)?;
+        writer.folder = Some(folder);
+        Ok(writer)
+    }
+
+    fn begin(
+        dir: &Path,
+        lock: FolderLock,
+        header: Header,
+        worlds: &Suite,
+        frames: usize,
+    ) -> Result<Self, DatasetError> {
+        let mut writer = Self::new(dir, lock, header, frames);
+        // First: where it is and the header isn't, what is there is ours.
+        writer.write_sums()?;
+        writer.sums = copy_suite(worlds, dir)?;
+        let header = json(&writer.header)?;
+        writer.sums.add(Path::new(HEADER), &header);
+        writer.write_sums()?;
         // Last: where it is, the worlds are whole.
-        writer.write(Path::new(HEADER), &json(&writer.header)?)?;
+        writer.write(Path::new(HEADER), &header)?;
         Ok(writer)
     }
 
     /// Goes on with a dataset that was begun in a folder; begins it if nothing was.
     ///
     /// # Errors
-    /// Returns an error if it was begun with other settings, or can't be read or written.
+    /// Returns an error if it was begun with other settings, is in use or damaged, or can't be read or written.
     pub fn resume(dir: &Path, header: Header, worlds: &Suite, frames: usize) -> Result<Self, DatasetError> {
         if !dir.join(HEADER).is_file() {
+            if !dir.join(SUMS_SO_FAR).is_file() {
+                return Self::create(dir, header, worlds, frames);
+            }
+            let lock = FolderLock::take(dir)?;
+            if dir.join(HEADER).is_file() {
+                // Somebody else was faster.
+                drop(lock);
+                return Self::resume(dir, header, worlds, frames);
+            }
             // Killed while the worlds were copied; nothing else is there.
             let begun = dir.join(WORLDS);
             if begun.is_dir() {
                 fs::remove_dir_all(&begun).map_err(DatasetError::io("remove", &begun))?;
             }
-            return Self::create(dir, header, worlds, frames);
+            return Self::begin(dir, lock, header, worlds, frames);
         }
         let before = read_header(dir)?;
         if let Some((field, before, now)) = before.difference(&header) {
             return Err(DatasetError::Other { dir: dir.to_owned(), field, before, now });
         }
-        let mut writer = Self::new(dir, header, frames);
-        loop {
-            let path = dir.join(episodes_path(writer.file));
-            if !path.is_file() {
-                break;
-            }
-            for row in read_episodes(&path)? {
-                writer.done.add(&row);
-            }
-            writer.file += 1;
-        }
-        writer.from = writer.done.frames;
+        let mut writer = Self::new(dir, FolderLock::take(dir)?, header, frames);
+        writer.sums = trusted(dir)?;
+        writer.read_on()?;
+        writer.write_sums()?;
         Ok(writer)
     }
 
-    fn new(dir: &Path, header: Header, frames: usize) -> Self {
+    /// Takes over what is on disk.
+    fn read_on(&mut self) -> Result<(), DatasetError> {
+        loop {
+            let (data, episodes) = (data_path(self.file), episodes_path(self.file));
+            let path = self.dir.join(&episodes);
+            if !path.is_file() {
+                // Killed between the two files: these frames are of no episode, and are driven again.
+                let frames = self.dir.join(&data);
+                return match fs::remove_file(&frames) {
+                    Err(e) if e.kind() != ErrorKind::NotFound => Err(DatasetError::io("remove", &frames)(e)),
+                    _ => Ok(()),
+                };
+            }
+            let rows = read_episodes(&path)?;
+            if !self.sums.has(&episodes) {
+                self.adopt(&data, &episodes, &rows)?;
+            }
+            for row in rows {
+                self.done.add(&row);
+            }
+            self.from = self.done.frames;
+            self.file += 1;
+        }
+    }
+
+    /// Takes over the files that were written last, which a kill left without hashes. Files are written whole, so that they need
+    /// only fit to each other.
+    fn adopt(&mut self, data: &Path, episodes: &Path, rows: &[Row]) -> Result<(), DatasetError> {
+        let path = self.dir.join(data);
+        let frames = read_data(&path, &self.features)?.len();
+        let wanted = rows.last().map_or(0, |row| row.place.to.saturating_sub(self.from));
+        if frames != wanted {
+            return Err(DatasetError::damaged(&path, &format!("it has {frames} frames, not {wanted}")));
+        }
+        for file in [data, episodes] {
+            let path = self.dir.join(file);
+            let bytes = vb_files::read(&path, vb_files::DATA).map_err(DatasetError::io("read", &path))?;
+            self.sums.add(file, &bytes);
+        }
+        Ok(())
+    }
+
+    fn new(dir: &Path, lock: FolderLock, header: Header, frames: usize) -> Self {
         let features = header.layout.features();
-        let episode_bytes = header.layout.frame_bytes() * frames.max(1);
+        let episode_bytes = header.layout.frame_bytes().saturating_mul(frames.max(1));
         let per_file = (FILE_BYTES / episode_bytes).clamp(1, FILE_EPISODES);
         let batch = Batch::new(&features);
         let (rows, done) = (Vec::new(), Done::default());
-        Self { dir: dir.to_owned(), header, features, per_file, file: 0, batch, rows, from: 0, done }
+        Self {
+            dir: dir.to_owned(),
+            lock,
+            folder: None,
+            header,
+            features,
+            per_file,
+            file: 0,
+            batch,
+            rows,
+            from: 0,
+            done,
+            sums: Sums::default(),
+        }
     }
 
     /// The columns of each frame.
@@ -213,8 +310,14 @@ impl DatasetWriter {
         if self.rows.is_empty() {
             return Ok(());
         }
-        self.write(&data_path(self.file), &write_data(&self.features, &self.batch)?)?;
-        self.write(&episodes_path(self.file), &write_episodes(&self.rows)?)?;
+        for (path, bytes) in [
+            (data_path(self.file), write_data(&self.features, &self.batch)?),
+            (episodes_path(self.file), write_episodes(&self.rows)?),
+        ] {
+            self.write(&path, &bytes)?;
+            self.sums.add(&path, &bytes);
+        }
+        self.write_sums()?;
         for row in std::mem::take(&mut self.rows) {
             self.done.add(&row);
         }
@@ -232,12 +335,24 @@ impl DatasetWriter {
         vb_files::write(&path, bytes).map_err(DatasetError::io("write", &path))
     }
 
+    /// Writes the hashes until now, by which a command that goes on knows that all is as it was.
+    fn write_sums(&self) -> Result<(), DatasetError> {
+        self.write(Path::new(SUMS_SO_FAR), self.sums.text().as_bytes())
+    }
+
     /// Writes what is left, what tells of the whole, and the hashes of all files; the hash of the dataset.
     ///
     /// # Errors
     /// Returns an error if there is no episode, or a file can't be written.
     pub fn finish(mut self) -> Result<Finished, DatasetError> {
-        self.save()
+        let finished = self.save()?;
+        let so_far = self.dir.join(SUMS_SO_FAR);
+        fs::remove_file(&so_far).map_err(DatasetError::io("remove", &so_far))?;
+        self.lock.remove();
+        if let Some(folder) = self.folder {
+            folder.finish(SUMS)?;
+        }
+        Ok(finished)
     }
 
     /// Makes a whole dataset of what there is, to which more can be added: the episodes of people come one by one, and each is
@@ -253,21 +368,25 @@ impl DatasetWriter {
         }
         let totals = Totals { episodes, frames, tasks: self.done.tasks.len() };
         let robot = &self.header.vehicle.name;
-        self.write(
-            Path::new("meta/info.json"),
-            &json(&info(robot, self.header.hz, &self.features, totals))?,
-        )?;
         let stats: serde_json::Map<_, _> = self
             .done
             .stats
             .iter()
             .filter_map(|(name, s)| Some((name.clone(), serde_json::to_value(s).ok()?)))
             .collect();
-        self.write(Path::new("meta/stats.json"), &json(&stats)?)?;
-        self.write(Path::new("meta/tasks.parquet"), &write_tasks(&self.done.tasks)?)?;
-        let text = card(&self.header, &self.features, (episodes, frames), &self.done.summary);
-        self.write(Path::new("README.md"), text.as_bytes())?;
-        let sums = sums(&self.dir)?;
+        let card = card(&self.header, &self.features, (episodes, frames), &self.done.summary);
+        let mut sums = self.sums.clone();
+        let of_all = [
+            json(&info(robot, self.header.hz, &self.features, totals))?,
+            json(&stats)?,
+            write_tasks(&self.done.tasks)?,
+            card.into_bytes(),
+        ];
+        for (file, bytes) in OF_ALL.map(Path::new).into_iter().zip(of_all) {
+            self.write(file, &bytes)?;
+            sums.add(file, &bytes);
+        }
+        let sums = sums.text();
         self.write(Path::new(SUMS), sums.as_bytes())?;
         let summary = self.done.summary.clone();
         Ok(Finished { episodes, frames, hash: sha256(sums.as_bytes()), summary })
@@ -287,63 +406,35 @@ pub struct Finished {
     pub summary: Summary,
 }
 
+/// The hashes of what was begun in a folder, after all was held against them.
+fn trusted(dir: &Path) -> Result<Sums, DatasetError> {
+    if dir.join(SUMS_SO_FAR).is_file() {
+        let sums = Sums::read(dir, SUMS_SO_FAR)?;
+        sums.must_hold(dir)?;
+        return Ok(sums);
+    }
+    must_be_whole(dir)?;
+    Ok(Sums::read(dir, SUMS)?.without(&OF_ALL))
+}
+
 fn json(value: &impl serde::Serialize) -> Result<Vec<u8>, DatasetError> {
     let text = serde_json::to_string_pretty(value);
     let text = text.map_err(|e| DatasetError::Encode { detail: e.to_string() })?;
     Ok((text + "\n").into_bytes())
 }
 
-/// The files of a folder and those below it, sorted by name, but for the sums themselves and what an interrupted write left.
-pub(crate) fn files(dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-    let mut found = Vec::new();
-    let mut open = vec![PathBuf::new()];
-    while let Some(at) = open.pop() {
-        let folder = dir.join(&at);
-        for entry in fs::read_dir(&folder).map_err(DatasetError::io("read", &folder))? {
-            let entry = entry.map_err(DatasetError::io("read", &folder))?;
-            let path = at.join(entry.file_name());
-            if entry.path().is_dir() {
-                open.push(path);
-            } else if !entry.file_name().to_string_lossy().starts_with('.') && path != Path::new(SUMS) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-/// The SHA-256 of a file, which is read piece by piece.
-pub(crate) fn hash_file(path: &Path) -> Result<String, DatasetError> {
-    use std::io::Read as _;
-    let mut file = vb_files::open(path).map_err(DatasetError::io("read", path))?;
-    let (mut hash, mut piece) = (Hash::new(), vec![0; 1 << 20]);
-    loop {
-        match file.read(&mut piece).map_err(DatasetError::io("read", path))? {
-            0 => return Ok(hash.hex()),
-            n => hash.update(&piece[..n]),
-        }
-    }
-}
-
-/// What `sha256sum` would print of all files.
-fn sums(dir: &Path) -> Result<String, DatasetError> {
-    let mut text = String::new();
-    for path in files(dir)? {
-        let name = path.to_string_lossy().replace('\\', "/");
-        text += &format!("{}  {name}\n", hash_file(&dir.join(&path))?);
-    }
-    Ok(text)
-}
-
-/// Copies a suite's files.
-fn copy_suite(suite: &Suite, to: &Path) -> Result<(), DatasetError> {
-    for path in files(suite.dir())? {
-        let (from, to) = (suite.dir().join(&path), to.join(&path));
+/// Copies a suite's files into a dataset; the hashes that they have there.
+fn copy_suite(suite: &Suite, to: &Path) -> Result<Sums, DatasetError> {
+    let mut sums = Sums::default();
+    for file in files(suite.dir())? {
+        let (from, file) = (suite.dir().join(&file), Path::new(WORLDS).join(&file));
+        let hash = hash_file(&from).map_err(DatasetError::io("read", &from))?;
+        let to = to.join(&file);
         if let Some(parent) = to.parent() {
             fs::create_dir_all(parent).map_err(DatasetError::io("create", parent))?;
         }
         fs::copy(&from, &to).map_err(DatasetError::io("write", &to))?;
+        sums.add_hash(&file, hash);
     }
-    Ok(())
+    Ok(sums)
 }

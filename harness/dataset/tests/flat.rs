@@ -2,42 +2,21 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod common;
+
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use common::{header, named, suite};
 use vb_dataset::{
-    Amount, DATASET_SCHEMA, Dataset, DatasetWriter, Episode, EpisodeInfo, Exploration, Feature, Header, Kind,
-    Layout, Making,
+    Amount, Dataset, DatasetWriter, Episode, EpisodeInfo, Exploration, Feature, Header, Layout, Making,
 };
 use vb_math::{cos, sin};
-use vb_record::DataHeader;
 use vb_runner::{Setting, Soils, Vehicle};
 use vb_score::Rules;
 use vb_sense::Profile;
 use vb_sim::SoilSet;
 use vb_vehicle::VehicleSpec;
-use vb_world::{
-    Heightfield, Obstacle, ObstacleKind, Provenance, Suite, SuiteMeta, SuiteWriter, TerrainClass, World,
-};
-
-/// A slope of 5 % to the east, with a box in the north.
-fn world() -> World {
-    let n = 129;
-    let heights = (0..n * n).map(|k| 0.05 * ((k % n) as f64 - 64.0)).collect();
-    let mut world = World::uniform("w001", Heightfield::new(n, n, 1.0, heights), TerrainClass::Gravel, 0.55);
-    let kind = ObstacleKind::Box { size: [4.0, 4.0, 2.0] };
-    world.obstacles.push(Obstacle { x: 0.0, y: 40.0, yaw: 0.0, buried: 0.5, kind });
-    world
-}
-
-fn suite(dir: &Path) -> Suite {
-    let provenance = Provenance::Generated { generator: "by hand".into(), seed: 7000 };
-    let meta =
-        SuiteMeta { name: "slope".into(), version: "1".into(), description: String::new(), provenance };
-    let mut writer = SuiteWriter::create(dir, meta).unwrap();
-    writer.add(&world()).unwrap();
-    writer.finish().unwrap()
-}
 
 /// Straight ahead at 3 m/s.
 const STRAIGHT: &str = "
@@ -55,30 +34,12 @@ fn explored(dir: &Path, crops: usize, profile: &Profile) -> Dataset {
     let rules = Rules::resolve("exploration").unwrap();
     let setting = Setting::new(&vehicle, &soils, &rules, profile, 0.001, 1.0, 1).unwrap();
     let suite = suite(&dir.join("suite"));
-    let named = |name: &str| DataHeader { name: name.into(), hash: String::new() };
     let exploration = Exploration::from_yaml("straight.yaml", STRAIGHT).unwrap();
+    let layout = Layout { wheels: 4, speed: true, goal: false, truth: !profile.tells_the_truth(), crops };
     let header = Header {
-        schema: DATASET_SCHEMA,
-        name: "straight".into(),
-        kind: Kind::Explore,
-        licence: "CC0-1.0".into(),
-        harness_version: "0".into(),
-        harness_commit: "none".into(),
-        command: Vec::new(),
-        seed: 1,
-        hz: 10,
-        layout: Layout { wheels: 4, speed: true, goal: false, truth: !profile.tells_the_truth(), crops },
-        vehicle: named("hmmwv"),
-        soils: named("default"),
-        rules: named("exploration"),
         perception: named(profile.name()),
-        scale: 1.0,
-        time_step: 0.001,
-        worlds: DataHeader { name: "slope".into(), hash: suite.hash() },
         exploration: Some(exploration.clone()),
-        planners: Vec::new(),
-        of_a_suite: false,
-        options: [].into(),
+        ..header("straight", layout, &suite)
     };
     let out = dir.join("d");
     let mut writer = DatasetWriter::create(&out, header, &suite, 600).unwrap();

@@ -6,7 +6,7 @@ use serde_json::json;
 use vb_dataset::{
     DATASET_SCHEMA, Dataset, DatasetWriter, Header, Kind, LICENCE, Layout, Making, PlannerHeader, keep_apart,
 };
-use vb_record::{RunHeader, RunReader};
+use vb_record::{NewFolder, RunHeader, RunReader};
 use vb_runner::Setting;
 use vb_score::{Outcome, Rules, TaskRecord};
 use vb_world::Suite;
@@ -24,7 +24,8 @@ pub(super) fn failures(args: &FailuresArgs) -> Result<(), CliError> {
 }
 
 fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
-    let dataset = Dataset::open(&args.of).map_err(|e| failure(&e))?;
+    let dataset = Dataset::open_whole(&args.of).map_err(|e| failure(&e))?;
+    dataset.must_not_hold(&args.out).map_err(|e| failure(&e))?;
     let before = dataset.header();
     let of = json!({"name": before.name, "hash": dataset.hash().map_err(|e| failure(&e))?});
     let header = Header {
@@ -36,7 +37,7 @@ fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
     };
     let worlds = dataset.worlds().map_err(|e| failure(&e))?;
     let frames = (args.seconds * f64::from(before.hz)).ceil() as usize;
-    let mut writer = DatasetWriter::create(&args.out, header, &worlds, frames).map_err(|e| failure(&e))?;
+    let mut writer = begin(args, header, &worlds, frames)?;
     if vb_dataset::failures(&dataset, &mut writer, args.seconds).map_err(|e| failure(&e))? == 0 {
         return Err(CliError::input(format!("{}: no episode of it failed", args.of.display())));
     }
@@ -104,7 +105,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
         options: [("seconds".to_owned(), json!(args.seconds))].into(),
     };
     let frames = (args.seconds * f64::from(HZ)).ceil() as usize;
-    let mut writer = DatasetWriter::create(&args.out, own, &suite, frames).map_err(|e| failure(&e))?;
+    let mut writer = begin(args, own, &suite, frames)?;
     let cancel = run::stop_on_ctrl_c()?;
     let jobs = args.jobs.get();
     let making = Making { setting: &setting, worlds: &suite, hz: HZ, jobs, cancel: &cancel };
@@ -112,7 +113,21 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     let done = making
         .failures_again(&mut writer, &reader, &records, args.seconds, &mut |p| told.progress(p))
         .map_err(|e| failure(&e))?;
-    finish(writer, done, &args.out, args.format.get())
+    if !done {
+        return Err(CliError::interrupted("stopped, and nothing is kept (the same command begins anew)"));
+    }
+    finish(writer, true, &args.out, args.format.get())
+}
+
+/// Begins the dataset, which is there only when it is whole: failures are cut out in one go.
+fn begin(
+    args: &FailuresArgs,
+    header: Header,
+    worlds: &Suite,
+    frames: usize,
+) -> Result<DatasetWriter, CliError> {
+    let folder = NewFolder::new(&args.out).map_err(CliError::output)?;
+    DatasetWriter::create_whole(folder, header, worlds, frames).map_err(|e| failure(&e))
 }
 
 /// Whether the worlds are in no suite that comes with the harness.

@@ -50,15 +50,19 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
 pub(super) fn merge(args: &MergeArgs) -> Result<(), CliError> {
     let mut datasets = Vec::new();
     for dir in &args.datasets {
-        datasets.push(Dataset::open(dir).map_err(|e| failure(&e))?);
+        datasets.push(Dataset::open_whole(dir).map_err(|e| failure(&e))?);
     }
     let merged = vb_dataset::merge(&datasets, &args.out, args.name.as_deref(), scene::command());
     tell(&merged.map_err(|e| failure(&e))?, &args.out, args.format.get());
+    match vb_dataset::repeated(&datasets) {
+        0 => {}
+        n => output::note(&format!("{n} episodes are in several of the datasets, and count as often")),
+    }
     Ok(())
 }
 
 pub(super) fn split(args: &SplitArgs) -> Result<(), CliError> {
-    let dataset = Dataset::open(&args.dataset).map_err(|e| failure(&e))?;
+    let dataset = Dataset::open_whole(&args.dataset).map_err(|e| failure(&e))?;
     let parts = vb_dataset::split(&dataset, &args.parts, args.seed, &args.out, &scene::command());
     let parts = parts.map_err(|e| failure(&e))?;
     for (part, finished) in args.parts.iter().zip(&parts) {

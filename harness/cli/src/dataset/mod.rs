@@ -73,6 +73,12 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
     let mut planners: Vec<(Plugin, Wants)> = Vec::new();
     for wanted in &args.plugin {
         let plugin = planner::load(wanted, &limits, false).map_err(|e| planner::unusable(&e))?;
+        if planners.iter().any(|(known, _)| known.sha256() == plugin.sha256()) {
+            return Err(CliError::usage(format!(
+                "--plugin {}: this planner is there twice, and all that it drives would be, too (name it once)",
+                wanted.display()
+            )));
+        }
         let (setting, metadata) = (&scene.setting, plugin.metadata());
         check_control_period(metadata, setting.options.step).map_err(run::run_error)?;
         check_perception(&plugin, &setting.perception).map_err(run::run_error)?;
@@ -109,10 +115,12 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
 fn failure(e: &DatasetError) -> CliError {
     match e {
         DatasetError::Io { action: "read", .. } => CliError::input(e),
-        DatasetError::Io { .. } | DatasetError::NotEmpty { .. } | DatasetError::Other { .. } => {
-            CliError::output(e)
-        }
-        DatasetError::Rate { .. } => CliError::usage(e),
+        DatasetError::Io { .. }
+        | DatasetError::NotEmpty { .. }
+        | DatasetError::Within { .. }
+        | DatasetError::Other { .. } => CliError::output(e),
+        DatasetError::Record(record) if record.is_of_output() => CliError::output(e),
+        DatasetError::Rate { .. } | DatasetError::Parts { .. } => CliError::usage(e),
         DatasetError::Encode { .. } => CliError::internal(e),
         _ => CliError::input(e),
     }

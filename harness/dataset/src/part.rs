@@ -1,0 +1,102 @@
+//! The parts that a dataset is split into.
+
+use crate::error::DatasetError;
+
+/// Characters of a name at most.
+const LENGTH: usize = 100;
+/// How far the fractions may be from one whole: thirds are written as 0.33.
+const SLACK: f64 = 0.011;
+
+/// A part of a dataset: its name, and its fraction of the worlds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The name, which is that of its folder.
+    pub name: String,
+    /// The fraction, between 0 and 1.
+    pub fraction: f64,
+}
+
+impl Part {
+    /// Refuses parts that are no split of a whole: with names that are no names of folders or are there twice, or with fractions
+    /// that don't sum to 1.
+    pub(crate) fn check(parts: &[Self]) -> Result<(), DatasetError> {
+        let refuse = |problem: String| Err(DatasetError::Parts { problem });
+        for (k, Self { name, fraction }) in parts.iter().enumerate() {
+            let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+            if name.is_empty() || name.len() > LENGTH || !name.chars().all(plain) {
+                return refuse(format!("{name:?} is no name of 1 to {LENGTH} letters, digits, - and _"));
+            }
+            // Not all file systems tell capital letters from small ones.
+            if let Some(other) = parts[..k].iter().find(|p| p.name.eq_ignore_ascii_case(name)) {
+                return refuse(format!("{} and {name} would be in one folder", other.name));
+            }
+            if !(*fraction > 0.0 && *fraction <= 1.0) {
+                return refuse(format!("{name}={fraction} is no fraction above 0 and up to 1"));
+            }
+        }
+        // A sum of nothing is a negative zero.
+        let sum = parts.iter().fold(0.0, |sum, p| sum + p.fraction);
+        if (sum - 1.0).abs() > SLACK {
+            return refuse(format!("the fractions sum to {sum:.3}, not to 1"));
+        }
+        Ok(())
+    }
+
+    /// The worlds of each part, in order.
+    pub(crate) fn deal<'w, 's>(parts: &[Self], worlds: &'w [&'s str]) -> Vec<&'w [&'s str]> {
+        let whole: f64 = parts.iter().map(|p| p.fraction).sum();
+        let (mut from, mut sum) = (0, 0.0);
+        let share = |part: &Self| {
+            sum += part.fraction;
+            let to = (worlds.len() as f64 * sum / whole).round() as usize;
+            let own = &worlds[from..to];
+            from = to;
+            own
+        };
+        parts.iter().map(share).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(of: &[(&str, f64)]) -> Vec<Part> {
+        of.iter().map(|(name, fraction)| Part { name: (*name).into(), fraction: *fraction }).collect()
+    }
+
+    #[test]
+    fn parts_that_are_no_split_of_a_whole_are_refused() {
+        for fine in
+            [&[("a", 1.0)][..], &[("a", 0.33), ("b", 0.33), ("c", 0.33)], &[("x-1", 0.8), ("x_1", 0.2)]]
+        {
+            Part::check(&parts(fine)).unwrap();
+        }
+        let long = "a".repeat(101);
+        for (wrong, why) in [
+            (&[("", 1.0)][..], "is no name"),
+            (&[("..", 1.0)], "is no name"),
+            (&[("a/b", 1.0)], "is no name"),
+            (&[(&long, 1.0)], "is no name"),
+            (&[("a", 0.5), ("a", 0.5)], "a and a would be in one folder"),
+            (&[("Test", 0.5), ("test", 0.5)], "Test and test would be in one folder"),
+            (&[("a", 80.0), ("b", 20.0)], "a=80 is no fraction"),
+            (&[("a", 0.0), ("b", 1.0)], "a=0 is no fraction"),
+            (&[("a", f64::NAN)], "is no fraction"),
+            (&[("a", 0.8), ("b", 0.1)], "sum to 0.900"),
+            (&[("a", 0.8), ("b", 0.3)], "sum to 1.100"),
+            (&[], "sum to 0.000"),
+        ] {
+            let e = Part::check(&parts(wrong)).unwrap_err().to_string();
+            assert!(e.contains(why), "{e}");
+        }
+    }
+
+    #[test]
+    fn every_world_is_dealt_once() {
+        let worlds = ["1", "2", "3", "4", "5", "6", "7"];
+        let dealt = Part::deal(&parts(&[("a", 0.33), ("b", 0.33), ("c", 0.33)]), &worlds);
+        assert_eq!(dealt.concat(), worlds);
+        assert_eq!(dealt.iter().map(|own| own.len()).collect::<Vec<_>>(), [2, 3, 2]);
+    }
+}
