@@ -1,6 +1,6 @@
 //! Where the runs of a sweep lie, and how far they are.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,7 @@ impl RunState {
 
 #[derive(Deserialize)]
 struct Ended {
+    task: Box<str>,
     outcome: Outcome,
 }
 
@@ -82,7 +83,7 @@ impl Layout {
     pub fn state_of(&self, dir: &Path) -> Result<RunState, StoreError> {
         let mut state = RunState::default();
         if dir.join("run.json").is_file() {
-            count(dir, &mut state)?;
+            count(dir, &mut state, &mut BTreeSet::new())?;
         }
         Ok(state)
     }
@@ -100,16 +101,19 @@ impl Layout {
         let Ok(entries) = std::fs::read_dir(self.shards(name)) else { return Ok(state) };
         let mut shards: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
         shards.sort();
+        let mut seen = BTreeSet::new();
         for shard in shards.iter().filter(|dir| dir.join("run.json").is_file()) {
-            count(shard, &mut state)?;
+            count(shard, &mut state, &mut seen)?;
         }
         Ok(state)
     }
 }
 
-fn count(run: &Path, state: &mut RunState) -> Result<(), StoreError> {
-    RunReader::open(run)?.each_record(|ended: Ended| match ended.outcome {
+/// Counts the tasks of a run, of which several shards may have `seen` some: each counts once.
+fn count(run: &Path, state: &mut RunState, seen: &mut BTreeSet<Box<str>>) -> Result<(), StoreError> {
+    RunReader::open(run)?.each_record(|Ended { task, outcome }| match outcome {
         Outcome::HostError => state.failed += 1,
-        outcome => *state.done.entry(outcome).or_default() += 1,
+        outcome if seen.insert(task) => *state.done.entry(outcome).or_default() += 1,
+        _ => {}
     })
 }

@@ -186,3 +186,20 @@ fn a_planner_that_can_not_begin_is_told_of_and_the_others_are_driven() {
     );
     assert_eq!(bench.records("out/runs/pid--hmmwv--oracle--0").len(), 30);
 }
+
+#[test]
+fn a_task_that_two_shards_have_done_counts_once() {
+    let bench = Bench::new();
+    let plan = "schema: 1\nname: one\ntasks: w001/t00,w005/t02\nplanners:\n- plugin: PID\n";
+    bench.write("sweep.yaml", plan.replace("PID", pid().to_str().unwrap()));
+    bench.ok(&sweep("run", &["--out", "s", "--shard", "1/2"]));
+    let shards = fs::read_dir(bench.path("s/shards")).unwrap().next().unwrap().unwrap().path();
+    vb_tests::copy_dir(&shards.join("shard-0001-of-0002"), &shards.join("shard-0001-of-0002-again"));
+    let told = events(&bench.ok(&sweep("status", &["--out", "s", "--json"])));
+    assert_eq!(told[1]["tasks_done"].as_u64(), Some(1), "{told:?}");
+    // A run that lacks a task isn't joined as if it were done, so that the other shard still becomes a part of it.
+    let e = bench.run(&sweep("report", &["--out", "s"])).error(11);
+    assert!(e.contains("1 of 1 runs are not done"), "{e}");
+    bench.ok(&sweep("run", &["--out", "s", "--shard", "2/2"]));
+    bench.ok(&sweep("report", &["--out", "s"]));
+}
