@@ -11,16 +11,22 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_catalog::CatalogError;
+use vb_record::NewFolder;
 use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
 use vb_suite::rules::ParamsError;
-use vb_world::{Density, Elevation, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World};
+use vb_world::{
+    Density, Elevation, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World, WorldInfo,
+};
 
 use crate::args::{
     DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, SuiteListArgs, TasksArgs, TasksCommand,
 };
 use crate::error::CliError;
 use crate::{output, places};
+
+/// The file that makes a folder a suite.
+const INDEX: &str = "suite.yaml";
 
 impl SuiteCommand {
     /// Does what it says.
@@ -114,11 +120,21 @@ pub(crate) fn write(
     meta: SuiteMeta,
     worlds: impl IntoIterator<Item = Result<World, CliError>>,
 ) -> Result<(), CliError> {
-    let mut writer = SuiteWriter::create(out, meta).map_err(write_error)?;
-    for world in worlds {
-        writer.add(&world?).map_err(write_error)?;
-    }
-    done(&writer.finish().map_err(write_error)?);
+    make(out, |dir| {
+        let mut writer = SuiteWriter::create(dir, meta).map_err(write_error)?;
+        for world in worlds {
+            writer.add(&world?).map_err(write_error)?;
+        }
+        writer.finish().map_err(write_error)
+    })
+}
+
+/// Makes a suite in a folder of which nobody else makes one, where it is as a whole or not at all, and says so.
+fn make(out: &Path, write: impl FnOnce(&Path) -> Result<Suite, CliError>) -> Result<(), CliError> {
+    let folder = NewFolder::new(out).map_err(CliError::output)?;
+    write(&folder.dir())?;
+    folder.finish(INDEX).map_err(CliError::output)?;
+    done(&Suite::open(out).map_err(CliError::input)?);
     Ok(())
 }
 
@@ -152,11 +168,8 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     keep_apart(drawn.seed, args.training)?;
     let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
     let meta = generator.meta(&name(drawn), &drawn.suite_version);
-    let suite = generator.write(&drawn.out, meta, |index, world| {
-        output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
-    });
-    done(&suite.map_err(generate_error)?);
-    Ok(())
+    let told = |index, world: &WorldInfo| output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
+    make(&drawn.out, |dir| generator.write(dir, meta, told).map_err(generate_error))
 }
 
 /// Refuses a seed of training worlds for a suite that judges planners, and the other way round.
