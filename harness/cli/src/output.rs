@@ -1,11 +1,14 @@
 //! Writing to stdout, stderr and files. A reader that went away is no error: results are on disk. Any other failure of stdout is one –
 //! whoever sends results to a file must not believe that they are there – and the program ends with it.
 
+use std::fs::File;
 use std::io::{ErrorKind, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use serde::Serialize;
+use vb_record::RunReader;
+use vb_replay::{Replay, write_mcap};
 use vb_score::Outcome;
 
 use crate::error::CliError;
@@ -64,23 +67,107 @@ pub(crate) fn json<T: Serialize>(value: &T) {
     }
 }
 
-/// Writes a file.
+/// Writes a file whole or not at all.
 pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
-    std::fs::write(path, content).map_err(|e| unwritten(path, &e))
+    whole(path, |file| file.write_all(content.as_ref()).map_err(|e| unwritten(path, &e)))
 }
 
-/// Looks whether a file can be written, before the work for it is done.
+/// Writes a replay for Foxglove.
+pub(crate) fn mcap(path: &Path, replay: &Replay) -> Result<(), CliError> {
+    whole(path, |file| {
+        let file = file.try_clone().map_err(|e| unwritten(path, &e))?;
+        write_mcap(replay, file, path).map_err(CliError::output)
+    })
+}
+
+/// Lets somebody write a file, which is there as a whole or not at all: what was there before stays until then. A pipe or a device
+/// gets its content as it comes.
+pub(crate) fn whole(
+    path: &Path,
+    make: impl FnOnce(&mut File) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    let failed = |e: std::io::Error| unwritten(path, &e);
+    match Destination::of(path).map_err(failed)? {
+        Destination::Stream(mut file) => make(&mut file),
+        Destination::File(mut new, place) => {
+            make(new.as_file_mut())?;
+            new.as_file().sync_all().map_err(failed)?;
+            new.persist(place).map_err(|e| failed(e.error))?;
+            Ok(())
+        }
+    }
+}
+
+/// Looks whether [`vb_files::write`] can write a file, before the work for it is done. It follows no links, for a stranger may
+/// have made them.
 ///
 /// # Errors
 /// Returns the error that writing it would end in.
 pub(crate) fn must_be_writable(path: &Path) -> Result<(), CliError> {
-    let was_there = path.exists();
-    let opened = std::fs::OpenOptions::new().append(true).create(true).open(path);
-    opened.map_err(|e| unwritten(path, &e))?;
-    if !was_there {
-        std::fs::remove_file(path).map_err(|e| unwritten(path, &e))?;
+    if std::fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
+        let in_the_way = "a link, folder or device of that name is in the way";
+        return Err(unwritten(path, &std::io::Error::new(ErrorKind::AlreadyExists, in_the_way)));
+    }
+    Destination::of(path).map(drop).map_err(|e| unwritten(path, &e))
+}
+
+/// Where the content of a file goes at first.
+enum Destination {
+    /// Into what can't be replaced.
+    Stream(File),
+    /// Into a file beside it, which is then given its place.
+    File(tempfile::NamedTempFile, PathBuf),
+}
+
+impl Destination {
+    fn of(path: &Path) -> std::io::Result<Self> {
+        let place = match std::fs::metadata(path) {
+            Ok(there) if !there.is_file() => {
+                return std::fs::OpenOptions::new().write(true).open(path).map(Self::Stream);
+            }
+            // What a link leads to is meant, not the link.
+            Ok(_) => std::fs::canonicalize(path)?,
+            Err(_) => path.to_owned(),
+        };
+        let folder = place.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".").suffix(".tmp");
+        // Temporary files are for their owner alone; this one becomes an ordinary file, as the user's umask has it.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        Ok(Self::File(builder.tempfile_in(folder)?, place))
+    }
+}
+
+/// Refuses to write files over those of the runs that they are made of, and over each other.
+pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliError> {
+    // A file that isn't there yet has its folder's place.
+    let place = |path: &Path| {
+        std::fs::canonicalize(path).ok().or_else(|| {
+            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?))
+        })
+    };
+    let places: Vec<_> = files.iter().map(|file| place(file)).collect();
+    for (k, own) in places.iter().enumerate() {
+        let Some(own) = own else { continue };
+        if places[..k].iter().any(|other| other.as_ref() == Some(own)) && !is_stream(own) {
+            return Err(CliError::usage(format!("{}: two files would be written there", files[k].display())));
+        }
+        if let Some(run) = runs.iter().find(|run| place(run).is_some_and(|dir| RunReader::owns(&dir, own))) {
+            return Err(CliError::usage(format!(
+                "{} is a file of the run {}, and would be lost (name another file)",
+                files[k].display(),
+                run.display()
+            )));
+        }
     }
     Ok(())
+}
+
+/// Whether more than one may write there.
+fn is_stream(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file())
 }
 
 /// Makes a folder, and those that it is in.
@@ -119,4 +206,70 @@ pub(crate) fn columns(rows: &[Vec<String>]) -> String {
         out.push('\n');
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_there_as_a_whole_or_as_it_was_before() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.csv");
+        write(&path, "one").unwrap();
+        let e = whole(&path, |file| {
+            file.write_all(b"half").unwrap();
+            Err(CliError::output("the disk is full"))
+        });
+        assert_eq!(e.unwrap_err().to_string(), "the disk is full");
+        assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        must_be_writable(&path).unwrap();
+        write(&path, "two").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"two");
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "no temporary file stays");
+        let e = write(&dir.path().join("gone/a.csv"), "x").unwrap_err().to_string();
+        assert!(e.contains("cannot write") && e.contains("gone/a.csv"), "{e}");
+        assert!(must_be_writable(dir.path()).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_and_a_device_gets_its_content() {
+        let dir = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| dir.path().join(name));
+        write(&file, "one").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write(&link, "two").unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"two");
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert!(must_be_writable(&link).unwrap_err().to_string().contains("in the way"));
+        write(Path::new("/dev/null"), "x").unwrap();
+    }
+
+    #[test]
+    fn files_of_runs_and_other_outputs_are_spared() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::create_dir_all(at("run/traces/w001")).unwrap();
+        std::fs::write(at("run/tasks.jsonl"), "").unwrap();
+        let spared = |files: &[PathBuf]| {
+            let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+            must_spare(&files, &[at("run")])
+        };
+        spared(&[at("a.csv"), at("run/a.csv"), at("run/index.html"), at("gone/a.csv")]).unwrap();
+        let files =
+            ["run/tasks.jsonl", "run/run.json", "run/../run/tasks.jsonl", "run/traces/w001/t00.parquet"];
+        for file in files {
+            let e = spared(&[at("a.csv"), at(file)]).unwrap_err().to_string();
+            assert!(e.contains(file) && e.contains("is a file of the run"), "{e}");
+        }
+        let e = spared(&[at("a.csv"), at("run/../a.csv")]).unwrap_err().to_string();
+        assert!(e.contains("two files would be written there"), "{e}");
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("run/tasks.jsonl"), at("link")).unwrap();
+            assert!(spared(&[at("link")]).unwrap_err().to_string().contains("is a file of the run"));
+            spared(&["/dev/null".into(), "/dev/null".into()]).unwrap();
+        }
+    }
 }

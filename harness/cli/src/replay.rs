@@ -8,7 +8,6 @@ use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_replay::{
     Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page,
-    write_mcap,
 };
 use vb_report::Runs;
 use vb_runner::Soils;
@@ -38,6 +37,8 @@ enum Message<'a> {
 
 pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     film::check(&args.film)?;
+    let files = args.out.iter().chain(&args.mcap).chain(&args.film.video).chain(&args.film.png);
+    output::must_spare(&files.map(PathBuf::as_path).collect::<Vec<_>>(), &args.runs)?;
     let runs = Runs::read(&args.runs).map_err(CliError::input)?;
     let tasks = BTreeSet::from([args.task.clone()]);
     let filmed = args.film.video.is_some() || args.film.png.is_some();
@@ -66,7 +67,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         ));
     }
     if let Some(path) = &args.mcap {
-        write_mcap(&replay, path).map_err(CliError::output)?;
+        output::mcap(path, &replay)?;
     }
     if filmed {
         film::write(&replay, &args.film, args.format.get())?;

@@ -63,6 +63,10 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
         None => None,
     };
+    let page = args.out.as_ref().map(|dir| dir.join(PAGE));
+    let markdown = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
+    let files = args.csv.iter().chain(&args.parquet).chain(markdown).chain(&page);
+    output::must_spare(&files.map(PathBuf::as_path).collect::<Vec<_>>(), &args.runs)?;
     for dir in args.out.iter().chain(&args.figures) {
         // What can't be written is said before all runs are read, not after.
         let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
@@ -73,11 +77,11 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     let report = Report::new(runs).titled(args.title.as_deref().unwrap_or_default());
     let mut files = Vec::new();
     if let Some(path) = &args.csv {
-        write_csv(report.runs(), path).map_err(failed)?;
+        output::whole(path, |file| write_csv(report.runs(), file, path).map_err(failed))?;
         files.push(path.clone());
     }
     if let Some(path) = &args.parquet {
-        write_parquet(report.runs(), path).map_err(failed)?;
+        output::whole(path, |file| write_parquet(report.runs(), file, path).map_err(failed))?;
         files.push(path.clone());
     }
     if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {

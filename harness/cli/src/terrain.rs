@@ -76,9 +76,8 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     };
     let surface = model.surface(&request).map_err(CliError::usage)?;
     let put = |path: &Path, bytes: std::io::Result<Vec<u8>>| {
-        bytes
-            .and_then(|bytes| std::fs::write(path, bytes))
-            .map_err(|e| CliError::output(format!("{}: {e}", path.display())))
+        let bytes = bytes.map_err(|e| CliError::output(format!("{}: {e}", path.display())))?;
+        output::write(path, bytes)
     };
     put(&args.out, kind.encode(&surface))?;
     if let Some(preview) = &args.preview {

@@ -64,13 +64,12 @@ const RUN_COLOURS: [[u8; 3]; 6] =
 /// Writes the replay. Time is that of the simulation, as if it had begun at the epoch. Topics: `/world` (ground, obstacles,
 /// global path, start and goal), `/tf` (chassis and wheels), and of each run, `/runN` its vehicle (`vehicle`), odometry
 /// (`odometry`), angles and commands (`state`), what its sensors measured (`lidar`, `depth`, `local_map`, `estimate`, `gnss`, `imu`), the
-/// planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`).
+/// planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`). `path` is what the file is called in errors.
 ///
 /// # Errors
 /// If the file can't be written.
-pub fn write_mcap(replay: &Replay, path: &Path) -> Result<(), ReplayError> {
+pub fn write_mcap(replay: &Replay, file: File, path: &Path) -> Result<(), ReplayError> {
     let fail = |detail: String| ReplayError::Mcap { path: path.to_owned(), detail };
-    let file = File::create(path).map_err(|e| fail(e.to_string()))?;
     let context = Context::new();
     let options = McapWriteOptions::new().compression(None).library("vb-harness");
     let writer = McapWriter::with_options(options).context(&context);

@@ -391,7 +391,7 @@ fn the_official_library_reads_the_mcap_file_back() {
     let replay = drive.replay("pid");
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("t.mcap");
-    write_mcap(&replay, &path).unwrap();
+    write_mcap(&replay, std::fs::File::create(&path).unwrap(), &path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
     let mut schemas = BTreeSet::new();
@@ -467,7 +467,7 @@ fn point_clouds_images_and_maps_are_in_the_mcap_file_where_the_ground_is() {
     replay.runs[0].sensed = drive.sensed("oracle");
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("t.mcap");
-    write_mcap(&replay, &path).unwrap();
+    write_mcap(&replay, std::fs::File::create(&path).unwrap(), &path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
     for message in mcap::MessageStream::new(&bytes).unwrap() {

@@ -1,8 +1,7 @@
 //! Every task of every run as a table for programs: CSV and Parquet.
 
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -107,13 +106,13 @@ pub(crate) fn no_formula(text: &str) -> Cow<'_, str> {
 }
 
 /// Writes every task of every run as CSV (RFC 4180) with a header. What is missing is empty; texts that begin like a
-/// formula get an apostrophe in front.
+/// formula get an apostrophe in front. `path` is what the file is called in errors.
 ///
 /// # Errors
 /// If a run can't be read or the file can't be written.
-pub fn write_csv(runs: &Runs, path: &Path) -> Result<(), ReportError> {
+pub fn write_csv(runs: &Runs, file: impl Write, path: &Path) -> Result<(), ReportError> {
     let fail = ReportError::write::<csv::Error>(path);
-    let mut writer = csv::Writer::from_path(path).map_err(&fail)?;
+    let mut writer = csv::Writer::from_writer(file);
     let mut begun = false;
     each(runs, |cells| {
         if !begun {
@@ -138,15 +137,14 @@ enum Column {
 }
 
 /// Writes every task of every run as a Parquet file (snappy): texts as strings, measures as DOUBLE and counts as INT64,
-/// null where they are missing.
+/// null where they are missing. `path` is what the file is called in errors.
 ///
 /// # Errors
 /// If a run can't be read or the file can't be written.
-pub fn write_parquet(runs: &Runs, path: &Path) -> Result<(), ReportError> {
+pub fn write_parquet(runs: &Runs, file: impl Write + Send, path: &Path) -> Result<(), ReportError> {
     let fail = ReportError::write::<ParquetError>(path);
-    let file = File::create(path).map_err(ReportError::write(path))?;
     let mut file = Some(BufWriter::new(file));
-    let mut writer: Option<SerializedFileWriter<BufWriter<File>>> = None;
+    let mut writer = None;
     let mut columns: Vec<Column> = Vec::new();
     let mut rows = 0;
     each(runs, |cells| {
@@ -177,10 +175,10 @@ pub fn write_parquet(runs: &Runs, path: &Path) -> Result<(), ReportError> {
     Ok(())
 }
 
-fn open(
-    out: BufWriter<File>,
+fn open<W: Write + Send>(
+    out: W,
     cells: &[(Cow<'static, str>, Cell<'_>)],
-) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
+) -> Result<SerializedFileWriter<W>, ParquetError> {
     let mut fields = Vec::with_capacity(cells.len());
     for (name, cell) in cells {
         let (kind, repetition) = match cell {
@@ -224,8 +222,8 @@ fn push(column: &mut Column, cell: Cell<'_>) {
     }
 }
 
-fn write_group(
-    writer: &mut SerializedFileWriter<BufWriter<File>>,
+fn write_group<W: Write + Send>(
+    writer: &mut SerializedFileWriter<W>,
     columns: Vec<Column>,
 ) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;

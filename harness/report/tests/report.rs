@@ -323,7 +323,7 @@ fn no_text_of_a_planner_becomes_markup() {
     assert!(!markdown.contains('<') || !markdown.contains("<script"), "{markdown}");
     assert!(markdown.contains("&lt;/script&gt;"), "{markdown}");
     let csv = dir.path().join("t.csv");
-    write_csv(report.runs(), &csv).unwrap();
+    write_csv(report.runs(), fs::File::create(&csv).unwrap(), &csv).unwrap();
     let mut reader = csv::Reader::from_path(&csv).unwrap();
     assert_eq!(reader.records().count(), 8, "quotes and commas stay within their cells");
 }
@@ -468,8 +468,8 @@ fn tables_hold_every_task_with_its_figures_to_the_bit() {
     let run = write(&dir.path().join("r"), &header("pid", 8), records);
     let runs = Runs::read(&[run]).unwrap();
     let (csv_path, parquet_path) = (dir.path().join("t.csv"), dir.path().join("t.parquet"));
-    write_csv(&runs, &csv_path).unwrap();
-    write_parquet(&runs, &parquet_path).unwrap();
+    write_csv(&runs, fs::File::create(&csv_path).unwrap(), &csv_path).unwrap();
+    write_parquet(&runs, fs::File::create(&parquet_path).unwrap(), &parquet_path).unwrap();
 
     let mut reader = csv::Reader::from_path(&csv_path).unwrap();
     let columns = reader.headers().unwrap().clone();

@@ -540,3 +540,28 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
     fs::copy(&pid, bench.path("moved.wasm")).expect("copied");
     bench.ok(&run(Path::new("moved.wasm"), &["--resume", "--jobs", "2"]));
 }
+
+#[test]
+fn a_report_is_not_written_over_the_run_that_it_is_of() {
+    let bench = Bench::new();
+    let pid = pid();
+    bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--out", "r"]);
+    let before = bench.files("r");
+    for (option, file) in [
+        ("--csv", "r/tasks.jsonl"),
+        ("--parquet", "r/traces/w001/t00.parquet"),
+        ("--markdown", "./r/run.json"),
+    ] {
+        refused(
+            &bench,
+            &["report", "r", option, file],
+            USAGE,
+            &[file, "is a file of the run r", "another file"],
+        );
+    }
+    let replay = ["replay", "r", "--task", "w001/t00", "--out", "r/summary.json"];
+    refused(&bench, &replay, USAGE, &["r/summary.json is a file of the run r"]);
+    refused(&bench, &["report", "r", "--csv", "t", "--parquet", "t"], USAGE, &["t: two files"]);
+    assert_eq!(bench.files("r"), before);
+    bench.ok(&["report", "r", "--csv", "r/table.csv", "--out", "r"]);
+}

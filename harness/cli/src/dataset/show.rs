@@ -157,8 +157,7 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
         let episode = episode.map_err(|e| failure(&e))?;
         let world = worlds.load(&episode.info.world)?;
         let path = args.out.join(file(*index, "mcap"));
-        vb_replay::write_mcap(&clip(&dataset, *index, &episode, &world, &vehicle), &path)
-            .map_err(CliError::output)?;
+        output::mcap(&path, &clip(&dataset, *index, &episode, &world, &vehicle))?;
         files.push(path);
     }
     if args.format.is_json() {

@@ -73,8 +73,7 @@ pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
 fn write(out: &Path, album: &Album, statistics: &SuiteStatistics) -> Result<PathBuf, CliError> {
     let save = |name: &str, text: &str| {
         let path = out.join(name);
-        let result = std::fs::write(&path, text);
-        result.map_err(|e| CliError::output(format!("{}: {e}", path.display()))).map(|()| path)
+        output::write(&path, text).map(|()| path)
     };
     let file = StatisticsFile { schema: 1, statistics, worlds: &statistics.worlds };
     let json = serde_json::to_string_pretty(&file).map_err(CliError::internal)?;

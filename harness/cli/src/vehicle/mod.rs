@@ -83,8 +83,7 @@ pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
     let (path, spec) = load(&args.vehicle)?;
     let standing = Standing::new(spec).map_err(CliError::input)?;
     if let Some(file) = &args.svg {
-        std::fs::write(file, picture::draw(&standing))
-            .map_err(|e| CliError::output(format!("{}: {e}", file.display())))?;
+        output::write(file, picture::draw(&standing))?;
     }
     let table = Specification::new(&standing);
     if args.format.is_json() {
