@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use vb_tests::{Bench, Browser, Done, PluginKind, pid, plugin, root};
 
@@ -81,8 +81,23 @@ fn what_was_changed_or_cut_off_is_found() {
     };
     fs::write(&data, &whole[..whole.len() / 2]).expect("written");
     findings("file-000.parquet: it is not as it was written");
-    let e = bench.run(&["dataset", "split", "d", "--out", "s"]).error(BAD_INPUT);
-    assert!(e.contains("file-000.parquet") && e.contains("truncated"), "{e}");
+    // Nothing is made of it that would look as it should, and it doesn't get new hashes.
+    bench.ok(&explore("other", &["--world-seed", "7200"]));
+    let before = bench.files("d");
+    let used: [&[&str]; 4] = [
+        &["dataset", "split", "d", "--parts", "all=1", "--out", "s"],
+        &["dataset", "failures", "d", "--out", "s"],
+        &["dataset", "merge", "other", "d", "--out", "s"],
+        &explore("d", &["--resume"]),
+    ];
+    for args in used {
+        let e = bench.run(args).error(BAD_INPUT);
+        assert!(e.contains("file-000.parquet: it is not as it was written"), "{e}");
+        assert!(e.contains("dataset validate"), "{e}");
+        assert!(!bench.path("s").exists());
+    }
+    fs::remove_file(bench.path("d/.lock")).expect("what resuming leaves");
+    assert_eq!(bench.files("d"), before);
     fs::write(&data, &whole).expect("written");
     bench.ok(&["dataset", "validate", "d"]);
     bench.write("d/data/extra.parquet", "x");
@@ -157,6 +172,9 @@ fn planners_drive_and_only_their_successes_are_kept_if_that_is_wanted() {
     let two =
         ["dataset", "drive", "--plugin", &pid, "--plugin", &pursuit, "--param", "speed=2", "--out", "x"];
     assert!(bench.run(&two).error(USAGE).contains("--param"));
+    let twice = ["dataset", "drive", "--plugin", &pid, "--plugin", &pid, "--worlds", "3", "--out", "x"];
+    assert!(bench.run(&twice).error(USAGE).contains("this planner is there twice"));
+    assert!(!bench.path("x").exists());
 }
 
 #[test]
@@ -205,8 +223,59 @@ fn datasets_are_split_by_world_and_joined() {
     assert_eq!(train.len() + rest.len(), 16);
     assert!(worlds(&train).is_disjoint(&worlds(&rest)));
     bench.ok(&["dataset", "validate", "parts/train"]);
-    let e = bench.run(&["dataset", "split", "ab", "--parts", "a b=1", "--out", "p"]).error(USAGE);
-    assert!(e.contains("a b"), "{e}");
+    for (parts, says) in [
+        ("a b=1", "\"a b\" is no name"),
+        ("../p=1", "\"../p\" is no name"),
+        ("a=0.5,a=0.5", "a and a would be in one folder"),
+        ("a=0.8,b=0.1", "the fractions sum to 0.900, not to 1"),
+    ] {
+        let e = bench.run(&["dataset", "split", "ab", "--parts", parts, "--out", "p"]).error(USAGE);
+        assert!(e.contains(says), "{e}");
+    }
+    // Worlds of one dataset in two, and the dataset itself, count once.
+    for twice in [["a", "./a"], ["ab", "b"]] {
+        let e = bench.run(&["dataset", "merge", twice[0], twice[1], "--out", "p"]).error(BAD_INPUT);
+        assert!(e.contains("would count twice"), "{e}");
+    }
+    assert!(!bench.path("p").exists());
+}
+
+#[test]
+fn two_at_once_do_not_spoil_what_they_make() {
+    let bench = Bench::new();
+    bench.ok(&explore("a", &[]));
+    // Long enough not to end before its neighbours have tried.
+    let long = ["dataset", "explore", "--worlds", "3", "--episodes", "5000", "--jobs", "1", "--out", "d"];
+    let mut first = bench.watch(&long);
+    while !bench.path("d/dataset.json").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    for args in [&long[..], &[&long[..], &["--resume"]].concat(), &["dataset", "merge", "a", "--out", "d"]] {
+        let e = bench.run(args).error(OUTPUT);
+        assert!(e.contains("d is in use by another process"), "{e}");
+    }
+    first.until("progress");
+    first.kill();
+    // The lock goes with its process.
+    let e = bench.run(&["dataset", "merge", "a", "--out", "d"]).error(OUTPUT);
+    assert!(e.contains("d is not empty"), "{e}");
+
+    let generate = ["suite", "generate", "--seed", "1", "--worlds", "20", "--out", "g"];
+    let mut first = bench.command(&generate).stderr(Stdio::null()).spawn().expect("it starts");
+    while !bench.path("g/.lock").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let e = bench.run(&generate).error(OUTPUT);
+    assert!(e.contains("g is in use by another process"), "{e}");
+    // What a kill leaves is no suite, and in nobody's way.
+    first.kill().expect("it goes on");
+    first.wait().expect("it ends");
+    assert!(!bench.path("g/suite.yaml").exists());
+    bench.ok(&["suite", "generate", "--seed", "1", "--worlds", "1", "--out", "g"]);
+    let names: Vec<_> =
+        fs::read_dir(bench.path("g")).expect("a folder").map(|e| e.expect("a file").file_name()).collect();
+    assert!(names.iter().all(|n| !n.to_string_lossy().starts_with('.')), "{names:?}");
+    bench.ok(&["suite", "validate", "g"]);
 }
 
 /// Python with these packages and that of this repository: what `VB_PYTHON` names, or that of the path.
