@@ -33,6 +33,8 @@ pub struct Curriculum {
 /// All that a curriculum remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Memory {
+    /// The hash of the tasks that it is of, since what is remembered of a task is kept by its index.
+    tasks: String,
     /// Of each environment, how many tasks it has drawn.
     drawn: Vec<u64>,
     method: Learned,
@@ -97,7 +99,7 @@ impl Curriculum {
             Method::Replay(method) => Learned::Replay(Replay::new(method, tasks.len())),
         };
         let drawn = vec![0; environments];
-        Ok(Self { tasks: tasks.len(), seed, memory: Memory { drawn, method } })
+        Ok(Self { tasks: tasks.len(), seed, memory: Memory { tasks: hash(suite, tasks), drawn, method } })
     }
 
     /// The number of environments.
@@ -199,12 +201,20 @@ impl Curriculum {
             (Learned::Replay(a), Learned::Replay(b)) => a.is_like(b),
             _ => false,
         };
-        if !fits || memory.drawn.len() != self.memory.drawn.len() {
+        let tasks_differ = memory.tasks != self.memory.tasks;
+        if !fits || tasks_differ || memory.drawn.len() != self.memory.drawn.len() {
             return Err(flaw("it is of another curriculum, or of other tasks or environments"));
         }
         self.memory = memory;
         Ok(())
     }
+}
+
+/// The hash of a list of tasks: of their names, and of what their worlds hold.
+fn hash(suite: &Suite, tasks: &[TaskRef]) -> String {
+    let content = |t: &TaskRef| suite.worlds().iter().find(|w| w.id == t.world).map_or("", |w| &w.sha256);
+    let lines: Vec<String> = tasks.iter().map(|t| format!("{t} {}", content(t))).collect();
+    vb_files::sha256(lines.join("\n").as_bytes())
 }
 
 /// Of each task, the number of its level: elevation, ground and density of its world.

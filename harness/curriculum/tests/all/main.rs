@@ -239,6 +239,12 @@ fn the_state_of_another_curriculum_is_refused() {
         assert_eq!(own.state(), before);
     }
     assert!(over(30, "kind: uniform\n", 3).restore(&over(30, "kind: uniform\n", 2).state()).is_err());
+    // As many tasks, but others.
+    for text in [LEARNABILITY, REPLAY, MANUAL, "kind: uniform\n"] {
+        let (suite, all) = smoke();
+        let other = Curriculum::new(&of(text), &suite, &all[1..31], 3, 7).expect("a curriculum");
+        assert!(over(30, text, 3).restore(&other.state()).is_err(), "{text}");
+    }
     let more = over(29, LEARNABILITY, 3).state();
     assert!(over(30, LEARNABILITY, 3).restore(&more).is_err());
 }
