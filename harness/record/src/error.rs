@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum StoreError {
     /// The operating system refused an operation.
-    #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
+    #[error("cannot {action} {}: {source}{}", .path.display(), hint(action, .source))]
     Io {
         /// The action that was tried, e.g. `write`.
         action: &'static str,
@@ -24,7 +24,7 @@ pub enum StoreError {
     )]
     NotEmpty(PathBuf),
     /// There is no run in the directory.
-    #[error("{} holds no run: run.json is missing (give the directory that --out named)", .0.display())]
+    #[error("{} holds no run: run.json is missing (give the directory of a run)", .0.display())]
     NoRun(PathBuf),
     /// Another process writes to this run.
     #[error("run {} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
@@ -101,8 +101,12 @@ fn disk_full(e: &io::Error) -> bool {
 }
 
 /// What to do about an error of the operating system, in parentheses; empty where there is no good advice.
-fn hint(e: &io::Error) -> &'static str {
+fn hint(action: &str, e: &io::Error) -> &'static str {
+    // What is read is named by the user as it is, and not every command that reads writes anywhere else.
+    let reads = action.starts_with("read");
     match e.kind() {
+        io::ErrorKind::PermissionDenied if reads => " (ask its owner for the permission to read it)",
+        io::ErrorKind::NotADirectory if reads => " (a part of the path is a file)",
         _ if disk_full(e) => {
             " (tasks recorded so far are safe: free some space, then go on with the same command and --resume; a new run \
               with --trace none needs least)"
