@@ -38,7 +38,11 @@ enum Message<'a> {
 
 pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     film::check(&args.film)?;
-    let runs = Runs::read(&args.runs).map_err(CliError::input)?;
+    // What can't be written is said before anything is simulated or drawn.
+    for path in args.out.iter().chain(&args.mcap).chain(&args.film.video).chain(&args.film.png) {
+        output::must_be_writable(path)?;
+    }
+    let runs = Runs::read(&args.runs)?;
     let tasks = BTreeSet::from([args.task.clone()]);
     let filmed = args.film.video.is_some() || args.film.png.is_some();
     // Sensors are shown by the page and by the file for Foxglove.
@@ -152,9 +156,14 @@ impl Senses<'_> {
             Some(named) => named,
             None => &header.plugin.sensors,
         };
+        // What the user didn't say is in run.json.
+        let unusable = |e: &dyn std::fmt::Display| match self.sensors {
+            Some(_) => CliError::usage(format!("--sensors: {e}")),
+            None => CliError::input(format!("run.json: plugin.sensors: {e}")),
+        };
         let mut needs = Vec::new();
         for text in named {
-            Need::add(&mut needs, text).map_err(|e| CliError::usage(format!("--sensors {text}: {e}")))?;
+            Need::add(&mut needs, text).map_err(|e| unusable(&format!("{text}: {e}")))?;
         }
         let name = self.perception.unwrap_or(&header.perception.name);
         let shows_nothing = needs.is_empty()
@@ -167,12 +176,12 @@ impl Senses<'_> {
         let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
             output::note(&format!(
-                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (name the run's \
-                 file with --perception)"
+                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (replay shows it by \
+                 the run's file, which --perception names)"
             ));
             return Ok(None);
         }
-        vb_sense::check_needs(&profile, &needs).map_err(|e| CliError::usage(format!("--sensors: {e}")))?;
+        vb_sense::check_needs(&profile, &needs).map_err(|e| unusable(&e))?;
         Ok(Some((profile, needs)))
     }
 }

@@ -76,7 +76,14 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
             if let Some(logs) = args.logs {
                 wanted.logs = logs;
             }
-            run::drive(&wanted)?
+            // The run has options of its own, and is submitted when it is whole.
+            let again = |out: &Path| {
+                let (plugin, out) = (args.plugin.display(), out.display());
+                format!(
+                    "vb-harness --plugin {plugin}, the same suite and vehicle, and --out {out} --resume; then submit it with --run {out}"
+                )
+            };
+            run::drive(&wanted, &again)?
         }
     };
     // Tasks whose simulation failed are results, too.
@@ -114,9 +121,10 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
                 output::note(&format!("  not ranked, {}: {}", reason.field, vb_host::one_line(&reason.text)));
             }
             output::note(&format!(
-                "check it with: vb-harness verify {} --plugin {} --sample 10",
+                "check it with: vb-harness verify {} --plugin {} --sample 10{}",
                 args.out.display(),
-                args.plugin.display()
+                args.plugin.display(),
+                if is_wasm(&args.plugin)? { "" } else { " --allow-native" }
             ));
         }
     }
