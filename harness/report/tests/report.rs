@@ -294,7 +294,7 @@ fn the_sentence_says_of_which_tasks_it_is_where_runs_have_not_done_the_same() {
     let headline = |runs: &[(&str, std::ops::Range<usize>, usize)]| {
         let made = runs.iter().map(|(name, worlds, successes)| {
             let path = dir.path().join(format!("{name}-{}-{}-{successes}", worlds.start, worlds.end));
-            let mut all = tasks(worlds.end, &|_, t| t < *successes);
+            let mut all = tasks(worlds.end, |_, t| t < *successes);
             // So many tasks has a world.
             all.drain(..4 * worlds.start);
             if !path.exists() {

@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_run_whose_simulation_fails_in_all_of_the_first_tasks_is_ended() {
         // Whenever and in whichever way it fails.
-        let fault = |k: usize| if k % 3 == 0 { FaultCode::Diverged } else { FaultCode::Simulation };
+        let fault = |k: usize| if k.is_multiple_of(3) { FaultCode::Diverged } else { FaultCode::Simulation };
         let all = || (0..100).map(|k| (k, unsimulated(fault(k), 7 * k as u64)));
         assert_eq!(ended_after(all()), Some(FAILED_STARTS));
         assert_eq!(ended_after(all().take(FAILED_STARTS - 1)), None);
