@@ -18,6 +18,18 @@ pub enum CatalogError {
         crate::TASKS_VAR
     )]
     NoTasks,
+    /// The folder has nothing of the kind in it.
+    #[error(
+        "{}: there is no {noun} in this directory (set {} to the tasks directory of a checkout, or to nothing)",
+        .tasks.display(),
+        crate::TASKS_VAR
+    )]
+    Nothing {
+        /// What was looked for.
+        noun: &'static str,
+        /// The folder.
+        tasks: PathBuf,
+    },
     /// The system names no folder for the user's data.
     #[error(
         "there is no folder to unpack the built-in tasks into (set {}, or HOME, or {} to a tasks directory)",

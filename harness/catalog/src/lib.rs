@@ -118,7 +118,8 @@ impl Catalog {
         Ok(found)
     }
 
-    /// The suite that the user means: a directory, or the name of one that comes with the harness; vb-100 if none is named.
+    /// The suite that the user means: the name of one that comes with the harness, or a directory; vb-100 if none is named. A
+    /// directory that is called as one that comes with the harness is meant by a path, such as `./smoke`.
     ///
     /// # Errors
     /// Returns an error if there is no suite of this name.
@@ -126,9 +127,12 @@ impl Catalog {
         let Some(wanted) = wanted else {
             return Ok(self.tasks()?.join(DEFAULT_SUITE));
         };
-        match wanted.to_str() {
-            Some(name) if !wanted.exists() && is_name(wanted.as_os_str()) => self.own_suite(name),
-            _ => Ok(wanted.to_owned()),
+        let Some(name) = wanted.to_str().filter(|_| is_name(wanted.as_os_str())) else {
+            return Ok(wanted.to_owned());
+        };
+        match self.own_suite(name) {
+            Err(_) if wanted.exists() => Ok(wanted.to_owned()),
+            found => found,
         }
     }
 
@@ -142,10 +146,13 @@ impl Catalog {
             return Ok(found.clone());
         }
         let names: Vec<_> = all.iter().filter_map(|p| p.file_name()).map(OsStr::to_string_lossy).collect();
+        if names.is_empty() {
+            return Err(self.nothing("suite"));
+        }
         Err(CatalogError::Unknown {
             noun: "suite",
             name: name.to_owned(),
-            instead: "a directory with --suite",
+            instead: "a directory",
             known: names.join(", "),
         })
     }
@@ -186,12 +193,25 @@ impl Catalog {
         if file.is_file() {
             return Ok(file);
         }
+        let known = self.names(kind)?;
+        if known.is_empty() {
+            return Err(self.nothing(kind.noun()));
+        }
         Err(CatalogError::Unknown {
             noun: kind.noun(),
             name: wanted.to_owned(),
             instead: "a file",
-            known: self.names(kind)?.join(", "),
+            known: known.join(", "),
         })
+    }
+
+    /// The error that the folder has nothing of a kind, such as a suite.
+    #[must_use]
+    pub fn nothing(&self, noun: &'static str) -> CatalogError {
+        match self.tasks() {
+            Ok(tasks) => CatalogError::Nothing { noun, tasks: tasks.to_owned() },
+            Err(e) => e,
+        }
     }
 
     /// The names of the data files of a kind that come with the harness.

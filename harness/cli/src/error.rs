@@ -3,6 +3,8 @@
 use std::fmt;
 
 use vb_catalog::CatalogError;
+use vb_record::StoreError;
+use vb_report::ReportError;
 use vb_suite::generate::GenerateError;
 use vb_world::SuiteError;
 
@@ -20,37 +22,41 @@ pub(crate) const OUTPUT: u8 = 4;
 pub(crate) const SIM_ERRORS: u8 = 5;
 /// The test of a vehicle was completed, but some checks failed.
 pub(crate) const CHECKS_FAILED: u8 = 6;
-/// The run was completed, but the harness or the machine failed some tasks.
+/// The harness or the machine failed some tasks, of which nothing is known.
 pub(crate) const HOST_ERRORS: u8 = 7;
 /// The checks of a planner were made, but it failed some.
 pub(crate) const NOT_CONFORMING: u8 = 8;
 /// A submission, or a dataset, does not verify.
 pub(crate) const NOT_VERIFIED: u8 = 9;
-/// The run was ended early: the planner failed alike in all of the first tasks, before its first command.
+/// The run was ended early: the planner failed alike in all of the first tasks, before its first command, or the simulation failed
+/// in all of them.
 pub(crate) const FAILED_START: u8 = 10;
 /// Some tasks were not done by anybody.
 pub(crate) const INCOMPLETE: u8 = 11;
 /// Stopped by Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Every code and what it means, for the help.
+/// Every code and what it means, for the help. How a command goes on is no part of it, since not all do so in the same way.
 pub(crate) const MEANINGS: [(u8, &str); 13] = [
     (DONE, "done"),
     (INTERNAL, "a fault of the harness"),
     (USAGE, "the command line makes no sense, or names an unknown task, world or parameter"),
-    (BAD_INPUT, "a suite, plugin, rule file, vehicle file or recorded run can't be used"),
-    (OUTPUT, "results can't be written (disk full, no permission, directory not empty or in use)"),
+    (BAD_INPUT, "a suite, plugin, rule file, vehicle file, recorded run or dataset can't be used"),
+    (
+        OUTPUT,
+        "results can't be written (disk full, no permission, directory not empty, in use or of another run)",
+    ),
     (SIM_ERRORS, "completed, but the simulation of some tasks failed"),
     (CHECKS_FAILED, "completed, but the vehicle failed some checks of its test"),
-    (HOST_ERRORS, "completed, but the harness or the machine failed some tasks; --resume runs them again"),
+    (HOST_ERRORS, "the harness or the machine failed some tasks, of which nothing is known"),
     (NOT_CONFORMING, "completed, but the planner failed some checks of check"),
     (NOT_VERIFIED, "a submission, or a dataset, does not verify"),
     (
         FAILED_START,
-        "ended early: the planner failed alike in all of the first tasks, before its first command",
+        "ended early: in all of the first tasks the planner failed alike before its first command, or the simulation failed",
     ),
-    (INCOMPLETE, "completed, but some tasks are missing; --resume runs them"),
-    (INTERRUPTED, "stopped by Ctrl-C; go on with --resume"),
+    (INCOMPLETE, "completed, but some tasks are missing, or some runs are not done"),
+    (INTERRUPTED, "stopped by Ctrl-C"),
 ];
 
 /// Why a command failed: one line for people, and the exit code.
@@ -138,6 +144,34 @@ impl CliError {
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
+    }
+}
+
+impl From<StoreError> for CliError {
+    fn from(e: StoreError) -> Self {
+        match &e {
+            // A run that can't be read is the same, whatever was to be done with it.
+            StoreError::NoRun(_)
+            | StoreError::Schema { .. }
+            | StoreError::Damaged { .. }
+            | StoreError::TaskName(_) => Self::input(e),
+            StoreError::Io { action, .. } if action.starts_with("read") => Self::input(e),
+            StoreError::Encode { .. } => Self::internal(e),
+            _ => Self::output(e),
+        }
+    }
+}
+
+impl From<ReportError> for CliError {
+    fn from(e: ReportError) -> Self {
+        match e {
+            ReportError::Write { .. } => Self::output(e),
+            ReportError::Twice(_)
+            | ReportError::NoRuns
+            | ReportError::Label { .. }
+            | ReportError::LabelTaken { .. } => Self::usage(e),
+            _ => Self::input(e),
+        }
     }
 }
 

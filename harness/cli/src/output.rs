@@ -98,17 +98,24 @@ pub(crate) fn whole(
     }
 }
 
-/// Looks whether [`vb_files::write`] can write a file, before the work for it is done. It follows no links, for a stranger may
-/// have made them.
+/// Looks whether [`whole`] can write a file, before the work for it is done.
 ///
 /// # Errors
 /// Returns the error that writing it would end in.
 pub(crate) fn must_be_writable(path: &Path) -> Result<(), CliError> {
+    Destination::of(path).map(drop).map_err(|e| unwritten(path, &e))
+}
+
+/// The same of [`vb_files::write`], which follows no links, for a stranger may have made them.
+///
+/// # Errors
+/// Returns the error that writing it would end in.
+pub(crate) fn must_be_replaceable(path: &Path) -> Result<(), CliError> {
     if std::fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
         let in_the_way = "a link, folder or device of that name is in the way";
         return Err(unwritten(path, &std::io::Error::new(ErrorKind::AlreadyExists, in_the_way)));
     }
-    Destination::of(path).map(drop).map_err(|e| unwritten(path, &e))
+    must_be_writable(path)
 }
 
 /// Where the content of a file goes at first.
@@ -229,7 +236,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "no temporary file stays");
         let e = write(&dir.path().join("gone/a.csv"), "x").unwrap_err().to_string();
         assert!(e.contains("cannot write") && e.contains("gone/a.csv"), "{e}");
-        assert!(must_be_writable(dir.path()).is_err());
+        assert!(must_be_writable(dir.path()).is_err() && must_be_replaceable(dir.path()).is_err());
     }
 
     #[cfg(unix)]
@@ -242,7 +249,9 @@ mod tests {
         write(&link, "two").unwrap();
         assert_eq!(std::fs::read(&file).unwrap(), b"two");
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert!(must_be_writable(&link).unwrap_err().to_string().contains("in the way"));
+        must_be_writable(&link).unwrap();
+        assert!(must_be_replaceable(&link).unwrap_err().to_string().contains("in the way"));
+        must_be_writable(Path::new("/dev/null")).unwrap();
         write(Path::new("/dev/null"), "x").unwrap();
     }
 

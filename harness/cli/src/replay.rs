@@ -37,9 +37,13 @@ enum Message<'a> {
 
 pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     film::check(&args.film)?;
-    let files = args.out.iter().chain(&args.mcap).chain(&args.film.video).chain(&args.film.png);
-    output::must_spare(&files.map(PathBuf::as_path).collect::<Vec<_>>(), &args.runs)?;
-    let runs = Runs::read(&args.runs).map_err(CliError::input)?;
+    let (own, drawn) = (args.out.iter().chain(&args.mcap), args.film.video.iter().chain(&args.film.png));
+    let files: Vec<&Path> = own.clone().chain(drawn.clone()).map(PathBuf::as_path).collect();
+    output::must_spare(&files, &args.runs)?;
+    // What can't be written is said before anything is simulated or drawn.
+    own.into_iter().try_for_each(|path| output::must_be_writable(path))?;
+    drawn.into_iter().try_for_each(|path| output::must_be_replaceable(path))?;
+    let runs = Runs::read(&args.runs)?;
     let tasks = BTreeSet::from([args.task.clone()]);
     let filmed = args.film.video.is_some() || args.film.png.is_some();
     // Sensors are shown by the page and by the file for Foxglove.
@@ -153,9 +157,14 @@ impl Senses<'_> {
             Some(named) => named,
             None => &header.plugin.sensors,
         };
+        // What the user didn't say is in run.json.
+        let unusable = |e: &dyn std::fmt::Display| match self.sensors {
+            Some(_) => CliError::usage(format!("--sensors: {e}")),
+            None => CliError::input(format!("run.json: plugin.sensors: {e}")),
+        };
         let mut needs = Vec::new();
         for text in named {
-            Need::add(&mut needs, text).map_err(|e| CliError::usage(format!("--sensors {text}: {e}")))?;
+            Need::add(&mut needs, text).map_err(|e| unusable(&format!("{text}: {e}")))?;
         }
         let name = self.perception.unwrap_or(&header.perception.name);
         let shows_nothing = needs.is_empty()
@@ -168,12 +177,12 @@ impl Senses<'_> {
         let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
             output::note(&format!(
-                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (name the run's \
-                 file with --perception)"
+                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (replay shows it by \
+                 the run's file, which --perception names)"
             ));
             return Ok(None);
         }
-        vb_sense::check_needs(&profile, &needs).map_err(|e| CliError::usage(format!("--sensors: {e}")))?;
+        vb_sense::check_needs(&profile, &needs).map_err(|e| unusable(&e))?;
         Ok(Some((profile, needs)))
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use vb_figure::Figure;
 use vb_replay::Links;
-use vb_report::{Beside, MapLinks, Paper, Report, ReportError, Runs, write_csv, write_parquet};
+use vb_report::{Beside, MapLinks, Paper, Report, Runs, write_csv, write_parquet};
 use vb_world::{Suite, World};
 
 use crate::args::{MessageFormat, ReportArgs};
@@ -72,16 +72,20 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
         std::fs::create_dir_all(dir).map_err(failed)?;
     }
-    let mut runs = Runs::read(&args.runs).map_err(failed)?;
-    runs.relabel(&args.labels).map_err(failed)?;
+    let tables = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
+    for path in tables.chain(&args.csv).chain(&args.parquet) {
+        output::must_be_writable(path)?;
+    }
+    let mut runs = Runs::read(&args.runs)?;
+    runs.relabel(&args.labels)?;
     let report = Report::new(runs).titled(args.title.as_deref().unwrap_or_default());
     let mut files = Vec::new();
     if let Some(path) = &args.csv {
-        output::whole(path, |file| write_csv(report.runs(), file, path).map_err(failed))?;
+        output::whole(path, |file| Ok(write_csv(report.runs(), file, path)?))?;
         files.push(path.clone());
     }
     if let Some(path) = &args.parquet {
-        output::whole(path, |file| write_parquet(report.runs(), file, path).map_err(failed))?;
+        output::whole(path, |file| Ok(write_parquet(report.runs(), file, path)?))?;
         files.push(path.clone());
     }
     if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {
@@ -126,7 +130,7 @@ fn figures(report: &Report, args: &ReportArgs, paper: &Paper, dir: &Path) -> Res
         let worlds = Worlds::of(report, args, selector)?;
         for id in &worlds.ids {
             let world = worlds.load(id)?;
-            figures.push((format!("map-{id}"), report.map(&world).map_err(failed)?.paper_figure(paper)));
+            figures.push((format!("map-{id}"), report.map(&world)?.paper_figure(paper)));
         }
     }
     for (name, figure) in &figures {
@@ -225,19 +229,8 @@ fn maps(
             replays: replays.clone(),
             pictures: None,
         };
-        let page = report.map(&worlds.load(id)?).map_err(failed)?.page(&links);
+        let page = report.map(&worlds.load(id)?)?.page(&links);
         output::write(&folder.join(format!("{id}.html")), &page)?;
     }
     Ok(worlds.ids.into_iter().collect())
-}
-
-fn failed(e: ReportError) -> CliError {
-    match e {
-        ReportError::Write { .. } => CliError::output(e),
-        ReportError::Twice(_)
-        | ReportError::NoRuns
-        | ReportError::Label { .. }
-        | ReportError::LabelTaken { .. } => CliError::usage(e),
-        _ => CliError::input(e),
-    }
 }

@@ -23,7 +23,12 @@ enum Message<'a> {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
-    let (out, simulated) = drive(args)?;
+    let again = |out: &Path| match args.shard {
+        // A shard goes on by itself.
+        Some(_) => "the same command".to_owned(),
+        None => format!("the same command and --out {} --resume", out.display()),
+    };
+    let (out, simulated) = drive(args, &again)?;
     if args.format.get() == MessageFormat::Human {
         next(&out, args.trace);
     }
@@ -46,8 +51,12 @@ fn next(out: &Path, trace: TraceMode) {
     }
 }
 
-/// Runs what is said, and returns the run's directory with whether all tasks could be simulated.
-pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), CliError> {
+/// Runs what is said, and returns the run's directory with whether all tasks could be simulated. `again` tells how one goes on with
+/// the run in a directory.
+pub(crate) fn drive(
+    args: &RunArgs,
+    again: &dyn Fn(&Path) -> String,
+) -> Result<(PathBuf, Result<(), CliError>), CliError> {
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
     let mut progress = Progress::new(args.format.get(), args.debug);
@@ -69,11 +78,7 @@ pub(crate) fn drive(args: &RunArgs) -> Result<(PathBuf, Result<(), CliError>), C
             output::note(&format!("results: {}", config.out.display()));
         }
     }
-    // A shard goes on by itself.
-    let again = match config.shard {
-        Some(_) => "the same command".to_owned(),
-        None => format!("the same command and --out {} --resume", config.out.display()),
-    };
+    let again = again(&config.out);
     if let Some(start) = &report.failed_start {
         return Err(CliError::failed_start(format!(
             "{start} ({} tasks left; mend the cause and start anew, or go on with {again}; --keep-going drives all tasks \
@@ -202,7 +207,7 @@ fn started_at() -> String {
 
 pub(crate) fn run_error(e: RunError) -> CliError {
     match e {
-        RunError::Store(_) | RunError::ForeignTask { .. } => CliError::output(e),
+        RunError::Store(e) => e.into(),
         RunError::Param(_) | RunError::NoTasks | RunError::Scale(_) => CliError::usage(e),
         _ => CliError::input(e),
     }

@@ -76,7 +76,14 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
             if let Some(logs) = args.logs {
                 wanted.logs = logs;
             }
-            run::drive(&wanted)?
+            // The run has options of its own, and is submitted when it is whole.
+            let again = |out: &Path| {
+                let (plugin, out) = (args.plugin.display(), out.display());
+                format!(
+                    "vb-harness --plugin {plugin}, the same suite and vehicle, and --out {out} --resume; then submit it with --run {out}"
+                )
+            };
+            run::drive(&wanted, &again)?
         }
     };
     // Tasks whose simulation failed are results, too.
@@ -114,9 +121,10 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
                 output::note(&format!("  not ranked, {}: {}", reason.field, vb_host::one_line(&reason.text)));
             }
             output::note(&format!(
-                "check it with: vb-harness verify {} --plugin {} --sample 10",
+                "check it with: vb-harness verify {} --plugin {} --sample 10{}",
                 args.out.display(),
-                args.plugin.display()
+                args.plugin.display(),
+                if is_wasm(&args.plugin)? { "" } else { " --allow-native" }
             ));
         }
     }
@@ -171,7 +179,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     }
     let plugin_sha256 = vb_submission::sha256_file(&args.plugin).map_err(failed)?;
     let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
-    output::must_be_writable(&out)?;
+    output::must_be_replaceable(&out)?;
     let draw = match (args.sample, args.seed) {
         (Some(count), Some(seed)) => Some((count as usize, seed)),
         (Some(count), None) => Some((count as usize, random()?)),
@@ -260,7 +268,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
             args.plugin.display()
         )));
     }
-    args.out.as_deref().map(output::must_be_writable).transpose()?;
+    args.out.as_deref().map(output::must_be_replaceable).transpose()?;
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
     let mut wanted = RunArgs::new(&args.plugin);
     wanted.suite = Some(suite.dir().to_owned());

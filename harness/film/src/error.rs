@@ -41,6 +41,14 @@ pub enum FilmError {
         /// When the last of the runs ended, s.
         end: f64,
     },
+    /// A last moment that is before the first.
+    #[error("--to {to}: it is before --from, {from} s (choose a later moment)")]
+    Backwards {
+        /// The first moment, s.
+        from: f64,
+        /// The last moment, s.
+        to: f64,
+    },
     /// A rate of frames that a film can't have.
     #[error("--fps {fps}: {format} files have 1 to {most} frames a second (choose one of these)")]
     Rate {

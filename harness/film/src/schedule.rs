@@ -42,6 +42,9 @@ impl Schedule {
             return Err(FilmError::Time { option: "--from", time: first, end });
         }
         let last = to.unwrap_or(end);
+        if last < first {
+            return Err(FilmError::Backwards { from: first, to: last });
+        }
         if !(first..=end).contains(&last) {
             return Err(FilmError::Time { option: "--to", time: last, end });
         }
@@ -71,10 +74,11 @@ mod tests {
             Course { from: Some(9.5), ..all },
             Course { from: Some(-1.0), ..all },
             Course { to: Some(9.5), ..all },
-            Course { from: Some(3.0), to: Some(2.0), ..all },
         ] {
             assert!(matches!(Schedule::new(wrong, 9.0), Err(FilmError::Time { .. })), "{wrong:?}");
         }
+        let backwards = Course { from: Some(3.0), to: Some(2.0), ..all };
+        assert!(matches!(Schedule::new(backwards, 9.0), Err(FilmError::Backwards { from: 3.0, to: 2.0 })));
         let slow = Course { speed: 1e-6, ..all };
         assert!(matches!(Schedule::new(slow, 9.0), Err(FilmError::Long { .. })));
     }

@@ -100,7 +100,7 @@ pub enum LoadError {
     /// Compiling the plugin takes more than it may.
     #[error(
         "{}: compiling the plugin takes more than {limit} {what}; make its largest functions smaller and fewer, or raise {field} \
-         (--limits)",
+         (run --limits)",
         .path.display()
     )]
     TooCostly {

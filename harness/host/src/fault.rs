@@ -235,17 +235,17 @@ impl FaultCause {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::OutOfFuel { .. } => {
-                "compute less a call, or raise fuel_init or fuel_per_step (--limits); one unit is about one instruction"
+                "compute less a call, or raise fuel_init or fuel_per_step (run --limits); one unit is about one instruction"
             }
             Self::OutOfTaskFuel { .. } => {
-                "compute less a call or less often, or raise fuel_per_task (--limits)"
+                "compute less a call or less often, or raise fuel_per_task (run --limits)"
             }
             Self::OutOfMemory { what: Resource::Memory, .. }
             | Self::ProcessOutOfMemory { limit: Some(_) } => {
-                "allocate less, or raise memory_bytes (--limits)"
+                "allocate less, or raise memory_bytes (run --limits)"
             }
             Self::OutOfMemory { what: Resource::Table, .. } => {
-                "make fewer tables, or raise table_elements (--limits)"
+                "make fewer tables, or raise table_elements (run --limits)"
             }
             Self::ProcessOutOfMemory { limit: None } => {
                 "allocate less, or free memory of the machine; the harness sets commands no limit"
@@ -254,31 +254,31 @@ impl FaultCause {
                 "recurse less deeply and keep big arrays on the heap, or link it with a larger stack (-z stack-size)"
             }
             Self::StackOverflow { .. } => {
-                "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (--limits)"
+                "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (run --limits)"
             }
             Self::ProcessStackOverflow { .. } => {
                 "recurse less deeply and keep big arrays on the heap; the system sets the size (ulimit -s), and no limit of the \
                  harness does"
             }
-            Self::Trap { .. } => "look at the functions named; --debug shows more of them",
+            Self::Trap { .. } => "look at the functions named; run --debug shows more of them",
             Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",
             Self::BadCommand { .. } => "start from a command that is all zero, and set its fields",
             Self::InvalidOutput { .. } => "look for a division by zero",
-            Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (--limits)",
+            Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (run --limits)",
             Self::ImportDenied { .. } => "planners get no files, network or processes; do without",
             Self::AbiMismatch { .. } => "build the plugin again with the harness's vb-sdk",
             Self::Crashed { .. } => "run the planner under a debugger, or build it for WASM for a backtrace",
-            Self::Hung { .. } => "compute less a call, or raise watchdog_ms (--limits)",
+            Self::Hung { .. } => "compute less a call, or raise watchdog_ms (run --limits)",
             Self::Protocol { message } if message.starts_with(MALFORMED) => {
                 "compare it with the table of fields in docs/worker-protocol.md, and print nothing to standard output"
             }
             Self::Protocol { .. } => "send nothing but the protocol's messages to standard output",
-            Self::Machine { .. } => "free memory or lower --jobs; --resume runs the task again",
+            Self::Machine { .. } => "free memory or lower --jobs; run --resume runs the task again",
             Self::Watchdog { .. } => {
-                "the machine is overloaded: lower --jobs or raise watchdog_ms (--limits); --resume runs the task again"
+                "the machine is overloaded: lower --jobs or raise watchdog_ms (run --limits); run --resume runs the task again"
             }
-            Self::Worker { .. } => "see what the system refused; --resume runs the task again",
+            Self::Worker { .. } => "see what the system refused; run --resume runs the task again",
         }
     }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum StoreError {
     /// The operating system refused an operation.
-    #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
+    #[error("cannot {action} {}: {source}{}", .path.display(), hint(action, .source))]
     Io {
         /// The action that was tried, e.g. `write`.
         action: &'static str,
@@ -27,7 +27,7 @@ pub enum StoreError {
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     Taken(PathBuf),
     /// There is no run in the directory.
-    #[error("{} holds no run: run.json is missing (give the directory that --out named)", .0.display())]
+    #[error("{} holds no run: run.json is missing (give the directory of a run)", .0.display())]
     NoRun(PathBuf),
     /// Another process writes to this directory.
     #[error("{} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
@@ -114,8 +114,12 @@ fn disk_full(e: &io::Error) -> bool {
 }
 
 /// What to do about an error of the operating system, in parentheses; empty where there is no good advice.
-fn hint(e: &io::Error) -> &'static str {
+fn hint(action: &str, e: &io::Error) -> &'static str {
+    // What is read is named by the user as it is, and not every command that reads writes anywhere else.
+    let reads = action.starts_with("read");
     match e.kind() {
+        io::ErrorKind::PermissionDenied if reads => " (ask its owner for the permission to read it)",
+        io::ErrorKind::NotADirectory if reads => " (a part of the path is a file)",
         _ if disk_full(e) => {
             " (tasks recorded so far are safe: free some space, then go on with the same command and --resume; a new run \
               with --trace none needs least)"

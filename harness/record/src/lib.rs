@@ -17,6 +17,7 @@ mod log_mode;
 mod parquet_io;
 mod sample;
 mod scope;
+mod settings;
 mod store;
 mod trace;
 
@@ -30,5 +31,6 @@ pub use join::RunJoiner;
 pub use log_mode::LogMode;
 pub use sample::{Sample, WheelSample};
 pub use scope::{planner_with_params, suite_with_selection};
+pub use settings::{SOIL_RESOLUTIONS, TIME_STEPS, is_time_step};
 pub use store::{RunReader, RunStore};
 pub use trace::{TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder};

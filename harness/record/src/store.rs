@@ -414,12 +414,13 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
             StoreError::Io { action: "read", path: path.clone(), source }
         }
     })?;
-    let damaged = |e: serde_json::Error| StoreError::Damaged {
+    let damaged = |detail: String| StoreError::Damaged {
         path: path.clone(),
-        detail: e.to_string(),
+        detail,
         hint: "restore the file, or start a new run",
     };
-    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(damaged)?;
+    let unread = |e: serde_json::Error| damaged(e.to_string());
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(unread)?;
     match value.get("schema").and_then(serde_json::Value::as_u64) {
         Some(found) if !(u64::from(OLDEST_SCHEMA)..=u64::from(RUN_SCHEMA)).contains(&found) => {
             Err(StoreError::Schema { path, found, supported: RUN_SCHEMA })
@@ -428,7 +429,11 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
             if let Some(sums) = Checksums::read(dir)? {
                 sums.check(&path, HEADER, &bytes)?;
             }
-            serde_json::from_value(value).map_err(damaged)
+            let header: RunHeader = serde_json::from_value(value).map_err(unread)?;
+            match header.flaw() {
+                Some(flaw) => Err(damaged(flaw)),
+                None => Ok(header),
+            }
         }
     }
 }
@@ -469,7 +474,7 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T, &[u8])) ->
         let damaged = |detail: String| StoreError::Damaged {
             path: path.to_owned(),
             detail: format!("line {number}: {detail}"),
-            hint: "delete the line to have its task run again with --resume",
+            hint: "delete the line to have its task run again by run --resume",
         };
         if line.len() as u64 > LINE {
             return Err(damaged(format!("longer than {LINE} bytes")));

@@ -393,6 +393,47 @@ fn a_run_of_another_schema_or_a_broken_header_is_refused() {
     assert!(matches!(e, StoreError::Damaged { .. }) && e.to_string().contains("run.json"), "{e}");
 }
 
+/// It is a text that people can edit, and a step or a scale of 0 would keep a simulation busy for ever.
+#[test]
+fn a_setting_that_no_run_can_have_is_named_with_what_is_allowed() {
+    let tmp = tempfile::tempdir().unwrap();
+    drop(RunStore::create(tmp.path(), &header()).unwrap());
+    fs::remove_file(tmp.path().join("checksums.txt")).unwrap();
+    let path = tmp.path().join("run.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let shard = |index: u32, of: u32, tasks: u64| {
+        format!("\"tasks\": 3, \"shard\": {{\"index\": {index}, \"of\": {of}, \"tasks\": {tasks}}}")
+    };
+    let whole = "\"tasks\": 3";
+    let scale = "\"scale\": 0.16666666666666666";
+    let cases = [
+        (scale, "\"scale\": 0".to_owned(), "scale: 0 must lie in 0.01 to 10"),
+        (scale, "\"scale\": 1e300".to_owned(), "must lie in 0.01 to 10"),
+        ("\"time_step\": 0.001", "\"time_step\": 0".to_owned(), "time_step: 0 must lie in 0.0001 to 0.005"),
+        ("\"time_step\": 0.001", "\"time_step\": 0.003".to_owned(), "divide sample_period, 0.01"),
+        ("\"sample_period\": 0.01", "\"sample_period\": -1".to_owned(), "sample_period: -1 must lie in"),
+        ("\"soil_resolution\": 0.1", "\"soil_resolution\": 1e-9".to_owned(), "soil_resolution: 0.000000001"),
+        ("\"control_period\": 0.1", "\"control_period\": 0.0".to_owned(), "plugin.control_period: 0"),
+        (whole, shard(0, 2, 6), "shard.index: 0 must be at least 1"),
+        (whole, shard(3, 2, 6), "shard.index: 3 must not exceed shard.of, 2"),
+        (whole, shard(1, 2, 2), "tasks: 3 must not exceed shard.tasks, 2"),
+        (
+            "\"path\": \"tasks/s\"",
+            "\"path\": \"tasks/s\", \"tasks\": 2".to_owned(),
+            "tasks: 3 must not exceed suite.tasks, 2",
+        ),
+    ];
+    for (old, new, says) in cases {
+        assert!(text.contains(old), "{old}");
+        fs::write(&path, text.replace(old, &new)).unwrap();
+        let e = RunReader::open(tmp.path()).unwrap_err();
+        assert!(matches!(e, StoreError::Damaged { .. }), "{new}: {e}");
+        assert!(e.to_string().contains("run.json") && e.to_string().contains(says), "{new}: {e}");
+    }
+    fs::write(&path, text.replace(whole, &shard(1, 2, 6))).unwrap();
+    assert!(RunReader::open(tmp.path()).is_ok());
+}
+
 #[test]
 fn task_names_cannot_lead_out_of_the_run_directory() {
     let tmp = tempfile::tempdir().unwrap();

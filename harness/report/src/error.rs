@@ -12,7 +12,7 @@ pub enum ReportError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// A run has no finished task.
-    #[error("run {} has no finished task yet (wait for one, or go on with it with --resume)", .0.display())]
+    #[error("run {} has no finished task yet (wait for one, or go on with it by run --resume)", .0.display())]
     Empty(PathBuf),
     /// Runs of different suites were given.
     #[error(

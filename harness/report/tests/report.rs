@@ -287,6 +287,40 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     assert_eq!(report.headline().as_deref(), Some(told));
 }
 
+/// One run is still going on, and another was of selected tasks.
+#[test]
+fn the_sentence_says_of_which_tasks_it_is_where_runs_have_not_done_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let headline = |runs: &[(&str, std::ops::Range<usize>, usize)]| {
+        let made = runs.iter().map(|(name, worlds, successes)| {
+            let path = dir.path().join(format!("{name}-{}-{}-{successes}", worlds.start, worlds.end));
+            let mut all = tasks(worlds.end, |_, t| t < *successes);
+            // So many tasks has a world.
+            all.drain(..4 * worlds.start);
+            if !path.exists() {
+                write(&path, &header(name, 4 * worlds.end as u64), all);
+            }
+            path
+        });
+        let dirs: Vec<_> = made.collect();
+        Report::new(Runs::read(&dirs).unwrap()).headline().unwrap()
+    };
+    assert_eq!(
+        headline(&[("x", 0..9, 3), ("y", 0..7, 1)]),
+        "x does most: 75.0 % of the 36 tasks that it has done, which is 50.0 points more than y on the 28 tasks that both have done \
+         (p = 0.016)."
+    );
+    assert_eq!(
+        headline(&[("x", 0..9, 3), ("y", 0..8, 3), ("z", 0..7, 1)]),
+        "x and y do most: 75.0 % of the tasks that each has done (36 and 32), x 50.0 points more than z on the 28 tasks that both have \
+         done (p = 0.047)."
+    );
+    assert_eq!(
+        headline(&[("x", 0..3, 3), ("y", 3..9, 1)]),
+        "x does most: 75.0 % of the 12 tasks that it has done, but it can't be told from y: they have no common tasks."
+    );
+}
+
 #[test]
 fn no_text_of_a_planner_becomes_markup() {
     let dir = tempfile::tempdir().unwrap();

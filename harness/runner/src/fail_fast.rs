@@ -1,13 +1,13 @@
-//! Ending a run early whose planner can't even begin.
+//! Ending a run early whose planner can't even begin, or whose simulation always fails.
 
 use std::fmt;
 
 use serde::Serialize;
-use vb_host::FaultCode;
+use vb_host::{Blame, FaultCode};
 use vb_score::{Outcome, TaskRecord};
 
 /// The number of first tasks after which a run stops if the planner fails alike in all of them, before its first
-/// command. In the suites that come with the harness they are of two worlds with different ground: a planner that
+/// command, or the simulation fails in all of them. In the suites that come with the harness they are of two worlds with different ground: a planner that
 /// refuses one world, or one kind of ground, isn't stopped.
 pub const FAILED_STARTS: usize = 20;
 
@@ -15,12 +15,12 @@ pub const FAILED_STARTS: usize = 20;
 pub const HUNG_STARTS: usize = 3;
 
 /// The reason why a run was ended early: the planner failed alike in all of the run's first tasks, before its first
-/// command.
+/// command, or the simulation failed in all of them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FailedStart {
     /// The number of those tasks.
     pub tasks: usize,
-    /// The code of their fault, e.g. `planner/init-failed`.
+    /// The code of the fault of the first of them, e.g. `planner/init-failed`.
     pub fault: String,
     /// The reason in the record of the first of them, with the planner's own words.
     pub reason: String,
@@ -29,10 +29,17 @@ pub struct FailedStart {
 impl fmt::Display for FailedStart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { tasks, fault, reason } = self;
-        write!(
-            f,
-            "the planner failed alike in all of the first {tasks} tasks before its first command ({fault}), in the first so: {reason}"
-        )
+        match blame(fault) {
+            Blame::Planner => write!(
+                f,
+                "the planner failed alike in all of the first {tasks} tasks before its first command ({fault}), in the first so: \
+                 {reason}"
+            ),
+            Blame::Simulation | Blame::Host => write!(
+                f,
+                "the simulation failed in all of the first {tasks} tasks ({fault}), in the first so: {reason}"
+            ),
+        }
     }
 }
 
@@ -58,7 +65,7 @@ impl FailFast {
         if self.started || place >= FAILED_STARTS {
             return false;
         }
-        let Some(fault) = fault_before_first_command(record) else {
+        let Some(fault) = hopeless_fault(record) else {
             self.started = true;
             return false;
         };
@@ -73,7 +80,10 @@ impl FailFast {
     /// The verdict on the tasks so far.
     fn failed_start(&self) -> Option<FailedStart> {
         let (fault, reason) = self.faults.first()?.as_ref()?;
-        let alike = |f: &&Option<(String, String)>| f.as_ref().is_some_and(|(code, _)| code == fault);
+        let simulation = |code: &str| blame(code) == Blame::Simulation;
+        // In whichever way the simulation fails: no planner can mend it.
+        let same = |code: &str| code == fault || (simulation(code) && simulation(fault));
+        let alike = |f: &&Option<(String, String)>| f.as_ref().is_some_and(|(code, _)| same(code));
         let tasks = self.faults.iter().take_while(alike).count();
         let enough = if fault == FaultCode::Hung.name() { HUNG_STARTS } else { FAILED_STARTS };
         (tasks >= enough).then(|| FailedStart { tasks, fault: fault.clone(), reason: reason.clone() })
@@ -84,10 +94,20 @@ impl FailFast {
     }
 }
 
-/// The code of a fault of the planner in `init` or in the first step.
-fn fault_before_first_command(record: &TaskRecord) -> Option<&str> {
-    let at_once = record.outcome == Outcome::PlannerError && record.planner_steps <= 1;
-    record.fault.as_deref().filter(|_| at_once)
+/// The code of a fault that leaves no hope for the next tasks if each of the first has it: of the planner in `init` or in the
+/// first step, or of the simulation at any time.
+fn hopeless_fault(record: &TaskRecord) -> Option<&str> {
+    let hopeless = match record.outcome {
+        Outcome::PlannerError => record.planner_steps <= 1,
+        Outcome::SimError => true,
+        _ => false,
+    };
+    record.fault.as_deref().filter(|_| hopeless)
+}
+
+/// The part that a fault's code blames. Codes in records are those of [`FaultCode`].
+fn blame(code: &str) -> Blame {
+    FaultCode::ALL.iter().find(|c| c.name() == code).map_or(Blame::Host, |c| c.blame())
 }
 
 #[cfg(test)]
@@ -162,6 +182,32 @@ mod tests {
         assert_eq!(ended_after((0..100).map(|k| (k, failed(other(k), 0)))), None);
         let host = || TaskRecord { outcome: Outcome::HostError, ..failed(FaultCode::Machine, 0) };
         assert_eq!(ended_after((0..100).map(|k| (k, host()))), None);
+    }
+
+    fn unsimulated(fault: FaultCode, planner_steps: u64) -> TaskRecord {
+        TaskRecord { outcome: Outcome::SimError, ..failed(fault, planner_steps) }
+    }
+
+    #[test]
+    fn a_run_whose_simulation_fails_in_all_of_the_first_tasks_is_ended() {
+        // Whenever and in whichever way it fails.
+        let fault = |k: usize| if k.is_multiple_of(3) { FaultCode::Diverged } else { FaultCode::Simulation };
+        let all = || (0..100).map(|k| (k, unsimulated(fault(k), 7 * k as u64)));
+        assert_eq!(ended_after(all()), Some(FAILED_STARTS));
+        assert_eq!(ended_after(all().take(FAILED_STARTS - 1)), None);
+        let mut watch = FailFast::default();
+        all().for_each(|(place, record)| {
+            watch.ended(place, &record);
+        });
+        let told = watch.found().map(|found| found.to_string());
+        let wanted = "the simulation failed in all of the first 20 tasks (host/diverged), in the first so: its own words";
+        assert_eq!(told.as_deref(), Some(wanted));
+        // One task that could be simulated is hope, and so is a planner that fails instead.
+        let but_one = |other: fn() -> TaskRecord| {
+            (0..100).map(move |k| (k, if k == 19 { other() } else { unsimulated(FaultCode::Diverged, 5) }))
+        };
+        assert_eq!(ended_after(but_one(stuck)), None);
+        assert_eq!(ended_after(but_one(|| failed(FaultCode::InitFailed, 0))), None);
     }
 
     /// The first task is driven for long by one worker, while the other ends one failure after the other.

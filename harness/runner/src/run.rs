@@ -81,7 +81,7 @@ pub struct RunConfig {
     pub out: PathBuf,
     /// Whether to go on with an interrupted run in `out`.
     pub resume: bool,
-    /// Whether to drive all tasks even if the planner fails alike in all of the first ones ([`FailedStart`]).
+    /// Whether to drive all tasks even if the planner fails alike, or the simulation fails, in all of the first ones ([`FailedStart`]).
     pub keep_going: bool,
     /// The time at which the run was started, RFC 3339, for the record.
     pub started_at: String,
@@ -128,8 +128,8 @@ const LOOKS: u32 = 10;
 
 /// Runs what `config` says, telling `on_event` what happens. Setting `cancel` ends the run within a second: tasks in flight
 /// are given up, all others are on disk. A planner in the midst of a long step isn't waited for: its thread ends with the
-/// step, or with the program. If the planner fails alike in all of the first tasks, before its first command, no
-/// further ones are started.
+/// step, or with the program. If the planner fails alike in all of the first tasks, before its first command, or the simulation
+/// fails in all of them, no further ones are started.
 ///
 /// # Errors
 /// Returns an error if something is wrong with the inputs (nothing is written then), or the run directory can't be
@@ -376,7 +376,7 @@ struct Work {
     next: AtomicUsize,
     /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
     places: Mutex<VecDeque<Place>>,
-    /// Set after an error, or if the planner can't even begin: start nothing more.
+    /// Set after an error, or if all of the first tasks fail: start nothing more.
     stop: AtomicBool,
     fail_fast: Mutex<FailFast>,
     cancel: AtomicBool,
@@ -406,7 +406,7 @@ impl Work {
         }
     }
 
-    /// Starts nothing more if the planner fails alike in all of the first tasks. This is found out before this worker takes
+    /// Starts nothing more if the planner fails alike, or the simulation fails, in all of the first tasks. This is found out before this worker takes
     /// another task, which may cost a whole time-out.
     fn watch(&self, place: usize, record: &TaskRecord) {
         if self.config.keep_going {

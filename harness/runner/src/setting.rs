@@ -51,9 +51,7 @@ impl Place {
 /// Whether trials can have this time step, s: it lies in 0.1 to 5 ms, and the time between two samples is a whole number of steps.
 #[must_use]
 pub fn is_time_step(step: f64) -> bool {
-    const TOLERANCE: f64 = 1e-9;
-    (1e-4 - TOLERANCE..=5e-3 + TOLERANCE).contains(&step)
-        && ((SAMPLE_PERIOD / step).round() * step - SAMPLE_PERIOD).abs() < TOLERANCE
+    vb_record::is_time_step(step, SAMPLE_PERIOD)
 }
 
 /// Everything but place, task and driver that decides the result of a trial.

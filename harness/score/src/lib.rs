@@ -23,7 +23,10 @@ pub use metrics::Metrics;
 pub use outcome::{Fault, Outcome, ThreeWay};
 pub use record::{FuelUse, TaskRecord};
 pub use rescore::{RescoreError, Rescored, rescore};
-pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, RulesError, StartRule, StuckRule, SuccessRule};
+pub use rules::{
+    BoundsRule, RecordedRulesError, RollTime, RolloverRule, Rules, RulesError, RulesFlaw, StartRule,
+    StuckRule, SuccessRule,
+};
 pub use scorer::{Scorer, TaskGeometry, TaskScore, Verdict};
 pub use stats::{
     BOOTSTRAP_SEED, Interval, Ratio, bootstrap, bootstrap_ratio, normal_cdf, normal_quantile,

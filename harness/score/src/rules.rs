@@ -191,13 +191,39 @@ pub enum RulesError {
     },
 }
 
+/// A field of rules whose value makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {value} must be {want}")]
+pub struct RulesFlaw {
+    /// The dotted path of the field.
+    pub field: String,
+    /// The value of the field.
+    pub value: String,
+    /// A description of what the value must be.
+    pub want: &'static str,
+}
+
+/// The reason why the rules that a run has recorded can't be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordedRulesError {
+    /// A field is missing, unknown or of a wrong type.
+    #[error(transparent)]
+    Layout(#[from] serde_json::Error),
+    /// A field's value makes no sense.
+    #[error(transparent)]
+    Flaw(#[from] RulesFlaw),
+}
+
 impl Rules {
     /// The rules that a run was driven by, as its header has them.
     ///
     /// # Errors
-    /// Returns an error if they are none of this version.
-    pub fn recorded(header: &RunHeader) -> Result<Self, serde_json::Error> {
-        serde_json::from_value(header.rules.profile.clone())
+    /// Returns an error if they are none of this version, or make no sense.
+    pub fn recorded(header: &RunHeader) -> Result<Self, RecordedRulesError> {
+        let rules: Self = serde_json::from_value(header.rules.profile.clone())?;
+        rules.validate()?;
+        Ok(rules)
     }
 
     /// The profiles that come with the harness, as names and the text of their files.
@@ -236,7 +262,12 @@ impl Rules {
     pub fn from_yaml(file: &str, text: &str) -> Result<Self, RulesError> {
         let rules: Self = vb_world::yaml::parse(text)
             .map_err(|source| RulesError::Syntax { file: file.to_owned(), source })?;
-        rules.validate(file)?;
+        rules.validate().map_err(|RulesFlaw { field, value, want }| RulesError::Value {
+            file: file.to_owned(),
+            field,
+            value,
+            want,
+        })?;
         Ok(rules)
     }
 
@@ -263,10 +294,8 @@ impl Rules {
         }
     }
 
-    fn validate(&self, file: &str) -> Result<(), RulesError> {
-        let fail = |field: &str, value: String, want| {
-            Err(RulesError::Value { file: file.to_owned(), field: field.to_owned(), value, want })
-        };
+    fn validate(&self) -> Result<(), RulesFlaw> {
+        let fail = |field: &str, value: String, want| Err(RulesFlaw { field: field.to_owned(), value, want });
         if self.schema != SCHEMA {
             return fail("schema", self.schema.to_string(), "1, the version that this harness reads");
         }

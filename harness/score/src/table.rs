@@ -82,7 +82,7 @@ impl Summary {
         if !self.host_errors.is_empty() {
             let _ = writeln!(
                 out,
-                "{} failed by the harness or the machine, not counted above (--resume runs them again): {}",
+                "{} failed by the harness or the machine, not counted above (run --resume runs them again): {}",
                 self.host_errors.len(),
                 self.host_errors.join(", ")
             );

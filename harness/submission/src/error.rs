@@ -92,7 +92,7 @@ pub enum SubmissionError {
         this: String,
     },
     /// The run isn't finished.
-    #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed by the machine (go on with it with --resume)", .path.display())]
+    #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed by the machine (go on with it by run --resume)", .path.display())]
     Unfinished {
         /// The run directory.
         path: PathBuf,

@@ -453,9 +453,48 @@ fn a_damaged_run_is_refused_by_score_and_resume() {
         bench.write(&format!("{bad}/{file}"), bytes);
         refused(&bench, &["score", &bad], BAD_INPUT, says);
         if *resume {
-            refused(&bench, &[&run[..], &[&bad, "--resume"]].concat(), OUTPUT, says);
+            refused(&bench, &[&run[..], &[&bad, "--resume"]].concat(), BAD_INPUT, says);
         }
     }
+}
+
+/// A run that was changed on purpose, and whose checksums were therefore deleted, may have settings that no run can have.
+#[test]
+fn settings_that_no_run_can_have_are_refused_by_every_command_that_reads_a_run() {
+    let bench = Bench::new();
+    let pid = pid();
+    let run = ["--plugin", text(&pid), "--tasks", "w001/t00", "--out", "r"];
+    bench.ok(&run);
+    let header = fs::read_to_string(bench.path("r/run.json")).expect("a header");
+    fs::remove_file(bench.path("r/checksums.txt")).expect("it is there");
+    for (old, new, says) in [
+        ("\"scale\": 1.0", "\"scale\": 0.0", "scale: 0 must lie in 0.01 to 10"),
+        ("\"time_step\": 0.001", "\"time_step\": 0.0", "time_step: 0 must lie in 0.0001 to 0.005"),
+        ("\"soil_resolution\": 0.1", "\"soil_resolution\": 1e-9", "soil_resolution: 0.000000001 must lie in"),
+    ] {
+        assert!(header.contains(old), "{old}");
+        bench.write("r/run.json", header.replace(old, new));
+        let resume = [&run[..], &["--resume"]].concat();
+        let commands: [&[&str]; 5] = [
+            &["report", "r", "--out", "page", "--maps", "w001"],
+            &["replay", "r", "--task", "w001/t00", "--out", "x.html"],
+            &["score", "r"],
+            &["suite", "prove", "vb-100", "r", "--out", "proof.json"],
+            &resume,
+        ];
+        for args in commands {
+            refused(&bench, args, BAD_INPUT, &["run.json", says]);
+        }
+    }
+    let unmet = header.replace("\"time_limit_s\": 60.0", "\"time_limit_s\": -1.0");
+    assert_ne!(unmet, header);
+    bench.write("r/run.json", unmet);
+    refused(
+        &bench,
+        &["score", "r"],
+        BAD_INPUT,
+        &["run.json", "rules.profile", "time_limit_s: -1", "--rules"],
+    );
 }
 
 #[test]
@@ -463,10 +502,13 @@ fn an_output_directory_that_can_not_be_used_is_named_with_what_to_do() {
     let bench = Bench::new();
     let pid = pid();
     bench.write("taken/notes.txt", "mine");
-    let cases: [(&str, &[&str], &[&str]); 6] = [
+    // There is nothing to be gone on with: the recorded run is what is wrong, as for all other commands.
+    for out in ["taken", "gone"] {
+        let resume = ["--plugin", text(&pid), "--out", out, "--resume"];
+        refused(&bench, &resume, BAD_INPUT, &[out, "run.json"]);
+    }
+    let cases: [(&str, &[&str], &[&str]); 4] = [
         ("taken", &[], &["taken", "not empty", "--out", "--resume"]),
-        ("taken", &["--resume"], &["taken", "run.json"]),
-        ("gone", &["--resume"], &["gone", "run.json"]),
         ("taken/notes.txt", &[], &["taken/notes.txt", "--out"]),
         ("taken/notes.txt/run", &[], &["taken/notes.txt/run", "--out"]),
         // Nobody makes directories there, not even root.

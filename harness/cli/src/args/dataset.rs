@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use vb_dataset::Part;
 
 use super::values::{key_value, planner, positive, scale};
-use super::{FormatArgs, JobsArgs, ReplayData};
+use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum DatasetCommand {
@@ -54,24 +54,38 @@ pub(crate) struct FailuresArgs {
     /// Directory for the dataset
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Seconds before each failure
+    /// Seconds before each failure, in a world of scale 1; in others by the square root of the scale fewer or more
     #[arg(long, value_name = "S", default_value_t = vb_dataset::SECONDS, value_parser = positive)]
     pub(crate) seconds: f64,
-    /// What the dataset is called; default: what it is of
+    /// What the dataset is called; default: failures-of- and the name of the dataset, or of the run's planner
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
-    /// Take a run on a suite that planners are judged on: for looking at, nothing may be trained on it
+    /// For failures of a run: take one on a suite that comes with the harness, to be looked at; nothing may be trained on it
     #[arg(long)]
     pub(crate) of_a_suite: bool,
-    /// Rows and columns of crops of the maps, for failures of a run; none for 0
+    /// For failures of a run: rows and columns of crops of the maps about the vehicle that each frame has; none for 0
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=128))]
     pub(crate) crops: u16,
     #[command(flatten)]
-    pub(crate) data: ReplayData,
+    pub(crate) data: FailuresData,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
+}
+
+/// Where the data of a run lie now whose failures are driven again, if not where they lay.
+#[derive(Debug, Args)]
+pub(crate) struct FailuresData {
+    /// For failures of a run: its suite; default: where it was, or the one of its name that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// For failures of a run: its vehicle, a name or a file; default: by its name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    /// For failures of a run: its soils, a name or a file; default: by their name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) soils: Option<String>,
 }
 
 #[derive(Debug, Args)]

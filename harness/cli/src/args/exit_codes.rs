@@ -43,6 +43,10 @@ const OF: [(&str, &[u8]); 16] = [
     ),
 ];
 
+/// What a command that has `--resume` says of it beside a code's meaning.
+const RESUMED: [(u8, &str); 2] =
+    [(HOST_ERRORS, "; --resume runs them again"), (INTERRUPTED, "; go on with --resume")];
+
 /// The program's commands with their exit codes at the end of their help.
 pub(super) fn document(program: Command) -> Command {
     add(program, "")
@@ -58,13 +62,19 @@ fn add(command: Command, path: &str) -> Command {
     if command.has_subcommands() && !path.is_empty() {
         return command;
     }
-    command.after_help(text(path))
+    let resumes = command.get_arguments().any(|option| option.get_long() == Some("resume"));
+    command.after_help(text(path, resumes))
 }
 
-fn text(path: &str) -> String {
+/// What is said of the codes of a command, which may be one that resumes what it began.
+fn text(path: &str, resumes: bool) -> String {
     let own = OF.iter().find(|(name, _)| *name == path).map_or(&[][..], |(_, codes)| codes);
     let rows = MEANINGS.iter().filter(|(code, _)| ALWAYS.contains(code) || own.contains(code));
-    rows.fold("Exit codes:".to_owned(), |text, (code, meaning)| format!("{text}\n  {code:>3}  {meaning}"))
+    rows.fold("Exit codes:".to_owned(), |text, (code, meaning)| {
+        let hint =
+            RESUMED.iter().find(|(resumed, _)| resumes && resumed == code).map_or("", |(_, hint)| hint);
+        format!("{text}\n  {code:>3}  {meaning}{hint}")
+    })
 }
 
 #[cfg(test)]
@@ -89,6 +99,24 @@ mod tests {
         }
     }
 
+    /// Whether a command, and all below it, name `--resume` beside their codes only if they have it.
+    fn names_its_own(command: &Command) {
+        for c in command.get_subcommands() {
+            let resumes = c.get_arguments().any(|option| option.get_long() == Some("resume"));
+            let told = c.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(resumes || !told.contains("--resume"), "{}: {told}", c.get_name());
+            names_its_own(c);
+        }
+    }
+
+    #[test]
+    fn no_code_is_told_with_an_option_that_its_command_lacks() {
+        let program = document(Cli::command());
+        names_its_own(&program);
+        let run = program.find_subcommand("run").unwrap().get_after_help().unwrap().to_string();
+        assert!(run.contains("--resume runs them again") && run.contains("go on with --resume"), "{run}");
+    }
+
     #[test]
     fn every_command_tells_its_codes_and_no_other_is_listed() {
         let mut found = vec![String::new()];
@@ -96,8 +124,9 @@ mod tests {
         for (name, _) in OF {
             assert!(found.iter().any(|path| path == name), "{name}");
         }
-        assert!(text("verify").contains("does not verify") && !text("run").contains("does not verify"));
-        assert_eq!(text("").lines().count(), 1 + MEANINGS.len());
-        assert_eq!(text("suite list").lines().count(), 1 + ALWAYS.len());
+        let text_of = |path: &str| text(path, false);
+        assert!(text_of("verify").contains("does not verify") && !text_of("run").contains("does not verify"));
+        assert_eq!(text_of("").lines().count(), 1 + MEANINGS.len());
+        assert_eq!(text_of("suite list").lines().count(), 1 + ALWAYS.len());
     }
 }

@@ -35,7 +35,8 @@ pub(crate) struct RunArgs {
     /// numbers from Slurm's, Kubernetes' or AWS Batch's array. The same command goes on where it was stopped; merge joins all parts
     #[arg(long, value_name = "I/N|auto", requires = "out", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
-    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
+    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command, or the
+    /// simulation fails in the first 20
     #[arg(long)]
     pub(crate) keep_going: bool,
     /// Seed of the planner's randomness

@@ -25,7 +25,8 @@ pub(crate) struct SubmitArgs {
     /// Vehicle: a name, or a file; default: hmmwv
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) vehicle: Option<String>,
-    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command
+    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command, or the
+    /// simulation fails in the first 20
     #[arg(long)]
     pub(crate) keep_going: bool,
     /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none; default: failed

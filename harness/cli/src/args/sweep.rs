@@ -41,7 +41,8 @@ pub(crate) struct SweepRunArgs {
     pub(crate) shard: Option<Shard>,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
-    /// Drive all tasks of a run even if its planner fails alike in the first 20, or hangs in the first 3, before its first command
+    /// Drive all tasks of a run even if its planner fails alike in the first 20, or hangs in the first 3, before its first command,
+    /// or the simulation fails in the first 20
     #[arg(long)]
     pub(crate) keep_going: bool,
 }

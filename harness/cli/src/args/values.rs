@@ -1,7 +1,7 @@
 //! Values of options, as people write them.
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use vb_record::{LogMode, TraceMode};
+use vb_record::{LogMode, SOIL_RESOLUTIONS, TraceMode};
 use vb_vehicle::SCALES;
 use vb_world::{Shard, ShardError};
 
@@ -88,7 +88,9 @@ pub(super) fn time_step(text: &str) -> Result<f64, String> {
 /// A length in metres that a soil's memory can have.
 pub(super) fn soil_resolution(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
-    value.filter(|v| (0.01..=0.5).contains(v)).ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
+    value
+        .filter(|v| SOIL_RESOLUTIONS.contains(v))
+        .ok_or_else(|| "want metres from 0.01 to 0.5, e.g. 0.05".into())
 }
 
 /// A number of bytes with an optional binary suffix.

@@ -55,7 +55,20 @@ impl TasksCommand {
 
 /// A suite to be read.
 pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
-    Ok(places::catalog().open_suite(wanted)?)
+    let found = places::catalog().suite(wanted)?;
+    if let Some(here) = wanted.filter(|wanted| is_another(wanted, &found)) {
+        output::note(&format!(
+            "note: {here} is the suite that comes with the harness; the one in the folder {here} here is ./{here}",
+            here = here.display()
+        ));
+    }
+    Ok(Suite::open(found).map_err(CatalogError::from)?)
+}
+
+/// Whether what is named lies in the working directory, too, and is not the suite that was found.
+fn is_another(wanted: &Path, found: &Path) -> bool {
+    let same = wanted.canonicalize().ok() == found.canonicalize().ok();
+    vb_catalog::is_name(wanted.as_os_str()) && wanted.join("suite.yaml").is_file() && !same
 }
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
@@ -86,7 +99,12 @@ struct SuiteMessage<'a> {
 
 pub(crate) fn list(args: &SuiteListArgs) -> Result<(), CliError> {
     let mut rows = Vec::new();
-    for dir in places::catalog().suites()? {
+    let catalog = places::catalog();
+    let suites = catalog.suites()?;
+    if suites.is_empty() {
+        return Err(catalog.nothing("suite").into());
+    }
+    for dir in suites {
         let suite = Suite::open(&dir).map_err(CliError::input)?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if args.format.is_json() {
@@ -109,9 +127,15 @@ pub(crate) fn list(args: &SuiteListArgs) -> Result<(), CliError> {
 }
 
 pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
+    must_be_free(&args.out)?;
     let source = Source::find(&args.from).map_err(CliError::input)?.ground(args.ground.into());
     let worlds = source.ids().map(|id| source.world(id).map_err(CliError::input));
     write(&args.out, source.meta(), worlds)
+}
+
+/// Looks whether a suite can be written into a folder, before the work for it is done.
+fn must_be_free(out: &Path) -> Result<(), CliError> {
+    NewFolder::new(out).map(drop).map_err(CliError::output)
 }
 
 /// Writes worlds as a suite, one by one as they come, and says so.
@@ -147,7 +171,10 @@ fn done(suite: &Suite) {
         suite.task_count(),
         suite.hash()
     ));
-    output::note(&format!("run it with: vb-harness --plugin FILE --suite {}", suite.dir().display()));
+    // A bare name would be that of a suite that comes with the harness, if there is one of this name.
+    let dir = suite.dir();
+    let path = if vb_catalog::is_name(dir.as_os_str()) { Path::new(".").join(dir) } else { dir.to_owned() };
+    output::note(&format!("run it with: vb-harness --plugin FILE --suite {}", path.display()));
 }
 
 /// Rules in a file, or the built-in ones.
@@ -184,7 +211,11 @@ fn keep_apart(seed: u64, training: bool) -> Result<(), CatalogError> {
 /// The suite of training worlds with this seed and number: where it was made before, or made now.
 pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
     let making = &mut || output::note(&format!("making {worlds} training worlds of seed {seed}"));
-    Ok(places::catalog().training(seed, worlds, making)?)
+    places::catalog().training(seed, worlds, making).map_err(|e| match e {
+        // The option is another one than that of `suite generate`.
+        CatalogError::NoTrainingSeed(_) => CliError::usage(format!("--world-{e}")),
+        e => e.into(),
+    })
 }
 
 fn generate_error(e: GenerateError) -> CliError {

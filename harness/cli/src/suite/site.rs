@@ -3,17 +3,19 @@
 use std::path::Path;
 
 use vb_suite::generate::GeneratorParams;
-use vb_suite::site::{self, Cut, SiteParams, Survey};
+use vb_suite::site::{Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_terrain::read::{Holes, read};
 use vb_world::{Provenance, SuiteMeta};
 
 use crate::args::SiteArgs;
 use crate::error::CliError;
-use crate::suite::{rules, write};
+use crate::output;
+use crate::suite::{must_be_free, rules, write};
 
 pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
-    let site = rules(args.site.as_deref(), SiteParams::parse)?;
+    must_be_free(&args.out)?;
+    let rules_of_site = rules(args.site.as_deref(), SiteParams::parse)?;
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let file = args.raster.display();
     let mut heights = raster(&args.raster)?;
@@ -31,26 +33,31 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let survey =
         Survey { heights: &heights, resolution, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
     let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
-    let worlds = site::worlds(&survey, cut, args.density, &site, &params, args.seed)
-        .map_err(|e| CliError::input(format!("{file}: {e}")))?;
+    let failed = |e| CliError::input(format!("{file}: {e}"));
+    let site = Site::new(&survey, cut, args.density, &rules_of_site, &params, args.seed).map_err(failed)?;
     let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let meta = SuiteMeta {
         name: name(&args.out),
         version: "1".into(),
-        description: format!("{} worlds of the place in {}.", worlds.len(), name(&args.raster)),
+        description: format!("{} worlds of the place in {}.", site.count(), name(&args.raster)),
         provenance: Provenance::Imported {
             source: format!(
                 "{}, {:.3} by {:.3} m, site rules {}, rules {}, seed {}",
                 name(&args.raster),
                 heights.cols() as f64 * resolution,
                 heights.rows() as f64 * resolution,
-                site.name,
+                rules_of_site.name,
                 params.name,
                 args.seed
             ),
         },
     };
-    write(&args.out, meta, worlds.into_iter().map(Ok))
+    let worlds = site.worlds().enumerate().map(|(k, world)| {
+        let world = world.map_err(failed)?;
+        output::note(&format!("[{}/{}] {}", k + 1, site.count(), world.id));
+        Ok(world)
+    });
+    write(&args.out, meta, worlds)
 }
 
 /// A raster whose holes matter only where a world lies.

@@ -2,12 +2,13 @@
 
 use vb_suite::testbed::{Testbed, TestbedParams};
 
-use super::{name, rules, write};
+use super::{must_be_free, name, rules, write};
 use crate::args::TestbedArgs;
 use crate::error::CliError;
 use crate::places;
 
 pub(crate) fn testbed(args: &TestbedArgs) -> Result<(), CliError> {
+    must_be_free(&args.drawn.out)?;
     let params = rules(args.params.as_deref(), TestbedParams::parse)?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let drawn = &args.drawn;

@@ -41,7 +41,12 @@ pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
 pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
     let head = ["name", "wheels", "scale", "mass", "description"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for name in places::catalog().names(vb_catalog::Data::Vehicle)? {
+    let (catalog, kind) = (places::catalog(), vb_catalog::Data::Vehicle);
+    let names = catalog.names(kind)?;
+    if names.is_empty() {
+        return Err(catalog.nothing(kind.noun()).into());
+    }
+    for name in names {
         let (_, v) = load(&name)?;
         if args.format.is_json() {
             output::json(&ListMessage {

@@ -4,14 +4,7 @@
 // Helpers of tests may unwrap as tests do.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::harness;
-use tempfile::TempDir;
-
-fn succeed(dir: &TempDir, args: &[&str]) -> String {
-    let output = harness(dir, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::common::{harness, succeed};
 
 #[test]
 fn help_lists_the_documented_exit_codes() {

@@ -39,11 +39,11 @@ class UsageError(ProgramError):
 
 
 class InputError(ProgramError):
-    """Exit code 3: a suite, plugin, rule file, vehicle file or recorded run can't be used."""
+    """Exit code 3: a suite, plugin, rule file, vehicle file, recorded run or dataset can't be used."""
 
 
 class OutputError(ProgramError):
-    """Exit code 4: results can't be written: disk full, no permission, directory not empty or in use."""
+    """Exit code 4: results can't be written: disk full, no permission, directory not empty, in use or of another run."""
 
 
 class HostError(ProgramError):
@@ -51,7 +51,7 @@ class HostError(ProgramError):
 
 
 class FailedStartError(ProgramError):
-    """Exit code 10: the planner failed alike in all of the first tasks, before its first command. `run` has them."""
+    """Exit code 10: in all of the first tasks the planner failed alike, or the simulation failed. `run` has them."""
 
 
 class StoppedError(ProgramError):

@@ -27,7 +27,7 @@ pub(super) fn notes(s: &mut String, report: &Report) {
         }
         if run.host_errors() > 0 {
             notes.push(format!(
-                "{name}: the harness or the machine failed {} tasks, which are in no figure (--resume runs them again).",
+                "{name}: the harness or the machine failed {} tasks, which are in no figure (run --resume runs them again).",
                 run.host_errors()
             ));
         }

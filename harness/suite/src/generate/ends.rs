@@ -1,11 +1,12 @@
 //! Where tasks start and end: opposite each other on a circle, on ground that a vehicle can stand on.
 
-use super::params::{StandParams, TaskParams};
+use super::broken::{Broken, Rule};
+use super::params::StandParams;
 use vb_math::{angle::degrees, atan, hypot};
 use vb_world::{Heightfield, Obstacle, Semantics};
 
 /// Directions in which a pair of start and goal is looked for.
-const DIRECTIONS: usize = 360;
+pub(crate) const DIRECTIONS: usize = 360;
 /// Points along the diameter of the disc whose ground is looked at.
 const SAMPLES: i32 = 13;
 
@@ -17,55 +18,109 @@ pub(crate) struct Ends {
     pub(crate) spread: bool,
 }
 
-/// Each pair in the direction nearest to where an even division of the circle would have it, of those where both ends
-/// have a stand, a vehicle can start towards the goal and no other task starts; places in millimetres. Where fewer directions are left than there are tasks,
-/// some tasks share one. None if there is no such direction at all.
-pub(crate) fn ends(
-    ground: &Heightfield,
-    semantics: &Semantics,
-    obstacles: &[Obstacle],
-    clearance: f64,
+/// The directions from the middle in which tasks can start: both ends have a stand, and a vehicle can start towards the goal.
+pub(crate) struct Starts {
     radius: f64,
-    tasks: &TaskParams,
-) -> Option<Ends> {
-    let at = |direction: usize| {
-        let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
-        [c, s].map(|v| millimetres(radius * v))
-    };
-    let clear = |p: [f64; 2]| {
-        obstacles.iter().all(|o| {
-            let [a, b, _] = o.size();
-            hypot(o.x - p[0], o.y - p[1]) > 0.5 * hypot(a, b) + clearance
-        })
-    };
-    let free: Vec<bool> =
-        (0..DIRECTIONS).map(|k| clear(at(k)) && has_stand(ground, at(k), &tasks.stand)).collect();
-    let usable: Vec<usize> = (0..DIRECTIONS)
-        .filter(|&k| {
-            free[k]
-                && free[(k + DIRECTIONS / 2) % DIRECTIONS]
-                && can_start(ground, semantics, at(k), &tasks.stand)
-        })
-        .collect();
-    let mut left = usable.clone();
-    let mut ends = Ends { pairs: Vec::with_capacity(tasks.count), spread: true };
-    for k in 0..tasks.count {
-        if left.is_empty() {
-            left.clone_from(&usable);
-            ends.spread = false;
-        }
-        let wanted = k * DIRECTIONS / tasks.count;
-        let away = |u: usize| {
-            let d = u.abs_diff(wanted);
-            d.min(DIRECTIONS - d)
+    usable: Vec<usize>,
+    /// How often which rule is broken in the others.
+    pub(crate) broken: Broken,
+}
+
+impl Starts {
+    /// Those on a circle of this radius, m, about the middle of a ground, with a distance to obstacles, m.
+    pub(crate) fn new(
+        ground: &Heightfield,
+        semantics: &Semantics,
+        obstacles: &[Obstacle],
+        clearance: f64,
+        radius: f64,
+        stand: &StandParams,
+    ) -> Self {
+        let clear = |p: [f64; 2]| {
+            obstacles.iter().all(|o| {
+                let [a, b, _] = o.size();
+                hypot(o.x - p[0], o.y - p[1]) > 0.5 * hypot(a, b) + clearance
+            })
         };
-        let nearest = (0..left.len()).min_by_key(|&i| away(left[i]))?;
-        let direction = left.remove(nearest);
-        ends.spread &= away(direction) * tasks.count <= DIRECTIONS;
-        let start = at(direction);
-        ends.pairs.push([start, start.map(|v| 0.0 - v)]);
+        let mut broken = Broken::default();
+        let free: Vec<bool> = (0..DIRECTIONS)
+            .map(|k| {
+                let at = place(radius, k);
+                let flaws = if clear(at) { stand_flaws(ground, at, stand) } else { vec![Rule::Obstacles] };
+                broken.stands.add(&flaws);
+                flaws.is_empty()
+            })
+            .collect();
+        let mut usable = Vec::new();
+        for k in (0..DIRECTIONS).filter(|&k| free[k] && free[(k + DIRECTIONS / 2) % DIRECTIONS]) {
+            let flaws = start_flaws(ground, semantics, place(radius, k), stand);
+            broken.starts.add(&flaws);
+            if flaws.is_empty() {
+                usable.push(k);
+            }
+        }
+        Self { radius, usable, broken }
     }
-    Some(ends)
+
+    /// The number of tasks that can start in directions of their own.
+    pub(crate) fn room(&self) -> usize {
+        self.usable.len()
+    }
+
+    /// Each of so many pairs in the direction nearest to where an even division of the circle would have it, of those in which no
+    /// other task starts; places in millimetres. Where fewer directions are left than there are tasks, some tasks share one. None
+    /// if there is no direction at all.
+    pub(crate) fn ends(&self, count: usize) -> Option<Ends> {
+        let mut left = self.usable.clone();
+        let mut ends = Ends { pairs: Vec::with_capacity(count), spread: true };
+        for k in 0..count {
+            if left.is_empty() {
+                left.clone_from(&self.usable);
+                ends.spread = false;
+            }
+            let nearest = (0..left.len()).min_by_key(|&i| away(left[i], k, count))?;
+            let direction = left.remove(nearest);
+            ends.spread &= is_near(direction, k, count);
+            let start = place(self.radius, direction);
+            ends.pairs.push([start, start.map(|v| 0.0 - v)]);
+        }
+        Some(ends)
+    }
+}
+
+/// The directions in which tasks could start on any of several grounds.
+pub(crate) struct Possible([bool; DIRECTIONS]);
+
+impl Possible {
+    pub(crate) fn none() -> Self {
+        Self([false; DIRECTIONS])
+    }
+
+    pub(crate) fn add(&mut self, starts: &Starts) {
+        starts.usable.iter().for_each(|&k| self.0[k] = true);
+    }
+
+    /// Whether each of so many tasks could start near its place on the evenly divided circle, if the others did elsewhere.
+    pub(crate) fn all_around(&self, count: usize) -> bool {
+        (0..count).all(|k| (0..DIRECTIONS).any(|direction| self.0[direction] && is_near(direction, k, count)))
+    }
+}
+
+/// How far a direction lies from the place of one of so many tasks on the evenly divided circle.
+fn away(direction: usize, task: usize, count: usize) -> usize {
+    let d = direction.abs_diff(task * DIRECTIONS / count);
+    d.min(DIRECTIONS - d)
+}
+
+/// Whether it lies no farther than the place of the next task.
+fn is_near(direction: usize, task: usize, count: usize) -> bool {
+    away(direction, task, count) * count <= DIRECTIONS
+}
+
+/// A place on a circle, m.
+fn place(radius: f64, direction: usize) -> [f64; 2] {
+    let (s, c) = vb_math::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
+    [c, s].map(|v| millimetres(radius * v))
 }
 
 /// Rounded to whole millimetres, which people can read, and never to a negative zero.
@@ -73,8 +128,8 @@ pub(crate) fn millimetres(v: f64) -> f64 {
     (v * 1000.0).round() / 1000.0 + 0.0
 }
 
-/// Whether the ground about a point is all there, level and even enough.
-fn has_stand(ground: &Heightfield, [x, y]: [f64; 2], stand: &StandParams) -> bool {
+/// The rules that the ground about a point breaks, which is to be all there, level and even enough.
+fn stand_flaws(ground: &Heightfield, [x, y]: [f64; 2], stand: &StandParams) -> Vec<Rule> {
     let half = SAMPLES / 2;
     let offset = |k: i32| f64::from(k) / f64::from(half) * stand.reach;
     let disc = (-half..=half)
@@ -84,7 +139,7 @@ fn has_stand(ground: &Heightfield, [x, y]: [f64; 2], stand: &StandParams) -> boo
     let mut points = Vec::new();
     for [u, v] in disc {
         if !ground.contains(x + u, y + v) {
-            return false;
+            return vec![Rule::Edge];
         }
         points.push([u, v, ground.height(x + u, y + v)]);
     }
@@ -94,13 +149,22 @@ fn has_stand(ground: &Heightfield, [x, y]: [f64; 2], stand: &StandParams) -> boo
     let square = sum(&|p| p[0] * p[0]);
     let slope = [sum(&|p| p[0] * p[2]) / square, sum(&|p| p[1] * p[2]) / square];
     let uneven = |p: &[f64; 3]| (p[2] - mean - slope[0] * p[0] - slope[1] * p[1]).abs() > stand.unevenness;
-    degrees(atan(hypot(slope[0], slope[1]))) <= stand.tilt && !points.iter().any(uneven)
+    let kept = [
+        (Rule::Tilt, degrees(atan(hypot(slope[0], slope[1]))) <= stand.tilt),
+        (Rule::Unevenness, !points.iter().any(uneven)),
+    ];
+    broken_of(&kept)
 }
 
-/// Whether wheels at a point that head for the middle, and so for the goal, stand neither too steeply uphill nor too much
-/// on two of them, and hold: what else makes a vehicle spin its wheels before it has moved, above all where the ground
-/// yields.
-fn can_start(ground: &Heightfield, semantics: &Semantics, [x, y]: [f64; 2], stand: &StandParams) -> bool {
+/// The rules that wheels break at a point that head for the middle, and so for the goal, which are to stand neither too steeply
+/// uphill nor too much on two of them, and to hold: what else makes a vehicle spin its wheels before it has moved, above all
+/// where the ground yields.
+fn start_flaws(
+    ground: &Heightfield,
+    semantics: &Semantics,
+    [x, y]: [f64; 2],
+    stand: &StandParams,
+) -> Vec<Rule> {
     let distance = hypot(x, y);
     let [c, s] = [-x / distance, -y / distance];
     let [along, across] = stand.wheels.map(|l| 0.5 * l);
@@ -113,13 +177,34 @@ fn can_start(ground: &Heightfield, semantics: &Semantics, [x, y]: [f64; 2], stan
         0.0 => true,
         friction => hypot(rise, roll) <= stand.grip * friction,
     };
-    holds && degrees(atan(rise)) <= stand.climb && 0.5 * (fl - fr - rl + rr).abs() <= stand.twist
+    let kept = [
+        (Rule::Grip, holds),
+        (Rule::Climb, degrees(atan(rise)) <= stand.climb),
+        (Rule::Twist, 0.5 * (fl - fr - rl + rr).abs() <= stand.twist),
+    ];
+    broken_of(&kept)
+}
+
+fn broken_of(rules: &[(Rule, bool)]) -> Vec<Rule> {
+    rules.iter().filter(|(_, is_kept)| !is_kept).map(|(rule, _)| *rule).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::TaskParams;
     use super::*;
     use vb_world::{SoilLevels, TerrainClass};
+
+    fn ends(
+        ground: &Heightfield,
+        semantics: &Semantics,
+        obstacles: &[Obstacle],
+        clearance: f64,
+        radius: f64,
+        tasks: &TaskParams,
+    ) -> Option<Ends> {
+        Starts::new(ground, semantics, obstacles, clearance, radius, &tasks.stand).ends(tasks.count)
+    }
 
     const STAND: StandParams = StandParams {
         reach: 3.0,
@@ -185,7 +270,7 @@ mod tests {
         let twist = TaskParams { stand, ..TASKS };
         let first = |a: f64| {
             let saddle = ground(move |x, y| a * (x * y));
-            super::ends(&saddle, &firm(0.9), &[], 3.5, 20.0, &twist).unwrap().pairs[0][0]
+            self::ends(&saddle, &firm(0.9), &[], 3.5, 20.0, &twist).unwrap().pairs[0][0]
         };
         assert_eq!(first(0.012), [20.0, 0.0], "0.036 m");
         assert!(first(0.015)[1].abs() > 0.1, "0.045 m on the axis, nothing on the diagonals");

@@ -10,15 +10,28 @@ use vb_world::{Semantics, SoilLevel, SoilLevels, Terrain, TerrainClass};
 /// Largest numbers of rigid and of deformable clusters in a mixed world: all the classes there are.
 const MIXED_LIMITS: [usize; 2] = [7, 3];
 
+/// Draws of the centres of a world's clusters before giving up on patches of their own. The widest spread that the rules allow hits the
+/// world once in 600 draws.
+const DRAWS: usize = 1_000_000;
+
+/// The clusters of a world found no patches of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NoPatch {
+    /// The number of clusters.
+    pub(crate) clusters: usize,
+    /// The number of draws that were made.
+    pub(crate) draws: usize,
+}
+
 pub(crate) fn semantics(
     grid: &GridParams,
     g: &GroundParams,
     ground: Terrain,
     levels: SoilLevels,
     rng: &mut Stream,
-) -> Semantics {
+) -> Result<Semantics, NoPatch> {
     let classes = cluster_classes(g, ground, rng);
-    let centres = centres(g, classes.len(), rng);
+    let centres = centres(g, classes.len(), rng)?;
     let n = g.patches;
     let mut patches = Vec::with_capacity(n * n);
     let mut frictions = Vec::with_capacity(n * n);
@@ -44,7 +57,7 @@ pub(crate) fn semantics(
         sand: kept(TerrainClass::Sand, levels.sand),
         snow: kept(TerrainClass::Snow, levels.snow),
     };
-    Semantics { rows: n, cols: n, patch, classes: patches, friction: frictions, soil }
+    Ok(Semantics { rows: n, cols: n, patch, classes: patches, friction: frictions, soil })
 }
 
 /// Levels of soil of the world at an index, whose elevation level is `index` modulo 3. They are dealt out among the
@@ -97,11 +110,14 @@ fn cluster_classes(g: &GroundParams, ground: Terrain, rng: &mut Stream) -> Vec<T
 }
 
 /// Distinct patches, normally distributed about the middle.
-fn centres(g: &GroundParams, count: usize, rng: &mut Stream) -> Vec<[usize; 2]> {
+fn centres(g: &GroundParams, count: usize, rng: &mut Stream) -> Result<Vec<[usize; 2]>, NoPatch> {
     let n = g.patches as f64;
     let (mean, std) = (0.5 * (n - 1.0), g.centre_spread * n);
     let mut centres = Vec::with_capacity(count);
-    while centres.len() < count {
+    for _ in 0..DRAWS {
+        if centres.len() == count {
+            return Ok(centres);
+        }
         let draw = [rng.normal(mean, std).trunc(), rng.normal(mean, std).trunc()];
         if draw.iter().any(|v| *v < 0.0 || *v >= n) {
             continue;
@@ -111,7 +127,7 @@ fn centres(g: &GroundParams, count: usize, rng: &mut Stream) -> Vec<[usize; 2]> 
             centres.push(centre);
         }
     }
-    centres
+    Err(NoPatch { clusters: count, draws: DRAWS })
 }
 
 /// Uniform in low..=high.

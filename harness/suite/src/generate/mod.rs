@@ -4,20 +4,23 @@
 //! follow the original's generator (envs/gen-VertiBench.py, envs/utils/asset_utils.py). All rules are data:
 //! [`GeneratorParams`].
 
+mod broken;
 mod ends;
 mod ground;
 mod obstacles;
 mod params;
 mod surfaces;
 
-pub(crate) use ends::{ends, millimetres};
+pub(crate) use broken::Fields;
+pub use broken::NoStarts;
+pub(crate) use ends::{Starts, millimetres};
 pub(crate) use ground::{drawn_friction, friction};
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
     GroundParams, Normal, ObstacleParams, StandParams, TaskParams,
 };
-pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand};
-pub(crate) use surfaces::{Fields, Surfaces};
+pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand, finest_path_grid};
+pub(crate) use surfaces::Surfaces;
 
 use crate::path::{PathError, PathParams, Planner};
 use std::collections::BTreeMap;
@@ -47,15 +50,27 @@ pub enum GenerateError {
     },
     /// No ground is fit for a start and a goal.
     #[error(
-        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: raise {stand}.tilt or {stand}.unevenness, thin out the obstacles, or take another place"
+        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: {why}"
     )]
     NoStart {
         /// The name of the world.
         world: String,
         /// The distance between start and goal, m.
         distance: f64,
-        /// The rules' name for the ground at starts and goals.
-        stand: &'static str,
+        /// The rule that is broken most often, and what to do.
+        why: NoStarts,
+    },
+    /// The clusters of ground find no patches of their own.
+    #[error(
+        "{world}: {clusters} clusters found no patches of their own in {draws} draws: raise ground.centre_spread, or lower ground.clusters"
+    )]
+    NoPatch {
+        /// The name of the world.
+        world: String,
+        /// The number of clusters.
+        clusters: usize,
+        /// The number of draws that were made.
+        draws: usize,
     },
     /// The rules leave no room for the obstacles.
     #[error(
@@ -105,7 +120,8 @@ const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
 const VERSION: u32 = 4;
 /// What the generator's rules call what surfaces follow from.
-pub(crate) const FIELDS: Fields = Fields { grid: "grid", stand: "tasks.stand" };
+pub(crate) const FIELDS: Fields =
+    Fields { grid: "grid", stand: "tasks.stand", distance: "tasks.radius", elsewhere: "" };
 
 /// The seeds of training worlds, on which planners are trained and tuned. No suite that judges planners is made of one of
 /// them.
@@ -203,7 +219,13 @@ impl Generator<'_> {
         let ground = rules.ground.order[index % rules.ground.order.len()];
         let levels = ground::soil_levels(&rules.ground.order, index);
         let semantics =
-            ground::semantics(&rules.grid, &rules.ground, ground, levels, &mut stream("semantics"));
+            ground::semantics(&rules.grid, &rules.ground, ground, levels, &mut stream("semantics")).map_err(
+                |ground::NoPatch { clusters, draws }| GenerateError::NoPatch {
+                    world: id.clone(),
+                    clusters,
+                    draws,
+                },
+            )?;
         let (heightfield, ends) =
             self.ground_with_ends(&id, elevation, &semantics, &mut stream("elevation"))?;
         let mut world = World {

@@ -203,6 +203,14 @@ pub struct ObstacleParams {
 }
 
 impl ObstacleParams {
+    /// The number of obstacles that the area has room for, if they stand as closely as discs can.
+    fn room(&self) -> f64 {
+        // A disc of this diameter about each centre takes up at least a hexagon, and may reach over the edge by half of it.
+        let hexagon = 0.5 * 3.0_f64.sqrt() * self.spacing * self.spacing;
+        let side = 2.0 * self.extent + self.spacing;
+        if hexagon > 0.0 { (side * side / hexagon).floor() } else { f64::INFINITY }
+    }
+
     /// The same for an area that is larger or smaller by a factor.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self { boulders: self.boulders.times(factor), trees: self.trees.times(factor), ..self }
@@ -359,6 +367,18 @@ impl GeneratorParams {
         within("obstacles.buried", o.buried, 0.0, 0.99)?;
         within("obstacles.extent", o.extent, 0.0, self.half())?;
         within("obstacles.spacing", o.spacing, 0.0, 1e4)?;
+        for density in Density::ALL {
+            let (wanted, most) = (o.boulders.get(density) + o.trees.get(density), o.room());
+            if wanted as f64 > most {
+                let problem = format!(
+                    "{} leaves room for {most} obstacles at most, and {} worlds have {wanted}: lower it or their number, or raise \
+                     obstacles.extent",
+                    o.spacing,
+                    density.name()
+                );
+                return Err(flaw("obstacles.spacing", problem));
+            }
+        }
         within("obstacles.task_clearance", o.task_clearance, 0.0, 1e4)?;
         within("obstacles.attempts", o.attempts, 1, 1_000_000)
     }
@@ -411,10 +431,18 @@ pub(crate) fn check_stand(field: &str, stand: &StandParams, half: f64) -> Result
     within("grip", stand.grip, 0.0, 1.0)
 }
 
+/// Most cells along a side of the grid on which paths are searched.
+const MOST_CELLS: f64 = 8192.0;
+
+/// The finest grid on which paths are searched in a world of that half side, m: its cells must fit into memory.
+pub(crate) fn finest_path_grid(half: f64) -> f64 {
+    (2.0 * half / MOST_CELLS).max(0.01)
+}
+
 /// Whether the global planner's rules suit a world of that half side, m.
 pub(crate) fn check_path(field: &str, path: &PathParams, half: f64) -> Result<(), ParamsError> {
     within(&format!("{field}.clearance"), path.clearance, 0.0, half)?;
-    within(&format!("{field}.grid"), path.grid, 0.01, half)?;
+    within(&format!("{field}.grid"), path.grid, finest_path_grid(half), half)?;
     within(&format!("{field}.spacing"), path.spacing, 0.01, half)
 }
 
@@ -467,6 +495,12 @@ mod tests {
             ),
             ("radius: 60.0", "radius: 65.0", "tasks.radius: 65 must lie in"),
             ("count: 10", "count: 0", "tasks.count: 0 must lie in 1 to 1000"),
+            ("grid: 0.5", "grid: 0.012", "path.grid: 0.012 must lie in 0.015625 to 64"),
+            (
+                "spacing: 10.0",
+                "spacing: 30.0",
+                "obstacles.spacing: 30 leaves room for 27 obstacles at most, and dense worlds have 43",
+            ),
         ];
         for (from, to, expected) in cases {
             assert!(GeneratorParams::DEFAULT_YAML.contains(from), "{from}");

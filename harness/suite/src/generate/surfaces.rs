@@ -1,7 +1,9 @@
 //! Drawn surfaces with a start and a goal for every task.
 
+use super::broken::{Broken, Fields, NoStarts};
+use super::ends::{DIRECTIONS, Possible, Starts};
 use super::params::TaskParams;
-use super::{GenerateError, Pairs, ends};
+use super::{GenerateError, Pairs};
 use crate::surface::counted_from_lowest;
 use vb_math::rng::Stream;
 use vb_terrain::{Model, Request};
@@ -10,14 +12,11 @@ use vb_world::{Heightfield, Semantics};
 /// Surfaces drawn before giving up on starts and goals.
 const SURFACES: usize = 400;
 
-/// What a file of rules calls what surfaces follow from, for messages.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fields {
-    /// Nodes and the distance between them.
-    pub(crate) grid: &'static str,
-    /// The ground at starts and goals.
-    pub(crate) stand: &'static str,
-}
+/// If no task can start anywhere on so many surfaces, or there are more tasks than directions, the rules can't be met.
+const HOPELESS: usize = 10;
+
+/// If so many surfaces have too little room, or none of them has any where one of the tasks would start, the rules can't be met.
+const TOO_FULL: usize = 100;
 
 /// The surfaces of a world, all square and as rough, from which one is taken.
 #[derive(Clone, Copy, Debug)]
@@ -47,17 +46,26 @@ impl Surfaces<'_> {
         world: &str,
         rng: &mut Stream,
     ) -> Result<(Heightfield, Pairs), GenerateError> {
-        let radius = self.tasks.radius;
-        for _ in 0..SURFACES {
+        let TaskParams { radius, count, stand } = self.tasks;
+        let (mut room, mut broken, mut possible) = (0, Broken::default(), Possible::none());
+        for drawn in 1..=SURFACES {
             let ground = self.draw(rng.next_u64())?;
             // There are no obstacles yet that could be too near.
-            match ends(&ground, self.semantics, &[], 0.0, radius, self.tasks) {
+            let starts = Starts::new(&ground, self.semantics, &[], 0.0, *radius, stand);
+            match starts.ends(*count) {
                 Some(ends) if ends.spread => return Ok((ground, ends.pairs)),
                 _ => {}
             }
+            room = room.max(starts.room());
+            broken.join(&starts.broken);
+            possible.add(&starts);
+            let hopeless = drawn == HOPELESS && (room == 0 || *count > DIRECTIONS);
+            if hopeless || (drawn == TOO_FULL && (room < *count || !possible.all_around(*count))) {
+                break;
+            }
         }
-        let (world, stand) = (world.into(), self.fields.stand);
-        Err(GenerateError::NoStart { world, distance: 2.0 * radius, stand })
+        let why = NoStarts::new(*count, room, &broken, self.fields);
+        Err(GenerateError::NoStart { world: world.into(), distance: 2.0 * radius, why })
     }
 
     fn draw(&self, seed: u64) -> Result<Heightfield, GenerateError> {

@@ -11,7 +11,10 @@ use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, Te
 
 pub use rules::{GroundRule, SiteGround, SiteParams};
 
-use crate::generate::{self, GenerateError, GeneratorParams, ObstacleParams};
+use crate::generate::{
+    self, Fields, GenerateError, GeneratorParams, NoStarts, ObstacleParams, Starts, TaskParams,
+    finest_path_grid,
+};
 use crate::surface::counted_from_lowest;
 use survey::{Layout, extents};
 
@@ -54,6 +57,31 @@ pub enum SiteError {
         /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
+    /// The survey has room for more worlds than a suite is made of.
+    #[error(
+        "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, and {MOST_WORLDS} at most are made: take a larger `side`, cut the survey into several, or make one world of it (--at)",
+        extents[0], extents[1]
+    )]
+    TooMany {
+        /// The number of worlds that there is room for.
+        worlds: f64,
+        /// The side of a world, m.
+        side: f64,
+        /// The extents of the survey along x and y, m.
+        extents: [f64; 2],
+    },
+    /// The grid on which paths are searched is too fine for such a world.
+    #[error(
+        "path.grid: {grid} is too fine for worlds of {side} m: take {finest} or more, or a smaller `side`"
+    )]
+    PathGrid {
+        /// The distance between the nodes of the grid, m.
+        grid: f64,
+        /// The side of a world, m.
+        side: f64,
+        /// The finest grid of such a world, m.
+        finest: f64,
+    },
     /// The height of a place was not measured.
     #[error(
         "no height is known at ({:.1}, {:.1}) m from the survey's middle: fill the hole, or take another place (--at)", at[0], at[1]
@@ -87,63 +115,103 @@ pub enum SiteError {
     Generate(#[from] GenerateError),
 }
 
+/// What a site's rules are called, which has other places than the one where a world was to lie.
+const FIELDS: Fields = Fields { elsewhere: ", or take another place (--at)", ..generate::FIELDS };
+
 /// Room between a start and the edge of the world, m.
 const MARGIN: f64 = 4.0;
 
-/// Makes the worlds of a survey. Friction, obstacles, tasks and paths follow the generator's rules; what is drawn follows
-/// from the seed.
+/// The most worlds that are made of a survey: their names have three digits, and none wants to wait for more.
+pub const MOST_WORLDS: usize = 999;
+
+/// The worlds of a survey. Friction, obstacles, tasks and paths follow the generator's rules; what is drawn follows from the seed.
 ///
 /// Heights are counted from the lowest place of each world. The numbers of obstacles are those of the generator's
 /// world, in proportion to the area.
-///
-/// # Errors
-/// Returns an error if the survey has a hole there, is too small, or leaves no room for tasks.
-pub fn worlds(
-    survey: &Survey<'_>,
-    cut: Cut,
+#[derive(Clone, Debug)]
+pub struct Site<'a> {
+    obstacles: Option<&'a [Obstacle]>,
+    heights: Layout,
+    labels: Option<Layout>,
+    /// The middles of the worlds, m from that of the survey.
+    centres: Vec<[f64; 2]>,
     density: Density,
-    site: &SiteParams,
-    rules: &GeneratorParams,
+    site: &'a SiteParams,
+    rules: &'a GeneratorParams,
     seed: u64,
-) -> Result<Vec<World>, SiteError> {
-    let size = extents(survey.heights, survey.resolution);
-    let centres = match cut {
-        Cut::At(at) => vec![at],
-        Cut::Tiles => tiles(size, site.side),
-    };
-    let outside = |at: [f64; 2]| SiteError::Outside { at, side: site.side, extents: size };
-    if centres.is_empty() {
-        return Err(outside([0.0, 0.0]));
-    }
-    let heights = Layout::new(survey.heights, survey.resolution, site.resolution);
-    let labels = survey.labels.map(|l| {
-        let resolution = size[0] / l.cols() as f64;
-        // The number of rows may be rounded.
-        if (l.rows() as f64 * resolution - size[1]).abs() > resolution {
-            return Err(SiteError::Labels { samples: [l.cols(), l.rows()], extents: size });
+}
+
+impl<'a> Site<'a> {
+    /// Lays the worlds out.
+    ///
+    /// # Errors
+    /// Returns an error if the survey is too small or has room for too many worlds, or its labels cover another rectangle.
+    pub fn new(
+        survey: &Survey<'a>,
+        cut: Cut,
+        density: Density,
+        site: &'a SiteParams,
+        rules: &'a GeneratorParams,
+        seed: u64,
+    ) -> Result<Self, SiteError> {
+        let size = extents(survey.heights, survey.resolution);
+        let finest = finest_path_grid(0.5 * site.side);
+        if rules.path.grid < finest {
+            return Err(SiteError::PathGrid { grid: rules.path.grid, side: site.side, finest });
         }
-        Ok(Layout::new(l, resolution, resolution))
-    });
-    let labels = labels.transpose()?;
-    let mut worlds = Vec::with_capacity(centres.len());
-    for (k, &at) in centres.iter().enumerate() {
+        let outside = |at: [f64; 2]| SiteError::Outside { at, side: site.side, extents: size };
+        let centres = match cut {
+            Cut::At(at) => vec![at],
+            Cut::Tiles => tiles(size, site.side)?,
+        };
+        if centres.is_empty() {
+            return Err(outside([0.0, 0.0]));
+        }
         // Rounding must not push a world that just fits over the edge.
-        let fits = |i: usize| at[i].abs() + 0.5 * site.side <= 0.5 * size[i] * (1.0 + 1e-12);
-        if !(fits(0) && fits(1)) {
+        let fits = |at: &[f64; 2], i: usize| at[i].abs() + 0.5 * site.side <= 0.5 * size[i] * (1.0 + 1e-12);
+        if let Some(&at) = centres.iter().find(|at| !(fits(at, 0) && fits(at, 1))) {
             return Err(outside(at));
         }
-        let id = format!("w{:03}", k + 1);
-        let place = Place { id, at, heights: &heights, labels: labels.as_ref() };
-        worlds.push(world(&place, survey.obstacles, density, site, rules, seed)?);
+        let heights = Layout::new(survey.heights, survey.resolution, site.resolution);
+        let labels = survey.labels.map(|l| {
+            let resolution = size[0] / l.cols() as f64;
+            // The number of rows may be rounded.
+            if (l.rows() as f64 * resolution - size[1]).abs() > resolution {
+                return Err(SiteError::Labels { samples: [l.cols(), l.rows()], extents: size });
+            }
+            Ok(Layout::new(l, resolution, resolution))
+        });
+        let labels = labels.transpose()?;
+        Ok(Self { obstacles: survey.obstacles, heights, labels, centres, density, site, rules, seed })
     }
-    Ok(worlds)
+
+    /// The number of the worlds.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// Makes the worlds, one after the other as they are asked for. Each is an error if the survey has a hole there, or leaves no
+    /// room for tasks.
+    pub fn worlds(&self) -> impl Iterator<Item = Result<World, SiteError>> {
+        self.centres.iter().enumerate().map(|(k, &at)| {
+            let id = format!("w{:03}", k + 1);
+            let place = Place { id, at, heights: &self.heights, labels: self.labels.as_ref() };
+            world(&place, self.obstacles, self.density, self.site, self.rules, self.seed)
+        })
+    }
 }
 
 /// Middles of squares that fit into a rectangle, from the north-west on.
-fn tiles(size: [f64; 2], side: f64) -> Vec<[f64; 2]> {
-    let [columns, rows] = size.map(|s| (s / side * (1.0 + 1e-12)) as usize);
+fn tiles(size: [f64; 2], side: f64) -> Result<Vec<[f64; 2]>, SiteError> {
+    let fitting = size.map(|s| (s / side * (1.0 + 1e-12)).floor());
+    let worlds = fitting[0] * fitting[1];
+    if worlds > MOST_WORLDS as f64 {
+        return Err(SiteError::TooMany { worlds, side, extents: size });
+    }
+    let [columns, rows] = fitting.map(|n| n as usize);
     let middle = |k: usize, n: usize| (k as f64 - 0.5 * (n as f64 - 1.0)) * side;
-    (0..rows * columns).map(|i| [middle(i % columns, columns), -middle(i / columns, rows)]).collect()
+    Ok((0..rows * columns).map(|i| [middle(i % columns, columns), -middle(i / columns, rows)]).collect())
 }
 
 /// Where a world is made.
@@ -190,20 +258,21 @@ fn world(
     if let Some(all) = obstacles {
         world.obstacles = within(all, place.at, half);
     }
-    let ends = generate::ends(
+    let TaskParams { count, stand, .. } = &rules.tasks;
+    let starts = Starts::new(
         &world.heightfield,
         &world.semantics,
         &world.obstacles,
         rules.path.clearance,
         radius,
-        &rules.tasks,
-    )
-    .ok_or_else(|| GenerateError::NoStart {
+        stand,
+    );
+    let no_start = || GenerateError::NoStart {
         world: world.id.clone(),
         distance: 2.0 * radius,
-        stand: generate::FIELDS.stand,
-    })?
-    .pairs;
+        why: NoStarts::new(*count, starts.room(), &starts.broken, FIELDS),
+    };
+    let ends = starts.ends(*count).ok_or_else(no_start)?.pairs;
     if obstacles.is_some() {
         generate::plan_tasks(&mut world, &rules.path, &ends)?;
     } else {

@@ -19,7 +19,7 @@ const NOISE_LIMIT: f64 = 2.0;
 /// Version of this builder, which changes whenever the same inputs would give other worlds.
 const VERSION: u32 = 1;
 /// What the rules of beds call what surfaces follow from.
-const FIELDS: Fields = Fields { grid: "bed", stand: "stand" };
+const FIELDS: Fields = Fields { grid: "bed", stand: "stand", distance: "trials.distance", elsewhere: "" };
 
 /// The things that a suite of beds follows from.
 #[derive(Clone, Copy, Debug)]

@@ -362,10 +362,11 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
         let rules = params(changes);
         Generator { rules: &rules, model: &model, seed: 1, worlds: 3 }.world(index).unwrap_err()
     };
-    let crowded = error(&[("spacing: 10.0", "spacing: 60.0")], 0);
+    // Discs of this diameter could be packed, but hardly by chance.
+    let crowded = error(&[("spacing: 10.0", "spacing: 22.0")], 2);
     assert!(matches!(crowded, GenerateError::NoRoom { .. }));
     let text = crowded.to_string();
-    assert!(text.contains("w001: obstacle") && text.contains("obstacles.spacing"), "{text}");
+    assert!(text.contains("w003: obstacle") && text.contains("obstacles.spacing"), "{text}");
 
     let wide =
         error(&[("path: {clearance: 3.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")], 2);
@@ -379,4 +380,32 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
         level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),
         "{level}"
     );
+}
+
+/// What no surface can meet is found out after few of them, and the rule is named.
+#[test]
+fn rules_that_can_not_be_met_are_given_up_soon_and_named() {
+    let model = model();
+    let error = |changes: &[(&str, &str)]| {
+        let coarse = ("grid: {nodes: 129, resolution: 1.0}", "grid: {nodes: 33, resolution: 4.0}");
+        let rules = params(&[changes, &[coarse]].concat());
+        Generator { rules: &rules, model: &model, seed: 1, worlds: 1 }.world(0).unwrap_err().to_string()
+    };
+    let cases: [(&[(&str, &str)], &str); 7] = [
+        (&[("tilt: 15.0", "tilt: 0.0")], "raise tasks.stand.tilt (100 % of the places"),
+        (&[("unevenness: 0.6", "unevenness: 0.0")], "raise tasks.stand.unevenness (100 % of the places"),
+        (&[("twist: 0.15", "twist: 0.0")], "raise tasks.stand.twist (100 % of the places"),
+        (&[("grip: 0.7", "grip: 0.0")], "raise tasks.stand.grip (100 % of the places"),
+        (
+            &[("radius: 60.0", "radius: 64.0"), ("reach: 3.0", "reach: 60.0")],
+            "lower tasks.radius or tasks.stand.reach",
+        ),
+        (&[("count: 10", "count: 400")], "at most, and 400 are wanted all around"),
+        (&[("centre_spread: 0.288", "centre_spread: 0.001"), ("rigid: [1, 7]", "rigid: [5, 7]")], "w001: "),
+    ];
+    for (changes, says) in cases {
+        let told = error(changes);
+        assert!(told.contains(says), "{changes:?}: {told}");
+        assert_eq!(told.contains("ground.centre_spread"), changes[0].0.starts_with("centre"), "{told}");
+    }
 }

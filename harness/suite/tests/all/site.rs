@@ -1,7 +1,7 @@
 //! A survey becomes worlds that are the place.
 
 use vb_suite::generate::GeneratorParams;
-use vb_suite::site::{Cut, SiteError, SiteParams, Survey, worlds};
+use vb_suite::site::{Cut, Site, SiteError, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_world::{Density, Obstacle, ObstacleKind, Terrain, TerrainClass, World};
 
@@ -15,6 +15,17 @@ fn raster(rows: usize, cols: usize, resolution: f64, z: impl Fn(f64, f64) -> f64
 /// Gentle enough that a bilinear surface of 1 m is within millimetres of it.
 fn hills(x: f64, y: f64) -> f64 {
     300.0 + 2.0 * vb_math::sin(x / 25.0) + 1.5 * vb_math::cos(y / 30.0) + 0.01 * x
+}
+
+fn worlds(
+    survey: &Survey<'_>,
+    cut: Cut,
+    density: Density,
+    site: &SiteParams,
+    rules: &GeneratorParams,
+    seed: u64,
+) -> Result<Vec<World>, SiteError> {
+    Site::new(survey, cut, density, site, rules, seed)?.worlds().collect()
 }
 
 fn make(survey: &Survey<'_>, cut: Cut, seed: u64) -> Result<Vec<World>, SiteError> {
@@ -125,6 +136,25 @@ fn a_survey_that_is_too_small_is_refused_with_its_size() {
     let heights = raster(130, 130, 1.0, hills);
     assert!(make(&survey(&heights, 1.0), Cut::At([1.0, 0.0]), 1).is_ok());
     assert!(make(&survey(&heights, 1.0), Cut::At([1.5, 0.0]), 1).is_err());
+}
+
+#[test]
+fn a_survey_with_room_for_more_worlds_than_are_made_is_refused_before_any_is() {
+    let heights = raster(200, 200, 1.0, hills);
+    for (resolution, worlds) in [(128.0, "40000"), (1e6, "2441406250000"), (1e300, "inf")] {
+        let error = make(&survey(&heights, resolution), Cut::Tiles, 1).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("room for {worlds}")) && error.contains("999 at most"),
+            "{resolution}: {error}"
+        );
+    }
+    // A grid that is fine enough for the generator's world may be too fine for a large one.
+    let site = SiteParams { side: 4096.0, ..SiteParams::default() };
+    let mut rules = GeneratorParams::default();
+    rules.path.grid = 0.1;
+    let error =
+        Site::new(&survey(&heights, 50.0), Cut::Tiles, Density::Sparse, &site, &rules, 1).unwrap_err();
+    assert!(error.to_string().contains("path.grid: 0.1 is too fine"), "{error}");
 }
 
 #[test]

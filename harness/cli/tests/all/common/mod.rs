@@ -14,3 +14,10 @@ pub(crate) fn harness(dir: &TempDir, args: &[&str]) -> Output {
         .output()
         .unwrap()
 }
+
+/// The standard output of a command that must succeed.
+pub(crate) fn succeed(dir: &TempDir, args: &[&str]) -> String {
+    let output = harness(dir, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
