@@ -387,7 +387,7 @@ fn what_can_not_be_explored_is_refused_in_one_line() {
     refused(&["--vehicle", "tricycle"], BAD_INPUT, &["there is no vehicle tricycle", "hmmwv"]);
     refused(&["--exploration", "wander"], BAD_INPUT, &["wander", "default, paper"]);
     refused(&["--perception", "blind"], BAD_INPUT, &["blind", "oracle"]);
-    refused(&["--world-seed", "12"], USAGE, &["--seed 12", "7000 to 7999"]);
+    refused(&["--world-seed", "12"], USAGE, &["--world-seed 12", "7000 to 7999"]);
     refused(&["--hz", "0"], USAGE, &["0"]);
     // A planner that can't begin ends it at once; one that dies on the way leaves what it drove.
     let faulty = plugin("faulty", PluginKind::Wasm);
