@@ -103,6 +103,10 @@ pub(crate) fn whole(
 /// # Errors
 /// Returns the error that writing it would end in.
 pub(crate) fn must_be_writable(path: &Path) -> Result<(), CliError> {
+    // A pipe that is opened and closed again has ended for its reader, and without a reader it can't be opened.
+    if is_stream(path) {
+        return Ok(());
+    }
     Destination::of(path).map(drop).map_err(|e| unwritten(path, &e))
 }
 
@@ -172,9 +176,9 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     Ok(())
 }
 
-/// Whether more than one may write there.
+/// Whether it is a pipe or a device, to which more than one may write.
 fn is_stream(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|there| !there.is_file())
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
 /// Makes a folder, and those that it is in.
@@ -252,6 +256,10 @@ mod tests {
         must_be_writable(&link).unwrap();
         assert!(must_be_replaceable(&link).unwrap_err().to_string().contains("in the way"));
         must_be_writable(Path::new("/dev/null")).unwrap();
+        // Nobody reads this one yet, so that opening it would wait for ever.
+        let pipe = dir.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        must_be_writable(&pipe).unwrap();
         write(Path::new("/dev/null"), "x").unwrap();
     }
 

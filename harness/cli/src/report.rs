@@ -65,17 +65,15 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     };
     let page = args.out.as_ref().map(|dir| dir.join(PAGE));
     let markdown = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
-    let files = args.csv.iter().chain(&args.parquet).chain(markdown).chain(&page);
-    output::must_spare(&files.map(PathBuf::as_path).collect::<Vec<_>>(), &args.runs)?;
+    let tables = args.csv.iter().chain(&args.parquet).chain(markdown);
+    let all = tables.clone().chain(&page).map(PathBuf::as_path);
+    output::must_spare(&all.collect::<Vec<_>>(), &args.runs)?;
     for dir in args.out.iter().chain(&args.figures) {
         // What can't be written is said before all runs are read, not after.
         let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
         std::fs::create_dir_all(dir).map_err(failed)?;
     }
-    let tables = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
-    for path in tables.chain(&args.csv).chain(&args.parquet) {
-        output::must_be_writable(path)?;
-    }
+    tables.into_iter().try_for_each(|path| output::must_be_writable(path))?;
     let mut runs = Runs::read(&args.runs)?;
     runs.relabel(&args.labels)?;
     let report = Report::new(runs).titled(args.title.as_deref().unwrap_or_default());

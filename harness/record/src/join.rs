@@ -29,7 +29,7 @@ impl RunJoiner {
     /// Starts a run that will be in `out`, which must be empty or missing.
     ///
     /// # Errors
-    /// Returns [`StoreError::NotEmpty`], [`StoreError::Locked`], or an error of the file system.
+    /// Returns [`StoreError::Taken`], [`StoreError::Locked`], or an error of the file system.
     pub fn new(out: &Path, header: &RunHeader) -> Result<Self, StoreError> {
         let folder = NewFolder::new(out)?;
         let mut checksums = Checksums::default();

@@ -7,8 +7,8 @@ use vb_host::{Blame, FaultCode};
 use vb_score::{Outcome, TaskRecord};
 
 /// The number of first tasks after which a run stops if the planner fails alike in all of them, before its first
-/// command, or the simulation fails in all of them. In the suites that come with the harness they are of two worlds with different ground: a planner that
-/// refuses one world, or one kind of ground, isn't stopped.
+/// command, or the simulation fails in all of them. In the suites that come with the harness they are of two worlds with
+/// different ground: a planner that refuses one world, or one kind of ground, isn't stopped.
 pub const FAILED_STARTS: usize = 20;
 
 /// The same number for a planner that doesn't answer in time: each of these tasks costs the whole time-out.

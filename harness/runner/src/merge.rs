@@ -122,7 +122,8 @@ pub fn shards_in(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
 /// Shards may be missing, and tasks in them: the run that is made can be resumed.
 ///
 /// # Errors
-/// Returns an error if the shards don't belong together, contradict each other, lack a file that they had, or can't be read, or if `out` can't be written.
+/// Returns an error if the shards don't belong together, contradict each other, lack a file that they had, or can't be read, or if
+/// `out` can't be written.
 pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, MergeError> {
     let runs = shards.iter().map(|dir| RunReader::open(dir)).collect::<Result<Vec<_>, _>>()?;
     let header = common_header(&runs)?;

@@ -81,7 +81,8 @@ pub struct RunConfig {
     pub out: PathBuf,
     /// Whether to go on with an interrupted run in `out`.
     pub resume: bool,
-    /// Whether to drive all tasks even if the planner fails alike, or the simulation fails, in all of the first ones ([`FailedStart`]).
+    /// Whether to drive all tasks even if the planner fails alike, or the simulation fails, in all of the first ones
+    /// ([`FailedStart`]).
     pub keep_going: bool,
     /// The time at which the run was started, RFC 3339, for the record.
     pub started_at: String,
@@ -406,8 +407,8 @@ impl Work {
         }
     }
 
-    /// Starts nothing more if the planner fails alike, or the simulation fails, in all of the first tasks. This is found out before this worker takes
-    /// another task, which may cost a whole time-out.
+    /// Starts nothing more if the planner fails alike, or the simulation fails, in all of the first tasks. This is found out
+    /// before this worker takes another task, which may cost a whole time-out.
     fn watch(&self, place: usize, record: &TaskRecord) {
         if self.config.keep_going {
             return;

@@ -68,7 +68,7 @@ pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
 /// Whether what is named lies in the working directory, too, and is not the suite that was found.
 fn is_another(wanted: &Path, found: &Path) -> bool {
     let same = wanted.canonicalize().ok() == found.canonicalize().ok();
-    vb_catalog::is_name(wanted.as_os_str()) && wanted.join("suite.yaml").is_file() && !same
+    vb_catalog::is_name(wanted.as_os_str()) && wanted.join(INDEX).is_file() && !same
 }
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
