@@ -150,14 +150,10 @@ impl fmt::Display for CliError {
 impl From<StoreError> for CliError {
     fn from(e: StoreError) -> Self {
         match &e {
-            // A run that can't be read is the same, whatever was to be done with it.
-            StoreError::NoRun(_)
-            | StoreError::Schema { .. }
-            | StoreError::Damaged { .. }
-            | StoreError::TaskName(_) => Self::input(e),
-            StoreError::Io { action, .. } if action.starts_with("read") => Self::input(e),
             StoreError::Encode { .. } => Self::internal(e),
-            _ => Self::output(e),
+            _ if e.is_of_output() => Self::output(e),
+            // A run that can't be read is the same, whatever was to be done with it.
+            _ => Self::input(e),
         }
     }
 }
