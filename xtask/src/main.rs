@@ -14,6 +14,7 @@ mod prove;
 mod records;
 mod release;
 mod run;
+mod sensitivity;
 mod soak;
 mod speed;
 mod suites;
@@ -62,6 +63,8 @@ Tasks:
   pictures              Drive the small suite with four planners, and make the README's pictures anew (needs Chromium)
   prove SUITE           Let the expert and other planners drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
+  sensitivity           Run PID and TAL over 200 tasks of vb-100 with each uncertain parameter of vehicle and soils at its
+                        bounds, and print the success rates
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
@@ -98,6 +101,7 @@ fn main() -> ExitCode {
         ["abi"] => abi(),
         ["models"] => models::models(),
         ["kernel", ref architectures @ ..] => kernel::kernel(architectures),
+        ["sensitivity"] => build_all().and_then(|()| sensitivity::sensitivity()),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),

@@ -1,15 +1,22 @@
-//! The HMMWV on canonical ground, against theory and against Chrono 9.0.1's reference runs of the same vehicle
+//! The HMMWV of Chrono's reference runs on canonical ground, on pneumatic tyres, against theory and against the runs of Chrono 9.0.1
 //! (rigid cylinder tyres, 5 ms; rows of the tables named at each test). Where Chrono's solver is known to be at
 //! fault (creep on slopes, no body roll), theory is the reference.
 
-use crate::common::{controls, flat, grade, hmmwv, hold_speed, start};
+use std::sync::Arc;
+
+use crate::common::{controls, flat, grade, hold_speed, model, reference_hmmwv as hmmwv, soils};
 use vb_math::angle::degrees;
 use vb_sim::{SimOptions, Simulation, SoilSet};
 use vb_vehicle::{
     TyreSpec, VehicleSpec,
     powertrain::{Converter, Differential, Engine},
 };
-use vb_world::Pose2;
+use vb_world::{Pose2, World};
+
+fn start(world: &Arc<World>, x: f64, y: f64, yaw: f64) -> Simulation {
+    Simulation::new(world.clone(), &model(hmmwv()), &soils(), Pose2 { x, y, yaw }, SimOptions::default())
+        .expect("it settles")
+}
 
 #[test]
 fn at_rest_the_wheels_carry_the_weight_as_the_reference_run_has_it() {
@@ -281,12 +288,10 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
 fn it_turns_on_the_radius_of_the_reference_run() {
     // Chrono, 4 m/s, μ 0.9: radius 36.15, 18.37, 9.48 m at steering 0.25, 0.5, 1. Rigid tyres show no slip angle;
     // ours add a little understeer, so the radius may be larger by some per cent, never smaller by more than one.
-    // Chrono's rack moves by 52.36 mm at full lock, ours by 80.
-    const RACK: f64 = 0.052_359_877_6 / 0.08;
     for (steer, chrono) in [(0.25, 36.151), (0.5, 18.373), (1.0, 9.484), (-0.5, 18.354)] {
         let mut sim = start(&flat(0.9), 0.0, 0.0, 0.0);
         for _ in 0..1200 {
-            let c = hold_speed(&sim, 4.0, RACK * steer);
+            let c = hold_speed(&sim, 4.0, steer);
             sim.advance(c, 10).unwrap();
         }
         let s = sim.state();
@@ -350,7 +355,7 @@ fn the_governor_holds_the_published_top_speed() {
     // 70 mph, 31.3 m/s, governed (AM General M998A1 data sheet). Some throttle is needed to keep the
     // speed, so it stays below the end of the governor's band, which is 1 m/s wide.
     let top = |governed: bool| {
-        let mut vehicle = hmmwv();
+        let mut vehicle = crate::common::hmmwv();
         if !governed {
             vehicle.powertrain.governor = None;
         }

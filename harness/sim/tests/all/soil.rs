@@ -1,7 +1,8 @@
 //! Wheels and the HMMWV on soil, against the theory of rigid wheels and against Chrono 9.0.1's reference runs.
 
 use crate::common::{
-    controls, hmmwv, hold_speed, model, original_soils, soil_start, soil_world, soils, wong_soils,
+    controls, hmmwv, hold_speed, model, original_soils, reference_soil_start, soil_start, soil_world, soils,
+    wong_soils,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{
@@ -133,8 +134,7 @@ fn at_full_and_part_throttle_it_goes_as_fast_as_the_reference_runs_on_the_origin
         (TerrainClass::Sand, 0.6, 25.729),
         (TerrainClass::Sand, 1.0, 33.211),
     ] {
-        let mut sim =
-            soil_start(&flat_soil(class), &original_soils(), [-250.0, 0.0], 0.0, SimOptions::default());
+        let mut sim = reference_soil_start(&flat_soil(class), -250.0);
         for _ in 0..1000 {
             let c = controls(straight(&sim), throttle, 0.0);
             sim.advance(c, 10).unwrap();
@@ -158,7 +158,7 @@ fn on_the_originals_soils_it_climbs_as_steeply_as_the_reference_runs() {
             let slope = vb_math::tan(f64::to_radians(degrees));
             let heights = (0..65 * 201).map(|i| slope * f64::from(i % 201)).collect();
             let world = soil_world(Heightfield::new(65, 201, 1.0, heights), class);
-            let mut sim = soil_start(&world, &original_soils(), [-70.0, 0.0], 0.0, SimOptions::default());
+            let mut sim = reference_soil_start(&world, -70.0);
             for _ in 0..2000 {
                 let c = hold_speed(&sim, 4.0, straight(&sim));
                 sim.advance(c, 10).unwrap();

@@ -11,6 +11,15 @@ pub fn hmmwv() -> VehicleSpec {
         .expect("the shipped vehicle is valid")
 }
 
+/// The vehicle of Project Chrono's reference runs of standard events, on pneumatic tyres.
+pub fn reference_hmmwv() -> VehicleSpec {
+    let released = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
+    VehicleSpec::parse(released, "hmmwv-released.yaml")
+        .expect("the shipped vehicle is valid")
+        .with_tyre("brush")
+        .expect("it has this tyre")
+}
+
 pub fn model(vehicle: VehicleSpec) -> VehicleModel {
     VehicleModel::new(vehicle).expect("its linkages close")
 }
@@ -52,6 +61,14 @@ pub fn soil_start(
     options: SimOptions,
 ) -> Simulation {
     Simulation::new(world.clone(), &model(hmmwv()), soils, Pose2 { x, y, yaw }, options).expect("it settles")
+}
+
+/// The vehicle of Chrono's reference runs on the original's soils, heading along x.
+pub fn reference_soil_start(world: &Arc<World>, x: f64) -> Simulation {
+    let start = Pose2 { x, y: 0.0, yaw: 0.0 };
+    let vehicle = model(reference_hmmwv());
+    Simulation::new(world.clone(), &vehicle, &original_soils(), start, SimOptions::default())
+        .expect("it settles")
 }
 
 pub fn flat(friction: f64) -> Arc<World> {

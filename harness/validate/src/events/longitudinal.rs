@@ -236,7 +236,7 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         if pedal < 1.0 && PointMass::knows(bench) {
             let distance = PointMass::new(bench, friction, v).stop(pedal);
             o.theory(format!("{label}: distance"), Expected::fraction(distance, 0.05), POINT_MASS);
-        } else if from >= 10.0 && locks(bench, friction) {
+        } else if from >= 10.0 && locks(bench, pedal, friction) {
             let source = "friction: v² / 2 μ g with all wheels at the limit";
             o.theory(format!("{label}: distance"), Expected::fraction(shortest, 0.05), source);
         } else {
@@ -255,11 +255,12 @@ fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     Ok(o)
 }
 
-/// Whether full brakes lock the wheels: brake torque over radius beyond friction, with a half to spare for load shift.
-fn locks(bench: &Bench<'_>, friction: f64) -> bool {
+/// Whether the brakes at this pedal (0 to 1) lock the wheels: brake torque over radius beyond friction, with a half to spare for load
+/// shift.
+fn locks(bench: &Bench<'_>, pedal: f64, friction: f64) -> bool {
     let torque: f64 = bench.spec.axles.iter().map(|a| 2.0 * a.brake_torque).sum();
     bench.spec.axles.iter().all(|a| a.brake_torque > 0.0)
-        && torque / bench.geometry.radius > 1.5 * friction * bench.geometry.weight()
+        && pedal * torque / bench.geometry.radius > 1.5 * friction * bench.geometry.weight()
 }
 
 pub(super) const COAST_DOWN: Event = Event {
