@@ -2,7 +2,7 @@
 
 use crate::check::Kind;
 use serde::Deserialize;
-use vb_vehicle::{VehicleError, VehicleSpec, suspension::SteeringGear};
+use vb_vehicle::{VehicleError, VehicleSpec, powertrain::Differential};
 
 /// A vehicle in the set-up of a reference. It starts from the vehicle as its file has it, whatever tyre is put on for the
 /// test, since the reference's runs were made with one set-up.
@@ -22,10 +22,8 @@ pub struct Setup {
 pub(crate) struct Entry {
     about: String,
     tyre: Option<String>,
-    /// Range of travel over which linkages are solved, m, around 0, of suspensions that have no stops.
-    free_travel: Option<[f64; 2]>,
-    /// Travel of every steering rack at full lock, each way, m.
-    rack_travel: Option<f64>,
+    /// The centre differential, of vehicles whose transfer case has a choice.
+    centre: Option<Differential>,
     /// As [`vb_vehicle::Chassis::resistance`], on rigid ground: that of the runs comes from their contact with it.
     resistance: Option<Vec<[f64; 2]>>,
     /// Width of the tyres on soil, m.
@@ -42,20 +40,8 @@ impl Entry {
                 other => ("tyre".to_owned(), other.to_string()),
             })?;
         }
-        if let Some(range) = self.free_travel {
-            let [low, high] = range;
-            if !(low.is_finite() && high.is_finite() && low < 0.0 && high > 0.0) {
-                let reason = format!("[{low}, {high}] must be a range around 0");
-                return Err(("free_travel".to_owned(), reason));
-            }
-            for suspension in soil.axles.iter_mut().map(|a| &mut a.suspension) {
-                if suspension.stops.take().is_some() {
-                    suspension.range = range;
-                }
-            }
-        }
-        if let Some(full) = self.rack_travel {
-            racks(&mut soil, full)?;
+        if let Some(centre) = self.centre {
+            soil.powertrain.driveline.centre = centre;
         }
         let mut ground = soil.clone();
         if let Some(table) = self.resistance {
@@ -71,22 +57,6 @@ impl Entry {
         }
         Ok(Setup { about: self.about, ground, soil })
     }
-}
-
-/// Gives every rack a travel at full lock (m), in the direction that it has.
-fn racks(vehicle: &mut VehicleSpec, full: f64) -> Result<(), (String, String)> {
-    let field = || "rack_travel".to_owned();
-    if !(full.is_finite() && full > 0.0) {
-        return Err((field(), format!("{full} must be a positive number")));
-    }
-    let mut found = false;
-    for gear in vehicle.axles.iter_mut().filter_map(|a| a.steering.as_mut()) {
-        if let SteeringGear::RackAndPinion { travel } = gear {
-            *travel = full.copysign(*travel);
-            found = true;
-        }
-    }
-    if found { Ok(()) } else { Err((field(), "no axle is steered by a rack".to_owned())) }
 }
 
 /// Refuses a table of resistances that no vehicle file may have.
@@ -145,34 +115,12 @@ mod tests {
     }
 
     #[test]
-    fn suspensions_with_free_travel_have_no_stops() {
-        let setup = read("free_travel: [-0.16, 0.24]").unwrap();
-        for axle in setup.ground.axles.iter().chain(&setup.soil.axles) {
-            assert!(axle.suspension.stops.is_none());
-            assert_eq!(axle.suspension.range, [-0.16, 0.24]);
+    fn the_centre_differential_is_that_of_the_setup() {
+        assert_eq!(vehicle().powertrain.driveline.centre, Differential::Locked {});
+        let setup = read("centre: {type: open}").unwrap();
+        for v in [&setup.ground, &setup.soil] {
+            assert_eq!(v.powertrain.driveline.centre, Differential::Open {});
         }
-        // A wheel that is fixed to the chassis has no travel, and one that has no stops keeps its range.
-        let mut vehicle = vehicle();
-        vehicle.axles[1].suspension.stops = None;
-        let entry: Entry = vb_world::yaml::parse("{about: a, free_travel: [-0.16, 0.24]}").unwrap();
-        assert_eq!(entry.setup(&vehicle).unwrap().ground.axles[1].suspension.range, [-0.16, 0.16]);
-    }
-
-    #[test]
-    fn racks_have_the_travel_of_the_setup_in_their_own_direction() {
-        let travel = |v: &VehicleSpec| match v.axles[0].steering {
-            Some(SteeringGear::RackAndPinion { travel }) => travel,
-            _ => f64::NAN,
-        };
-        let setup = read("rack_travel: 0.08").unwrap();
-        assert_eq!([travel(&setup.ground), travel(&setup.soil)], [0.08; 2]);
-        let mut mirrored = vehicle();
-        mirrored.axles[0].steering = Some(SteeringGear::RackAndPinion { travel: -0.05 });
-        let entry = || vb_world::yaml::parse::<Entry>("{about: a, rack_travel: 0.08}").unwrap();
-        assert_eq!(travel(&entry().setup(&mirrored).unwrap().ground), -0.08);
-        mirrored.axles[0].steering = None;
-        let refused = ("rack_travel".to_owned(), "no axle is steered by a rack".to_owned());
-        assert_eq!(entry().setup(&mirrored).unwrap_err(), refused);
     }
 
     #[test]
@@ -191,8 +139,7 @@ mod tests {
     fn what_the_vehicle_lacks_and_what_is_no_number_is_refused_with_field_and_value() {
         for (fields, says) in [
             ("tyre: square", "tyre: \"square\" is not among them; choose one of brush, fiala, rigid, tmeasy"),
-            ("free_travel: [0.1, 0.2]", "free_travel: [0.1, 0.2] must be a range around 0"),
-            ("rack_travel: 0", "rack_travel: 0 must be a positive number"),
+            ("centre: {type: viscous}", "centre"),
             ("soil_width: -0.3", "soil_width: -0.3 must be a positive number"),
             ("soil_width: .nan", "soil_width: NaN must be a positive number"),
             ("resistance: []", "resistance: needs at least one point"),
