@@ -128,7 +128,7 @@ mod tests {
 
     fn soil(k_phi: f64, n: f64, elastic_stiffness: f64) -> SoilLaw {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi, k_c: 0.0, n },
+            sinkage: Sinkage::Bekker { k_phi, k_c: 0.0, exponent: n },
             slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 0.0,

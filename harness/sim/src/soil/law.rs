@@ -205,7 +205,7 @@ mod tests {
 
     fn sand() -> Soil {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 5.301e6, k_c: 102.0e3, n: 0.793 },
+            sinkage: Sinkage::Bekker { k_phi: 5.301e6, k_c: 102.0e3, exponent: 0.793 },
             slip_sinkage: SlipSinkage::None,
             cohesion: 1.3e3,
             friction_angle_deg: 31.1,

@@ -223,8 +223,10 @@ mod tests {
         let e =
             broken("    cohesion: 0.0", "    slip_sinkage: {type: lyasko, strength: 2.0}\n    cohesion: 0.0");
         assert!(e.contains("soils.snow.slip_sinkage.strength: 2 must lie between"), "{e}");
-        let e =
-            broken("type: bekker, k_phi: 0.2e6, k_c: 0.0, n: 1.1", "type: snow, depth: 0.2, density: 5.0");
+        let e = broken(
+            "type: bekker, k_phi: 0.2e6, k_c: 0.0, exponent: 1.1",
+            "type: snow, depth: 0.2, density: 5.0",
+        );
         assert!(e.contains("soils.snow.sinkage.density: 5 must lie between"), "{e}");
         let e = broken("cohesion: 0.0", "stickiness: 0.0");
         assert!(e.contains("stickiness"), "{e}");

@@ -14,7 +14,7 @@ pub enum Sinkage {
         /// The cohesive modulus k_c, N/m^(n+1).
         k_c: f64,
         /// The exponent n of the sinkage.
-        n: f64,
+        exponent: f64,
     },
     /// Snow over firm ground, compacted in place: a sinkage z in snow of depth h and density ρ₀ gives the density
     /// ρ = ρ₀/(1 − z/h) (Richmond, CRREL Report 95-7, 1995: z = h (1 − ρ₀/ρ_f)), and [`compaction_pressure`] gives the
@@ -58,7 +58,7 @@ impl Sinkage {
     /// The pressure at a sinkage (m) over the modulus.
     pub(super) fn shape(&self, sinkage: f64) -> f64 {
         match *self {
-            Self::Bekker { n, .. } => vb_math::pow(sinkage, n),
+            Self::Bekker { exponent, .. } => vb_math::pow(sinkage, exponent),
             Self::Snow { depth, density } => {
                 let end = depth * (1.0 - density / ICE);
                 let compacted = density / (1.0 - sinkage.min(end) / depth);
@@ -80,7 +80,9 @@ impl Sinkage {
     #[must_use]
     pub fn softer(self, factor: f64) -> Self {
         match self {
-            Self::Bekker { k_phi, k_c, n } => Self::Bekker { k_phi: k_phi / factor, k_c: k_c / factor, n },
+            Self::Bekker { k_phi, k_c, exponent } => {
+                Self::Bekker { k_phi: k_phi / factor, k_c: k_c / factor, exponent }
+            }
             snow @ Self::Snow { .. } => snow,
         }
     }
@@ -89,10 +91,10 @@ impl Sinkage {
     pub(super) fn check(&self) -> Result<(), (&'static str, String)> {
         let range = super::set::range;
         match *self {
-            Self::Bekker { k_phi, k_c, n } => {
+            Self::Bekker { k_phi, k_c, exponent } => {
                 range("sinkage.k_phi", k_phi, 1e3, 1e9)?;
                 range("sinkage.k_c", k_c, 0.0, 1e8)?;
-                range("sinkage.n", n, 0.05, 3.0)
+                range("sinkage.exponent", exponent, 0.05, 3.0)
             }
             Self::Snow { depth, density } => {
                 range("sinkage.depth", depth, 0.01, 3.0)?;
@@ -105,9 +107,9 @@ impl Sinkage {
     pub(super) fn softest_unloading(&self) -> f64 {
         match *self {
             Self::Bekker { k_phi, .. } => k_phi,
-            // The steepest loading at the pressure of a heavy wheel, 700 kPa: dp/dz = p ρ²/(ρ₀ h · scale).
+            // The slope of loading at the pressure of a heavy wheel, 350 kPa: dp/dz = p ρ²/(ρ₀ h · scale).
             Self::Snow { depth, density } => {
-                (700e3 * 630.0 * 630.0 / (density * depth * COMPACTION_SCALE)).min(FIRM)
+                (350e3 * 577.0 * 577.0 / (density * depth * COMPACTION_SCALE)).min(FIRM)
             }
         }
     }

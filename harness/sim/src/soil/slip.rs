@@ -46,7 +46,8 @@ pub(super) fn shallower(strength: f64, slip: f64) -> f64 {
 #[inline]
 pub(super) fn follow(slip: f64, drive: f64, travel: f64, renewal: f64, dt: f64) -> f64 {
     let pace = drive.abs();
-    let lost = (pace - travel * drive.signum()).clamp(0.0, pace);
+    // Not `clamp`, which panics where a simulation that diverges has no numbers any more.
+    let lost = (pace - travel * drive.signum()).max(0.0).min(pace);
     let part = (pace.max(travel.abs()) * dt / renewal).min(1.0);
     let wanted = if pace > 0.0 { lost / pace } else { 0.0 };
     slip + (wanted - slip) * part

@@ -195,7 +195,7 @@ fn published() -> [(&'static str, SoilLaw); 3] {
 /// Resistance to compaction in a rut of depth z over the weight (Bekker: 2 b ∫ p dz).
 fn compaction(law: &SoilLaw, z: f64, weight: f64) -> f64 {
     let b = 0.38;
-    let Sinkage::Bekker { k_phi, k_c, n } = law.sinkage else { panic!("{law:?}") };
+    let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { panic!("{law:?}") };
     2.0 * b * (k_c / b + k_phi) * vb_math::pow(z, n + 1.0) / (n + 1.0) / weight
 }
 

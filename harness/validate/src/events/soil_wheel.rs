@@ -52,7 +52,7 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             for k in 1..=10 {
                 let p = 20e3 * f64::from(k);
                 let z = match law.sinkage {
-                    Sinkage::Bekker { k_phi, k_c, n } => pow(p / (k_c / breadth + k_phi), 1.0 / n),
+                    Sinkage::Bekker { k_phi, k_c, exponent: n } => pow(p / (k_c / breadth + k_phi), 1.0 / n),
                     // The density at which the pressure is that of compaction from the undisturbed density on.
                     Sinkage::Snow { depth, density } => {
                         let all = p + 341e3 * exp((density - 575.0) / 67.4);

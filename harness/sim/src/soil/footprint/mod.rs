@@ -402,7 +402,7 @@ mod tests {
     /// The bits of all forces on a wheel that rolls, slips, slides to the left, bounces and turns over rough soil.
     fn forces(level: Level, pressure: PressureDirection) -> Vec<u64> {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 13e3, n: 1.1 },
+            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 },
             slip_sinkage: SlipSinkage::Lyasko { strength: 1.0 },
             cohesion: 1e3,
             friction_angle_deg: 30.0,
@@ -451,7 +451,7 @@ mod tests {
     #[test]
     fn the_sinkage_of_a_wheel_is_that_of_its_middle_plane_whatever_its_tilt_and_the_grid() {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, n: 1.0 },
+            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
             slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 30.0,
