@@ -169,8 +169,8 @@ fn half_the_step_or_half_the_grid_gives_the_same_digging_wheel_and_the_same_whee
     }
 }
 
-/// The greatest pull over weight against which the HMMWV still moves on soft sand after 15 s, with a throttle that
-/// depends on the mean slip of its wheels.
+/// The greatest pull over weight against which the HMMWV starts on soft sand and still moves after 15 s, with a
+/// throttle that depends on the mean slip of its wheels.
 fn greatest_pull(throttle: impl Fn(f64) -> f64) -> f64 {
     let mut world = std::sync::Arc::unwrap_or_clone(flat_soil(TerrainClass::Sand));
     world.semantics.soil.sand = SoilLevel::Soft;
@@ -180,11 +180,11 @@ fn greatest_pull(throttle: impl Fn(f64) -> f64) -> f64 {
         let mut sim = start.clone();
         let from = sim.state().position.x;
         for k in 0..1500 {
-            let now = pull * (f64::from(k) / 500.0).min(1.0);
+            let now = pull * (f64::from(k) / 10.0).min(1.0);
             sim.set_gravity([-now * 9.81, 0.0, -9.81]);
             let s = sim.state();
             let rim = s.wheels.iter().map(|w| w.speed).sum::<f64>() / s.wheels.len() as f64 * 0.467;
-            let slip = 1.0 - s.velocity.x / rim.max(0.3);
+            let slip = (rim - s.velocity.x) / rim.max(0.5);
             sim.advance(controls(straight(&sim), throttle(slip), 0.0), 10).unwrap();
         }
         sim.state().velocity.x > 0.2 && sim.state().position.x > from
@@ -200,7 +200,7 @@ fn greatest_pull(throttle: impl Fn(f64) -> f64) -> f64 {
 fn on_soft_sand_a_slip_controller_pulls_more_than_full_throttle() {
     let (full, controlled) =
         (greatest_pull(|_| 1.0), greatest_pull(|slip| (0.5 + 4.0 * (0.2 - slip)).clamp(0.0, 1.0)));
-    assert!(controlled > full + 0.015, "slip held at 20 %: {controlled} of the weight, full throttle {full}");
+    assert!(controlled > full + 0.03, "slip held at 20 %: {controlled} of the weight, full throttle {full}");
 }
 
 /// CRREL TR-01-16 (2001), table 11: depth (m), density (kg/m³), sinkage (m) and motion resistance over load of the

@@ -248,6 +248,11 @@ pub(super) const SECOND_PASS: Event = Event {
 
 /// Why trials of ruts say nothing of this soil, if they don't.
 fn unlike_trials(law: &SoilLaw) -> Option<&'static str> {
+    if matches!(law.sinkage, Sinkage::Bekker { exponent, .. } if exponent < 0.3) {
+        return Some(
+            "trials are of soils that grow firmer under a rut: this one's pressure hardly grows with depth",
+        );
+    }
     match THE_WHEEL.on(law) {
         Some(w) if w.sinkage <= 0.4 * THE_WHEEL.radius => (2.0 * w.rebound > w.sinkage)
             .then_some("soil this firm springs back by more than it yields: no rut is left to deepen"),
