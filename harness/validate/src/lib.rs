@@ -15,6 +15,7 @@ mod event;
 mod events;
 mod geometry;
 mod grounds;
+mod mobility_index;
 mod pace;
 mod reference;
 mod report;

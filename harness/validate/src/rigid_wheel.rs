@@ -122,15 +122,14 @@ impl RigidWheel {
 mod tests {
     use super::*;
     use vb_math::pow;
-    use vb_sim::soil::PressureDirection;
+    use vb_sim::soil::{PressureDirection, Sinkage, SlipSinkage};
 
     const WHEEL: RigidWheel = RigidWheel { radius: 0.467, breadth: 0.3175, load: 6369.0 };
 
     fn soil(k_phi: f64, n: f64, elastic_stiffness: f64) -> SoilLaw {
         SoilLaw {
-            k_phi,
-            k_c: 0.0,
-            n,
+            sinkage: Sinkage::Bekker { k_phi, k_c: 0.0, exponent: n },
+            slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 0.0,
             shear_modulus: 0.01,

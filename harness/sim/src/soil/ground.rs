@@ -19,6 +19,8 @@ pub(crate) struct SoilGround {
     per_metre: f64,
     /// Width of the strip within soil over which a load is handed over from rigid ground, m.
     pub(crate) blend: f64,
+    /// Whether any of the soils has slip sinkage.
+    digs: bool,
     pub(crate) grid: Grid,
 }
 
@@ -71,6 +73,7 @@ impl SoilGround {
         }
         let half = [world.heightfield.half_x(), world.heightfield.half_y()];
         Ok(Self {
+            digs: soils.iter().any(Soil::digs),
             soils,
             patches,
             rows: s.rows,
@@ -85,6 +88,7 @@ impl SoilGround {
     pub(crate) fn of_one(soil: Soil, half: [f64; 2], resolution: f64) -> Self {
         let side = 2.0 * half[0].max(half[1]);
         Self {
+            digs: soil.digs(),
             soils: vec![soil],
             patches: vec![0],
             rows: 1,
@@ -99,6 +103,7 @@ impl SoilGround {
     #[cfg(test)]
     pub(crate) fn none() -> Self {
         Self {
+            digs: false,
             soils: Vec::new(),
             patches: vec![RIGID],
             rows: 1,
@@ -133,6 +138,11 @@ impl SoilGround {
     #[inline]
     pub(crate) fn soil_at(&self, x: f64, y: f64) -> Option<&Soil> {
         self.soils.get(usize::from(self.kind(self.row(y).0, self.column(x).0)))
+    }
+
+    /// Whether sinkage depends on slip anywhere.
+    pub(crate) fn digs(&self) -> bool {
+        self.digs
     }
 
     /// The soils that occur.

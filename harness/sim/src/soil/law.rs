@@ -1,24 +1,24 @@
 //! The law of one soil: pressure over sinkage, shear stress over shear displacement.
 
-use super::table::{Power, SATURATED, Saturation};
+use super::sinkage::Sinkage;
+use super::slip::{self, SlipSinkage};
+use super::table::{Curve, SATURATED, Saturation};
 use fearless_simd::{Simd, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
 
 /// The parameters of one soil, as a soil file gives them.
 ///
-/// Pressure over sinkage is Bekker's as Wong restates it (Theory of Ground Vehicles, 4th ed. 2008, eq. 2.61):
-/// p = (k_c/b + k_φ) zⁿ with the smaller dimension b of the contact patch. Unloading and reloading follow a straight
-/// line of slope `elastic_stiffness`. Shear stress over shear displacement j is Janosi and Hanamoto's (ibid. eq.
-/// 2.73): τ = (c + p tan φ)(1 − exp(−j/K)), whose bound is Mohr and Coulomb's.
+/// Unloading and reloading follow a straight line of slope `elastic_stiffness`. Shear stress over shear displacement j
+/// is Janosi and Hanamoto's (Wong, Theory of Ground Vehicles, 4th ed. 2008, eq. 2.73):
+/// τ = (c + p tan φ)(1 − exp(−j/K)), whose bound is Mohr and Coulomb's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilLaw {
-    /// The frictional modulus k_φ, N/m^(n+2).
-    pub k_phi: f64,
-    /// The cohesive modulus k_c, N/m^(n+1).
-    pub k_c: f64,
-    /// The exponent n of the sinkage.
-    pub n: f64,
+    /// The pressure over sinkage.
+    pub sinkage: Sinkage,
+    /// The growth of sinkage with slip.
+    #[serde(default)]
+    pub slip_sinkage: SlipSinkage,
     /// The cohesion c, Pa.
     pub cohesion: f64,
     /// The angle of internal friction φ, degrees.
@@ -62,7 +62,10 @@ pub struct Bulldozing {
 pub(crate) struct Soil {
     pub(crate) k_phi: f64,
     pub(crate) k_c: f64,
-    pub(crate) power: Power,
+    /// Pressure over sinkage, over the modulus.
+    pub(crate) curve: Curve,
+    /// Part of Lyasko's slip sinkage that the soil has, from 0 to 1.
+    slip_sinkage: f64,
     saturation: Saturation,
     pub(crate) cohesion: f64,
     pub(crate) tan_phi: f64,
@@ -89,10 +92,12 @@ const SPIN_UP: f64 = 60.0;
 impl SoilLaw {
     pub(crate) fn prepare(&self) -> Soil {
         let tan_phi = vb_math::tan(self.friction_angle_deg.to_radians());
+        let [k_phi, k_c] = self.sinkage.moduli();
         Soil {
-            k_phi: self.k_phi,
-            k_c: self.k_c,
-            power: Power::new(self.n),
+            k_phi,
+            k_c,
+            curve: Curve::new(|z| self.sinkage.shape(z)),
+            slip_sinkage: self.slip_sinkage.strength(),
             saturation: Saturation::new(),
             cohesion: self.cohesion,
             tan_phi,
@@ -112,7 +117,7 @@ impl SoilLaw {
     /// exceeded.
     #[must_use]
     pub fn pressure(&self, sinkage: f64, breadth: f64) -> f64 {
-        (self.k_c / breadth + self.k_phi) * vb_math::pow(sinkage.max(0.0), self.n)
+        self.sinkage.pressure(sinkage, breadth)
     }
 }
 
@@ -121,6 +126,17 @@ impl Soil {
     #[inline]
     pub(crate) fn modulus(&self, breadth: f64) -> f64 {
         self.k_c / breadth + self.k_phi
+    }
+
+    /// Whether sinkage depends on slip.
+    pub(crate) fn digs(&self) -> bool {
+        self.slip_sinkage > 0.0
+    }
+
+    /// Factor from 0 to 1 of the sinkage whose pressure the law gives at a slip from 0 to 1.
+    #[inline]
+    pub(crate) fn shallower(&self, slip: f64) -> f64 {
+        slip::shallower(self.slip_sinkage, slip)
     }
 
     /// Advances shear by a slip velocity (m/s) under a pressure (Pa), at four stations at once. The state is the
@@ -189,9 +205,8 @@ mod tests {
 
     fn sand() -> Soil {
         SoilLaw {
-            k_phi: 5.301e6,
-            k_c: 102.0e3,
-            n: 0.793,
+            sinkage: Sinkage::Bekker { k_phi: 5.301e6, k_c: 102.0e3, exponent: 0.793 },
+            slip_sinkage: SlipSinkage::None,
             cohesion: 1.3e3,
             friction_angle_deg: 31.1,
             shear_modulus: 0.012,

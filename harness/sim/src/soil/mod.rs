@@ -1,4 +1,4 @@
-//! Soil that yields: Bekker's pressure over sinkage, Janosi and Hanamoto's shear, and a memory of ruts.
+//! Deformable terrain: pressure over sinkage, Janosi and Hanamoto's shear, slip sinkage, and a memory of ruts.
 //!
 //! A wheel meets soil along stations that are fixed to the wheel: a few strips across its width, with positions along
 //! its heading that lie close together under the axle (`Footprint`). At each station the soil has a state, which is
@@ -14,6 +14,8 @@ mod ground;
 mod law;
 mod rig;
 mod set;
+mod sinkage;
+mod slip;
 mod table;
 
 pub(crate) use footprint::{Footprint, TRACK, WHEEL};
@@ -21,3 +23,5 @@ pub(crate) use ground::{SoilGround, Under};
 pub use law::{Bulldozing, PressureDirection, SoilLaw};
 pub use rig::{WheelBehaviour, WheelRig};
 pub use set::{Classes, Levels, SoilSet};
+pub use sinkage::Sinkage;
+pub use slip::SlipSinkage;

@@ -117,23 +117,29 @@ impl SoilSet {
     }
 }
 
+/// A value that is out of its range, with its field and what is allowed.
+pub(super) fn range(
+    field: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+) -> Result<(), (&'static str, String)> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err((field, format!("{value} must lie between {low} and {high}")))
+}
+
 impl SoilLaw {
     fn check(&self) -> Result<(), (&'static str, String)> {
-        let range = |field, value: f64, low: f64, high: f64| {
-            if (low..=high).contains(&value) {
-                return Ok(());
-            }
-            Err((field, format!("{value} must lie between {low} and {high}")))
-        };
-        range("k_phi", self.k_phi, 1e3, 1e9)?;
-        range("k_c", self.k_c, 0.0, 1e8)?;
-        range("n", self.n, 0.05, 3.0)?;
+        self.sinkage.check()?;
+        self.slip_sinkage.check()?;
         range("cohesion", self.cohesion, 0.0, 1e6)?;
         range("friction_angle_deg", self.friction_angle_deg, 0.0, 60.0)?;
         range("shear_modulus", self.shear_modulus, 1e-4, 1.0)?;
         range("damping", self.damping, 0.0, 1e6)?;
         // Unloading softer than loading would give energy back; harder than this would need a smaller step.
-        range("elastic_stiffness", self.elastic_stiffness, self.k_phi, 1e9)?;
+        range("elastic_stiffness", self.elastic_stiffness, self.sinkage.softest_unloading(), 1e9)?;
         if let Some(b) = self.bulldozing {
             range("bulldozing.erosion_angle_deg", b.erosion_angle_deg, 1.0, 80.0)?;
             range("bulldozing.flow", b.flow, 0.0, 2.0)?;
@@ -176,6 +182,28 @@ mod tests {
     }
 
     #[test]
+    fn the_levels_of_a_class_of_the_default_set_differ_and_mud_is_cohesive() {
+        let set = SoilSet::parse(DEFAULT, "default").unwrap();
+        for class in [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow] {
+            let laws = SoilLevel::ALL.map(|level| *set.law(class, level).unwrap());
+            assert!(laws[0] != laws[1] && laws[1] != laws[2], "{class:?}");
+            for law in laws.iter().filter(|_| class == TerrainClass::Mud) {
+                // Saturated fine-grained soil (Wong 2008, table 2.3).
+                assert!(law.cohesion >= 4e3 && law.friction_angle_deg <= 13.0, "{law:?}");
+            }
+        }
+        let all = |class| SoilLevel::ALL.map(|level| *set.law(class, level).unwrap());
+        let (mud, snow) = (all(TerrainClass::Mud), all(TerrainClass::Snow));
+        assert!(mud.iter().all(|m| snow.iter().all(|s| m != s)), "no mud is a snow");
+    }
+
+    #[test]
+    fn the_originals_soils_have_no_slip_sinkage() {
+        let set = SoilSet::parse(ORIGINAL, "original").unwrap();
+        assert!(set.soils.values().all(|law| law.slip_sinkage == crate::soil::SlipSinkage::None));
+    }
+
+    #[test]
     fn messages_name_file_field_value_and_reason() {
         let broken = |from: &str, to: &str| {
             assert!(ORIGINAL.contains(from), "{from}");
@@ -190,6 +218,16 @@ mod tests {
         assert!(e.contains("classes.") && e.contains("\"slush\" is none of the soils: "), "{e}");
         let e = broken("elastic_stiffness: 4.0e7", "elastic_stiffness: 10.0");
         assert!(e.contains("elastic_stiffness: 10 must lie between"), "{e}");
+        let e = broken("k_phi: 0.2e6", "k_phi: 0.2");
+        assert!(e.contains("soils.snow.sinkage.k_phi: 0.2 must lie between"), "{e}");
+        let e =
+            broken("    cohesion: 0.0", "    slip_sinkage: {type: lyasko, strength: 2.0}\n    cohesion: 0.0");
+        assert!(e.contains("soils.snow.slip_sinkage.strength: 2 must lie between"), "{e}");
+        let e = broken(
+            "type: bekker, k_phi: 0.2e6, k_c: 0.0, exponent: 1.1",
+            "type: snow, depth: 0.2, density: 5.0",
+        );
+        assert!(e.contains("soils.snow.sinkage.density: 5 must lie between"), "{e}");
         let e = broken("cohesion: 0.0", "stickiness: 0.0");
         assert!(e.contains("stickiness"), "{e}");
     }

@@ -1,4 +1,5 @@
-//! Tables of the functions that a step asks for hundreds of times, four numbers at a time: a power, an exponential and its inverse.
+//! Tables of the functions that a step asks for hundreds of times, four numbers at a time: pressure over sinkage, an
+//! exponential and its inverse.
 
 use fearless_simd::{Simd, f64x4, prelude::*, u64x4};
 
@@ -7,20 +8,20 @@ const BITS: u32 = 6;
 /// Smallest and largest argument as powers of two: a micrometre and 4 m.
 const OCTAVES: [i32; 2] = [-20, 2];
 
-/// z^n for z in [1 µm, 4 m), linear within 64 segments an octave: relative error below n|n−1|·3.1e-5; linear to zero
-/// below, constant above.
+/// A function of z in [1 µm, 4 m), linear within 64 segments an octave: for zⁿ with a relative error below
+/// n|n−1|·3.1e-5; linear to zero below, constant above.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Power {
+pub(crate) struct Curve {
     values: Vec<f64>,
 }
 
-impl Power {
-    pub(crate) fn new(n: f64) -> Self {
+impl Curve {
+    pub(crate) fn new(of: impl Fn(f64) -> f64) -> Self {
         let segments = ((OCTAVES[1] - OCTAVES[0]) << BITS) as usize;
         let value = |k: usize| {
             let octave = OCTAVES[0] + (k >> BITS) as i32;
             let mantissa = 1.0 + (k & ((1 << BITS) - 1)) as f64 / f64::from(1 << BITS);
-            vb_math::pow(mantissa * vb_math::pow(2.0, f64::from(octave)), n)
+            of(mantissa * vb_math::pow(2.0, f64::from(octave)))
         };
         Self { values: (0..=segments).map(value).collect() }
     }
@@ -133,7 +134,7 @@ mod tests {
         lanes[1]
     }
 
-    fn power(table: &Power, z: f64) -> f64 {
+    fn power(table: &Curve, z: f64) -> f64 {
         one(|z| dispatch!(Level::new(), simd => *table.at(simd, (*z).simd_into(simd))), z)
     }
 
@@ -148,7 +149,7 @@ mod tests {
     #[test]
     fn the_tables_agree_with_the_functions() {
         for n in [0.13, 0.5, 0.793, 1.0, 1.1, 1.6, 3.0] {
-            let table = Power::new(n);
+            let table = Curve::new(|z| vb_math::pow(z, n));
             let mut z = 1e-6;
             while z < 3.9 {
                 let exact = vb_math::pow(z, n);

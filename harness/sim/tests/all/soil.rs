@@ -7,7 +7,7 @@ use crate::common::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{
     Controls, SimOptions, Simulation, SoilSet, Start,
-    soil::{PressureDirection, SoilLaw, WheelRig},
+    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw, WheelRig},
 };
 use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};
 
@@ -20,7 +20,8 @@ fn rig() -> WheelRig {
 /// The law of the book: pressure on the rim, without damping and heaps, and nothing springs back.
 fn textbook(law: &SoilLaw) -> SoilLaw {
     let pressure = PressureDirection::Radial;
-    SoilLaw { pressure, damping: 0.0, bulldozing: None, elastic_stiffness: 2e9, ..*law }
+    let slip_sinkage = SlipSinkage::None;
+    SoilLaw { pressure, damping: 0.0, bulldozing: None, elastic_stiffness: 2e9, slip_sinkage, ..*law }
 }
 
 /// (set, soil, sinkage m, compaction resistance / W, greatest drawbar pull / W) of the closed form: Bekker's sinkage
@@ -106,6 +107,142 @@ fn half_the_step_or_half_the_grid_gives_the_same_wheel() {
         // A wheel that rolls steadily on level soil is carried steadily, wherever it is on the grid.
         let [low, high] = base.run(&law, 0.2, 1).load_range;
         assert!(high - low < 0.01 * base.load, "{name}: load between {low} and {high} N");
+    }
+}
+
+/// Lyasko's slip sinkage in full.
+const LYASKO: SlipSinkage = SlipSinkage::Lyasko { strength: 1.0 };
+
+/// Pull over load and sinkage (m) at slips of a driven wheel.
+fn over_slip(law: &SoilLaw) -> Vec<[f64; 3]> {
+    let run = |s: f64| {
+        let b = rig().run(law, s, 1);
+        [s, b.drawbar / rig().load, b.sinkage]
+    };
+    [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.7, 0.95].map(run).to_vec()
+}
+
+/// WES TR M-70-2 (1970) and Lyasko (Journal of Terramechanics 47, 2010): wheels on dry sand pull most at 15 to 40 % of slip.
+#[test]
+fn the_pull_on_dry_sand_has_its_peak_between_15_and_40_percent_of_slip_and_stays_below_coulombs() {
+    let law = soils().soils["soft-sand"];
+    let curve = over_slip(&law);
+    let best = curve.iter().copied().fold(curve[0], |best, p| if p[1] > best[1] { p } else { best });
+    let last = curve[curve.len() - 1];
+    assert!((0.15..=0.4).contains(&best[0]), "{curve:?}");
+    assert!(last[1] < best[1] - 0.03, "spinning pulls less: {curve:?}");
+    // The sinkage of a spinning wheel is at most four times that of a rolling one: K = (1 + s)/(1 − 0.5 s).
+    assert!(last[2] > 1.5 * curve[0][2] && last[2] < 4.0 * curve[0][2], "{curve:?}");
+    for [slip, pull, sinkage] in curve {
+        let area = rig().width * 2.0 * (2.0 * rig().radius * sinkage).sqrt();
+        let most = vb_math::tan(law.friction_angle_deg.to_radians()) + law.cohesion * area / rig().load;
+        assert!(pull <= most, "{pull} at slip {slip}, Coulomb {most}");
+    }
+}
+
+/// Reece 1965: slip sinkage is strong in sand and weak in clay.
+#[test]
+fn slip_changes_the_pull_on_clay_little() {
+    let clay = SoilLaw { pressure: PressureDirection::Radial, ..soils().soils["medium-mud"] };
+    let curve = over_slip(&clay);
+    let most = curve.iter().fold(f64::NEG_INFINITY, |most, p| p[1].max(most));
+    assert!(most - curve[curve.len() - 1][1] < 0.03, "{curve:?}");
+    for [slip, pull, _] in curve {
+        let without =
+            rig().run(&SoilLaw { slip_sinkage: SlipSinkage::None, ..clay }, slip, 1).drawbar / rig().load;
+        assert!((pull - without).abs() < 0.03, "{pull} at slip {slip}, {without} without slip sinkage");
+    }
+}
+
+#[test]
+fn half_the_step_or_half_the_grid_gives_the_same_digging_wheel_and_the_same_wheel_on_snow() {
+    let sand = SoilLaw { slip_sinkage: LYASKO, ..textbook(&wong_soils().soils["dry-sand"]) };
+    let snow = SoilLaw { damping: 0.0, ..soils().soils["medium-snow"] };
+    for (law, slip) in [(sand, 0.3), (sand, 0.8), (snow, 0.2)] {
+        let base = rig();
+        let a = base.run(&law, slip, 1);
+        for other in [WheelRig { step: 5e-4, ..base.clone() }, WheelRig { resolution: 0.05, ..base.clone() }]
+        {
+            let b = other.run(&law, slip, 1);
+            assert!((b.sinkage / a.sinkage - 1.0).abs() < 0.02, "{slip}: {} {}", a.sinkage, b.sinkage);
+            assert!((b.drawbar - a.drawbar).abs() < 0.01 * base.load, "{slip}: {} {}", a.drawbar, b.drawbar);
+        }
+    }
+}
+
+/// The greatest pull over weight against which the HMMWV starts on soft sand and still moves after 15 s, with a
+/// throttle that depends on the mean slip of its wheels.
+fn greatest_pull(throttle: impl Fn(f64) -> f64) -> f64 {
+    let mut world = std::sync::Arc::unwrap_or_clone(flat_soil(TerrainClass::Sand));
+    world.semantics.soil.sand = SoilLevel::Soft;
+    let world = std::sync::Arc::new(world);
+    let start = soil_start(&world, &soils(), [-200.0, 0.0], 0.0, SimOptions::default());
+    let moves = |pull: f64| {
+        let mut sim = start.clone();
+        let from = sim.state().position.x;
+        for k in 0..1500 {
+            let now = pull * (f64::from(k) / 10.0).min(1.0);
+            sim.set_gravity([-now * 9.81, 0.0, -9.81]);
+            let s = sim.state();
+            let rim = s.wheels.iter().map(|w| w.speed).sum::<f64>() / s.wheels.len() as f64 * 0.467;
+            let slip = (rim - s.velocity.x) / rim.max(0.5);
+            sim.advance(controls(straight(&sim), throttle(slip), 0.0), 10).unwrap();
+        }
+        sim.state().velocity.x > 0.2 && sim.state().position.x > from
+    };
+    let mut pull = 0.0;
+    while pull < 0.5 && moves(pull + 0.02) {
+        pull += 0.02;
+    }
+    pull
+}
+
+#[test]
+fn on_soft_sand_a_slip_controller_pulls_more_than_full_throttle() {
+    let (full, controlled) =
+        (greatest_pull(|_| 1.0), greatest_pull(|slip| (0.5 + 4.0 * (0.2 - slip)).clamp(0.0, 1.0)));
+    assert!(controlled > full + 0.03, "slip held at 20 %: {controlled} of the weight, full throttle {full}");
+}
+
+/// CRREL TR-01-16 (2001), table 11: depth (m), density (kg/m³), sinkage (m) and motion resistance over load of the
+/// instrumented vehicle's front wheel: 6800 N, 0.256 m wide, radius 0.38 m, deflected by 0.037 m (Report 95-7). A rigid
+/// wheel with the chord of that tyre has the radius R (1 + δ/z).
+#[test]
+fn the_resistance_of_shallow_snow_is_within_0_04_of_the_load_of_that_measured() {
+    let base = soils().soils["medium-snow"];
+    for [depth, density, sinkage, measured] in [
+        [0.13, 160.0, 0.10, 0.05],
+        [0.19, 170.0, 0.15, 0.08],
+        [0.21, 220.0, 0.17, 0.10],
+        [0.21, 220.0, 0.17, 0.12],
+        [0.18, 220.0, 0.13, 0.05],
+        [0.14, 110.0, 0.10, 0.02],
+    ] {
+        let law = SoilLaw {
+            sinkage: Sinkage::Snow { depth, density },
+            cohesion: 0.0,
+            friction_angle_deg: 0.0,
+            damping: 0.0,
+            ..base
+        };
+        let wheel = WheelRig { radius: 0.38 * (1.0 + 0.037 / sinkage), width: 0.256, load: 6800.0, ..rig() };
+        let run = wheel.run(&law, 0.0, 1);
+        let r = run.compaction / wheel.load;
+        assert!((r - measured).abs() < 0.04, "{depth} m of {density} kg/m³: R/W {r}, measured {measured}");
+        assert!(run.sinkage < depth && (run.sinkage / sinkage - 1.0).abs() < 0.3, "sinkage {}", run.sinkage);
+    }
+}
+
+/// CRREL Report 95-1: gross traction on compacted snow is T = 0.851 N^0.823, both in kPa.
+#[test]
+fn the_strength_of_the_default_snow_is_that_of_compacted_snow() {
+    for (name, law) in soils().soils.iter().filter(|(name, _)| name.ends_with("snow")) {
+        let tan = vb_math::tan(law.friction_angle_deg.to_radians());
+        for kpa in [50.0, 100.0, 150.0, 200.0] {
+            let crrel = 0.851 * vb_math::pow(kpa, 0.823);
+            let strength = 1e-3 * law.cohesion + kpa * tan;
+            assert!((strength / crrel - 1.0).abs() < 0.03, "{name} at {kpa} kPa: {strength}, CRREL {crrel}");
+        }
     }
 }
 

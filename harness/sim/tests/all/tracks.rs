@@ -4,7 +4,7 @@ use crate::common::{controls, hold_speed};
 use std::sync::Arc;
 use vb_sim::{
     SimOptions, Simulation, SoilSet,
-    soil::{PressureDirection, SoilLaw},
+    soil::{PressureDirection, Sinkage, SoilLaw},
 };
 use vb_vehicle::{GRAVITY, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
@@ -195,7 +195,8 @@ fn published() -> [(&'static str, SoilLaw); 3] {
 /// Resistance to compaction in a rut of depth z over the weight (Bekker: 2 b ∫ p dz).
 fn compaction(law: &SoilLaw, z: f64, weight: f64) -> f64 {
     let b = 0.38;
-    2.0 * b * (law.k_c / b + law.k_phi) * vb_math::pow(z, law.n + 1.0) / (law.n + 1.0) / weight
+    let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { panic!("{law:?}") };
+    2.0 * b * (k_c / b + k_phi) * vb_math::pow(z, n + 1.0) / (n + 1.0) / weight
 }
 
 /// Wong, Theory of Ground Vehicles, ch. 2: thrust (A c + W tan φ)(1 − K/(iL)(1 − exp(−iL/K))) of a track under an even
@@ -261,4 +262,21 @@ fn on_soil_the_pressure_under_its_wheels_is_rowlands_up_to_twice_and_not_that_of
             "{name}: {pressure} Pa at {sinkage} m, {rowland} Pa"
         );
     }
+}
+
+/// CRREL Report 95-1, table A5, example 1: the M113 on 15 cm of snow of 0.2 g/cm³ has a rut of 9.0 cm and a drawbar
+/// coefficient of 0.370.
+#[test]
+fn on_shallow_snow_the_m113_has_crrels_rut_and_pull() {
+    let model = m113();
+    let snow = Sinkage::Snow { depth: 0.15, density: 200.0 };
+    let law = SoilLaw { sinkage: snow, ..crate::common::soils().soils["medium-snow"] };
+    let (_, sinkage) = pulled(&model, law, 0.0).expect("it drives");
+    assert!((sinkage - 0.090).abs() < 0.015, "rut {sinkage} m");
+    let (mut low, mut high) = (0.2, 0.6);
+    while high - low > 0.02 {
+        let middle = 0.5 * (low + high);
+        if pulled(&model, law, middle).is_some() { low = middle } else { high = middle }
+    }
+    assert!((low / 0.370 - 1.0).abs() < 0.15, "pull {low} of the weight");
 }

@@ -11,6 +11,7 @@ mod rest;
 mod reverse;
 mod slopes;
 mod soil;
+mod soil_published;
 mod soil_wheel;
 mod tipping;
 mod tracks;
@@ -59,6 +60,9 @@ const EVENTS: &[Event] = &[
     soil_wheel::PLATE,
     soil_wheel::WHEEL,
     soil_wheel::SECOND_PASS,
+    soil_published::SLIP,
+    soil_published::SNOW,
+    soil_published::CONE,
     soil::REST,
     soil::ACCELERATION,
     soil::GRADE,

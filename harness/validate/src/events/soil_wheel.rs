@@ -3,15 +3,21 @@
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::rigid_wheel::{Carried, RigidWheel};
-use vb_math::{exp, pow, tan};
+use vb_math::{exp, ln, pow, tan};
 use vb_sim::{
     SimError,
-    soil::{PressureDirection, SoilLaw, WheelRig},
+    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw, WheelRig},
 };
 
 /// A soil as the closed forms know it: pressure normal to the rim, no damping, no heaps.
 fn bare(law: &SoilLaw) -> SoilLaw {
-    SoilLaw { pressure: PressureDirection::Radial, damping: 0.0, bulldozing: None, ..*law }
+    SoilLaw {
+        pressure: PressureDirection::Radial,
+        damping: 0.0,
+        bulldozing: None,
+        slip_sinkage: SlipSinkage::None,
+        ..*law
+    }
 }
 
 /// Every soil of every set, once, with a name and the name of its set.
@@ -31,7 +37,7 @@ fn soils<'a>(bench: &Bench<'a>) -> Vec<(String, &'a str, SoilLaw)> {
 pub(super) const PLATE: Event = Event {
     name: "plate",
     title: "Plate on soil",
-    about: "Plates 0.1 and 0.3 m wide pressed into every soil: the law's pressure at ten depths against Bekker's formula.",
+    about: "Plates 0.1 and 0.3 m wide pressed into every soil: the law's pressure at ten depths against the formula of its sinkage.",
     vehicles: Vehicles::All,
     place: Place::Stand,
     run: plate,
@@ -45,11 +51,21 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         for breadth in [0.1, 0.3] {
             for k in 1..=10 {
                 let p = 20e3 * f64::from(k);
-                let z = pow(p / (law.k_c / breadth + law.k_phi), 1.0 / law.n);
+                let z = match law.sinkage {
+                    Sinkage::Bekker { k_phi, k_c, exponent: n } => pow(p / (k_c / breadth + k_phi), 1.0 / n),
+                    // The density at which the pressure is that of compaction from the undisturbed density on.
+                    Sinkage::Snow { depth, density } => {
+                        let all = p + 341e3 * exp((density - 575.0) / 67.4);
+                        depth * (1.0 - density / (575.0 + 67.4 * ln(all / 341e3)))
+                    }
+                };
                 worst = worst.max((law.pressure(z, breadth) / p - 1.0).abs());
             }
         }
-        let source = "p = (kc/b + kφ) zⁿ at 20 to 200 kPa (Wong 2008, eq. 2.61)";
+        let source = match law.sinkage {
+            Sinkage::Bekker { .. } => "p = (kc/b + kφ) zⁿ at 20 to 200 kPa (Wong 2008, eq. 2.61)",
+            Sinkage::Snow { .. } => "z = h (1 − ρ0/ρf), ρf over p at 20 to 200 kPa (CRREL Report 95-7)",
+        };
         o.expect(&format!("{name}: greatest deviation"), 100.0 * worst, "%", Expected::AtMost(1.0), source);
         if plot.lines.len() < 8 {
             let points =
@@ -108,7 +124,7 @@ fn stands_over(rig: &WheelRig, name: &str, law: &SoilLaw, o: &mut Outcome) {
         return;
     }
     for softer in [1.0, 3.0, 10.0] {
-        let law = SoilLaw { k_c: law.k_c / softer, k_phi: law.k_phi / softer, ..*law };
+        let law = SoilLaw { sinkage: law.sinkage.softer(softer), ..*law };
         let run = rig.run(&law, 0.8, 1);
         let contact = THE_WHEEL.contact(&law, run.sinkage);
         let (length, stands) = (contact.iter().sum::<f64>(), overhang(contact));
@@ -232,6 +248,11 @@ pub(super) const SECOND_PASS: Event = Event {
 
 /// Why trials of ruts say nothing of this soil, if they don't.
 fn unlike_trials(law: &SoilLaw) -> Option<&'static str> {
+    if matches!(law.sinkage, Sinkage::Bekker { exponent, .. } if exponent < 0.3) {
+        return Some(
+            "trials are of soils that grow firmer under a rut: this one's pressure hardly grows with depth",
+        );
+    }
     match THE_WHEEL.on(law) {
         Some(w) if w.sinkage <= 0.4 * THE_WHEEL.radius => (2.0 * w.rebound > w.sinkage)
             .then_some("soil this firm springs back by more than it yields: no rut is left to deepen"),

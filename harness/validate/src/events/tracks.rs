@@ -8,7 +8,7 @@ use crate::rig::{Drive, largest};
 use vb_math::{exp, pow, tan};
 use vb_sim::{
     SimError, SoilSet, VehicleState,
-    soil::{PressureDirection, SoilLaw},
+    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw},
 };
 use vb_vehicle::tracks::Tracks;
 use vb_world::TerrainClass;
@@ -180,13 +180,14 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             damping: 1e3,
             bulldozing: None,
             elastic_stiffness: 4e8,
+            slip_sinkage: SlipSinkage::None,
             ..*law
         };
         let mut set = wong.clone();
         set.soils.values_mut().for_each(|l| *l = law);
         let resistance = |z: f64| {
-            let modulus = law.k_c / t.width + law.k_phi;
-            2.0 * t.width * modulus * pow(z, law.n + 1.0) / (law.n + 1.0) / weight
+            let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { return f64::NAN };
+            2.0 * t.width * (k_c / t.width + k_phi) * pow(z, n + 1.0) / (n + 1.0) / weight
         };
         let most = 2.0 * t.width * t.length * law.cohesion / weight
             + tan(vb_math::angle::radians(law.friction_angle_deg));

@@ -11,6 +11,7 @@ mod transport;
 
 use super::grid::Grid;
 use super::ground::{SoilGround, Under};
+use super::slip;
 use crate::tyre::WheelMotion;
 use crate::{M3, V3, normal_of};
 use fearless_simd::{Level, Simd, dispatch};
@@ -73,6 +74,8 @@ pub(crate) struct Footprint<const N: usize> {
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
     aside: f64,
     beside: [Row<N>; 2],
+    /// Slip, from 0 to 1, that deepens the sinkage, with a lag; 0 on soils that have no slip sinkage.
+    slip: f64,
     /// Width of the contact, with a lag, m.
     breadth: f64,
     /// Volume that waits to be heaped up beside the wheel, m³, and the steps that it has waited.
@@ -234,6 +237,7 @@ impl<const N: usize> Footprint<N> {
             used: false,
             aside: 0.0,
             beside: [[0.0; N]; 2],
+            slip: 0.0,
             breadth: shape.width,
             waiting: (0.0, 0),
             shape,
@@ -282,6 +286,11 @@ impl<const N: usize> Footprint<N> {
         if let Some(stations) = &mut self.stations {
             **stations = Stations::NONE;
         }
+        if ground.digs() {
+            let drive = self.belt + motion.spin * self.shape.radius;
+            let travel = motion.velocity.dot(&frame.along);
+            self.slip = slip::follow(self.slip, drive, travel, self.shape.renewal, dt);
+        }
         let mut sum = Sum::default();
         self.press(simd, ground, surface, under, motion, frame, dt, &mut sum);
         let span = sum.span?;
@@ -314,7 +323,7 @@ impl<const N: usize> Footprint<N> {
         let sum = |states: &[Row<N>]| states.iter().map(row).sum::<f64>();
         let [a, b] = &self.shear;
         [
-            self.breadth,
+            self.breadth + self.slip,
             row(&self.beside[0]) + row(&self.beside[1]),
             sum(&self.plastic),
             sum(&self.raised),
@@ -338,6 +347,7 @@ impl<const N: usize> Footprint<N> {
             self.pressed[strip] = [0.0; N];
         }
         self.aside = f64::INFINITY;
+        self.slip = 0.0;
         self.breadth = self.shape.width;
         self.live = true;
         self.used = true;
@@ -373,6 +383,8 @@ impl<const N: usize> Footprint<N> {
 #[cfg(test)]
 mod tests {
     use super::super::law::{Bulldozing, PressureDirection, SoilLaw};
+    use super::super::sinkage::Sinkage;
+    use super::super::slip::SlipSinkage;
     use super::*;
 
     /// All that the processor has.
@@ -390,9 +402,8 @@ mod tests {
     /// The bits of all forces on a wheel that rolls, slips, slides to the left, bounces and turns over rough soil.
     fn forces(level: Level, pressure: PressureDirection) -> Vec<u64> {
         let law = SoilLaw {
-            k_phi: 2e6,
-            k_c: 13e3,
-            n: 1.1,
+            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 },
+            slip_sinkage: SlipSinkage::Lyasko { strength: 1.0 },
             cohesion: 1e3,
             friction_angle_deg: 30.0,
             shear_modulus: 0.01,
@@ -440,9 +451,8 @@ mod tests {
     #[test]
     fn the_sinkage_of_a_wheel_is_that_of_its_middle_plane_whatever_its_tilt_and_the_grid() {
         let law = SoilLaw {
-            k_phi: 2e6,
-            k_c: 0.0,
-            n: 1.0,
+            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
+            slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 30.0,
             shear_modulus: 0.01,

@@ -197,6 +197,7 @@ impl<const N: usize> Footprint<N> {
         let [a, b] = &mut self.shear;
         let mut shear_rows = [&mut a[strip], &mut b[strip]];
         let modulus = all(soil.modulus(self.breadth));
+        let shallower = all(soil.shallower(self.slip));
         let (elastic_stiffness, compliance) = (all(soil.elastic), all(soil.compliance));
         let (damping, dt) = (all(soil.damping), all(body.dt));
         let (width, seen) = (all(shape.strip_width()), all(seen));
@@ -222,9 +223,8 @@ impl<const N: usize> Footprint<N> {
                 store(pressed_row, g, mine.select(free, load(pressed_row, g)));
                 continue;
             }
-            // The pressure is the smaller of the elastic line's and Bekker's: where they meet, the soil yields.
-            let power = soil.power.at(simd, sinkage);
-            let yielding = power * modulus;
+            // The pressure is the smaller of the elastic line's and that of fresh soil: where they meet, the soil yields.
+            let yielding = soil.curve.at(simd, sinkage * shallower) * modulus;
             let yields = elastic.simd_gt(yielding);
             let stress = yields.select(yielding, elastic);
             let deepest = sinkage - yielding * compliance;

@@ -20,6 +20,9 @@ pub(super) struct Shape<const N: usize> {
     pub(super) reach: f64,
     /// Height of the hub above the ground, m, up to which the footprint is kept.
     pub(super) near: f64,
+    /// Distance over which the soil under the outline becomes other soil, m: a wheel's radius, about the length of its
+    /// contact when it sinks by an eighth of the diameter, and a belt's length.
+    pub(super) renewal: f64,
     pub(super) width: f64,
     pub(super) strips: usize,
     /// Distance of each station from the hub along the heading, and the length it stands for.
@@ -68,6 +71,7 @@ impl<const N: usize> Shape<N> {
             radius: 0.0,
             reach: 0.0,
             near: 0.0,
+            renewal: 1.0,
             width,
             strips: ((width / resolution) as usize).clamp(2, 16),
             xs,
@@ -109,6 +113,7 @@ impl Shape<WHEEL> {
             radius,
             reach: vb_math::hypot(radius, width),
             near: (1.0 + CLEARANCE) * radius,
+            renewal: radius,
             half,
             radial,
             ..shape
@@ -122,7 +127,7 @@ impl Shape<TRACK> {
         let spacing = (front - rear) / (Self::LAST - FIRST) as f64;
         let at = |place: usize| rear + spacing * (place as f64 - FIRST as f64);
         let shape = Self::stations(at, width, resolution);
-        Self { reach: vb_math::hypot(front.max(-rear), width), near, ..shape }
+        Self { reach: vb_math::hypot(front.max(-rear), width), near, renewal: front - rear, ..shape }
     }
 
     /// Sets the outline at a station: how far below the hub it is, m, its slope, rise over way forward, and how fast it
