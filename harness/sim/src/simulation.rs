@@ -323,7 +323,7 @@ impl Simulation {
         let bound = self.chassis.bound().max(self.vehicle.bound());
         let way = body.v.norm() * self.options.step * LOOK_AROUND as f64;
         self.obstacles.look_around(&body.x, bound + AROUND + way);
-        if !self.soil.is_empty() {
+        if !self.soil.is_empty() && !self.chassis.passes_soil() {
             self.chassis.look_for_heaps(&self.soil, &body.x, &body.q);
         }
     }
