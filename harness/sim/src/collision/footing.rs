@@ -16,10 +16,10 @@ pub(crate) struct Footing<'a> {
     pub(crate) soil: &'a SoilGround,
 }
 
-/// Points along the way from a contact to the middle of its manifold, at which the surface of soil is looked up.
-const SAMPLES: usize = 4;
-/// Length of this way in cells of the soil's memory.
-const REACH: f64 = 3.0;
+/// Points on the way from a contact to the middle of its manifold at which the surface of soil is looked up.
+const SAMPLES: usize = 6;
+/// Fraction of this way for which the contact stands; other contacts stand for the rest.
+const SHARE: f64 = 0.5;
 /// Impulse of a contact that bore nothing yet, N s: so small that any other outweighs it.
 const NOTHING: f64 = 1e-9;
 /// The bits of a solver contact's number that tell the point of the manifold; above them is rapier's mark of new contacts.
@@ -41,14 +41,11 @@ impl Footing<'_> {
     }
 
     /// By how much the surface that carries a face of the hull at one of its contacts is higher than at first, m. The
-    /// highest surface carries the face: it is looked for from the contact towards the middle of all contacts, which the
-    /// face covers.
+    /// highest surface carries the face: it is looked for from the contact half the way to the middle of all contacts, which
+    /// the face covers.
     fn bearing(&self, contact: Vector, middle: Vector) -> f64 {
         let Some(here) = self.change(contact.x, contact.y) else { return 0.0 };
-        let way = middle - contact;
-        let length = way.length();
-        let reach = REACH * self.soil.grid.resolution();
-        let step = way * ((reach / length.max(reach)) / SAMPLES as f64);
+        let step = (middle - contact) * (SHARE / SAMPLES as f64);
         (1..=SAMPLES).fold(here, |highest, k| {
             let at = contact + step * k as f64;
             highest.max(self.change(at.x, at.y).unwrap_or(0.0))
