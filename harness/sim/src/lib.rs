@@ -25,7 +25,7 @@ pub use collision::Surroundings;
 pub use dynamics::WheelStand;
 pub use error::SimError;
 pub use powertrain::DriveState;
-pub use simulation::{SimOptions, Simulation, Start};
+pub use simulation::{Diagnostics, SimOptions, Simulation, Start};
 pub use soil::SoilSet;
 pub use state::{Controls, Gear, VehicleState, WheelState};
 pub use state_hash::{SAMPLE_PERIOD, StateHash};

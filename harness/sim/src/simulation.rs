@@ -1,6 +1,6 @@
 //! One vehicle in one world, from the start pose on.
 
-use crate::collision::{ChassisContacts, Obstacles, Surroundings};
+use crate::collision::{ChassisContacts, Footing, Obstacles, Surroundings};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
@@ -66,6 +66,23 @@ const FACE_NEAR: f64 = 0.1;
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
 
+/// Counts and maxima since the start of a simulation. They don't change it and are no part of its state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Diagnostics {
+    /// The maximum of the mechanical energy that neither engine nor steering supplied, J; see
+    /// [`Simulation::energy_surplus`].
+    pub energy_surplus: f64,
+    /// The surplus (J) above which the simulation counts as diverged.
+    pub energy_allowed: f64,
+    /// The fraction of wheel-steps in which a contact was deeper than the motion of the wheel explains, so that its depth
+    /// was limited.
+    pub held: f64,
+    /// The fraction of steps in which the contact solver ran for the hull.
+    pub hull_contact: f64,
+    /// The fraction of steps in which the load on the steering gear exceeded its force.
+    pub steering_stalled: f64,
+}
+
 /// A simulation of one vehicle in one world. A clone is a snapshot: it goes on exactly as the original does.
 #[derive(Clone)]
 pub struct Simulation {
@@ -112,7 +129,7 @@ impl Simulation {
             soil,
             reference: -V3::from(spec.chassis.com),
             look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
-            energy: EnergyMonitor::new(vehicle.lift_energy()),
+            energy: EnergyMonitor::new(vehicle.weight_and_radius()),
             world,
             options,
             vehicle,
@@ -264,7 +281,8 @@ impl Simulation {
             }
         }
         // A wheel that was put into a rock has been thrown out of it: energy that a start in a bad place gave.
-        self.energy = EnergyMonitor::new(self.vehicle.lift_energy());
+        self.energy = EnergyMonitor::new(self.vehicle.weight_and_radius());
+        self.vehicle.count_anew();
         self.check()?;
         self.steps = 0;
         self.contact_steps = 0;
@@ -299,12 +317,15 @@ impl Simulation {
         self.chassis.is_known_clear(&self.obstacles, &body.x, &body.q, self.hull_margin())
     }
 
-    /// Notes which obstacles hull, wheels and belts may come near to until the next look.
+    /// Notes which obstacles and heaps hull, wheels and belts may come near to until the next look.
     fn look_around(&mut self) {
         let body = self.vehicle.body();
         let bound = self.chassis.bound().max(self.vehicle.bound());
         let way = body.v.norm() * self.options.step * LOOK_AROUND as f64;
         self.obstacles.look_around(&body.x, bound + AROUND + way);
+        if !self.soil.is_empty() && !self.chassis.passes_soil() {
+            self.chassis.look_for_heaps(&self.soil, &body.x, &body.q);
+        }
     }
 
     /// The second part of a step, where the hull isn't known to be clear: whether it may touch ground or obstacles at the end of
@@ -319,7 +340,7 @@ impl Simulation {
     fn hull_margin(&self) -> f64 {
         let body = self.vehicle.body();
         let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * self.options.step;
-        HULL_NEAR * self.world.scale + way
+        HULL_NEAR * self.world.scale + way + self.chassis.heaps()
     }
 
     /// The last part of a step: the pose follows the velocities, by way of the contact solver where the hull is `near`
@@ -327,11 +348,8 @@ impl Simulation {
     pub fn finish_step(&mut self, near: bool) {
         if near {
             let body = self.vehicle.body_mut();
-            let friction = self
-                .soil
-                .soil_at(body.x.x, body.x.y)
-                .map_or_else(|| self.world.semantics.friction_at(body.x.x, body.x.y), |soil| soil.tan_phi);
-            self.chassis.resolve(friction, &mut body.x, &mut body.q, &mut body.v, &mut body.w);
+            let footing = Footing { semantics: &self.world.semantics, soil: &self.soil };
+            self.chassis.resolve(&footing, &mut body.x, &mut body.q, &mut body.v, &mut body.w);
             self.contact_steps += 1;
         } else {
             self.vehicle.body_mut().move_on(self.options.step);
@@ -434,13 +452,26 @@ impl Simulation {
         self.contact_steps
     }
 
-    /// The greatest rise of the mechanical energy so far that the engine didn't supply, J: of the kinetic energy and
-    /// the energy of height, against half a second to a second before. Springs and tyres that relax show in it, so it
-    /// isn't zero. From the energy that lifts the vehicle by the radius of a wheel on, the simulation counts as
-    /// diverged.
+    /// The maximum so far of the mechanical energy that neither engine nor steering supplied, J: the level of a leaky
+    /// bucket that the rises of kinetic energy and energy of height fill. Springs and tyres that relax show in it, so it
+    /// isn't zero. If the level exceeds the energy that lifts the vehicle by the radius of a wheel, the simulation counts
+    /// as diverged.
     #[must_use]
     pub fn energy_surplus(&self) -> f64 {
         self.energy.surplus()
+    }
+
+    /// Counts and maxima since the start that show how the simulation itself did.
+    #[must_use]
+    pub fn diagnostics(&self) -> Diagnostics {
+        let fraction = |count: u64, of: u64| if of > 0 { count as f64 / of as f64 } else { 0.0 };
+        Diagnostics {
+            energy_surplus: self.energy.surplus(),
+            energy_allowed: self.energy.allowed(),
+            held: fraction(self.vehicle.held(), self.steps * self.vehicle.wheel_count() as u64),
+            hull_contact: fraction(self.contact_steps, self.steps),
+            steering_stalled: fraction(self.vehicle.stalled(), self.steps),
+        }
     }
 
     /// The world in which the vehicle is.

@@ -60,7 +60,7 @@ pub struct VehicleState {
     pub angular_velocity: V3,
     /// The wheels, front to back, left before right.
     pub wheels: Vec<WheelState>,
-    /// The steering command after the rate limit, in [-1, 1], positive to the left.
+    /// The steering command after the limits of rate and force, in [-1, 1], positive to the left.
     pub steering: f64,
     /// The direction that is in: neutral while a change of direction interrupts the torque.
     pub gear: Gear,

@@ -136,6 +136,7 @@ mod tests {
             elastic_stiffness,
             damping: 0.0,
             pressure: PressureDirection::Radial,
+            steel_friction: None,
             bulldozing: None,
         }
     }

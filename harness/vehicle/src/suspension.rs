@@ -410,6 +410,14 @@ pub enum AntiRoll {
 pub struct Steering {
     /// The greatest rate of the command, 1/s.
     pub rate: f64,
+    /// The maximum force of each rack, N. Under a greater load the rack stalls or is driven back. The force is unlimited
+    /// if the field is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
+    /// The maximum torque of each pitman arm or rotary arm about its pivot, N m. Under a greater load the arm stalls or is
+    /// driven back. The torque is unlimited if the field is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<f64>,
     /// The parts that the command moves.
     #[serde(default)]
     pub by: SteeredBy,

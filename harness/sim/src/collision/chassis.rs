@@ -1,9 +1,11 @@
 //! The chassis among ground and obstacles, as rapier sees it, and when rapier has to be asked at all.
 
+use super::footing::{Correction, Footing};
 use super::separation::{InReach, separation};
 use super::{
     Cuboid, OBSTACLE_FRICTION, Obstacles, Surroundings, extents, from_vector, points, rotation, vector,
 };
+use crate::soil::SoilGround;
 use crate::{M3, Quat, V3};
 use rapier3d_f64::parry::shape::{ConvexPolyhedron, HeightFieldFlags};
 use rapier3d_f64::parry::utils::Array2;
@@ -28,6 +30,14 @@ pub(crate) struct ChassisContacts {
     low: V3,
     high: V3,
     bound: f64,
+    /// The friction coefficient of the hull.
+    friction: f64,
+    /// How high heaps of soil near the hull stand above the ground, m.
+    heaps: f64,
+    /// The pose of the hull when the contacts with the ground were found and corrected last.
+    corrected: Option<(V3, Quat)>,
+    /// The distance from its origin within which the ground lies, m: rapier takes it for how far a turn moves a contact.
+    extent: f64,
     looks: Looks,
 }
 
@@ -123,11 +133,13 @@ impl ChassisContacts {
         let ground = physics.insert_collider(
             ground_collider(&world.heightfield)
                 .collision_groups(InteractionGroups::new(GROUND, Group::ALL, InteractionTestMode::And))
-                .friction(1.0)
+                .friction(v.chassis.friction)
                 .friction_combine_rule(CoefficientCombineRule::Min)
                 .restitution(0.0),
             None,
         );
+        let extent = physics.colliders[ground].shape().compute_local_aabb();
+        let extent = extent.mins.length().max(extent.maxs.length());
         for solid in surroundings.solids().iter() {
             physics.insert_collider(
                 ColliderBuilder::new(SharedShape(solid.shape.clone()))
@@ -170,7 +182,23 @@ impl ChassisContacts {
         let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
         let looks = Looks::default();
         let (passes_soil, passing) = (v.chassis.hull_passes_soil, Passing::default());
-        Self { physics, body, ground, parts, hull, passes_soil, passing, low, high, bound, looks }
+        Self {
+            physics,
+            body,
+            ground,
+            parts,
+            hull,
+            passes_soil,
+            passing,
+            low,
+            high,
+            bound,
+            friction: v.chassis.friction,
+            heaps: 0.0,
+            corrected: None,
+            extent: extent.max(bound),
+            looks,
+        }
     }
 
     /// Whether soil doesn't stop the hull, so that [`Self::pass_over`] has to be told of it.
@@ -188,6 +216,7 @@ impl ChassisContacts {
         }
         self.passing = passing;
         self.looks = Looks::default();
+        self.corrected = None;
         let parts = self.physics.bodies[self.body].colliders().to_vec();
         for (number, part) in parts.into_iter().enumerate() {
             let meets = if passing.is(number, self.hull) { Group::ALL & !GROUND } else { Group::ALL };
@@ -309,17 +338,73 @@ impl ChassisContacts {
         Ok(gap)
     }
 
+    /// Looks how high heaps of soil stand under and around the hull, in every second cell of the soil's memory. The ground
+    /// is looked at as if it stood as high everywhere, so that a heap is met before the hull is in it.
+    pub(crate) fn look_for_heaps(&mut self, soil: &SoilGround, x: &V3, q: &Quat) {
+        let spacing = 2.0 * soil.grid.resolution();
+        let count = |k: usize| ((self.high[k] - self.low[k]) / spacing).ceil() as usize + 2;
+        let (rows, cols) = (count(1), count(0));
+        let place = |k: usize, i: usize| self.low[k] + spacing * (i as f64 - 0.5);
+        let (forward, left) = (*q * V3::x(), *q * V3::y());
+        let mut highest = 0.0_f64;
+        for row in 0..rows {
+            for col in 0..cols {
+                let at = x + forward * place(0, col) + left * place(1, row);
+                if let Some(cell) = soil.grid.touched(at.x, at.y) {
+                    highest = highest.max(cell.raised - cell.plastic);
+                }
+            }
+        }
+        self.heaps = highest;
+    }
+
+    /// How high heaps of soil near the hull stand above the ground, m.
+    pub(crate) fn heaps(&self) -> f64 {
+        self.heaps
+    }
+
+    /// Whether rapier may keep the contacts with the ground that were found and corrected last. It does so by itself where
+    /// pairs moved less than a distance, unless their contacts are to be corrected; asked with the same measure, somewhat
+    /// earlier, it keeps those that were.
+    fn keeps_contacts(&self, x: &V3, q: &Quat) -> bool {
+        let Some((x0, q0)) = &self.corrected else { return false };
+        let turn = q * q0.inverse();
+        // The pose of the hull in the frame of the ground and that of the ground in the frame of the hull.
+        let moved = (x - x0).norm().max((q.inverse() * x - q0.inverse() * x0).norm());
+        let drift = moved + 2.0 * turn.imag().norm() * self.extent;
+        drift < 0.99 * self.physics.integration_parameters.contact_recycle_distance()
+    }
+
     /// Lets rapier resolve the contacts of one step: takes the velocities that the forces gave, returns pose and
     /// velocities at the end of the step.
-    pub(crate) fn resolve(&mut self, friction: f64, x: &mut V3, q: &mut Quat, v: &mut V3, w: &mut V3) {
-        self.physics.colliders[self.ground].set_friction(friction);
+    pub(crate) fn resolve(
+        &mut self,
+        footing: &Footing<'_>,
+        x: &mut V3,
+        q: &mut Quat,
+        v: &mut V3,
+        w: &mut V3,
+    ) {
+        let keeps = self.keeps_contacts(x, q);
+        if !keeps {
+            self.corrected = Some((*x, *q));
+        }
+        let hooks = if keeps { ActiveHooks::empty() } else { ActiveHooks::MODIFY_SOLVER_CONTACTS };
+        let ground = &self.physics.colliders[self.ground];
+        let raised = if keeps { ground.contact_skin() } else { self.heaps };
+        if ground.active_hooks() != hooks || ground.contact_skin() != raised {
+            let ground = &mut self.physics.colliders[self.ground];
+            ground.set_active_hooks(hooks);
+            ground.set_contact_skin(raised);
+        }
         let body = &mut self.physics.bodies[self.body];
         body.set_position(Pose::from_parts(vector(x), rotation(q)), true);
         // rapier's linear velocity is that of the body's centre of mass, which isn't the chassis' own.
         let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
         body.set_linvel(vector(&(*v + w.cross(&offset))), true);
         body.set_angvel(vector(w), true);
-        self.physics.step();
+        let correction = Correction { footing, ground: self.ground, hull: self.friction, raised };
+        self.physics.step_with_events(&correction, &());
         let body = &self.physics.bodies[self.body];
         let r = body.rotation();
         *x = from_vector(body.translation());
@@ -452,6 +537,7 @@ mod tests {
     #[test]
     fn triangles_out_of_reach_make_no_difference_to_a_contact() {
         let ground = rough(41, 0.12);
+        let world = World::uniform("test", ground.clone(), vb_world::TerrainClass::Concrete, 0.6);
         let manifolds = |filter: bool, x: V3, q: Quat| {
             let mut hull = hmmwv_over(&ground);
             if !filter {
@@ -460,7 +546,8 @@ mod tests {
                     .set_query_dispatcher(rapier3d_f64::parry::query::DefaultQueryDispatcher);
             }
             let (mut x, mut q, mut v, mut w) = (x, q, V3::new(3.0, 0.0, -1.0), V3::zeros());
-            hull.resolve(0.6, &mut x, &mut q, &mut v, &mut w);
+            let footing = Footing { semantics: &world.semantics, soil: &SoilGround::none() };
+            hull.resolve(&footing, &mut x, &mut q, &mut v, &mut w);
             (v, w)
         };
         let mut touched = 0;

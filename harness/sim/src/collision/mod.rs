@@ -2,11 +2,15 @@
 
 mod chassis;
 mod facets;
+mod footing;
+#[cfg(test)]
+mod footing_tests;
 mod separation;
 mod surroundings;
 
 pub(crate) use chassis::ChassisContacts;
 pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
+pub(crate) use footing::Footing;
 pub use surroundings::Surroundings;
 
 use std::sync::Arc;
@@ -58,6 +62,34 @@ impl Cuboid {
         let (reach_a, reach_b) =
             (self.half + spread * other.half, other.half + spread.transpose() * self.half);
         (0..3).all(|k| a[k].abs() < reach_a[k] + margin && b[k].abs() < reach_b[k] + margin)
+    }
+}
+
+/// Obstacles that a wheel can touch at a time: as it does in a wedge. Of more, the deepest count.
+pub(crate) const MOST_OBSTACLES: usize = 2;
+
+/// A wheel's contact with an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ObstacleContact {
+    /// The number of the obstacle in the world.
+    pub(crate) obstacle: usize,
+    pub(crate) contact: Contact,
+}
+
+impl ObstacleContact {
+    /// Puts the contact behind those of obstacles with lower numbers, and lets the shallowest go if there is no room.
+    fn keep(self, deepest: &mut [Option<Self>; MOST_OBSTACLES]) {
+        if let Some(free) = deepest.iter_mut().find(|c| c.is_none()) {
+            *free = Some(self);
+            return;
+        }
+        let depth = |c: &Option<Self>| c.map_or(0.0, |c| c.contact.depth);
+        let shallowest = (0..MOST_OBSTACLES)
+            .fold(0, |least, k| if depth(&deepest[k]) < depth(&deepest[least]) { k } else { least });
+        if self.contact.depth > depth(&deepest[shallowest]) {
+            deepest[shallowest..].rotate_left(1);
+            deepest[MOST_OBSTACLES - 1] = Some(self);
+        }
     }
 }
 
@@ -123,19 +155,23 @@ impl Obstacles {
         deepest
     }
 
-    /// The deepest contact of a wheel with an obstacle.
-    pub(crate) fn wheel_contact(&self, wheel: &WheelShape, hub: &V3, axis: &V3) -> Option<Contact> {
-        let mut deepest: Option<Contact> = None;
+    /// The deepest contacts of a wheel with obstacles, one for each obstacle, in the order of the obstacles' numbers. The
+    /// order decides nothing but the order of sums.
+    pub(crate) fn wheel_contacts(
+        &self,
+        wheel: &WheelShape,
+        hub: &V3,
+        axis: &V3,
+    ) -> [Option<ObstacleContact>; MOST_OBSTACLES] {
+        let mut deepest = [None; MOST_OBSTACLES];
         for &i in &self.near {
             let s = &self.solids[i];
             let reach = s.bound + wheel.bound;
             if (s.centre - hub).norm_squared() > reach * reach {
                 continue;
             }
-            if let Some(c) = wheel.contact(s, hub, axis)
-                && deepest.is_none_or(|d| c.depth > d.depth)
-            {
-                deepest = Some(c);
+            if let Some(contact) = wheel.contact(s, hub, axis) {
+                ObstacleContact { obstacle: i, contact }.keep(&mut deepest);
             }
         }
         deepest

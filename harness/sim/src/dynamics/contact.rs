@@ -96,6 +96,7 @@ fn touch(
     let envelope = tyre.envelope();
     let reach = envelope.radius();
     let under = ground.under(hub.x, hub.y, reach);
+    let mut limited = false;
     let friction = |x, y| match under {
         Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
         _ => ground.semantics.friction_at(x, y),
@@ -136,7 +137,8 @@ fn touch(
         Under::Mixed => envelope.query_where(ground.heightfield, hub, axis, &mut contacts.clearance, rigid),
     };
     if let Some(contact) = contact {
-        let contact = motion.held(&contact, &mut contacts.ground_depth, reach, dt);
+        let (contact, held) = motion.held(&contact, &mut contacts.ground_depth, reach, dt);
+        limited |= held;
         let friction = friction(contact.point.x, contact.point.y);
         if let Some(r) = tyre.react(motion, &contact, friction, &mut contacts.ground, dt) {
             f.add(&r, &contact.normal, damped, 1.0);
@@ -157,28 +159,31 @@ fn touch(
         f.load += s.load;
         f.sinkage = s.sinkage;
     }
-    if ground.obstacles.any_near()
-        && let Some(contact) = ground.obstacles.wheel_contact(shape, hub, axis)
-    {
-        let contact = motion.held(&contact, &mut contacts.obstacle_depth, reach, dt);
-        if let Some(r) = tyre.react(motion, &contact, OBSTACLE_FRICTION, &mut contacts.obstacle, dt) {
-            f.add(&r, &contact.normal, damped, 1.0);
+    if ground.obstacles.any_near() || !contacts.obstacles.is_empty() {
+        let before = std::mem::take(&mut contacts.obstacles);
+        for found in ground.obstacles.wheel_contacts(shape, hub, axis).into_iter().flatten() {
+            let mut own = before.before(&found);
+            let (contact, held) = motion.held(&found.contact, &mut own.depth, reach, dt);
+            limited |= held;
+            if let Some(r) = tyre.react(motion, &contact, OBSTACLE_FRICTION, &mut own.patch, dt) {
+                f.add(&r, &contact.normal, damped, 1.0);
+            }
+            contacts.obstacles.push(own);
         }
-    } else {
-        contacts.obstacle = Patch::default();
-        contacts.obstacle_depth = 0.0;
     }
+    contacts.held += u64::from(limited);
 }
 
 impl WheelMotion {
-    /// The contact, no deeper than the wheel's motion can have made it since it was `before` (m) deep `dt` (s) ago.
+    /// The contact, no deeper than the wheel's motion can have made it since it was `before` (m) deep `dt` (s) ago, and
+    /// whether it would have been deeper.
     ///
     /// Heights and radii tell how deep a wheel is, but not how it got there. Where a wheel lies on its flank in a hollow,
     /// or stands with one side in a wall, what counts as its lowest point may change from one side to the other, and a wheel
     /// that was suddenly half a metre deep would throw the vehicle with energy that nothing supplied. It is let out slowly
     /// instead. A small wheel on its flank that moves about in a hollow may even so be found as deep at each step as it has
     /// just been thrown out: from some speed on, the depth becomes less as the wheel leaves.
-    pub(super) fn held(&self, contact: &Contact, before: &mut f64, radius: f64, dt: f64) -> Contact {
+    pub(super) fn held(&self, contact: &Contact, before: &mut f64, radius: f64, dt: f64) -> (Contact, bool) {
         let turning = self.rotation - self.axis * self.spin;
         let velocity = self.velocity + turning.cross(&(contact.point - self.hub));
         let approach = -velocity.dot(&contact.normal);
@@ -187,6 +192,6 @@ impl WheelMotion {
         let along = if thrown { approach } else { DEEPENING[0] * approach.max(0.0) };
         let deepest = *before + dt * (along + DEEPENING[1] * passing + CREEP * radius);
         *before = contact.depth.min(deepest.max(0.0));
-        Contact { depth: *before, ..*contact }
+        (Contact { depth: *before, ..*contact }, *before < contact.depth)
     }
 }

@@ -5,7 +5,7 @@ use super::kinematics::{BeamPlacement, Placement};
 use super::state::State;
 use crate::V3;
 
-/// Kinetic energy and energy of height less the work that the engine has done so far, J. Energy held by springs and
+/// Kinetic energy and energy of height less the work that engine and steering have done so far, J. Energy held by springs and
 /// tyres is not in it. Wheels are taken where they were at the start of the last step, which is a joule or two.
 pub(super) fn balance(
     design: &Design,
@@ -41,5 +41,5 @@ pub(super) fn balance(
         (Some(track), Some(belt)) => track.sprocket_spin(belt.speed),
         _ => wheels[i].spin,
     };
-    kinetic + height + state.drive.energy(turning) - state.drive.work()
+    kinetic + height + state.drive.energy(turning) - state.drive.work() - state.steering.work
 }

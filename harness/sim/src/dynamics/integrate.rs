@@ -1,9 +1,9 @@
 //! The last stage of a step: the new state, by symplectic Euler.
 
 use super::drive::Driven;
-use super::kinematics::Steering;
 use super::solve::Increments;
 use super::state::State;
+use super::steering::Steering;
 
 /// Advances steering, spins, velocities and travels; the pose of the chassis is left to whoever knows what its hull
 /// touches. Each travel goes on with its new rate.
@@ -14,7 +14,8 @@ pub(super) fn integrate(
     increments: &Increments,
     dt: f64,
 ) {
-    state.steering = steering.command;
+    (state.steering.command, state.steering.rate) = (steering.command, steering.rate);
+    state.steering.stalled += u64::from(steering.stalled);
     for ((wheel, spin), increment) in state.wheels.iter_mut().zip(driven.spins).zip(increments.travel_rates) {
         wheel.spin = spin;
         wheel.travel_rate += increment;

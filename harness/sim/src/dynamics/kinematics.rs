@@ -2,25 +2,9 @@
 
 use super::design::{Design, Guide};
 use super::state::{Body, Wheel};
+use super::steering::Steering;
 use crate::tyre::WheelMotion;
 use crate::{M3, V3};
-
-/// The steering in one step.
-#[derive(Clone, Copy)]
-pub(super) struct Steering {
-    /// The command after the rate limit, in [-1, 1].
-    pub(super) command: f64,
-    /// How fast it changes, 1/s.
-    pub(super) rate: f64,
-}
-
-impl Steering {
-    /// The steering of a step of `dt` (s) in which it follows what the driver asks for from its present command.
-    pub(super) fn follow(asked: f64, present: f64, fastest: f64, dt: f64) -> Self {
-        let change = (asked - present).clamp(-dt * fastest, dt * fastest);
-        Self { command: present + change, rate: change / dt }
-    }
-}
 
 /// Where a wheel is in a step, and how it can move and does; world axes.
 #[derive(Clone, Copy)]
@@ -33,6 +17,9 @@ pub(super) struct Placement {
     pub(super) bend: V3,
     /// The rotation of the upright over the travel, rad/m.
     pub(super) tilt: V3,
+    /// ∂hub/∂command of the steering and the rotation of the upright over it, rad; 0 for a wheel that isn't steered.
+    pub(super) steer: V3,
+    pub(super) steer_tilt: V3,
     /// The lengths of the struts, as in [`vb_vehicle::kinematics::WheelPose`].
     pub(super) struts: [f64; 2],
     /// ∂strut/∂travel. It is 0 for a wheel on a beam, for which [`BeamPlacement`] has it over both travels.
@@ -53,6 +40,8 @@ impl Placement {
             tangent: O,
             bend: O,
             tilt: O,
+            steer: O,
+            steer_tilt: O,
             struts: [0.0; 2],
             strut_rates: [0.0; 2],
             bar: 0.0,
@@ -108,15 +97,20 @@ impl<'a> Kinematics<'a> {
             let tangent = turn * pose.hub_rate;
             let tilt = turn * pose.tilt_rate;
             let mut velocity = body.v + body.w.cross(&arm) + tangent * w.travel_rate;
+            let mut rotation = body.w + tilt * w.travel_rate + axis * w.spin;
+            let (mut steer, mut steer_tilt) = (V3::zeros(), V3::zeros());
             if c.steered {
-                velocity += turn * (pose.hub_steer_rate * steering.rate);
+                (steer, steer_tilt) = (turn * pose.hub_steer_rate, turn * pose.steer_tilt_rate);
+                velocity += steer * steering.rate;
+                rotation += steer_tilt * steering.rate;
             }
-            let rotation = body.w + tilt * w.travel_rate + axis * w.spin;
             *place = Placement {
                 arm,
                 tangent,
                 bend: turn * pose.hub_curvature * (w.travel_rate * w.travel_rate),
                 tilt,
+                steer,
+                steer_tilt,
                 struts: pose.struts,
                 strut_rates: pose.strut_rates,
                 bar: pose.bar,
@@ -140,17 +134,24 @@ impl<'a> Kinematics<'a> {
                 let tilt = turn * p.tilt_rates[i];
                 let cross = turn * p.hub_rates[1 - i];
                 let cross_tilt = turn * p.tilt_rates[1 - i];
+                let (steer, steer_tilt) = (turn * p.hub_steer_rate, turn * p.steer_tilt_rate);
                 let velocity = body.v
                     + body.w.cross(&arm)
                     + tangent * rates[i]
                     + cross * rates[1 - i]
-                    + turn * (p.hub_steer_rate * steering.rate);
-                let rotation = body.w + tilt * rates[i] + cross_tilt * rates[1 - i] + axis * w.spin;
+                    + steer * steering.rate;
+                let rotation = body.w
+                    + tilt * rates[i]
+                    + cross_tilt * rates[1 - i]
+                    + steer_tilt * steering.rate
+                    + axis * w.spin;
                 *place = Placement {
                     arm,
                     tangent,
                     bend: turn * p.bend,
                     tilt,
+                    steer,
+                    steer_tilt,
                     struts: p.struts,
                     strut_rates: [0.0; 2],
                     bar: 0.0,

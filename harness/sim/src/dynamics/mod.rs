@@ -13,6 +13,7 @@
 //!
 //! | stage | takes | gives |
 //! |---|---|---|
+//! | `steering` | what the driver asks, load of the last step | the steering command and its rate |
 //! | `kinematics` | design, motion of chassis and wheels, steering | placements of wheels and beams |
 //! | `contact` | placements, ground | forces on the wheels, with what contacts remember and the soil brought up to date |
 //! | `track` | placements, ground, forces on the wheels | the same forces with those of the belts, thrusts |
@@ -29,9 +30,11 @@ mod facets;
 mod ground;
 mod integrate;
 mod kinematics;
+mod obstacles;
 mod solve;
 mod stand;
 mod state;
+mod steering;
 mod track;
 
 pub(crate) use ground::Ground;
@@ -44,9 +47,10 @@ use crate::tyre::Envelope;
 use contact::Forces;
 use design::{Design, Guide};
 use drive::Shafts;
-use kinematics::{BeamPlacement, Kinematics, Placement, Steering};
+use kinematics::{BeamPlacement, Kinematics, Placement};
 use state::{Body, State};
 use std::sync::Arc;
+use steering::Steering;
 use track::Laid;
 use vb_vehicle::GRAVITY;
 use vb_vehicle::VehicleSpec;
@@ -101,9 +105,9 @@ impl Vehicle {
         &mut self.state.body
     }
 
-    /// The steering command after the rate limit, in [-1, 1].
+    /// The steering command after the limits of rate and force, in [-1, 1].
     pub(crate) fn steering(&self) -> f64 {
-        self.state.steering
+        self.state.steering.command
     }
 
     /// Mass, moments of inertia and centre of mass of the whole vehicle at design height, relative to the chassis'
@@ -169,15 +173,31 @@ impl Vehicle {
         self.design.corners.iter().map(|c| self.design.envelope(c))
     }
 
-    /// Kinetic energy and energy of height less the work that the engine has done so far, J. Energy held by springs and
-    /// tyres is not in it.
+    /// Kinetic energy and energy of height less the work that engine and steering have done so far, J. Energy held by
+    /// springs and tyres is not in it.
     pub(crate) fn energy_balance(&self) -> f64 {
         energy::balance(&self.design, &self.state, &self.last.placements, &self.last.beams, &self.gravity)
     }
 
-    /// The energy that lifts the vehicle by the radius of a wheel, J.
-    pub(crate) fn lift_energy(&self) -> f64 {
-        self.composite().0 * GRAVITY * self.design.tyres[0].envelope().radius()
+    /// The weight of the vehicle, N, and the radius of a wheel of its first tyre, m.
+    pub(crate) fn weight_and_radius(&self) -> [f64; 2] {
+        [self.composite().0 * GRAVITY, self.design.tyres[0].envelope().radius()]
+    }
+
+    /// Wheel-steps so far in which the depth of a contact was limited.
+    pub(crate) fn held(&self) -> u64 {
+        self.state.contacts.iter().map(|c| c.held).sum()
+    }
+
+    /// Steps so far in which the load on the steering exceeded its force.
+    pub(crate) fn stalled(&self) -> u64 {
+        self.state.steering.stalled
+    }
+
+    /// Starts to count for diagnostics from here.
+    pub(crate) fn count_anew(&mut self) {
+        self.state.contacts.iter_mut().for_each(|c| c.held = 0);
+        self.state.steering.stalled = 0;
     }
 
     /// Brings all wheels to design height, at rest and without tyre forces.
@@ -196,7 +216,7 @@ impl Vehicle {
     pub(crate) fn accelerate(&mut self, controls: Controls, ground: &mut Ground<'_>, dt: f64) {
         let Self { design, state, last, gravity } = self;
         let Given { placements, beams, laid, forces } = last;
-        let steering = Steering::follow(controls.steering, state.steering, design.steering_rate, dt);
+        let steering = Steering::follow(controls.steering, design, &state.steering, dt);
         let kinematics = Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams);
         track::carry_shear(&design.tracks, &state.belts, &mut state.contacts, dt);
         contact::touch_wheels(design, &kinematics, ground, &mut state.contacts, forces, dt);
@@ -207,6 +227,8 @@ impl Vehicle {
             let thrusts = [0, 1].map(|i| laid[i].total_thrust());
             Shafts::of_sprockets(design, &state.belts, thrusts, forces, controls.brake, steering.command)
         };
+        let load = steering::load(design, &kinematics, forces);
+        state.steering.bear(load, steering.rate, dt);
         let demand = drive::demand(design, &state.body, state.drive.gear(), &controls);
         let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
         let increments = solve::solve(design, &kinematics, forces, &driven, gravity, dt);

@@ -2,6 +2,7 @@
 
 use super::design::{Design, Track};
 use super::facets::FacetPatches;
+use super::obstacles::ObstaclePatches;
 use crate::powertrain::{Drive, Load};
 use crate::soil::{Footprint, TRACK, WHEEL};
 use crate::state::VehicleState;
@@ -13,8 +14,7 @@ use vb_vehicle::VehicleSpec;
 #[derive(Clone)]
 pub(crate) struct State {
     pub(crate) body: Body,
-    /// The steering command after the rate limit, in [-1, 1].
-    pub(crate) steering: f64,
+    pub(crate) steering: SteeringState,
     /// Front to back, left before right.
     pub(super) wheels: Vec<Wheel>,
     /// What each wheel's contacts remember.
@@ -37,6 +37,34 @@ pub(crate) struct Body {
     pub(crate) w: V3,
 }
 
+/// The state of the steering gears.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct SteeringState {
+    /// The command after the limits of rate and force, in [-1, 1].
+    pub(crate) command: f64,
+    /// How fast it changed in the last step, 1/s.
+    pub(super) rate: f64,
+    /// The generalised force of ground and obstacles on the command in the last step, N m.
+    pub(super) load: f64,
+    /// The work of the gears on the vehicle so far, J. Negative work is that of a load which drives them back.
+    pub(super) work: f64,
+    /// Steps so far in which the load exceeded the gears' force.
+    pub(super) stalled: u64,
+}
+
+impl SteeringState {
+    /// Takes note of the load (N m) in a step of `dt` (s) in which the command moved at a rate (1/s).
+    pub(super) fn bear(&mut self, load: f64, rate: f64, dt: f64) {
+        self.load = load;
+        self.work -= load * rate * dt;
+    }
+
+    /// The numbers that the next step depends on.
+    fn digest(&self) -> [f64; 3] {
+        [self.command, self.rate, self.load]
+    }
+}
+
 /// The motion of a wheel against the chassis.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Wheel {
@@ -49,11 +77,11 @@ pub(super) struct Wheel {
 #[derive(Clone)]
 pub(super) struct Contacts {
     pub(super) ground: Patch,
-    pub(super) obstacle: Patch,
     /// How deep the wheel was in the ground a step ago, m.
     pub(super) ground_depth: f64,
-    /// How deep it was in an obstacle, m.
-    pub(super) obstacle_depth: f64,
+    pub(super) obstacles: ObstaclePatches,
+    /// Steps so far in which the depth of a contact was limited. No state: it is counted for diagnostics.
+    pub(super) held: u64,
     /// Of a hard wheel: its contacts with the ground, which then has no patch of its own.
     pub(super) facets: FacetPatches,
     /// No state: it saves work.
@@ -103,9 +131,9 @@ impl Contacts {
     fn new(footprint: Option<Footprint<WHEEL>>) -> Self {
         Self {
             ground: Patch::default(),
-            obstacle: Patch::default(),
             ground_depth: 0.0,
-            obstacle_depth: 0.0,
+            obstacles: ObstaclePatches::default(),
+            held: 0,
             facets: FacetPatches::default(),
             clearance: Clearance::default(),
             footprint,
@@ -114,16 +142,17 @@ impl Contacts {
 
     /// Forgets contacts with hard ground and obstacles.
     fn forget(&mut self) {
-        (self.ground, self.obstacle) = (Patch::default(), Patch::default());
-        (self.ground_depth, self.obstacle_depth) = (0.0, 0.0);
+        (self.ground, self.ground_depth) = (Patch::default(), 0.0);
+        self.obstacles = ObstaclePatches::default();
         self.facets = FacetPatches::default();
     }
 
     /// The numbers that the next step depends on.
     fn digest(&self) -> impl Iterator<Item = f64> + '_ {
-        let (g, o) = (self.ground.deflection, self.obstacle.deflection);
-        [g[0], g[1], o[0], o[1], self.ground_depth, self.obstacle_depth]
+        let g = self.ground.deflection;
+        [g[0], g[1], self.ground_depth]
             .into_iter()
+            .chain(self.obstacles.digest())
             .chain(self.facets.digest())
             .chain(self.footprint.iter().flat_map(Footprint::digest))
     }
@@ -169,7 +198,7 @@ impl State {
         let load = super::design::sprockets(spec).unwrap_or_else(|| Load::wheels(spec));
         Self {
             body: Body::at_rest(),
-            steering: 0.0,
+            steering: SteeringState::default(),
             wheels: vec![Wheel::default(); design.corners.len()],
             contacts: (0..design.corners.len()).map(|i| Contacts::new(footprint(i))).collect(),
             belts: design.tracks.iter().map(|t| Belt::new(t, soil_resolution)).collect(),
@@ -183,7 +212,7 @@ impl State {
         let wheels =
             wheels.flat_map(|(w, c)| [w.travel, w.travel_rate, w.spin].into_iter().chain(c.digest()));
         let belts = self.belts.iter().flat_map(Belt::digest);
-        wheels.chain([self.steering]).chain(self.drive.inner_state()).chain(belts)
+        wheels.chain(self.steering.digest()).chain(self.drive.inner_state()).chain(belts)
     }
 
     /// Brings all wheels to design height, at rest and without tyre forces.
@@ -201,9 +230,10 @@ impl State {
         for (((own, contacts), corner), wheel) in known.zip(&told.wheels) {
             (own.travel, own.spin) = (wheel.deflection, wheel.speed / corner.gearing);
             // However deep the wheels are there.
-            (contacts.ground_depth, contacts.obstacle_depth) = (f64::MAX, f64::MAX);
+            (contacts.ground_depth, contacts.obstacles) = (f64::MAX, ObstaclePatches::at_any_depth());
         }
-        self.steering = told.steering;
+        self.steering =
+            SteeringState { command: told.steering, work: self.steering.work, ..SteeringState::default() };
         self.drive.engage(told.gear, gear, told.engine_speed);
     }
 }

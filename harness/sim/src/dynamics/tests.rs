@@ -93,7 +93,7 @@ impl Vehicle {
     /// Its wheels and beams where they are, with the steering at rest.
     pub(super) fn placed(&mut self) -> Kinematics<'_> {
         let Self { design, state, last, .. } = self;
-        let steering = Steering { command: state.steering, rate: 0.0 };
+        let steering = Steering { command: state.steering.command, rate: 0.0, stalled: false };
         let (placements, beams) = (&mut last.placements, &mut last.beams);
         Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams)
     }
@@ -405,21 +405,21 @@ fn a_contact_deepens_as_the_wheel_approaches_and_not_from_nowhere() {
     let (mut depth, dt) = (0.0, 1e-3);
     for k in 1..=50 {
         let deep = 3e-3 * f64::from(k);
-        assert_eq!(moving(V3::new(0.0, 0.0, -3.0)).held(&at(deep), &mut depth, 0.4, dt).depth, deep);
+        assert_eq!(moving(V3::new(0.0, 0.0, -3.0)).held(&at(deep), &mut depth, 0.4, dt).0.depth, deep);
     }
     let mut depth = 0.01;
-    assert_eq!(moving(V3::new(5.0, 0.0, 0.0)).held(&at(0.011), &mut depth, 0.4, dt).depth, 0.011);
+    assert_eq!(moving(V3::new(5.0, 0.0, 0.0)).held(&at(0.011), &mut depth, 0.4, dt).0.depth, 0.011);
     // Its lowest point changes sides: half a metre at once. As it leaves the ground, or at rest, that is let out slowly.
     let mut depth = 0.01;
-    let held = moving(V3::new(0.0, 0.0, 0.5)).held(&at(0.5), &mut depth, 0.4, dt);
-    assert!(held.depth < 0.0101 && held.depth == depth, "{}", held.depth);
-    assert!(moving(V3::zeros()).held(&at(0.5), &mut depth, 0.4, dt).depth < 0.0102);
+    let (held, limited) = moving(V3::new(0.0, 0.0, 0.5)).held(&at(0.5), &mut depth, 0.4, dt);
+    assert!(limited && held.depth < 0.0101 && held.depth == depth, "{}", held.depth);
+    assert!(moving(V3::zeros()).held(&at(0.5), &mut depth, 0.4, dt).0.depth < 0.0102);
     // What shrinks isn't held.
-    assert_eq!(moving(V3::zeros()).held(&at(0.003), &mut depth, 0.4, dt).depth, 0.003);
+    assert_eq!(moving(V3::zeros()).held(&at(0.003), &mut depth, 0.4, dt).0.depth, 0.003);
     // On its flank it isn't thrown any faster by being found as deep in another place, and never pulled.
     let flank = WheelMotion { axis: V3::z(), rotation: V3::zeros(), ..moving(V3::new(0.0, 0.0, 4.0)) };
     let mut depth = 0.01;
-    let held = flank.held(&at(0.01), &mut depth, 0.4, dt).depth;
+    let held = flank.held(&at(0.01), &mut depth, 0.4, dt).0.depth;
     assert!((0.006..0.00605).contains(&held), "{held}");
     for _ in 0..10 {
         flank.held(&at(0.01), &mut depth, 0.4, dt);
@@ -447,4 +447,92 @@ fn a_wheel_that_comes_from_facets_to_soil_forgets_them() {
     };
     assert!(facets_on(TerrainClass::Concrete) > 0, "it stands on facets");
     assert_eq!(facets_on(TerrainClass::Mud), 0);
+}
+
+/// A vehicle at rest on flat ground with trunks, and what is around it.
+fn among(trunks: &[[f64; 2]]) -> (vb_world::World, Obstacles) {
+    let obstacle = |p: &[f64; 2]| vb_world::Obstacle {
+        x: p[0],
+        y: p[1],
+        yaw: 0.0,
+        buried: 0.5,
+        kind: vb_world::ObstacleKind::Trunk { radius: 0.3, height: 3.0 },
+    };
+    let mut world =
+        vb_world::World::uniform("w", Heightfield::flat(33, 33, 1.0, 0.0), TerrainClass::Concrete, 0.8);
+    world.obstacles = trunks.iter().map(obstacle).collect();
+    let mut obstacles = Obstacles::new(&Arc::new(world.clone()).into());
+    obstacles.look_around(&V3::zeros(), 20.0);
+    (world, obstacles)
+}
+
+#[test]
+fn a_wheel_that_is_wedged_between_two_trunks_is_pushed_by_both() {
+    let vehicle = at_rest(&hmmwv());
+    let hub = vehicle.hubs().next().unwrap().0;
+    let radius = 0.467 + 0.3 - 0.01;
+    let forces = |trunks: &[[f64; 2]]| {
+        let (world, obstacles) = among(trunks);
+        let mut soil = SoilGround::none();
+        let (heightfield, semantics) = (&world.heightfield, &world.semantics);
+        let mut v = vehicle.clone();
+        // However deep it is there.
+        v.state.contacts[0].obstacles = super::obstacles::ObstaclePatches::at_any_depth();
+        let mut ground = Ground { soil: &mut soil, heightfield, semantics, obstacles: &obstacles };
+        v.accelerate(Controls::default(), &mut ground, 1e-3);
+        (v.last.forces[0].force.x, v.last.forces[0].load)
+    };
+    let (ahead, behind) = ([hub.x + radius, hub.y], [hub.x - radius, hub.y]);
+    let (alone, free, both) = (forces(&[ahead]), forces(&[]), forces(&[ahead, behind]));
+    let push = alone.0 - free.0;
+    // About a centimetre of the tyre.
+    assert!(push < -1000.0, "{push} N");
+    assert!((both.0 - free.0).abs() < 0.1 * push.abs(), "{} N along of {push}", both.0 - free.0);
+    let (one, two) = (alone.1 - free.1, both.1 - free.1);
+    assert!((two / one - 2.0).abs() < 0.1, "{one} and {two} N");
+}
+
+/// The command, the load on it (N m) and the work of the steering (J) after a second in which a vehicle at rest, with brakes
+/// on, is asked to turn its wheels fully to the left.
+fn steered(spec: &VehicleSpec, trunks: impl Fn(V3) -> Vec<[f64; 2]>) -> (f64, f64, f64) {
+    let mut vehicle = at_rest(spec);
+    let (world, obstacles) = among(&trunks(vehicle.hubs().next().unwrap().0));
+    let mut soil = SoilGround::none();
+    let mut most = 0.0_f64;
+    for _ in 0..1000 {
+        let (heightfield, semantics) = (&world.heightfield, &world.semantics);
+        let mut ground = Ground { soil: &mut soil, heightfield, semantics, obstacles: &obstacles };
+        let controls = Controls { steering: 1.0, brake: 1.0, ..Controls::default() };
+        vehicle.accelerate(controls, &mut ground, 1e-3);
+        vehicle.body_mut().move_on(1e-3);
+        most = most.max(vehicle.state.steering.load.abs());
+    }
+    (vehicle.steering(), most, vehicle.state.steering.work)
+}
+
+#[test]
+fn a_rack_turns_the_wheels_at_rest_but_does_not_push_through_trunks() {
+    let limited = |force| {
+        let mut spec = hmmwv();
+        spec.steering.force = force;
+        spec
+    };
+    // Turning left, the left wheel's front goes to the left and its rear to the right, where trunks are.
+    let aside = 0.5 * hmmwv().tyre.width() + 0.3 + 0.03;
+    let blocked = |hub: V3| vec![[hub.x + 0.35, hub.y + aside], [hub.x - 0.35, hub.y - aside]];
+    let force = 15_000.0;
+    let Some(SteeringGear::RackAndPinion { travel }) = hmmwv().axles[0].steering else { panic!("a rack") };
+    let effort = force * travel.abs();
+    // Free: both wheels turn, for less than the limit.
+    let (command, most, work) = steered(&limited(Some(force)), |_| vec![]);
+    assert!(command > 0.99 && most < effort, "{command}, {most} N m");
+    assert!(work > 0.0, "{work} J rub the tyres");
+    // Against the trunks an unlimited rack does what it wants, one with a limit stalls.
+    let (command, most, _) = steered(&limited(None), blocked);
+    assert!(command > 0.99 && most > 2.0 * effort, "{command}, {most} N m");
+    let (command, most, work) = steered(&limited(Some(force)), blocked);
+    assert!(command < 0.7, "{command}");
+    // Beyond its limit only by the inertia of the wheels that hit.
+    assert!(most < 1.5 * effort, "{most} N m of {effort}");
+    assert!(work < effort, "{work} J over less than the whole way");
 }

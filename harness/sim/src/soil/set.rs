@@ -140,6 +140,9 @@ impl SoilLaw {
         range("damping", self.damping, 0.0, 1e6)?;
         // Unloading softer than loading would give energy back; harder than this would need a smaller step.
         range("elastic_stiffness", self.elastic_stiffness, self.sinkage.softest_unloading(), 1e9)?;
+        if let Some(steel) = self.steel_friction {
+            range("steel_friction", steel, 0.0, 1.0)?;
+        }
         if let Some(b) = self.bulldozing {
             range("bulldozing.erosion_angle_deg", b.erosion_angle_deg, 1.0, 80.0)?;
             range("bulldozing.flow", b.flow, 0.0, 2.0)?;

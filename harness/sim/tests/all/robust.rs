@@ -141,6 +141,27 @@ fn energy_that_nothing_supplied_is_an_error_with_the_state_to_look_at() {
 }
 
 #[test]
+fn energy_that_comes_slowly_from_nowhere_is_found_too() {
+    // A vehicle that coasts at 5 m/s against some 370 N of rolling resistance, in air that pushes with 700 N: 1.7 kW and more,
+    // which lifts it by a tenth of its wheel's radius in a second.
+    let after = |push: f64| {
+        let mut vehicle = hmmwv();
+        vehicle.chassis.resistance = vec![[0.5, -push], [10.0, -push]];
+        let world = crate::common::flat(0.8);
+        let start = Pose2 { x: -140.0, y: 0.0, yaw: 0.0 };
+        let mut sim = Simulation::new(world, &model(vehicle), &soils(), start, SimOptions::default())
+            .expect("it settles");
+        sim.throw([5.0, 0.0, 0.0]);
+        let neutral = Controls { gear: vb_sim::Gear::Neutral, ..Controls::default() };
+        sim.advance(neutral, 25_000).map(|()| sim.energy_surplus())
+    };
+    let surplus = after(0.0).expect("without the push it coasts");
+    assert!(surplus < 500.0, "{surplus} J");
+    let message = after(700.0).expect_err("it is pushed").to_string();
+    assert!(message.contains("mechanical energy that nothing supplied"), "{message}");
+}
+
+#[test]
 fn a_world_with_a_class_that_the_set_has_no_soil_for_is_refused_by_name() {
     let world = crate::common::soil_world(Heightfield::flat(9, 9, 1.0, 0.0), TerrainClass::Snow);
     let start = Pose2 { x: 0.0, y: 0.0, yaw: 0.0 };

@@ -117,7 +117,7 @@ impl Check<'_> {
         }
         let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, VehicleError>>()?;
         self.carries(v, &axles)?;
-        self.positive("steering.rate", v.steering.rate)?;
+        self.steering(v)?;
         self.tyres(v)?;
         self.tracks(v)?;
         self.powertrain(v)

@@ -87,6 +87,24 @@ impl Check<'_> {
         Ok(())
     }
 
+    /// Checks the driver's steering and that each limit belongs to a gear of the vehicle.
+    pub(super) fn steering(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+        self.positive("steering.rate", v.steering.rate)?;
+        let rack = |gear: &SteeringGear| matches!(gear, SteeringGear::RackAndPinion { .. });
+        let gears = || v.axles.iter().filter_map(|a| a.steering.as_ref());
+        for (field, limit, fits, needed) in [
+            ("steering.force", v.steering.force, gears().any(rack), "a rack"),
+            ("steering.torque", v.steering.torque, gears().any(|g| !rack(g)), "a pitman arm or a rotary arm"),
+        ] {
+            let Some(limit) = limit else { continue };
+            self.positive(field, limit)?;
+            if !fits {
+                return self.fail(field, format!("{limit} given, but no axle is steered by {needed}"));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether a linkage has what an axle's steering moves.
     fn steerable(&self, field: &str, steered: bool, linkage: &Linkage) -> Result<(), VehicleError> {
         let can = linkage.tie_rod_inner().is_some() || linkage.knuckles().is_some();
@@ -425,6 +443,18 @@ mod tests {
                 "damper: {type: table, points: [[-1, 5], [0, 0], [1, 5]]}",
             )],
             "axles[0].suspension.struts[0].damper.points: [-1.0, 5.0] would drive the motion",
+        );
+    }
+
+    #[test]
+    fn a_limit_of_the_steering_is_positive_and_belongs_to_a_gear_of_the_vehicle() {
+        refused(
+            &[("  rate: 1.25 ", "  force: -15000.0\n  rate: 1.25 ")],
+            "steering.force: -15000 must be a positive number",
+        );
+        refused(
+            &[("  rate: 1.25 ", "  torque: 4000.0\n  rate: 1.25 ")],
+            "steering.torque: 4000 given, but no axle is steered by a pitman arm or a rotary arm",
         );
     }
 

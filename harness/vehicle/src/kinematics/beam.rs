@@ -38,6 +38,8 @@ pub struct BeamWheel {
     pub hub_rates: [V3; 2],
     /// ∂hub/∂command of the steering, m.
     pub hub_steer_rate: V3,
+    /// The rotation of the knuckle over the command of the steering, its component across the axle, rad.
+    pub steer_tilt_rate: V3,
     /// The acceleration Σᵢⱼ ∂²hub/∂qᵢ∂qⱼ q̇ᵢ q̇ⱼ of the centre over the travels q, m/s².
     pub bend: V3,
     /// The direction of the wheel's axle, a unit vector to the left.
@@ -229,6 +231,7 @@ impl BeamAxle {
                 hub: middle + arm,
                 hub_rates,
                 hub_steer_rate: steered * angle.steer_rate,
+                steer_tilt_rate: (kingpin - axis * axis.dot(&kingpin)) * angle.steer_rate,
                 bend: middle_bend + spin_bend.cross(&arm) + spin.cross(&spin.cross(&arm)),
                 axis,
                 tilt_rates,

@@ -188,6 +188,7 @@ impl AxleKinematics {
                     hub_rate: w.hub_rates[i],
                     hub_curvature: w.bend,
                     hub_steer_rate: w.hub_steer_rate,
+                    steer_tilt_rate: w.steer_tilt_rate,
                     axis: w.axis,
                     tilt_rate: w.tilt_rates[i],
                     struts: w.struts,

@@ -24,6 +24,8 @@ pub struct WheelPose {
     pub hub_curvature: V3,
     /// ∂hub/∂command of the steering, m.
     pub hub_steer_rate: V3,
+    /// The rotation of the upright over the command of the steering, its component across the axle, rad.
+    pub steer_tilt_rate: V3,
     /// The direction of the wheel's axle, a unit vector to the left.
     pub axis: V3,
     /// The rotation of the upright over the travel, its component across the axle, rad/m.
@@ -110,12 +112,12 @@ impl CornerTable {
             let steer = 0.5 * last as f64;
             // The spline is linear in its nodes: mix them first.
             let mut nodes = [[0.0; COLUMNS]; 4];
-            let mut shift = [0.0; 2];
+            let mut shift = [0.0; 4];
             for i in 0..4 {
                 for c in 0..COLUMNS {
                     nodes[i][c] = a[i][c] + (b[i][c] - a[i][c]) * g;
                 }
-                for c in 0..2 {
+                for c in 0..4 {
                     shift[c] += w[0][i] * (b[i][c] - a[i][c]) * steer;
                 }
             }
@@ -124,18 +126,21 @@ impl CornerTable {
         } else {
             let nodes: &[Row; 4] = self.rows[0][first..first + 4].try_into().expect("four nodes");
             let (v, d, dd) = spline(nodes, &w);
-            (v, d, dd, [0.0; 2])
+            (v, d, dd, [0.0; 4])
         };
         let (s, per) = (self.side, self.per_step);
         let ay = (1.0 - v[2] * v[2] - v[3] * v[3]).sqrt();
         let ay_rate = -(v[2] * d[2] + v[3] * d[3]) / ay;
         let axis = V3::new(s * v[2], ay, s * v[3]);
         let axis_rate = V3::new(s * d[2], ay_rate, s * d[3]) * per;
+        let ay_steer_rate = -(v[2] * steer[2] + v[3] * steer[3]) / ay;
+        let axis_steer_rate = V3::new(s * steer[2], ay_steer_rate, s * steer[3]);
         WheelPose {
             hub: V3::new(v[0], s * v[1], self.z_design + travel),
             hub_rate: V3::new(d[0] * per, s * d[1] * per, 1.0),
             hub_curvature: V3::new(dd[0], s * dd[1], 0.0) * (per * per),
             hub_steer_rate: V3::new(steer[0], s * steer[1], 0.0),
+            steer_tilt_rate: axis.cross(&axis_steer_rate),
             axis,
             tilt_rate: axis.cross(&axis_rate),
             struts: [v[4], v[5]],

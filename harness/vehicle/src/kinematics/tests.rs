@@ -303,6 +303,8 @@ fn rates_are_the_derivatives_of_the_positions() {
         assert!((turn - p.tilt_rate).norm() < 1e-5, "{travels:?}: {turn} {}", p.tilt_rate);
         let (c, d) = (at(0.0, -h), at(0.0, h));
         assert!(((d.hub - c.hub) / (2.0 * h) - p.hub_steer_rate).norm() < 1e-5);
+        let turn = p.axis.cross(&((d.axis - c.axis) / (2.0 * h)));
+        assert!((turn - p.steer_tilt_rate).norm() < 1e-5, "{travels:?}: {turn} {}", p.steer_tilt_rate);
         // The bend of a steered knuckle over travel is left out.
         let bend = (b.hub_rate - a.hub_rate) / (2.0 * h) - p.hub_curvature;
         assert!(bend.norm() < 1e-4 || std::ptr::eq(k, &beam), "{travels:?}: {bend}");

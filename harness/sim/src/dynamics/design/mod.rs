@@ -8,6 +8,7 @@ mod track;
 pub(crate) use beam::Beam;
 pub(crate) use track::{Track, gearing, sprockets};
 
+use super::steering::Servo;
 use crate::V3;
 use crate::collision::WheelShape;
 use crate::tyre::{Envelope, Tyre};
@@ -30,6 +31,8 @@ pub(crate) struct Design {
     pub(crate) resistance: Vec<[f64; 2]>,
     /// How fast the steering command follows the driver's, 1/s.
     pub(crate) steering_rate: f64,
+    /// The limit of the steering gears; none if their force is unlimited.
+    pub(crate) servo: Option<Servo>,
     pub(crate) governor: Option<Governor>,
     /// The vehicle's reference point relative to the chassis' centre of mass, body axes.
     pub(crate) reference: V3,
@@ -94,6 +97,7 @@ impl Design {
             inertia: V3::from(spec.chassis.inertia),
             resistance: spec.chassis.resistance.clone(),
             steering_rate: spec.steering.rate,
+            servo: None,
             governor: spec.powertrain.governor,
             reference: -com,
             tyres: vec![Tyre::new(&spec.tyre)],
@@ -144,6 +148,7 @@ impl Design {
                 });
             }
         }
+        design.servo = Servo::new(spec, design.steered_inertia());
         let hubs: Vec<V3> = design.corners.iter().map(|c| design.hub(c)).collect();
         design.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs)).collect();
         // A belt is no farther from its wheels than its width.
@@ -154,6 +159,26 @@ impl Design {
             .map(|(hub, c)| hub.norm() + design.shapes[c.tyre].bound() + belt);
         design.bound = farthest.fold(0.0, f64::max);
         design
+    }
+
+    /// The inertia of the steered wheels against a change of the steering command, at design height and straight ahead,
+    /// kg m². Across its axle a wheel counts as a thin disc, with half of its moment of inertia about the axle.
+    fn steered_inertia(&self) -> f64 {
+        let one = |c: &Corner| {
+            let i = c.side.index();
+            let (hub, tilt) = match &c.guide {
+                Guide::Table(table) | Guide::Mount(table) => {
+                    let p = table.at(0.0, 0.0);
+                    (p.hub_steer_rate, p.steer_tilt_rate)
+                }
+                Guide::Beam(b) => {
+                    let w = self.beams[*b].kinematics.at([0.0; 2], [0.0; 2], 0.0).wheels[i];
+                    (w.hub_steer_rate, w.steer_tilt_rate)
+                }
+            };
+            c.mass * hub.norm_squared() + 0.5 * c.spin_inertia * tilt.norm_squared()
+        };
+        self.corners.iter().filter(|c| c.steered).map(one).sum()
     }
 
     /// The centre of a corner's wheel at design height relative to the chassis' centre of mass, body axes.

@@ -410,6 +410,7 @@ mod tests {
             elastic_stiffness: 2e8,
             damping: 3e4,
             pressure,
+            steel_friction: None,
             bulldozing: Some(Bulldozing { erosion_angle_deg: 30.0, flow: 0.5 }),
         };
         let mut stream = vb_math::rng::Stream::new(3, &["footprint"]);
@@ -459,6 +460,7 @@ mod tests {
             elastic_stiffness: 2e8,
             damping: 0.0,
             pressure: PressureDirection::Radial,
+            steel_friction: None,
             bulldozing: None,
         };
         // A plane that rises by 0.2 to the left.
