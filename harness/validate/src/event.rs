@@ -1,10 +1,11 @@
 //! An event and what it measures.
 
+use crate::characteristics::Characteristics;
 use crate::check::{Expectation, Expected};
 use crate::geometry::Geometry;
 use crate::pace::Pace;
 use serde::Serialize;
-use vb_sim::{SimError, SimOptions, SoilSet};
+use vb_sim::{SimError, SimOptions, SoilSet, VehicleState};
 use vb_vehicle::{VehicleModel, VehicleSpec, powertrain::Differential};
 
 /// A vehicle ready to be put through events.
@@ -16,6 +17,8 @@ pub struct Bench<'a> {
     pub(crate) options: SimOptions,
     pub(crate) geometry: Geometry,
     pub(crate) pace: Pace,
+    /// The vehicle as it stands on level ground.
+    pub(crate) standing: VehicleState,
 }
 
 impl<'a> Bench<'a> {
@@ -28,7 +31,13 @@ impl<'a> Bench<'a> {
         let model = VehicleModel::new(spec.clone())?;
         let rest = crate::grounds::at_rest(&model, options)?;
         let geometry = Geometry::new(&model, rest.wheels.iter().map(|w| w.deflection).collect());
-        Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model })
+        Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model, standing: rest })
+    }
+
+    /// Computes the vehicle's characteristics from its file.
+    #[must_use]
+    pub fn characteristics(&self) -> Characteristics {
+        Characteristics::new(self)
     }
 
     /// Friction between the ground and the vehicle's tyres where it is the lesser of theirs; that of the ground for tyres whose

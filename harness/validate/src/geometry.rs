@@ -19,9 +19,10 @@ pub(crate) struct Corner {
     /// Of its tyre, m.
     pub(crate) radius: f64,
     pub(crate) width: f64,
-    axle: usize,
+    pub(crate) axle: usize,
     pub(crate) mount: V3,
-    mass: f64,
+    /// With half of a beam, kg.
+    pub(crate) mass: f64,
     pub(crate) spin_inertia: f64,
     steered: bool,
 }
@@ -31,7 +32,7 @@ pub(crate) struct Corner {
 pub(crate) struct Geometry {
     pub(crate) axles: Vec<AxleKinematics>,
     pub(crate) corners: Vec<Corner>,
-    chassis_mass: f64,
+    pub(crate) chassis_mass: f64,
     pub(crate) chassis_com: V3,
     chassis_inertia: V3,
     pub(crate) hull: Vec<V3>,

@@ -9,6 +9,7 @@
 //!
 //! Units in figures, series and files are those named beside them: SI, angles in degrees, as people read them.
 
+mod characteristics;
 mod check;
 mod error;
 mod event;
@@ -28,6 +29,7 @@ mod statics;
 mod theory;
 mod traction;
 
+pub use characteristics::{AxleCharacteristics, Characteristics, Ride};
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use error::ValidateError;
 pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};

@@ -38,6 +38,8 @@ const PARTS: u32 = 40;
 /// Inclination of a hard wheel at which it stands on its edge, rad: little enough, and not none, for which Newton's method has no slope.
 const ON_EDGE: f64 = 0.02;
 const ITERATIONS: usize = 60;
+/// Steps in which the ground rises until a wheel lifts.
+const LIFTS: u32 = 150;
 /// Residual, over the weight, that counts as balance.
 const BALANCED: f64 = 1e-9;
 
@@ -49,6 +51,12 @@ impl<'a> Statics<'a> {
         if spec.tracks.is_some() || spec.axles.iter().any(|a| pinned(&a.suspension.linkage)) {
             return None;
         }
+        Some(Self::springs(bench))
+    }
+
+    /// Springs and tyres of any vehicle, for [`push`](Self::push) and [`foot`](Self::foot) alone.
+    pub(crate) fn springs(bench: &'a Bench<'a>) -> Self {
+        let spec = bench.spec;
         let elements = spec.axles.iter().map(|a| {
             let torsion = match &a.suspension.linkage {
                 Linkage::TorsionArm(t) => t.torsion,
@@ -61,11 +69,35 @@ impl<'a> Statics<'a> {
             torsion.into_iter().chain(struts).collect()
         });
         let tyres = spec.axles.iter().flat_map(|a| [Tyre::new(spec.tyre_of(a)), Tyre::new(spec.tyre_of(a))]);
-        Some(Self { bench, tyres: tyres.collect(), elements: elements.collect() })
+        Self { bench, tyres: tyres.collect(), elements: elements.collect() }
     }
 
-    /// At rest with the ground at these heights (m) under the wheels; none where no balance is found.
-    pub(crate) fn at(&self, ground: &[f64]) -> Option<Standing> {
+    /// The height (m) at which the first of the other wheels lifts as the ground rises under the wheels in `raised`; none where
+    /// no wheel lifts up to `most` (m) or no balance is found. A wheel has lifted that bears less than a hundredth of the mean load.
+    pub(crate) fn lifts(&self, raised: &[usize], most: f64) -> Option<f64> {
+        let count = self.bench.geometry.corners.len();
+        let light = 0.01 * self.bench.geometry.weight() / count as f64;
+        let mut u = self.balance(&vec![0.0; count], self.start())?;
+        let mut before = f64::INFINITY;
+        for step in 1..=LIFTS {
+            let height = most * f64::from(step) / f64::from(LIFTS);
+            let ground: Vec<f64> =
+                (0..count).map(|i| if raised.contains(&i) { height } else { 0.0 }).collect();
+            u = self.balance(&ground, u)?;
+            let (_, loads) = self.residual(&ground, &u);
+            let least = loads.into_iter().fold(f64::INFINITY, f64::min);
+            if least < light {
+                // Between two steps the load falls in a line.
+                let back = if before.is_finite() { (light - least) / (before - least) } else { 0.0 };
+                return Some(height - back * most / f64::from(LIFTS));
+            }
+            before = least;
+        }
+        None
+    }
+
+    /// Where Newton's method starts on level ground.
+    fn start(&self) -> DVector<f64> {
         let g = &self.bench.geometry;
         let count = g.corners.len();
         // Height of the reference point, roll, pitch, travels.
@@ -74,6 +106,12 @@ impl<'a> Statics<'a> {
             - g.hub(0, g.rest[0], 0.0).z
             - self.tyres[0].deflection(g.weight() / count as f64);
         u.rows_mut(3, count).copy_from_slice(&g.rest);
+        u
+    }
+
+    /// At rest with the ground at these heights (m) under the wheels; none where no balance is found.
+    pub(crate) fn at(&self, ground: &[f64]) -> Option<Standing> {
+        let mut u = self.start();
         for part in 0..=PARTS {
             let fraction = f64::from(part) / f64::from(PARTS);
             let heights: Vec<f64> = ground.iter().map(|h| h * fraction).collect();
@@ -188,14 +226,20 @@ impl<'a> Statics<'a> {
     }
 
     /// Lowest point of a wheel's circle `aside` of its middle (m), relative to the reference point, world axes, m.
-    fn foot(&self, wheel: usize, aside: f64, travels: &[f64], turn: &UnitQuaternion<f64>) -> Vector3<f64> {
+    pub(crate) fn foot(
+        &self,
+        wheel: usize,
+        aside: f64,
+        travels: &[f64],
+        turn: &UnitQuaternion<f64>,
+    ) -> Vector3<f64> {
         let (axis, hub) = self.wheel(wheel, travels, turn);
         let down = axis * axis.z - Vector3::z();
         hub + axis * aside + down.normalize() * self.bench.geometry.corners[wheel].radius
     }
 
     /// Force with which springs, stops and bar push a wheel down: the work that they take in over its travel, N.
-    fn push(&self, wheel: usize, travels: &[f64]) -> f64 {
+    pub(crate) fn push(&self, wheel: usize, travels: &[f64]) -> f64 {
         let axle = wheel / 2;
         let suspension = &self.bench.spec.axles[axle].suspension;
         let kinematics = &self.bench.geometry.axles[axle];

@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_sim::SoilSet;
-use vb_validate::{Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict};
+use vb_validate::{
+    Characteristics, Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict,
+};
 use vb_vehicle::VehicleSpec;
 
 use crate::args::{
@@ -73,9 +75,17 @@ pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
 
 pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
     let (path, spec) = load(&args.vehicle)?;
-    vb_validate::Bench::new(&spec, &[], vb_sim::SimOptions::default().step).map_err(CliError::input)?;
+    let warnings = characteristics(&spec)?.warnings();
+    for warning in &warnings {
+        output::note(&format!("warning: {}: {warning}", path.display()));
+    }
+    let verdict = match warnings.len() {
+        0 => "all valid".to_owned(),
+        1 => "valid, 1 warning".to_owned(),
+        n => format!("valid, {n} warnings"),
+    };
     output::text(&format!(
-        "{}: {}, {} axles, {:.0} kg, all valid\n",
+        "{}: {}, {} axles, {:.0} kg, {verdict}\n",
         path.display(),
         spec.name,
         spec.axles.len(),
@@ -84,13 +94,20 @@ pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Characteristics of a vehicle, computed from its file.
+fn characteristics(spec: &VehicleSpec) -> Result<Characteristics, CliError> {
+    let bench = vb_validate::Bench::new(spec, &[], vb_sim::SimOptions::default().step);
+    Ok(bench.map_err(CliError::input)?.characteristics())
+}
+
 pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
     let (path, spec) = load(&args.vehicle)?;
+    let characteristics = characteristics(&spec)?;
     let standing = Standing::new(spec).map_err(CliError::input)?;
     if let Some(file) = &args.svg {
         output::write(file, picture::draw(&standing))?;
     }
-    let table = Specification::new(&standing);
+    let table = Specification::new(&standing, characteristics);
     if args.format.is_json() {
         output::json(&ShowMessage { event: "vehicle", file: &path, specification: &table });
     } else {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use vb_runner::planner_vehicle;
-use vb_validate::number;
+use vb_validate::{Characteristics, Ride, number};
 use vb_vehicle::{
     powertrain::{Converter, Engine},
     suspension::SteeringGear,
@@ -32,8 +32,20 @@ pub(super) struct Specification {
     track_m: f64,
     /// Of the hull, standing.
     ground_clearance_m: f64,
+    /// SAE J1100; at most 90.
+    approach_angle_deg: f64,
+    departure_angle_deg: f64,
+    /// None where the hull is in no ramp's way.
+    break_over_angle_deg: Option<f64>,
     /// Of the reference point, without slip.
     turning_radius_m: f64,
+    /// Of the middle of the outer front wheel, without slip. None on tracks.
+    outer_front_wheel_radius_m: Option<f64>,
+    /// The height of the ground under one front wheel at which another wheel lifts.
+    articulation_m: Option<f64>,
+    /// Of blocks under two wheels diagonally across from each other.
+    diagonal_articulation_m: Option<f64>,
+    roll_gradient_deg_per_g: Option<f64>,
     max_speed_m_per_s: f64,
     /// Sprung, in the chassis frame.
     centre_of_mass_m: [f64; 3],
@@ -67,6 +79,8 @@ struct AxleRow {
     brake_torque_n_m: f64,
     tyre: String,
     load_n: f64,
+    /// None for wheels that are fixed to the chassis.
+    ride: Option<Ride>,
 }
 
 /// A scale as people write it.
@@ -105,7 +119,8 @@ fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
 }
 
 impl Specification {
-    pub(super) fn new(standing: &Standing) -> Self {
+    pub(super) fn new(standing: &Standing, characteristics: Characteristics) -> Self {
+        let c = characteristics;
         let v = &standing.spec;
         let told = planner_vehicle(v, &standing.shape, v.scale);
         let (line, gearbox) = (&v.powertrain.driveline, &v.powertrain.gearbox);
@@ -135,6 +150,7 @@ impl Specification {
                 brake_torque_n_m: 2.0 * a.brake_torque,
                 tyre: tyre(v.tyre_of(a)),
                 load_n: standing.state.wheels[2 * i..2 * i + 2].iter().map(|w| w.load).sum(),
+                ride: c.axles[i].ride,
             }
         });
         let mut tyres: Vec<String> = v.tyres.keys().cloned().collect();
@@ -154,7 +170,14 @@ impl Specification {
             wheelbase_m: told.wheelbase,
             track_m: told.track,
             ground_clearance_m: told.ground_clearance,
+            approach_angle_deg: c.approach_angle_deg,
+            departure_angle_deg: c.departure_angle_deg,
+            break_over_angle_deg: c.break_over_angle_deg,
             turning_radius_m: told.min_turn_radius,
+            outer_front_wheel_radius_m: c.outer_front_wheel_radius_m,
+            articulation_m: c.articulation_m,
+            diagonal_articulation_m: c.diagonal_articulation_m,
+            roll_gradient_deg_per_g: c.roll_gradient_deg_per_g,
             max_speed_m_per_s: v.max_speed,
             centre_of_mass_m: v.chassis.com,
             inertia_kg_m2: v.chassis.inertia,
@@ -186,7 +209,28 @@ impl Specification {
         row("mass", format!("{:.1} kg, {:.1} kg of it sprung", self.mass_kg, self.sprung_mass_kg));
         row("wheelbase, track", format!("{}, {}", m(self.wheelbase_m), m(self.track_m)));
         row("ground clearance", format!("{} (hull)", m(self.ground_clearance_m)));
-        row("turning radius", format!("{} (reference point, no slip)", m(self.turning_radius_m)));
+        let ramp =
+            |angle: f64| if angle < 90.0 { format!("{angle:.1}°") } else { "90° or more".to_owned() };
+        let mut angles =
+            format!("{} in front, {} behind", ramp(self.approach_angle_deg), ramp(self.departure_angle_deg));
+        if let Some(between) = self.break_over_angle_deg {
+            angles += &format!(", break-over {between:.1}°");
+        }
+        row("approach, departure", angles);
+        let mut turning = format!("{} (reference point, no slip)", m(self.turning_radius_m));
+        if let Some(outer) = self.outer_front_wheel_radius_m {
+            turning += &format!(", {outer:.2} m (outer front wheel)");
+        }
+        row("turning radius", turning);
+        if let Some(gradient) = self.roll_gradient_deg_per_g {
+            row("roll gradient", format!("{gradient:.2} °/g (suspensions and tyres)"));
+        }
+        if let (Some(one), Some(two)) = (self.articulation_m, self.diagonal_articulation_m) {
+            let text = format!(
+                "{one:.3} m under one front wheel lifts another, {two:.3} m under two diagonal wheels"
+            );
+            row("articulation", text);
+        }
         row("top speed", format!("{} m/s", number(self.max_speed_m_per_s)));
         row("centre of sprung mass", format!("{} m", triple(self.centre_of_mass_m)));
         row("sprung inertia", format!("{} kg m²", triple(self.inertia_kg_m2)));
@@ -206,6 +250,17 @@ impl Specification {
             words.push(format!("brakes {} N m", number(a.brake_torque_n_m)));
             words.push(format!("load {} N", number(a.load_n)));
             row(&format!("axle {}", a.name), words.join(", "));
+        }
+        for a in &self.axles {
+            let Some(ride) = a.ride else { continue };
+            let [jounce, rebound] = ride.damping_ratio;
+            let text = format!(
+                "{:.2} Hz ({:.2} Hz with tyres), wheel rate {:.3} kN/m, damping ratio {jounce:.2} in jounce, {rebound:.2} in rebound",
+                ride.ride_frequency_hz,
+                ride.frequency_with_tyre_hz,
+                1e-3 * ride.wheel_rate_n_per_m
+            );
+            row(&format!("ride {}", a.name), text);
         }
         let mut different: Vec<&str> = self.axles.iter().map(|a| a.tyre.as_str()).collect();
         different.dedup();

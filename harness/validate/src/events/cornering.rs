@@ -222,6 +222,18 @@ pub(super) const BODY_ROLL: Event = Event {
     run: body_roll,
 };
 
+/// The roll of the gentlest corner per lateral acceleration, °/g, beside that of springs and tyres.
+fn gentle_roll(bench: &Bench<'_>, o: &mut Outcome, gradient: f64) {
+    o.figure("roll gradient", gradient, "°/g");
+    if let Some(expected) = bench.characteristics().roll_gradient_deg_per_g {
+        o.theory(
+            "roll gradient",
+            Expected::fraction(expected, 0.15),
+            "W h / (K - W h) of suspensions and tyres in series (Gillespie, ch. 6)",
+        );
+    }
+}
+
 fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let target = bench.pace.within_reach(8.0);
@@ -260,6 +272,9 @@ fn body_roll(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let name = format!("steering {steering}: roll in the corner");
         o.figure(format!("steering {steering}: lateral acceleration"), lateral, "m/s²");
         o.figure(format!("steering {steering}: roll on the table"), lean, "°");
+        if table.len() == 2 {
+            gentle_roll(bench, &mut o, lean * GRAVITY / lateral);
+        }
         o.figure(name.clone(), m.of(m.roll), "°");
         // Locked differentials push the sides of the vehicle against each other, and so its links up and down.
         if !bench.winds_up() {

@@ -1,7 +1,9 @@
 //! The standard events.
 
+mod circle;
 mod convergence;
 mod cornering;
+mod data_sheet;
 mod energy;
 mod grades;
 mod kinematics;
@@ -24,6 +26,7 @@ use crate::error::ValidateError;
 use crate::event::Event;
 
 const EVENTS: &[Event] = &[
+    data_sheet::DATA_SHEET,
     kinematics::SUSPENSION,
     tyres::TYRES,
     rest::STATIC,
@@ -35,6 +38,7 @@ const EVENTS: &[Event] = &[
     cornering::CORNERING,
     cornering::STEP_STEER,
     cornering::BODY_ROLL,
+    circle::STEADY_CIRCLE,
     turning::TURNING_CIRCLE,
     tracks::TURNING,
     grades::GRADE_HELD,

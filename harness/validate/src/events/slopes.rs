@@ -18,7 +18,7 @@ pub(super) const SIDE_SLOPE: Event = Event {
     name: "side-slope",
     title: "40 % side slope",
     about: "Across the side slope of the data sheet (40 %, 21.8°) at μ 0.8: standing with brakes on for 10 s, and driving along \
-            it at 4 m/s for 15 s on the pursuit law.",
+            it at 4 m/s for 15 s on the pursuit law: how far it drifts downhill in the last 30 m.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: side_slope,
@@ -48,16 +48,18 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         |s| bench.pace.hold_speed(s, 4.0, bench.pace.hold_line_across(s)),
         |s| {
             off = off.max(downhill(s).abs());
-            path.push(downhill(s));
+            path.push([s.position.y, downhill(s)]);
             roll = roll.max(s.roll_pitch_yaw().0.abs());
             false
         },
     )?;
     let s = d.state();
     // The pursuit law holds a line that lies as far downhill as its crab angle needs; what counts is that it holds one.
-    let late = path.get(path.len() * 2 / 3).copied().unwrap_or(f64::NAN);
+    let late = path.get(path.len() * 2 / 3).map_or(f64::NAN, |p| p[1]);
+    let before = path.iter().rfind(|p| p[0] <= s.position.y - bench.pace.length(30.0));
     o.figure("driving: farthest off the line", off, "m");
     o.figure("driving: sliding downhill in the last 5 s", downhill(&s) - late, "m");
+    o.figure("driving: drift in 30 m", downhill(&s) - before.map_or(f64::NAN, |p| p[1]), "m");
     o.figure("driving: greatest roll", degrees(roll), "°");
     o.figure("driving: speed at the end", s.velocity.x, "m/s");
     let series = d.finish();

@@ -12,8 +12,8 @@ use vb_sim::SimError;
 pub(super) const TURNING_CIRCLE: Event = Event {
     name: "turning-circle",
     title: "Turning circle",
-    about: "Full lock at 2 m/s: radius of the reference point, of the outermost tyre edge (curb to curb) and of the \
-            outermost point of the body (wall to wall), beside that of wheels that roll without slip.",
+    about: "Full lock at 2 m/s: radius of the reference point, of the outermost tyre edge (curb to curb), of the middle \
+            of the outer front wheel's tread and of the outermost point of the body (wall to wall), beside that of wheels that roll without slip.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: turning_circle,
@@ -52,6 +52,12 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             wall = from(p).max(wall);
         }
         o.figure(format!("{side}: radius of the reference point"), path, "m");
+        if bench.spec.tracks.is_none() {
+            let front = from(g.hub_of(&s, 0)).max(from(g.hub_of(&s, 1)));
+            o.figure(format!("{side}: radius of the outer front wheel"), front, "m");
+            let middle = from(0.5 * (g.hub_of(&s, 0) + g.hub_of(&s, 1)));
+            o.figure(format!("{side}: radius of the middle of the front axle"), middle, "m");
+        }
         o.figure(format!("{side}: curb-to-curb radius"), curb, "m");
         o.figure(format!("{side}: wall-to-wall radius"), wall, "m");
         if let Some(centre) = g.rolling_centre(&g.rest, steering) {

@@ -193,22 +193,34 @@ pub(super) const SPLIT_GRIP: Event = Event {
     name: "split-grip",
     title: "Pull with one wheel of each axle without grip",
     about: "Throttle 0.5 on level ground with μ 0.01 under the left wheels, as good as hanging, and 0.9 under the right: the mean \
-            pull from the first to the second second beside what the differentials pass.",
+            pull from the first to the second second beside what the differentials pass. The same with μ 0.1 at the left, and the torque of \
+            the wheels that grip over that of the wheels that spin: the bias of the differentials.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
     run: split_grip,
 };
 
+/// Friction under the left wheels as good as hanging, and that of ice: the label of the second is in the names of its figures.
+const LEFT: [(&str, f64); 2] = [("", 0.01), ("μ 0.1: ", 0.1)];
+/// Friction under the right wheels.
+const RIGHT: f64 = 0.9;
+
 fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
-    let (g, spec) = (&bench.geometry, bench.spec);
-    if spec.tyre.coulomb_friction().is_none() {
+    if bench.spec.tyre.coulomb_friction().is_none() {
         o.note("Friction of the tyre depends on slip: not driven.");
         return Ok(o);
     }
+    for (label, ice) in LEFT {
+        pull(bench, &mut o, label, ice)?;
+    }
+    Ok(o)
+}
+
+fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64) -> Result<(), SimError> {
+    let (g, spec) = (&bench.geometry, bench.spec);
     let resistance = spec.tyre.rolling_resistance();
-    let (ice, grip) = (0.01, 0.9);
-    let mut d = Drive::new(bench, "split", &split(ice, grip), 0.0, 0.0)?;
+    let mut d = Drive::new(bench, &format!("split-{ice}"), &split(ice, RIGHT), 0.0, 0.0)?;
     let push = |_: &VehicleState| controls(0.0, 0.5, 0.0);
     d.hold(bench.pace.time(1.0), push)?;
     let first = d.state();
@@ -228,10 +240,12 @@ fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let seconds = last.time - first.time;
     let along = |s: &VehicleState| s.velocity.x;
     let pull = g.mass * (along(&last) - along(&first)) / seconds;
-    o.figure("pull", pull, "N");
+    o.figure(format!("{label}pull"), pull, "N");
     o.series.push(d.finish());
     let rate = |i: usize| (last.wheels[i].speed - first.wheels[i].speed) / seconds;
-    let (mut expected, mut driven) = (0.0, 0);
+    // Force beside that of the torques which the differentials pass, that force, and the torques of both sides.
+    let (mut beside, mut passes, mut spinning, mut radii) = (0.0, 0.0, 0.0, 0.0);
+    let mut driven = 0;
     for (a, axle) in spec.axles.iter().enumerate() {
         let [left, right] = [2 * a, 2 * a + 1];
         let load = |i: usize| loads[i] / count;
@@ -242,7 +256,7 @@ fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let inertia = |i: usize| g.corners[i].spin_inertia * rate(i);
         let rolling = |i: usize| resistance * load(i) * radius(i);
         if !axle.driven {
-            expected -= [left, right].map(|i| (rolling(i) + inertia(i)) / radius(i)).iter().sum::<f64>();
+            beside -= [left, right].map(|i| (rolling(i) + inertia(i)) / radius(i)).iter().sum::<f64>();
             continue;
         }
         let slides = ice * load(left);
@@ -255,18 +269,25 @@ fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             Differential::Locked {} => f64::NAN,
         };
         driven += 1;
-        expected += slides + (passed - rolling(right) - inertia(right)) / radius(right);
+        beside += slides - (rolling(right) + inertia(right)) / radius(right);
+        passes += passed / radius(right);
+        spinning += free;
+        radii += radius(right);
     }
+    let expected = beside + passes;
     if bench.winds_up() {
-        o.note("A locked differential passes what grip bears.");
+        o.note(format!("{label}a locked differential passes what grip bears."));
     } else if slower && spun {
         o.theory(
-            "pull",
+            format!("{label}pull"),
             Expected::Within { value: expected, tolerance: 0.05 * expected.abs() + 0.002 * g.weight() },
             "torque of the wheel that spins, and twice the clutch's or the bias' share, over the radius",
         );
+        // Torque of the wheels with grip over that of those that spin, by the measured pull.
+        let gripping = (pull - beside) * radii / f64::from(u32::try_from(driven).unwrap_or(1));
+        o.figure(format!("{label}torque ratio"), gripping / spinning, "");
     } else {
-        o.note("The wheels without grip don't all spin: the differentials hold.");
+        o.note(format!("{label}the wheels without grip don't all spin: the differentials hold."));
     }
-    Ok(o)
+    Ok(())
 }
