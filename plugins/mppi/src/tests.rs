@@ -4,7 +4,7 @@ use super::*;
 use vb_sdk::{GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Vehicle, math};
 
 const DEFAULTS: [(&str, &str); 16] = [
-    ("speed", "3"),
+    ("speed", "5"),
     ("lookahead", "10"),
     ("samples", "1000"),
     ("horizon", "20"),

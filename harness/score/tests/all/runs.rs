@@ -68,6 +68,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         density: Density::Sparse,
         outcome: score.outcome,
         three_way: score.three_way,
+        flags: std::collections::BTreeMap::new(),
         reason: score.reason,
         cause: None,
         evidence: String::new(),
@@ -79,6 +80,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         clamped: 1,
         fuel: Some(FuelUse { total: 100, max_step: 20, ..FuelUse::default() }),
         metrics: score.metrics,
+        ride: None,
         log: Vec::new(),
         backtrace: Vec::new(),
     }
