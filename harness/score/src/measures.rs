@@ -26,6 +26,7 @@ pub enum Reader<T> {
 
 impl<T> Measured<T> {
     /// The measure as a number, if it is one.
+    #[must_use]
     pub fn number(&self, of: &T) -> Option<f64> {
         match self.value {
             Reader::Count(read) => Some(read(of) as f64),
