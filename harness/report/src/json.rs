@@ -29,7 +29,8 @@ fn figures(f: &Figures) -> Value {
     let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), json!(f.caused(*c))));
     let causes: Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
     let flags = Flag::ALL.iter().filter_map(|flag| Some((flag.name().to_owned(), json!(f.flagged(*flag)?))));
-    let ride = Ride::MEASURES.iter().zip(f.ride).filter_map(|(m, mean)| Some((m.name.to_owned(), json!(mean?))));
+    let ride =
+        Ride::MEASURES.iter().zip(f.ride).filter_map(|(m, mean)| Some((m.name.to_owned(), json!(mean?))));
     let mut all = Map::from_iter([
         ("tasks".to_owned(), json!(f.tasks)),
         ("worlds".to_owned(), json!(f.worlds)),

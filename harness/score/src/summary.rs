@@ -7,7 +7,7 @@ use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
-use crate::{Cause, Flag, FuelUse, Outcome, Reader, Ride, Rules, TaskRecord, ThreeWay};
+use crate::{Cause, Flag, FuelUse, Outcome, Ride, Rules, TaskRecord, ThreeWay};
 
 /// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;

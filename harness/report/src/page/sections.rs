@@ -152,8 +152,10 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
     for &k in &used {
         let _ = write!(s, "<th class=\"n\"><i class=\"swatch o{k}\"></i>{}</th>", label(Outcome::ALL[k]));
     }
-    let told: Vec<Flag> =
-        Flag::ALL.into_iter().filter(|flag| report.figures.iter().any(|f| f.all.flagged(*flag).is_some())).collect();
+    let told: Vec<Flag> = Flag::ALL
+        .into_iter()
+        .filter(|flag| report.figures.iter().any(|f| f.all.flagged(*flag).is_some()))
+        .collect();
     for flag in &told {
         let _ = write!(s, "<th class=\"n\" title=\"{}\">{}</th>", escape(flag.about()), escape(flag.title()));
     }
@@ -217,7 +219,12 @@ fn ride(s: &mut String, report: &Report) {
     );
     for &k in &told {
         let measure = &Ride::MEASURES[k];
-        let _ = write!(s, "<th class=\"n\" title=\"{}\">{}</th>", escape(measure.about), escape(&heading(measure.name)));
+        let _ = write!(
+            s,
+            "<th class=\"n\" title=\"{}\">{}</th>",
+            escape(measure.about),
+            escape(&heading(measure.name))
+        );
     }
     s.push_str("</tr></thead><tbody>");
     for (run, f) in report.runs.runs.iter().zip(&report.figures) {

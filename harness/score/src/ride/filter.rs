@@ -5,8 +5,8 @@ use vb_math::tan;
 /// The number of signals that are filtered together: the accelerations along x, y and z, and the absorbed power.
 pub(super) const LANES: usize = 4;
 
-/// A value for each signal.
-pub(super) type Lanes = [f64; LANES];
+/// A value for each signal. Sums and products are those of single numbers, bit for bit.
+pub(super) type Lanes = wide::f64x4;
 
 /// A highest frequency of a filter, as a fraction of the sampling rate: the tangent of the bilinear transform has its pole at
 /// 0.5. Filters above it end there.
@@ -29,7 +29,8 @@ impl Section {
     /// The coefficients b₀, b₁, b₂, a₁, a₂ of the digital section with this time between two samples (s), by the bilinear transform
     /// s = k (1 − z⁻¹) / (1 + z⁻¹).
     fn digital(&self, step: f64) -> [f64; 5] {
-        let k = if self.exact_at > 0.0 { self.exact_at / tan(0.5 * self.exact_at * step) } else { 2.0 / step };
+        let k =
+            if self.exact_at > 0.0 { self.exact_at / tan(0.5 * self.exact_at * step) } else { 2.0 / step };
         let at = |[c0, c1, c2]: [f64; 3]| {
             [c0 + c1 * k + c2 * k * k, 2.0 * (c0 - c2 * k * k), c0 - c1 * k + c2 * k * k]
         };
@@ -53,30 +54,23 @@ pub(super) struct Filter {
 impl Filter {
     /// These sections at rest, with this time between two samples, s.
     pub(super) fn new(sections: [Section; LANES], step: f64) -> Self {
-        let mut coefficients = [[0.0; LANES]; 5];
-        for (lane, section) in sections.iter().enumerate() {
-            for (all, own) in coefficients.iter_mut().zip(section.digital(step)) {
-                all[lane] = own;
-            }
-        }
-        Self { coefficients, state: [[0.0; LANES]; 2] }
+        let sections = sections.map(|section| section.digital(step));
+        let coefficients = [0, 1, 2, 3, 4].map(|k| Lanes::new(sections.map(|own| own[k])));
+        Self { coefficients, state: [Lanes::ZERO; 2] }
     }
 
     /// The coefficients b₀, b₁, b₂, a₁, a₂ of a signal.
     #[cfg(test)]
     pub(super) fn coefficients(&self, lane: usize) -> [f64; 5] {
-        self.coefficients.map(|c| c[lane])
+        self.coefficients.map(|c| c.to_array()[lane])
     }
 
     /// The next values.
     #[inline]
     pub(super) fn push(&mut self, x: Lanes) -> Lanes {
-        let ([b0, b1, b2, a1, a2], [s0, s1]) = (&self.coefficients, &mut self.state);
-        std::array::from_fn(|i| {
-            let y = b0[i] * x[i] + s0[i];
-            s0[i] = b1[i] * x[i] - a1[i] * y + s1[i];
-            s1[i] = b2[i] * x[i] - a2[i] * y;
-            y
-        })
+        let [b0, b1, b2, a1, a2] = self.coefficients;
+        let y = b0 * x + self.state[0];
+        self.state = [b1 * x - a1 * y + self.state[1], b2 * x - a2 * y];
+        y
     }
 }

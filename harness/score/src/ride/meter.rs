@@ -45,7 +45,7 @@ impl RideMeter {
         Self {
             stages: stages(step).map(|sections| Filter::new(sections, step)),
             peak: Filter::new([low_pass(PEAK_BANDWIDTH, step); 4], step),
-            sums: [0.0; 4],
+            sums: Lanes::ZERO,
             peak_squared: 0.0,
             peak_vertical: 0.0,
             steps: 0,
@@ -59,15 +59,13 @@ impl RideMeter {
     #[inline]
     pub fn push(&mut self, step: &RideStep) {
         let [x, y, z] = step.acceleration;
-        let own: Lanes = [x, y, z, z];
+        let own = Lanes::new([x, y, z, z]);
         let mut weighted = own;
         for stage in &mut self.stages {
             weighted = stage.push(weighted);
         }
-        for (sum, w) in self.sums.iter_mut().zip(weighted) {
-            *sum += w * w;
-        }
-        let [x, y, z, _] = self.peak.push(own);
+        self.sums += weighted * weighted;
+        let [x, y, z, _] = self.peak.push(own).to_array();
         self.peak_squared = self.peak_squared.max(x * x + y * y + z * z);
         self.peak_vertical = self.peak_vertical.max(z.abs());
         self.steps += 1;
@@ -83,7 +81,7 @@ impl RideMeter {
             return None;
         }
         let n = self.steps as f64;
-        let [x, y, z, power] = self.sums.map(|sum| sum / n);
+        let [x, y, z, power] = (self.sums / n).to_array();
         let ride = Ride {
             seat_peak_g: self.peak_squared.sqrt() / G,
             seat_peak_z_g: self.peak_vertical / G,
