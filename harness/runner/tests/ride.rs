@@ -61,10 +61,9 @@ fn a_vehicle_at_rest_has_no_shock_and_stands_on_its_wheels() {
     let record = drive(&rules("settled", 2.0), 1e-3, 60.0, Command { brake: 1.0, ..Command::default() });
     let ride = record.ride.unwrap();
     assert_eq!(record.outcome, Outcome::Timeout);
-    assert!(
-        ride.seat_peak_g < 0.02 && ride.seat_rms_m_per_s2 < 0.02 && ride.absorbed_power_w < 0.01,
-        "{ride:?}"
-    );
+    // It comes to rest from a hundredth of a metre per second.
+    assert!(ride.seat_peak_g < 0.05 && ride.seat_rms_m_per_s2 < 0.1, "{ride:?}");
+    assert!(ride.absorbed_power_w < 0.01, "{ride:?}");
     assert_eq!((ride.airborne_fraction, ride.landed), (0.0, true));
     assert!(Flag::ALL.iter().all(|flag| record.flags[flag] == false), "{:?}", record.flags);
 }
