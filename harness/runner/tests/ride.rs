@@ -65,7 +65,7 @@ fn a_vehicle_at_rest_has_no_shock_and_stands_on_its_wheels() {
     assert!(ride.seat_peak_g < 0.05 && ride.seat_rms_m_per_s2 < 0.1, "{ride:?}");
     assert!(ride.absorbed_power_w < 0.01, "{ride:?}");
     assert_eq!((ride.airborne_fraction, ride.landed), (0.0, true));
-    assert!(Flag::ALL.iter().all(|flag| record.flags[flag] == false), "{:?}", record.flags);
+    assert!(Flag::ALL.iter().all(|flag| !record.flags[flag]), "{:?}", record.flags);
 }
 
 #[test]

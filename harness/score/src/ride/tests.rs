@@ -194,10 +194,10 @@ fn airborne_is_without_load_on_wheels_and_hull_and_landed_is_upright_on_two_whee
     assert_eq!(drive(200, 1.0, 2, true), (0.0, true));
     assert_eq!(drive(200, 1.0, 0, true), (0.5, false));
     assert_eq!(drive(400, 1.0, 0, false), (0.25, false), "on its belly");
-    assert_eq!(drive(199, 1.0, 3, true).1, false);
-    assert_eq!(drive(1, 1.0, 2, true).1, true);
-    assert_eq!(drive(1, 1.0, 1, true).1, false);
-    assert_eq!(drive(300, 0.49, 4, true).1, false, "on its side: more than 60°");
+    assert!(!drive(199, 1.0, 3, true).1);
+    assert!(drive(1, 1.0, 2, true).1);
+    assert!(!drive(1, 1.0, 1, true).1);
+    assert!(!drive(300, 0.49, 4, true).1, "on its side: more than 60°");
 }
 
 #[test]
