@@ -26,7 +26,7 @@ const CANDIDATES: &[(&str, &[&[&str]])] = &[
             &["region=3.2", "terrain=0.4"],
             &["roughness=0"],
             &["roughness=3"],
-            &["speed=4"],
+            &["speed=3"],
         ],
     ),
     (
@@ -41,7 +41,7 @@ const CANDIDATES: &[(&str, &[&[&str]])] = &[
             &["effective=0.03"],
             &["effort=0.02"],
             &["effort=0.5"],
-            &["speed=4"],
+            &["speed=3"],
         ],
     ),
     ("wmvct", &[&[], &["speed=3"], &["speed=5"], &["tilt=1"], &["tilt=4"]]),

@@ -106,6 +106,7 @@ fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
         density: world.density,
         outcome,
         three_way: outcome.three_way(false),
+        flags: std::collections::BTreeMap::new(),
         reason: info.reason.clone(),
         cause: Cause::ALL.iter().copied().find(|c| c.name() == info.cause),
         evidence: String::new(),
@@ -117,6 +118,7 @@ fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
         clamped: 0,
         fuel: None,
         metrics: None,
+        ride: None,
         log: Vec::new(),
         backtrace: Vec::new(),
     }

@@ -55,6 +55,7 @@ fn run(label: &str, speed: f64, outcome: Outcome) -> ReplayRun {
         world: "w001".into(),
         outcome,
         three_way: outcome.three_way(false),
+        flags: std::collections::BTreeMap::new(),
         ..blank()
     };
     ReplayRun {
@@ -79,6 +80,7 @@ fn blank() -> TaskRecord {
         density: world.density,
         outcome: Outcome::Success,
         three_way: Outcome::Success.three_way(false),
+        flags: std::collections::BTreeMap::new(),
         reason: String::new(),
         cause: None,
         evidence: String::new(),
@@ -90,6 +92,7 @@ fn blank() -> TaskRecord {
         clamped: 0,
         fuel: None,
         metrics: None,
+        ride: None,
         log: Vec::new(),
         backtrace: Vec::new(),
     }

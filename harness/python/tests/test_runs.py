@@ -17,7 +17,7 @@ from vertibench._program import plugin_path
 
 
 def test_it_is_the_run_of_the_command_line(driven, harness, tmp_path):
-    for name, more in (("slow", []), ("fast", ["--param", "speed=5"])):
+    for name, more in (("slow", ["--param", "speed=3"]), ("fast", ["--param", "speed=5"])):
         run = vertibench.Run(driven / name)
         plugin = plugin_path("pid.wasm")
         out = tmp_path / name

@@ -156,7 +156,7 @@ def test_several_runs_have_a_colour_each(driven):
     runs = [vertibench.Run(driven / name) for name in ("slow", "fast")]
     shown = vertibench.show(runs, "w003/t01")
     root = xml.fromstring(shown.svg)
-    for run, colour, label in zip(runs, picture.RUN_COLOURS, ("pid (speed default)", "pid (speed 5)")):
+    for run, colour, label in zip(runs, picture.RUN_COLOURS, ("pid (speed 3)", "pid (speed 5)")):
         trace, record = run.trace("w003/t01"), run.record("w003/t01")
         (line,) = _titles(root, f"{label}: {record['outcome']}")
         way = _on_the_map(_task(run, "w003/t01").world, trace["x"], trace["y"])

@@ -183,6 +183,7 @@ impl Drive {
             density: self.world.density,
             outcome: Outcome::Stuck,
             three_way: Outcome::Stuck.three_way(false),
+            flags: std::collections::BTreeMap::new(),
             reason: format!("it sank {label}"),
             cause: Some(Cause::SpinningOnSoil),
             evidence: format!("it dug {label}"),
@@ -194,6 +195,7 @@ impl Drive {
             clamped: 0,
             fuel: None,
             metrics: None,
+            ride: None,
             log: vec![label.into()],
             backtrace: Vec::new(),
         };

@@ -1,6 +1,6 @@
 //! Figures of a run over some of its tasks.
 
-use vb_score::{BOOTSTRAP_SEED, Cause, Outcome};
+use vb_score::{BOOTSTRAP_SEED, Cause, Flag, Outcome, Ride};
 
 use crate::runs::{Row, Run, Runs, WorldLabels};
 use crate::statistics::{Interval, Ratio, bootstrap_ratio, success_interval};
@@ -115,6 +115,10 @@ pub struct Figures {
     pub worlds: usize,
     /// Number by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [u64; Outcome::ALL.len()],
+    /// Number of those of which each flag is true, in the order of [`Flag::ALL`]; none where no task says it.
+    pub flags: [Option<u64>; Flag::ALL.len()],
+    /// Means of the measures of [`Ride`] over the tasks that have them, in the order of [`Ride::MEASURES`].
+    pub ride: [Option<f64>; Ride::MEASURES.len()],
     /// Number of those that rolled over or got stuck by cause, in the order of [`Cause::ALL`].
     pub causes: [u64; Cause::ALL.len()],
     /// Means, in the order of [`Measure::ALL`]; none without anything to average.
@@ -128,10 +132,23 @@ impl Figures {
         let mut sums = vec![[Ratio::default(); Measure::ALL.len()]; worlds];
         let mut outcomes = [0; Outcome::ALL.len()];
         let mut causes = [0; Cause::ALL.len()];
+        let mut flags = [None; Flag::ALL.len()];
+        let mut ride = [Ratio::default(); Ride::MEASURES.len()];
         let mut tasks = 0;
         for row in rows.filter(|r| r.counts()) {
             tasks += 1;
             outcomes[row.outcome.index()] += 1;
+            for (count, is) in flags.iter_mut().zip(row.flags) {
+                if let Some(is) = is {
+                    *count = Some(count.unwrap_or(0) + u64::from(is));
+                }
+            }
+            for (mean, measure) in ride.iter_mut().zip(Ride::MEASURES) {
+                if let Some(value) = row.ride.as_ref().and_then(|ride| measure.number(ride)) {
+                    mean.sum += value;
+                    mean.weight += 1.0;
+                }
+            }
             if let Some(k) = Cause::ALL.iter().position(|c| Some(*c) == row.cause) {
                 causes[k] += 1;
             }
@@ -149,13 +166,26 @@ impl Figures {
             }
         });
         let found = sums.iter().filter(|s| s[0].weight > 0.0).count();
-        Self { tasks, worlds: found, outcomes, causes, means }
+        let ride = ride.map(|r| (r.weight > 0.0).then(|| r.sum / r.weight));
+        Self { tasks, worlds: found, outcomes, flags, ride, causes, means }
     }
 
     /// A mean.
     #[must_use]
     pub fn mean(&self, measure: Measure) -> Option<Estimate> {
         self.means[measure as usize]
+    }
+
+    /// Of how many tasks this is true; none where no task says it.
+    #[must_use]
+    pub fn flagged(&self, flag: Flag) -> Option<u64> {
+        self.flags[flag as usize]
+    }
+
+    /// The share of the tasks of which this is true, percent.
+    #[must_use]
+    pub fn flagged_percent(&self, flag: Flag) -> Option<f64> {
+        self.flagged(flag).map(|n| 100.0 * n as f64 / self.tasks.max(1) as f64)
     }
 
     /// How many tasks were stopped by this.

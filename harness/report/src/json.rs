@@ -1,7 +1,7 @@
 //! Figures and comparison for programs.
 
 use serde_json::{Map, Value, json};
-use vb_score::{Cause, Outcome};
+use vb_score::{Cause, Flag, Outcome, Ride};
 
 use crate::Report;
 use crate::compare::Difference;
@@ -28,10 +28,15 @@ fn figures(f: &Figures) -> Value {
         Outcome::ALL.iter().map(|o| (o.name().to_owned(), json!(f.count(*o)))).collect();
     let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), json!(f.caused(*c))));
     let causes: Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
+    let flags = Flag::ALL.iter().filter_map(|flag| Some((flag.name().to_owned(), json!(f.flagged(*flag)?))));
+    let ride =
+        Ride::MEASURES.iter().zip(f.ride).filter_map(|(m, mean)| Some((m.name.to_owned(), json!(mean?))));
     let mut all = Map::from_iter([
         ("tasks".to_owned(), json!(f.tasks)),
         ("worlds".to_owned(), json!(f.worlds)),
         ("outcomes".to_owned(), Value::Object(outcomes)),
+        ("flags".to_owned(), Value::Object(flags.collect())),
+        ("ride".to_owned(), Value::Object(ride.collect())),
         ("causes".to_owned(), Value::Object(causes)),
     ]);
     all.extend(Measure::ALL.map(|m| (key(m).to_owned(), f.mean(m).map_or(Value::Null, estimate))));

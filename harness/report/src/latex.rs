@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use vb_page::{number, p_value, signed};
+use vb_score::{Flag, Outcome};
 
 use crate::Report;
 use crate::failures::{failures, groups};
@@ -121,6 +122,7 @@ impl Report {
         let mut s = self.latex_notes(&[
             "In brackets: 95 % intervals, bias-corrected and accelerated bootstrap over worlds.",
             "Time: of successful tasks; angles: over all samples of all tasks.",
+            "Rollover: outcome by the rules of the run; tilt: of all tasks, |roll| or |pitch| at any time; strict: docs/scoring.md.",
         ]);
         let rows: Vec<(usize, Option<String>)> = match &self.ranking {
             Some(r) => r.places.iter().map(|p| (p.run, Some(p.told().replace('–', "--")))).collect(),
@@ -134,10 +136,12 @@ impl Report {
             );
         }
         let (columns, first) = if ranked { ("rl", "rank & planner") } else { ("l", "planner") };
-        let _ = write!(s, "\\begin{{tabular}}{{@{{}}{columns}rrrrr@{{}}}}\n\\toprule\n{first} & tasks");
+        let _ = write!(s, "\\begin{{tabular}}{{@{{}}{columns}rrrrrrrr@{{}}}}\n\\toprule\n{first} & tasks");
         for measure in Measure::ALL {
             let _ = write!(s, " & {}", head(measure));
         }
+        // Rollover by both rules, and success by the strict rules.
+        s.push_str(" & rollover, \\% & tilt $>$ 30$^\\circ$, \\% & strict, \\%");
         s.push_str(" \\\\\n\\midrule\n");
         for (run, rank) in rows {
             let all = &self.figures[run].all;
@@ -147,6 +151,11 @@ impl Report {
             let _ = write!(s, "{} & {}", text(&self.runs.runs[run].label), all.tasks);
             for measure in Measure::ALL {
                 let _ = write!(s, " & {}", mean(all.mean(measure), measure, self.is_best(run, measure)));
+            }
+            let rollover = 100.0 * all.count(Outcome::Rollover) as f64 / all.tasks.max(1) as f64;
+            let flagged = [Flag::Tilted, Flag::Strict].map(|flag| all.flagged_percent(flag));
+            for percent in std::iter::once(Some(rollover)).chain(flagged) {
+                let _ = write!(s, " & {}", percent.map_or_else(|| "--".into(), |v| number(v, 1)));
             }
             s.push_str(" \\\\\n");
         }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use vb_score::Outcome;
+use vb_score::{Flag, Outcome};
 
 use crate::failures::{Failure, failures};
 use crate::figures::{Estimate, Measure};
@@ -122,9 +122,11 @@ impl Report {
         let (head, line) = if ranked { ("| rank ", "|--:") } else { ("", "") };
         let _ = write!(
             s,
-            "{head}| planner on {} | tasks | success % | time s | \\|roll\\| ° | \\|pitch\\| ° | rollover | stuck | timeout | out | errors |\n\
-             {line}|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-            text(&self.runs.scope())
+            "{head}| planner on {} | tasks | success % | time s | \\|roll\\| ° | \\|pitch\\| ° | rollover | stuck | timeout | out | errors | {} |\n\
+             {line}|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|{}\n",
+            text(&self.runs.scope()),
+            Flag::ALL.map(|flag| text(flag.title())).join(" | "),
+            "--:|".repeat(Flag::ALL.len()),
         );
         let places = self.ranking.as_ref().map_or(&[][..], |r| &r.places);
         let order: Vec<(usize, Option<&Place>)> =
@@ -137,7 +139,7 @@ impl Report {
             }
             let _ = writeln!(
                 s,
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 text(&run.label),
                 f.all.tasks,
                 mean(f.all.mean(Measure::Success), Measure::Success),
@@ -149,6 +151,7 @@ impl Report {
                 n(Outcome::Timeout),
                 n(Outcome::OutOfBounds),
                 n(Outcome::PlannerError) + n(Outcome::SimError),
+                f.all.flags.map(|n| n.map_or_else(|| "–".into(), |n| n.to_string())).join(" | "),
             );
         }
         if ranked {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use vb_record::{RunHeader, RunReader};
-use vb_score::{Cause, Outcome, TaskRecord};
+use vb_score::{Cause, Flag, Outcome, Ride, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::ReportError;
@@ -78,8 +78,12 @@ pub struct Row {
     pub cause: Option<Cause>,
     /// Simulated time at its end, s.
     pub time: f64,
+    /// What is true or false of it beside its outcome, in the order of [`Flag::ALL`], where that is known.
+    pub flags: [Option<bool>; Flag::ALL.len()],
     /// Measures, if it had samples.
     pub measures: Option<Measures>,
+    /// Shock and ride, if they were measured.
+    pub ride: Option<Ride>,
     /// Fuel, of metered planners.
     pub fuel: Option<Fuel>,
     /// Number of clamped commands.
@@ -417,7 +421,9 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
         outcome: r.outcome,
         cause: r.cause,
         time: r.time_s,
+        flags: Flag::ALL.map(|flag| r.flags.get(&flag).copied()),
         measures,
+        ride: r.ride,
         fuel,
         clamped: r.clamped,
         note: note.into_boxed_str(),

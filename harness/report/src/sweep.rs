@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
-use vb_score::{Group, Outcome, Summary, TableRow, table};
+use vb_score::{Flag, Group, Outcome, Summary, TableRow, table};
 
 use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::sample;
@@ -177,6 +177,7 @@ impl Sweep {
                     interval: success.and_then(|e| e.interval).map(|i| [i.low, i.high]),
                     means: [Measure::Time, Measure::Roll, Measure::Pitch].map(|m| Some(f.all.mean(m)?.mean)),
                     outcomes: f.all.outcomes,
+                    flags: f.all.flags,
                 }
             });
             table(&s.name(), &rows.collect::<Vec<_>>(), width)
@@ -336,6 +337,10 @@ fn columns(row: &SweepRow) -> Vec<(String, String)> {
     for outcome in Outcome::ALL.into_iter().filter(|o| *o != Outcome::HostError) {
         let count = all.and_then(|a| a.outcomes.get(&outcome)).copied().unwrap_or(0);
         columns.push((outcome.to_string(), count.to_string()));
+    }
+    for flag in Flag::ALL {
+        let count = all.and_then(|a| a.flags.get(&flag)).map_or_else(String::new, u64::to_string);
+        columns.push((flag.to_string(), count));
     }
     let more: [(&str, String); 4] = [
         ("time_mean_s", figure(|a| a.time_mean_s)),

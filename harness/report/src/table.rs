@@ -12,7 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use vb_record::RunReader;
-use vb_score::{FuelUse, Measured, Metrics, Reader, TaskRecord};
+use vb_score::{Flag, FuelUse, Measured, Metrics, Reader, Ride, TaskRecord};
 
 use crate::ReportError;
 use crate::runs::Runs;
@@ -57,14 +57,20 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Row<'a> {
         ("planner_steps", Cell::Count(Some(r.planner_steps))),
         ("clamped", Cell::Count(Some(r.clamped))),
     ];
+    // 0 or 1, so that a sum counts.
+    let flags = Flag::ALL.map(|flag| {
+        let is = r.flags.get(&flag).map(|is| u64::from(*is));
+        (flag.name(), Cell::Count(is))
+    });
     let own = |(name, cell)| (Cow::Borrowed(name), cell);
     let of_fuel = |(name, cell): (&'static str, _)| {
         let name = if name == "memory_bytes" { name.into() } else { format!("fuel_{name}").into() };
         (name, cell)
     };
     let metrics = columns(Metrics::MEASURES, r.metrics.as_ref()).map(own);
+    let ride = columns(Ride::MEASURES, r.ride.as_ref()).map(own);
     let fuel = columns(FuelUse::MEASURES, r.fuel.as_ref()).map(of_fuel);
-    cells.into_iter().map(own).chain(metrics).chain(fuel).collect()
+    cells.into_iter().chain(flags).map(own).chain(metrics).chain(ride).chain(fuel).collect()
 }
 
 /// A column a measure, empty where the task has none of them.
@@ -77,6 +83,7 @@ fn columns<'a, T>(
             Reader::Count(read) => Cell::Count(of.map(read)),
             Reader::Number(read) => Cell::Number(of.map(read)),
             Reader::Optional(read) => Cell::Number(of.and_then(read)),
+            Reader::Flag(read) => Cell::Count(of.map(|of| u64::from(read(of)))),
         };
         (m.name, cell)
     })

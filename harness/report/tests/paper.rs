@@ -179,8 +179,9 @@ fn the_best_is_bold_only_if_the_test_says_so() {
             && comparison.contains("& 0.004 & better")
     );
     assert!(
-        results
-            .contains("\\begin{tabular}{@{}rlrrrrr@{}}\n\\toprule\nrank & planner & tasks & success, \\% "),
+        results.contains(
+            "\\begin{tabular}{@{}rlrrrrrrrr@{}}\n\\toprule\nrank & planner & tasks & success, \\% "
+        ),
         "{results}"
     );
     assert!(causes.contains("all failures & 27 (75.0\\,\\%) & 9 (25.0\\,\\%)"), "{causes}");

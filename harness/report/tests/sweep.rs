@@ -71,7 +71,7 @@ fn its_text_is_the_table_of_a_run_within_the_width_a_table_a_setting() {
     let sweep = sweep(dir.path());
     let table = sweep.table(None);
     let lines: Vec<&str> = table.lines().collect();
-    let head = "hmmwv, oracle  tasks  success % (95 % CI)  time s  |roll| °  |pitch| °  rollover  stuck  timeout  out  errors";
+    let head = "hmmwv, oracle  tasks  success % (95 % CI)  time s  |roll| °  |pitch| °  rollover  stuck  timeout  out  errors  tilt > 30°  strict  > 2.5 g  > 6 W";
     assert_eq!(lines[0], head);
     assert!(lines[1].starts_with("pid,speed=3       64     37.5 (37.5-37.5)"), "{table}");
     assert!(lines[2].starts_with("=<b>              64   100.0 (67.6-100.0)"), "{table}");

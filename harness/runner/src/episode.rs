@@ -9,6 +9,7 @@ use vb_sim::{Controls, SimError, Simulation, VehicleState};
 
 use crate::driver::Witness;
 use crate::recent::Recent;
+use crate::ride::RideWatch;
 use crate::{SAMPLE_PERIOD, StateHash, Trial};
 
 /// What is gathered while a task is driven; it survives whatever ends the drive.
@@ -18,6 +19,7 @@ pub(crate) struct Ledger {
     pub(crate) recorder: TraceRecorder,
     pub(crate) hash: StateHash,
     pub(crate) recent: Recent,
+    pub(crate) ride: RideWatch,
     pub(crate) sim_steps: u64,
     pub(crate) planner_steps: u64,
     pub(crate) clamped: u64,
@@ -33,6 +35,7 @@ impl Ledger {
             recorder: TraceRecorder::new(trial.trace, wheels),
             hash: StateHash::default(),
             recent: Recent::new(trial.world().scale),
+            ride: RideWatch::new(trial),
             sim_steps: 0,
             planner_steps: 0,
             clamped: 0,
@@ -51,6 +54,7 @@ impl Ledger {
             self.recorder.push(sample, &self.wheels);
         }
         self.recent.push(state, sample);
+        self.ride.sample(sim);
         self.scorer.push(sample).is_some()
     }
 }
@@ -89,6 +93,7 @@ impl Episode {
 
     /// Takes the sample at the start; true if it decides already.
     pub fn begin(&mut self, witness: &mut dyn Witness) -> bool {
+        self.ledger.ride.begin(&self.sim);
         self.sample(witness)
     }
 
@@ -117,7 +122,8 @@ impl Episode {
             let now = self.sim.steps();
             let next = |every: u64| (now / every + 1) * every;
             let until = next(self.sample_every).min(next(self.control_every));
-            let advanced = self.sim.advance(self.controls, until - now);
+            let ride = &mut self.ledger.ride;
+            let advanced = self.sim.advance_watched(self.controls, until - now, |sim| ride.push(sim));
             self.ledger.sim_steps = self.sim.steps();
             advanced?;
             if until.is_multiple_of(self.sample_every) && self.sample(witness) {

@@ -125,6 +125,7 @@ mod tests {
             density: Density::Sparse,
             outcome: Outcome::PlannerError,
             three_way: ThreeWay::Stuck,
+            flags: std::collections::BTreeMap::new(),
             reason: "its own words".into(),
             cause: None,
             evidence: String::new(),
@@ -136,6 +137,7 @@ mod tests {
             clamped: 0,
             fuel: None,
             metrics: None,
+            ride: None,
             log: Vec::new(),
             backtrace: Vec::new(),
         }

@@ -12,6 +12,7 @@ mod error;
 mod fail_fast;
 mod merge;
 mod recent;
+mod ride;
 mod run;
 mod setting;
 mod shape;

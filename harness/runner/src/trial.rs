@@ -1,6 +1,7 @@
 //! One task, from the start to its verdict.
 
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -186,7 +187,7 @@ impl Trial<'_> {
             FuelUse::new(m.fuel.init, trail.fuel_steps, m.fuel_init, m.fuel_per_step, m.memory_bytes)
         });
         let world = self.world();
-        let record = TaskRecord {
+        let mut record = TaskRecord {
             task: self.brief.id.clone(),
             world: world.id.clone(),
             elevation: world.elevation,
@@ -194,6 +195,7 @@ impl Trial<'_> {
             density: world.density,
             outcome: score.outcome,
             three_way: score.three_way,
+            flags: BTreeMap::new(),
             reason: score.reason,
             cause: diagnosis.as_ref().map(|d| d.cause),
             evidence: diagnosis.map(|d| d.evidence).unwrap_or_default(),
@@ -205,9 +207,11 @@ impl Trial<'_> {
             clamped: ledger.clamped,
             fuel,
             metrics: score.metrics,
+            ride: ledger.ride.ride(),
             log,
             backtrace,
         };
+        record.judge();
         let (start, geometry) = (self.task.start, TaskGeometry::of(self.world(), self.task));
         let trace = ledger.recorder.finish(TraceMeta {
             schema: TRACE_SCHEMA,

@@ -18,8 +18,23 @@ pub enum Reader<T> {
     Count(fn(&T) -> u64),
     /// The measure is a real number.
     Number(fn(&T) -> f64),
-    /// The measure is a real number that older records lack.
+    /// The measure is a real number that some records lack.
     Optional(fn(&T) -> Option<f64>),
+    /// The measure is true or false.
+    Flag(fn(&T) -> bool),
+}
+
+impl<T> Measured<T> {
+    /// The measure as a number, if it is one.
+    #[must_use]
+    pub fn number(&self, of: &T) -> Option<f64> {
+        match self.value {
+            Reader::Count(read) => Some(read(of) as f64),
+            Reader::Number(read) => Some(read(of)),
+            Reader::Optional(read) => read(of),
+            Reader::Flag(_) => None,
+        }
+    }
 }
 
 /// Declares a struct of measures together with the list of them, `MEASURES`, in which the documentation of each field says what
@@ -47,18 +62,20 @@ macro_rules! measures {
     };
     (@reader u64, $field:ident) => { $crate::Reader::Count(|m| m.$field) };
     (@reader f64, $field:ident) => { $crate::Reader::Number(|m| m.$field) };
+    (@reader bool, $field:ident) => { $crate::Reader::Flag(|m| m.$field) };
     (@reader Option, $field:ident) => { $crate::Reader::Optional(|m| m.$field) };
 }
 pub(crate) use measures;
 
 #[cfg(test)]
 mod tests {
-    use crate::{FuelUse, Metrics};
+    use crate::{FuelUse, Metrics, Ride};
 
     #[test]
     fn every_measure_is_documented_in_the_words_of_the_code() {
         let text = include_str!("../../../docs/scoring.md");
         let rows = Metrics::MEASURES.iter().map(|m| (m.name, m.about));
+        let rows = rows.chain(Ride::MEASURES.iter().map(|m| (m.name, m.about)));
         for (name, about) in rows.chain(FuelUse::MEASURES.iter().map(|m| (m.name, m.about))) {
             let row = format!("| `{name}` | {} |", about.trim_end_matches('.').replace('|', "\\|"));
             assert!(text.contains(&row), "docs/scoring.md lacks: {row}");

@@ -1,11 +1,13 @@
 //! One line of `tasks.jsonl`.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::measures::measures;
 use vb_world::{Density, Elevation, Terrain};
 
-use crate::{Cause, Metrics, Outcome, TaskScore, ThreeWay};
+use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
 measures! {
     /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
@@ -83,6 +85,9 @@ pub struct TaskRecord {
     pub outcome: Outcome,
     /// The paper's class of the outcome.
     pub three_way: ThreeWay,
+    /// What is true or false of the trial beside its outcome ([`TaskRecord::judge`]); what isn't known is left out.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub flags: BTreeMap<Flag, bool>,
     /// The reason for the outcome, in words.
     pub reason: String,
     /// What the vehicle was up against, if it rolled over or got stuck. Records before version 0.2 have none.
@@ -109,6 +114,9 @@ pub struct TaskRecord {
     pub fuel: Option<FuelUse>,
     /// The measures; `None` if the task ended before the first sample.
     pub metrics: Option<Metrics>,
+    /// Shock and ride; `None` if the task ended before the first step, or was scored again with another end.
+    #[serde(default, deserialize_with = "Ride::checked", skip_serializing_if = "Option::is_none")]
+    pub ride: Option<Ride>,
     /// The last lines that the planner logged, if the run keeps them for such a task; otherwise, or if it logged none,
     /// the list is empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -130,11 +138,25 @@ impl TaskRecord {
         }
     }
 
+    /// Sets the flags to what outcome, metrics and ride say.
+    pub fn judge(&mut self) {
+        self.flags = self.judged();
+    }
+
+    /// The flags that outcome, metrics and ride give.
+    #[must_use]
+    pub fn judged(&self) -> BTreeMap<Flag, bool> {
+        Flag::ALL.into_iter().filter_map(|flag| Some((flag, flag.of(self)?))).collect()
+    }
+
     /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
-    /// (state hash, steps, clamped commands, fuel, log) stays. So does the cause of a failure that is one of the same kind: a
-    /// trace doesn't hold what another could be known by.
+    /// (state hash, steps, clamped commands, fuel, log) stays. So does the cause of a failure that is one of the same kind, and
+    /// shock and ride where the trial ends at the same time: a trace doesn't hold what others could be known by.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
+        if time_s != self.time_s {
+            self.ride = None;
+        }
         if outcome != self.outcome {
             (self.cause, self.evidence) = (None, String::new());
         }
@@ -143,6 +165,7 @@ impl TaskRecord {
         }
         (self.outcome, self.three_way, self.reason) = (outcome, three_way, reason);
         (self.time_s, self.metrics) = (time_s, metrics);
+        self.judge();
     }
 }
 

@@ -83,6 +83,7 @@ pub fn rescore(dir: &Path, rules: &Rules) -> Result<Rescored, RescoreError> {
             // measures don't: they are of ten times the samples, and would weigh ten times as much in the pooled means.
             None if same_rules && header.trace == TraceMode::TenHz => {
                 record.metrics = metrics;
+                record.judge();
                 decided.push(record);
             }
             None => undecided.push(record.task),

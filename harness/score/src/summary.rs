@@ -7,7 +7,7 @@ use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
-use crate::{Cause, FuelUse, Outcome, Rules, TaskRecord, ThreeWay};
+use crate::{Cause, Flag, FuelUse, Outcome, Ride, Rules, TaskRecord, ThreeWay};
 
 /// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;
@@ -76,6 +76,9 @@ pub struct Group {
     pub outcomes: BTreeMap<Outcome, u64>,
     /// The number of tasks by the paper's class. Every class is there.
     pub three_way: BTreeMap<ThreeWay, u64>,
+    /// The number of tasks of which each flag is true. Flags that are known of no task are left out.
+    #[serde(default)]
+    pub flags: BTreeMap<Flag, u64>,
     /// The number of tasks that rolled over or got stuck by cause. Causes without any are left out.
     #[serde(default)]
     pub causes: BTreeMap<Cause, u64>,
@@ -115,6 +118,9 @@ pub struct Group {
     pub steering_effort_mean_s: Option<f64>,
     /// The mean steering rate, 1/s.
     pub steering_rate_mean_per_s: Option<f64>,
+    /// The mean of each measure of [`Ride`] over the tasks that have it, by its name.
+    #[serde(default)]
+    pub ride: BTreeMap<String, f64>,
     /// The number of commands that were clamped.
     pub clamped: u64,
     /// The resources that the planner used: the `total` fuel of all tasks together, and otherwise the most of any task
@@ -199,12 +205,19 @@ impl Group {
         let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
         let mut fuel: Option<FuelUse> = None;
         let mut clamped = 0;
+        let mut flags: BTreeMap<Flag, u64> = BTreeMap::new();
+        let mut ride = [Running::default(); Ride::MEASURES.len()];
         let mut worlds: BTreeMap<&str, Ratio> = BTreeMap::new();
         for r in records {
             let world = worlds.entry(&r.world).or_default();
             world.weight += 1.0;
             *outcomes.entry(r.outcome).or_default() += 1;
             *three_way.entry(r.three_way).or_default() += 1;
+            r.flags.iter().for_each(|(flag, is)| *flags.entry(*flag).or_default() += u64::from(*is));
+            for (mean, measure) in ride.iter_mut().zip(Ride::MEASURES) {
+                let value = r.ride.as_ref().and_then(|ride| measure.number(ride));
+                value.into_iter().for_each(|value| mean.push(value));
+            }
             r.cause.into_iter().for_each(|cause| *causes.entry(cause).or_default() += 1);
             if r.outcome == Outcome::Success {
                 world.sum += 1.0;
@@ -249,6 +262,7 @@ impl Group {
             tasks,
             outcomes,
             three_way,
+            flags,
             causes,
             success_rate: time.count as f64 / tasks as f64,
             success_low: success.map(|i| i.low),
@@ -267,6 +281,11 @@ impl Group {
             throttle_effort_mean_s: mean(&throttle),
             steering_effort_mean_s: mean(&steering),
             steering_rate_mean_per_s: mean(&rate),
+            ride: Ride::MEASURES
+                .iter()
+                .zip(&ride)
+                .filter_map(|(measure, of)| Some((measure.name.to_owned(), mean(of)?)))
+                .collect(),
             clamped,
             fuel,
         })

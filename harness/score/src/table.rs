@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use vb_record::{planner_with_params, suite_with_selection};
 
-use crate::{Cause, Group, Outcome, Summary};
+use crate::{Cause, Flag, Group, Outcome, Summary};
 
 /// The heads of the columns of figures.
 const COLUMNS: [&str; 10] = [
@@ -20,6 +20,11 @@ const COLUMNS: [&str; 10] = [
     "out",
     "errors",
 ];
+
+/// The heads of all columns: those of the figures, and those of the flags, which count tasks whatever their outcome.
+fn heads() -> Vec<String> {
+    COLUMNS.iter().copied().chain(Flag::ALL.map(Flag::title)).map(str::to_owned).collect()
+}
 
 impl Summary {
     /// The result as a table of plain text, without escape sequences: a row for all tasks and one for each level. Where it is wider
@@ -152,6 +157,8 @@ pub struct TableRow {
     pub means: [Option<f64>; 3],
     /// The number of tasks by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [u64; Outcome::ALL.len()],
+    /// The number of tasks of which each flag is true, in the order of [`Flag::ALL`]; `None` where no task says it.
+    pub flags: [Option<u64>; Flag::ALL.len()],
 }
 
 impl TableRow {
@@ -163,16 +170,17 @@ impl TableRow {
             interval: g.success_low.zip(g.success_high).map(|(low, high)| [low, high]),
             means: [g.time_mean_s, g.roll_mean_deg, g.pitch_mean_deg],
             outcomes: Outcome::ALL.map(|outcome| g.outcomes.get(&outcome).copied().unwrap_or(0)),
+            flags: Flag::ALL.map(|flag| g.flags.get(&flag).copied()),
         }
     }
 
     /// The figures as they are shown.
-    fn cells(&self) -> [String; COLUMNS.len()] {
+    fn cells(&self) -> Vec<String> {
         let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.1}"));
         let count = |outcome: Outcome| self.outcomes[outcome.index()];
         let percent = |rate: f64| 100.0 * rate;
         let [time, roll, pitch] = self.means.map(number);
-        [
+        let figures: [String; COLUMNS.len()] = [
             self.tasks.to_string(),
             match self.interval {
                 Some([low, high]) => {
@@ -188,7 +196,9 @@ impl TableRow {
             count(Outcome::Timeout).to_string(),
             count(Outcome::OutOfBounds).to_string(),
             (count(Outcome::PlannerError) + count(Outcome::SimError)).to_string(),
-        ]
+        ];
+        let flags = self.flags.iter().map(|n| n.map_or_else(|| "-".to_owned(), |n| n.to_string()));
+        figures.into_iter().chain(flags).collect()
     }
 }
 
@@ -196,13 +206,13 @@ impl TableRow {
 /// into tables below each other.
 #[must_use]
 pub fn table(head: &str, rows: &[TableRow], width: Option<usize>) -> String {
-    let line = |name: &str, cells: [String; COLUMNS.len()]| -> Vec<String> {
+    let line = |name: &str, cells: Vec<String>| -> Vec<String> {
         std::iter::once(name.to_owned()).chain(cells).collect()
     };
-    let mut lines = vec![line(head, COLUMNS.map(str::to_owned))];
+    let mut lines = vec![line(head, heads())];
     lines.extend(rows.iter().map(|row| line(&row.name, row.cells())));
     let widths: Vec<usize> =
-        (0..=COLUMNS.len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
+        (0..lines[0].len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
     let mut table = String::new();
     for (k, part) in parts(&widths, width).into_iter().enumerate() {
         if k > 0 {

@@ -371,8 +371,22 @@ impl Simulation {
     /// # Errors
     /// Returns [`SimError::Diverged`] if the state becomes one that no vehicle can have.
     pub fn advance(&mut self, controls: Controls, steps: u64) -> Result<(), SimError> {
+        self.advance_watched(controls, steps, |_| ())
+    }
+
+    /// Advances the simulation like [`Self::advance`], and shows it to `watch` after each step.
+    ///
+    /// # Errors
+    /// Returns [`SimError::Diverged`] if the state becomes one that no vehicle can have.
+    pub fn advance_watched(
+        &mut self,
+        controls: Controls,
+        steps: u64,
+        mut watch: impl FnMut(&Self),
+    ) -> Result<(), SimError> {
         for _ in 0..steps {
             self.step(controls);
+            watch(self);
             // The state to look at is the first that is wrong.
             if self.energy.exceeded() {
                 break;
@@ -520,6 +534,31 @@ impl Simulation {
             gear: vehicle.gear(),
             engine_speed: vehicle.drive_state().engine_speed,
         }
+    }
+
+    /// The velocity of a point of the chassis, given in its frame (m), in world axes, m/s.
+    #[must_use]
+    pub fn velocity_of(&self, point: [f64; 3]) -> [f64; 3] {
+        let body = self.vehicle.body();
+        (body.v + body.w.cross(&(body.q * (V3::from(point) + self.reference)))).into()
+    }
+
+    /// A vector in world axes along the axes of the body.
+    #[must_use]
+    pub fn in_body_axes(&self, vector: [f64; 3]) -> [f64; 3] {
+        (self.vehicle.body().q.inverse() * V3::from(vector)).into()
+    }
+
+    /// The vertical component of the body's upward axis: the cosine of the tilt.
+    #[must_use]
+    pub fn upward(&self) -> f64 {
+        (self.vehicle.body().q * V3::z()).z
+    }
+
+    /// The number of wheels on which ground or obstacles press.
+    #[must_use]
+    pub fn loaded_wheels(&self) -> usize {
+        (0..self.vehicle.wheel_count()).filter(|i| self.vehicle.wheel(*i).load > 0.0).count()
     }
 
     /// What the engine and its shafts did in the last step.

@@ -352,6 +352,9 @@ fn check_tasks(
                 note(place.clone(), "its world or labels are not those of the suite".into());
             }
         }
+        if record.flags != record.judged() {
+            note(place.clone(), "its flags are not those that its outcome, metrics and ride give".into());
+        }
         if record.outcome == Outcome::HostError {
             note(place.clone(), "failed by the machine, so it is no result".into());
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use vb_report::{Estimate, Measure, RunFigures, Runs};
-use vb_score::Outcome;
+use vb_score::{Flag, Outcome};
 
 /// The version of the layout of scores.
 pub const SCORES_SCHEMA: u32 = 1;
@@ -40,6 +40,9 @@ pub struct Scores {
     pub tasks: u64,
     /// The number of tasks by outcome.
     pub outcomes: BTreeMap<Outcome, u64>,
+    /// The number of tasks of which each flag is true, whatever their outcome.
+    #[serde(default)]
+    pub flags: BTreeMap<Flag, u64>,
     /// The successes over the tasks, percent, to a tenth.
     pub success_percent: f64,
     /// The 95 % interval of the success rate by the bootstrap over worlds, percent; `None` for a single world.
@@ -79,6 +82,7 @@ impl Scores {
             perception: text(&run.header.perception.name),
             tasks: figures.tasks,
             outcomes: Outcome::ALL.into_iter().map(|o| (o, figures.count(o))).collect(),
+            flags: Flag::ALL.into_iter().filter_map(|flag| Some((flag, figures.flagged(flag)?))).collect(),
             success_percent: mean(Measure::Success).unwrap_or(0.0),
             success_interval_percent: success
                 .and_then(|e| e.interval)
@@ -104,6 +108,9 @@ impl Scores {
         s.push('\n');
         for (outcome, n) in self.outcomes.iter().filter(|(_, n)| **n > 0) {
             let _ = writeln!(s, "{:<8} {n}", outcome.name());
+        }
+        for (flag, n) in &self.flags {
+            let _ = writeln!(s, "{:<8} {n}", flag.title());
         }
         let rows = [
             ("time", self.time_mean_s, "s"),

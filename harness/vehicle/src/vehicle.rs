@@ -110,6 +110,10 @@ pub struct Chassis {
     pub com: Point,
     /// The principal moments of inertia about the centre of mass, along the chassis axes x, y, z, kg m².
     pub inertia: [f64; 3],
+    /// The place of the driver's seat in the chassis frame, m, where shock and ride are measured. If it is left out, they are
+    /// measured at the centre of mass of the chassis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seat: Option<Point>,
     /// The friction coefficient of the hull.
     pub friction: f64,
     /// The resistance of the air, and of what else grows with the speed, against the motion at the centre of mass, as
@@ -167,6 +171,13 @@ impl VehicleSpec {
     pub fn total_mass(&self) -> f64 {
         let axle = |a: &Axle| 2.0 * a.unsprung_mass + a.suspension.linkage.beam().map_or(0.0, |b| b.mass);
         self.chassis.mass + self.axles.iter().map(axle).sum::<f64>()
+    }
+
+    /// The place at which shock and ride are measured, in the chassis frame, m: the driver's seat, or else the centre of mass of the
+    /// chassis.
+    #[must_use]
+    pub fn seat(&self) -> Point {
+        self.chassis.seat.unwrap_or(self.chassis.com)
     }
 
     /// The radius and the width of every wheel, front to back, left before right, m; those of a track without the belt

@@ -21,7 +21,7 @@ vb_sdk::export_planner! {
     about: "Steers between the global path and the evenest of five regions of the elevation map in front",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s at full scale",
+        speed: 5.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         region: 6.4 => "side of a region, m at full scale",
         terrain: 0.2 => "share of the region's bearing in the steering error, 0 to 1",
@@ -192,7 +192,7 @@ mod tests {
     use vb_sdk::{GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Vehicle};
 
     const DEFAULTS: [(&str, &str); 8] = [
-        ("speed", "3"),
+        ("speed", "5"),
         ("lookahead", "10"),
         ("region", "6.4"),
         ("terrain", "0.2"),

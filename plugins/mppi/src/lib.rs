@@ -25,7 +25,7 @@ vb_sdk::export_planner! {
     about: "Samples steering and speed for a bicycle in the plane, around obstacles towards a point on the global path",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s at full scale",
+        speed: 5.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         samples: 1000 => "courses drawn every control period",
         horizon: 20 => "steps of a course",

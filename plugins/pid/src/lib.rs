@@ -17,7 +17,7 @@ vb_sdk::export_planner! {
     about: "Steers by the heading error to a point on the global path and holds a target speed",
     control_period: 0.1,
     params: {
-        speed: 3.0 => "target speed, m/s at full scale",
+        speed: 5.0 => "target speed, m/s at full scale",
         lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
         kp: 1.0 => "proportional gain of the steering, 1/rad",
         ki: 0.0 => "integral gain of the steering, 1/(rad s)",
@@ -103,7 +103,7 @@ mod tests {
     /// Drives east along the x axis, 100 m, with the default parameters but for `params`.
     fn task(params: &[(&str, &str)]) -> Task {
         let default = [
-            ("speed", "3.0"),
+            ("speed", "5.0"),
             ("lookahead", "10.0"),
             ("kp", "1"),
             ("ki", "0"),
@@ -144,10 +144,10 @@ mod tests {
 
     #[test]
     fn the_speed_scales_by_the_root_of_the_vehicle() {
-        // At 1/4 of the scale 3 m/s become 1.5 m/s, and 0.25 m/s too slow is what 0.5 m/s is at full scale.
+        // At 1/4 of the scale 5 m/s become 2.5 m/s, and 0.25 m/s too slow is what 0.5 m/s is at full scale.
         let mut t = task(&[]);
         t.vehicle.scale = 0.25;
-        let c = Pid::init(&t).unwrap().step(&at(0.0, 0.0, 0.0, 1.25)).unwrap();
+        let c = Pid::init(&t).unwrap().step(&at(0.0, 0.0, 0.0, 2.25)).unwrap();
         assert_eq!((c.throttle, c.brake), (0.5, 0.0));
     }
 

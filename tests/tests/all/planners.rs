@@ -306,9 +306,9 @@ fn inspect_tells_the_same_of_both_kinds() {
             assert!(table.contains(&option), "{option} in {table}");
         }
     }
-    // The paper's target speed (its PID planner drives at 3 m/s).
+    // The speed that the paper's traversal times imply (docs/planners.md).
     let pid = pid();
-    assert!(bench.ok(&["inspect", "--plugin", text(&pid)]).contains("--param speed=3.0"));
+    assert!(bench.ok(&["inspect", "--plugin", text(&pid)]).contains("--param speed=5.0"));
 }
 
 #[test]

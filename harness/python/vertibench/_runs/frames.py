@@ -19,14 +19,21 @@ except ImportError:
 
 _TEXTS = "task world elevation terrain density outcome three_way reason cause evidence fault".split()
 _COUNTS = ("sim_steps", "planner_steps", "clamped")
+_FLAGS = ("tilted", "strict", "over_2_5_g", "over_6_w")
 _METRICS = (
     "samples roll_mean_deg roll_variance_deg2 roll_max_deg roll_end_deg pitch_mean_deg pitch_variance_deg2 pitch_max_deg "
     "distance_m speed_mean_m_per_s speed_max_m_per_s throttle_effort_s brake_effort_s steering_effort_s steering_rate_per_s "
     "reverse_s goal_distance_min_m goal_distance_end_m end_x_m end_y_m"
 ).split()
+_RIDE = (
+    "seat_peak_g seat_peak_z_g seat_rms_m_per_s2 seat_rms_z_m_per_s2 absorbed_power_w airborne_fraction landed energy_surplus_j "
+    "held_fraction"
+).split()
 _FUEL = "total init p50_step p99_step max_step init_share p99_share max_share memory_bytes".split()
 #: Measures that are whole numbers.
 _WHOLE = {"samples", "total", "init", "p50_step", "p99_step", "max_step", "memory_bytes"}
+#: Measures that are true or false.
+_TRUTHS = {"landed", *_FLAGS}
 #: What every row says of the run, and where run.json has it.
 _OF_THE_RUN = {
     "planner": ("plugin", "name"),
@@ -49,8 +56,13 @@ def results(run: Run | str | PathLike[str], frame: str = "pandas") -> Any:
     * `task`, `world`, `elevation`, `terrain`, `density`, `outcome`, `three_way`, `reason`, `cause` and `evidence` (what the
       vehicle was up against; missing where it neither rolled over nor got stuck), `fault` (missing without an error),
       `time_s` (simulated time at the end, s), `state_hash`, `sim_steps`, `planner_steps`, `clamped`;
+    * the flags, which are true or false whatever the outcome: `tilted` (|roll| or |pitch| above 30° at any time, the rollover
+      rule of the authors' scripts), `strict` (a success that ends upright on loaded wheels, without a shock above 2.5 g),
+      `over_2_5_g`, `over_6_w`; missing where they aren't known;
     * the metrics, with units in their names: `roll_mean_deg`, `distance_m`, `speed_mean_m_per_s`, …; missing where a task
       ended before its first sample;
+    * shock and ride at the driver's seat: `seat_peak_g`, `seat_rms_m_per_s2`, `absorbed_power_w`, `airborne_fraction`, …; missing
+      where a task ended before its first step, or was scored again with another end;
     * the planner's fuel, `fuel_total`, `fuel_p99_step`, …, and `memory_bytes`; missing for native planners and commands;
     * `planner`, `planner_version`, `suite`, `vehicle`, `perception`, `rules`, `scale`, `seed`.
 
@@ -83,10 +95,11 @@ def _results(run: Run) -> pa.Table:
     columns["time_s"] = column(None, "time_s", pa.float64())
     columns["state_hash"] = column(None, "state_hash", pa.string())
     columns |= {name: column(None, name, pa.int64()) for name in _COUNTS}
-    for of, names in (("metrics", _METRICS), ("fuel", _FUEL)):
+    for of, names in (("flags", _FLAGS), ("metrics", _METRICS), ("ride", _RIDE), ("fuel", _FUEL)):
         for name in names:
             shown = f"fuel_{name}" if of == "fuel" and name != "memory_bytes" else name
-            columns[shown] = column(of, name, pa.int64() if name in _WHOLE else pa.float64())
+            kind = pa.bool_() if name in _TRUTHS else pa.int64() if name in _WHOLE else pa.float64()
+            columns[shown] = column(of, name, kind)
     n = len(records)
     for name, way in _OF_THE_RUN.items():
         columns[name] = pa.array([run.of(*way)] * n, pa.string())

@@ -70,7 +70,8 @@ class Summary(Mapping[str, Any]):
     def frame(self, frame: str = "pandas") -> Any:
         """The figures over all tasks and over each level and world as a frame (see `vertibench.results`): `split` (`all`,
         `elevation`, `terrain`, `density` or `world`), `level`, and a column for each figure; outcomes and classes of the
-        paper are columns with `outcome_` and `three_way_` before their names, the planner's fuel with `fuel_`."""
+        paper are columns with `outcome_` and `three_way_` before their names, the number of tasks of which a flag is true with
+        `flag_`, means of shock and ride with `ride_`, the planner's fuel with `fuel_`."""
         import pyarrow as pa
 
         from .frames import as_frame
@@ -94,7 +95,8 @@ class Summary(Mapping[str, Any]):
     def _repr_html_(self) -> str:
         rows = [
             [level if split == "all" else f"{split} {level}", str(f["tasks"]), _percent(_success(f)), _number(f["time_mean_s"]),
-             _number(f["roll_mean_deg"]), _number(f["pitch_mean_deg"]), str(f["outcomes"]["rollover"]), str(f["outcomes"]["stuck"])]
+             _number(f["roll_mean_deg"]), _number(f["pitch_mean_deg"]), str(f["outcomes"]["rollover"]),
+             _count(f, "tilted"), str(f["outcomes"]["stuck"]), _count(f, "strict")]
             for split, level, f in self._groups() if split != "world"
         ]  # fmt: skip
         head = [
@@ -105,7 +107,9 @@ class Summary(Mapping[str, Any]):
             "mean |roll| °",
             "mean |pitch| °",
             "rollover",
+            "tilt > 30°",
             "stuck",
+            "strict",
         ]
         return table_html(f"{self['planner']} on {self['suite']}", head, rows)
 
@@ -143,8 +147,8 @@ def table_html(title: str, head: list[str], rows: list[list[str]]) -> str:
 def _flat(figures: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in figures.items():
-        if name in ("outcomes", "three_way", "fuel"):
-            before = "outcome" if name == "outcomes" else name
+        if name in ("outcomes", "three_way", "flags", "ride", "fuel"):
+            before = name.removesuffix("s") if name in ("outcomes", "flags") else name
             flat |= {f"{before}_{k}": v for k, v in (value or {}).items()}
         else:
             flat[name] = value
@@ -161,6 +165,11 @@ def _percent(e: Estimate | None) -> str:
         return "–"
     of = Estimate(*(None if v is None else 100 * v for v in (e.mean, e.low, e.high)))  # type: ignore[arg-type]
     return format(of, ".1f")
+
+
+def _count(figures: dict[str, Any], flag: str) -> str:
+    """Of how many tasks a flag is true."""
+    return str(figures.get("flags", {}).get(flag, "–"))
 
 
 def _number(value: float | None) -> str:

@@ -164,7 +164,7 @@ pub(crate) struct Quantity {
 
 impl Quantity {
     /// What all pages show, the first four in papers too.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self { title: "Traversal time of successes", unit: "s", value: |r| r.succeeded().then_some(r.time) },
         Self { title: "Mean |roll| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.roll.mean) },
         Self {
@@ -189,6 +189,12 @@ impl Quantity {
             unit: "m",
             value: |r| r.measures.filter(|_| !r.succeeded()).map(|m| m.goal_distance),
         },
+        Self {
+            title: "Peak of vertical acceleration at the seat",
+            unit: "g",
+            value: |r| r.ride.map(|ride| ride.seat_peak_z_g),
+        },
+        Self { title: "Absorbed power", unit: "W", value: |r| r.ride.map(|ride| ride.absorbed_power_w) },
     ];
 }
 

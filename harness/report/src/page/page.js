@@ -28,6 +28,8 @@
     ['most', (r) => r[6], 1],
     ['|pitch| °', (r) => r[7], 1],
     ['most', (r) => r[8], 1],
+    ['peak g', (r) => r[15], 1],
+    ['absorbed W', (r) => r[16], 1],
     ['way m', (r) => r[9], 1],
     ['to goal m', (r) => r[10], 1],
     ['fuel 99 %', (r) => r[11], 1],
@@ -36,6 +38,8 @@
   ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
     && (c[0] !== 'map' || data.worlds.some((w) => w[4]))
     && (c[0] !== 'stopped by' || data.rows.some((r) => r[14] !== null))
+    && (c[0] !== 'peak g' || data.rows.some((r) => r[15] !== null))
+    && (c[0] !== 'absorbed W' || data.rows.some((r) => r[16] !== null))
     && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
   const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);

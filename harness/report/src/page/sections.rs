@@ -7,7 +7,7 @@ use crate::runs::Run;
 use crate::{Beside, Report};
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, number};
-use vb_score::Outcome;
+use vb_score::{Flag, Outcome, Ride};
 use vb_world::{Density, Elevation, Terrain};
 
 /// Worlds beyond this number are not drawn one by one.
@@ -152,6 +152,13 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
     for &k in &used {
         let _ = write!(s, "<th class=\"n\"><i class=\"swatch o{k}\"></i>{}</th>", label(Outcome::ALL[k]));
     }
+    let told: Vec<Flag> = Flag::ALL
+        .into_iter()
+        .filter(|flag| report.figures.iter().any(|f| f.all.flagged(*flag).is_some()))
+        .collect();
+    for flag in &told {
+        let _ = write!(s, "<th class=\"n\" title=\"{}\">{}</th>", escape(flag.about()), escape(flag.title()));
+    }
     s.push_str("<th class=\"n\">success % (95 %)</th></tr></thead><tbody>");
     for (run, f) in report.runs.runs.iter().zip(&report.figures) {
         let _ = write!(s, "<tr><th>{}</th><td class=\"n\">{}</td>", escape(&run.label), grouped(f.all.tasks));
@@ -165,6 +172,16 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
                 number(fraction, 1)
             );
         }
+        for flag in &told {
+            let cell = f.all.flagged(*flag).zip(f.all.flagged_percent(*flag)).map_or_else(
+                || "<td class=\"n\" data-v=\"-1\">–</td>".to_owned(),
+                |(n, percent)| {
+                    let (n, percent) = (grouped(n), number(percent, 1));
+                    format!("<td class=\"n\">{n} <small>{percent} %</small></td>")
+                },
+            );
+            s.push_str(&cell);
+        }
         let rate = f.all.mean(Measure::Success);
         let _ = write!(
             s,
@@ -174,8 +191,56 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
         );
     }
     s.push_str(
-        "</tbody></table></div><p class=\"about\">Errors of planner and simulation count as failures.</p>",
+        "</tbody></table></div><p class=\"about\">Errors of planner and simulation count as failures. The columns behind the outcomes count \
+         tasks whatever their outcome, and decide no rank: a tilt above 30° is the rollover rule of the authors' evaluation scripts; a strict \
+         success also ends upright on loaded wheels, without a shock above 2.5 g.</p>",
     );
+    ride(s, report);
+}
+
+/// The head of a measure's column: its name with its unit behind a comma.
+fn heading(name: &str) -> String {
+    let units = [("_m_per_s2", ", m/s²"), ("_fraction", ""), ("_g", ", g"), ("_w", ", W"), ("_j", ", J")];
+    let unit = units.iter().find(|(end, _)| name.ends_with(end));
+    let (end, unit) = unit.copied().unwrap_or(("", ""));
+    name.strip_suffix(end).unwrap_or(name).replace('_', " ") + unit
+}
+
+/// The means of shock and ride, if there are any.
+fn ride(s: &mut String, report: &Report) {
+    let told: Vec<usize> = (0..Ride::MEASURES.len())
+        .filter(|k| report.figures.iter().any(|f| f.all.ride[*k].is_some()))
+        .collect();
+    if told.is_empty() {
+        return;
+    }
+    s.push_str(
+        "<h3>Shock and ride at the driver's seat, means over tasks</h3><div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>run</th>",
+    );
+    for &k in &told {
+        let measure = &Ride::MEASURES[k];
+        let _ = write!(
+            s,
+            "<th class=\"n\" title=\"{}\">{}</th>",
+            escape(measure.about),
+            escape(&heading(measure.name))
+        );
+    }
+    s.push_str("</tr></thead><tbody>");
+    for (run, f) in report.runs.runs.iter().zip(&report.figures) {
+        let _ = write!(s, "<tr><th>{}</th>", escape(&run.label));
+        for &k in &told {
+            let mean = f.all.ride[k];
+            let _ = write!(
+                s,
+                "<td class=\"n\" data-v=\"{}\">{}</td>",
+                mean.unwrap_or(-1.0),
+                mean.map_or_else(|| "–".into(), |v| number(v, 2))
+            );
+        }
+        s.push_str("</tr>");
+    }
+    s.push_str("</tbody></table></div>");
 }
 
 pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {

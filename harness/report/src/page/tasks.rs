@@ -89,5 +89,7 @@ fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
         &*r.note,
         u8::from(replays.contains(&*r.task)),
         r.cause.and_then(|cause| Cause::ALL.iter().position(|c| *c == cause)),
+        r.ride.map(|ride| round(ride.seat_peak_z_g)),
+        r.ride.map(|ride| round(ride.absorbed_power_w)),
     ])
 }

@@ -63,6 +63,7 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
         density: Density::ALL[w / 9 % 3],
         outcome,
         three_way: outcome.three_way(false),
+        flags: std::collections::BTreeMap::new(),
         reason: "because".into(),
         cause: (!success).then_some(if t.is_multiple_of(3) {
             Cause::HighCentred
@@ -99,6 +100,7 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
             end_x_m: None,
             end_y_m: None,
         }),
+        ride: None,
         log: Vec::new(),
         backtrace: Vec::new(),
     }

@@ -53,6 +53,7 @@ pub(super) mod tests {
             density: Density::Sparse,
             outcome,
             three_way: ThreeWay::Stuck,
+            flags: std::collections::BTreeMap::new(),
             reason: "because".into(),
             cause: None,
             evidence: String::new(),
@@ -64,6 +65,7 @@ pub(super) mod tests {
             clamped: 0,
             fuel: None,
             metrics: None,
+            ride: None,
             log: Vec::new(),
             backtrace: Vec::new(),
         }

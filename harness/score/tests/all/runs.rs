@@ -13,8 +13,8 @@ use vb_record::{
     TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
-    Fault, FuelUse, Outcome, RescoreError, Rules, Scorer, Summary, TaskGeometry, TaskRecord, TaskScore,
-    ThreeWay, rescore,
+    Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry, TaskRecord,
+    TaskScore, ThreeWay, rescore,
 };
 use vb_world::{Density, Elevation, Terrain};
 
@@ -60,7 +60,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
 }
 
 fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
-    TaskRecord {
+    let mut record = TaskRecord {
         task: task.into(),
         world: task.split_once('/').unwrap().0.into(),
         elevation,
@@ -68,6 +68,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         density: Density::Sparse,
         outcome: score.outcome,
         three_way: score.three_way,
+        flags: BTreeMap::new(),
         reason: score.reason,
         cause: None,
         evidence: String::new(),
@@ -79,10 +80,26 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         clamped: 1,
         fuel: Some(FuelUse { total: 100, max_step: 20, ..FuelUse::default() }),
         metrics: score.metrics,
+        ride: Some(RIDE),
         log: Vec::new(),
         backtrace: Vec::new(),
-    }
+    };
+    record.judge();
+    record
 }
+
+/// A ride with a shock above 2.5 g.
+const RIDE: Ride = Ride {
+    seat_peak_g: 4.0,
+    seat_peak_z_g: 3.0,
+    seat_rms_m_per_s2: 2.0,
+    seat_rms_z_m_per_s2: 1.5,
+    absorbed_power_w: 4.0,
+    airborne_fraction: 0.25,
+    landed: true,
+    energy_surplus_j: Some(100.0),
+    held_fraction: None,
+};
 
 const GEOMETRY: TaskGeometry =
     TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0 };
@@ -194,6 +211,10 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(outcomes, [("w/b", Outcome::Stuck), ("w/c", Outcome::Stuck), ("w/d", Outcome::PlannerError)]);
     assert_eq!(again.records[2].fault.as_deref(), Some("planner/out-of-fuel"));
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
+    // A trace doesn't hold what shock and ride are measured by: they stay only where the trial ends as it did.
+    assert!(again.records[0].time_s < records[1].time_s && again.records[0].ride.is_none());
+    assert!(!again.records[0].flags.contains_key(&Flag::Shock) && !again.records[0].flags[&Flag::Strict]);
+    assert_eq!((again.records[2].ride, again.records[2].flags[&Flag::Shock]), (Some(RIDE), true));
     assert_eq!(again.summary.all.as_ref().unwrap().tasks, 3);
     // None of the three decided tasks succeeded; the fourth may have.
     let table = again.summary.table(None);
@@ -205,6 +226,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     let d = &again.records[3];
     assert_eq!((d.outcome, d.fault.as_ref()), (Outcome::Success, None));
     assert!((d.time_s - 2.5).abs() <= 0.01 + 1e-9, "{}", d.time_s);
+    assert_eq!((d.ride, d.flags.get(&Flag::Strict)), (None, None), "how it landed by then is not known");
 }
 
 #[test]
@@ -342,6 +364,11 @@ fn a_summary_counts_and_averages_as_documented() {
     near(all.roll_task_mean_deg, (1.0 + 1.0 + 3.0 + 7.0) / 4.0);
     assert_eq!(all.outcomes[&Outcome::PlannerError], 2);
     assert_eq!(all.three_way[&ThreeWay::Stuck], 2);
+    // No roll above 30°; a shock in each, so no success is a strict one.
+    let flags = [(Flag::Tilted, 0), (Flag::Strict, 0), (Flag::Shock, 4), (Flag::Power, 0)];
+    assert_eq!(all.flags, BTreeMap::from(flags));
+    assert_eq!((all.ride["seat_peak_z_g"], all.ride["airborne_fraction"]), (3.0, 0.25));
+    assert!(!all.ride.contains_key("held_fraction") && !all.ride.contains_key("landed"));
     assert_eq!(all.outcomes.values().sum::<u64>(), 4);
     assert_eq!(
         (all.clamped, all.fuel),

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use vb_report::{Estimate, Measure};
-use vb_score::{Cause, Outcome};
+use vb_score::{Cause, Flag, Outcome};
 
 use super::rank::{Board, Ranked};
 
@@ -38,6 +38,8 @@ fn entry(r: &Ranked) -> Value {
     let (e, m) = (&r.entry, &r.entry.manifest);
     let outcomes: serde_json::Map<String, Value> =
         Outcome::ALL.iter().map(|o| (o.name().to_owned(), e.figures.count(*o).into())).collect();
+    let flags = Flag::ALL.iter().filter_map(|f| Some((f.name().to_owned(), e.figures.flagged(*f)?.into())));
+    let flags: serde_json::Map<String, Value> = flags.collect();
     let causes = Cause::ALL.iter().map(|c| (c.name().to_owned(), Value::from(e.figures.caused(*c))));
     let causes: serde_json::Map<String, Value> = causes.filter(|(_, n)| *n != 0).collect();
     let levels = e.levels.iter().map(|(level, rate)| ((*level).to_owned(), Value::from(*rate)));
@@ -57,6 +59,7 @@ fn entry(r: &Ranked) -> Value {
         "tasks": e.figures.tasks,
         "worlds": e.figures.worlds,
         "outcomes": outcomes,
+        "flags": flags,
         "success_rate": estimate(e.figures.mean(Measure::Success)),
         "behind_first_of_rank": estimate(r.behind),
         "time_s": estimate(e.figures.mean(Measure::Time)),

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use vb_page::{Page, TABLE_STYLE, escape, grouped, number};
 use vb_report::{Measure, THUMBNAIL_STYLE, one_line};
-use vb_score::{Cause, Outcome};
+use vb_score::{Cause, Flag, Outcome};
 
 use super::index_page::{STYLE, strip, whisker};
 use super::rank::{Board, Ranked};
@@ -124,6 +124,12 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
     for outcome in Outcome::ALL.iter().filter(|o| e.figures.count(**o) > 0) {
         let name = outcome.name().replace('_', " ");
         let _ = write!(s, "<div><dt>{name}</dt><dd>{}</dd></div>", grouped(e.figures.count(*outcome)));
+    }
+    for flag in Flag::ALL {
+        if let Some(n) = e.figures.flagged(flag) {
+            let (title, about) = (escape(flag.title()), escape(flag.about()));
+            let _ = write!(s, "<div><dt title=\"{about}\">{title}</dt><dd>{}</dd></div>", grouped(n));
+        }
     }
     s.push_str("</dl>");
     let causes = Cause::by_frequency(|cause| e.figures.caused(cause));

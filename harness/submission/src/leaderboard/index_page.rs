@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_record::planner_with_params;
 use vb_report::{Estimate, Measure, Split, heat, one_line};
-use vb_score::{Cause, Outcome};
+use vb_score::{Cause, Flag, Outcome};
 
 use super::entries::Entry;
 use super::rank::{Board, Ranked, RankedBy};
@@ -197,7 +197,12 @@ fn details(e: &Entry) -> String {
             })
         })
         .collect();
-    parts.push(format!("rollover {} %", share(Outcome::Rollover)));
+    let flagged = |flag| f.flagged_percent(flag).map(|v| number(v, 1));
+    let tilted = flagged(Flag::Tilted).map_or_else(String::new, |v| format!(" (tilt above 30° in {v} %)"));
+    parts.push(format!("rollover {} %{tilted}", share(Outcome::Rollover)));
+    if let Some(strict) = flagged(Flag::Strict) {
+        parts.push(format!("strict success {strict} %"));
+    }
     let most = Cause::by_frequency(|cause| f.caused(cause));
     let why = most.first().map_or_else(String::new, |(cause, n)| {
         format!(" (most often {}: {} %)", cause.title(), percent(*n as f64 / f.tasks.max(1) as f64))

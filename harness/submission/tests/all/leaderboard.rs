@@ -144,7 +144,9 @@ fn ties_share_a_rank_and_certain_differences_part() {
     // What no column has is below the name: one of four tasks was driven again, and all of the last entry's are stuck.
     for part in [
         "25 % driven again",
-        "rollover 0.0 %; stuck 100.0 %",
+        "rollover 0.0 % (tilt above 30° in ",
+        "strict success ",
+        "stuck 100.0 %",
         "href=\"https://example.org/code\"",
         ">paper</a>",
     ] {

@@ -127,6 +127,15 @@ impl Check<'_> {
         let c = &v.chassis;
         self.positive("chassis.mass", c.mass)?;
         self.finite("chassis.com", &c.com)?;
+        if let Some(seat) = &c.seat {
+            self.finite("chassis.seat", seat)?;
+            // Within a box of the vehicle's size about the reference point and once more: a seat on a boom is none.
+            let within = [v.length, v.width, 2.0 * v.height];
+            if let Some(k) = (0..3).find(|&k| seat[k].abs() > within[k]) {
+                let reason = format!("{} must lie in -{} to {}", seat[k], within[k], within[k]);
+                return self.fail(&format!("chassis.seat[{k}]"), reason);
+            }
+        }
         for (i, &value) in c.inertia.iter().enumerate() {
             self.positive(&format!("chassis.inertia[{i}]"), value)?;
             let others = c.inertia.iter().sum::<f64>() - value;

@@ -1,0 +1,79 @@
+//! Shock and ride at the driver's seat, and how the vehicle stood: measured at every step of the simulation.
+
+mod filter;
+mod meter;
+#[cfg(test)]
+mod tests;
+mod weighting;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::measures::measures;
+
+pub use meter::{RideMeter, RideStep};
+
+/// The limit of shock at the driver's seat, g (NATO Reference Mobility Model, edition II: the peak vertical acceleration that a
+/// driver accepts where obstacles are crossed).
+pub const SHOCK_LIMIT_G: f64 = 2.5;
+/// The limit of ride, W of absorbed power (NATO Reference Mobility Model, edition II: what a driver accepts in the long run).
+pub const POWER_LIMIT_W: f64 = 6.0;
+/// The factor on horizontal accelerations in the total vibration value, for the health of a seated person (ISO 2631-1:1997, 7.2.3).
+const HORIZONTAL: f64 = 1.4;
+/// The cosine of the tilt below which a vehicle is upright: 60°, ours, as in the rules that end a trial by `overturned`.
+const UPRIGHT: f64 = 0.5;
+/// How long a vehicle has to stand upright on its wheels until it has landed, s at scale 1: ours. A hop of a wheel takes less.
+const LANDED_S: f64 = 0.2;
+/// The greatest value of a measure that a record may have; no simulation comes near it.
+const MOST: f64 = 1e9;
+
+measures! {
+    /// Shock and ride over the steps of a simulation, from the start of the trial to the sample that decided it. Accelerations are
+    /// those of the chassis at the driver's seat, without gravity, along the axes of the body.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Ride {
+        /// Peak of the magnitude of the acceleration at the seat, below 30 Hz, g.
+        pub seat_peak_g: f64,
+        /// Peak of its vertical component, below 30 Hz, g.
+        pub seat_peak_z_g: f64,
+        /// Total vibration value at the seat, m/s²: the root of 1.4² (x² + y²) + z², weighted by W_d, W_d and W_k.
+        pub seat_rms_m_per_s2: f64,
+        /// Vertical vibration at the seat, m/s²: the effective value weighted by W_k.
+        pub seat_rms_z_m_per_s2: f64,
+        /// Mean power that the driver absorbs from vertical vibration, W.
+        pub absorbed_power_w: f64,
+        /// Fraction of the time in which no wheel bears a load and the hull is free.
+        pub airborne_fraction: f64,
+        /// Whether the vehicle was upright (tilt below 60°) with a load on two wheels or more in the last 0.2 s.
+        pub landed: bool,
+        /// Greatest mechanical energy that nothing supplied, J.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub energy_surplus_j: Option<f64>,
+        /// Fraction of the steps in which the depth of a wheel was limited.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub held_fraction: Option<f64>,
+    }
+}
+
+impl Ride {
+    /// The first measure that no simulation can have, as its name, its value and what is allowed.
+    #[must_use]
+    pub fn flaw(&self) -> Option<String> {
+        Self::MEASURES.iter().find_map(|m| {
+            let value = m.number(self)?;
+            let most = if m.name.ends_with("_fraction") { 1.0 } else { MOST };
+            (!(0.0..=most).contains(&value)).then(|| format!("{}: {value} must lie in 0 to {most}", m.name))
+        })
+    }
+
+    /// Reads a ride of a record, which may be of strangers.
+    ///
+    /// # Errors
+    /// Returns an error if a measure is missing, or can't be one.
+    pub(crate) fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
+        let ride = Option::<Self>::deserialize(from)?;
+        match ride.as_ref().and_then(Self::flaw) {
+            Some(flaw) => Err(serde::de::Error::custom(format!("ride.{flaw}"))),
+            None => Ok(ride),
+        }
+    }
+}
