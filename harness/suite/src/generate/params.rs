@@ -3,6 +3,7 @@
 use crate::path::PathParams;
 use crate::rules::{self, MOST_NODES, ParamsError, Rules, flaw, range_within, within};
 use serde::Deserialize;
+use vb_terrain::{Model, ShapeParams, Shaping};
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 /// One value for each elevation level.
@@ -25,6 +26,17 @@ impl ByElevation {
             Elevation::Low => self.low,
             Elevation::Medium => self.medium,
             Elevation::High => self.high,
+        }
+    }
+}
+
+impl ByElevation {
+    /// Sets the value for a level.
+    pub fn set(&mut self, level: Elevation, value: f64) {
+        match level {
+            Elevation::Low => self.low = value,
+            Elevation::Medium => self.medium = value,
+            Elevation::High => self.high = value,
         }
     }
 }
@@ -105,6 +117,24 @@ pub struct ElevationParams {
     /// The standard deviation of the logarithm of `std` between worlds, without what the model draws differently
     /// anyway.
     pub std_spread: f64,
+    /// The gains by wavelength and the swells of the surfaces; `None` takes the model's samples as they are.
+    #[serde(default)]
+    pub shape: Option<ShapeParams>,
+}
+
+impl ElevationParams {
+    /// The shaping for a model.
+    ///
+    /// # Errors
+    /// Returns the flaw if the shape does not suit the model's resolution.
+    pub fn shaping(&self, model: &Model) -> Result<Option<Shaping>, ParamsError> {
+        let shaping = |p| Shaping::new(p, model.header().resolution).map_err(shape_flaw);
+        self.shape.as_ref().map(shaping).transpose()
+    }
+}
+
+fn shape_flaw((field, problem): (String, String)) -> ParamsError {
+    flaw(format!("elevation.shape.{field}"), problem)
 }
 
 /// A normal distribution.
@@ -303,6 +333,9 @@ impl GeneratorParams {
             within(&format!("elevation.std.{}", level.name()), e.std.get(level), 1e-3, 100.0)?;
         }
         within("elevation.std_spread", e.std_spread, 0.0, 1.0)?;
+        if let Some(shape) = &e.shape {
+            shape.check().map_err(shape_flaw)?;
+        }
         check_model("elevation.model", &e.model)
     }
 
