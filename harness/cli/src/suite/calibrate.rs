@@ -210,7 +210,7 @@ fn evaluate(
     drive.planner.params = planner_params(args);
     drive.suite = Some(dir);
     drive.vehicle = vehicle.to_owned();
-    drive.jobs = args.calibration.jobs.clone();
+    drive.jobs = args.calibration.jobs;
     drive.trace = TraceMode::None;
     drive.logs = LogMode::None;
     drive.resume = out.join("run.json").exists();
