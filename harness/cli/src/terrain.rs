@@ -8,12 +8,12 @@ use vb_terrain::read::{Holes, read};
 use vb_terrain::repair::repair;
 use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
 use vb_terrain::write::{Kind, shaded};
-use vb_terrain::{Model, Request, fraction};
+use vb_terrain::{Model, Request, fit, fraction};
 use vb_world::Elevation;
 
-use crate::args::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
+use crate::args::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 use crate::error::{self, CliError};
-use crate::{output, places};
+use crate::{output, places, suite};
 
 impl TerrainCommand {
     /// Does what it says.
@@ -22,6 +22,7 @@ impl TerrainCommand {
             Self::Train(args) => train(args),
             Self::Generate(args) => generate(args),
             Self::Measure(args) => measure(args),
+            Self::Fit(args) => fit(args),
         }
     }
 }
@@ -57,15 +58,56 @@ pub(crate) fn train(args: &TrainArgs) -> Result<(), CliError> {
     }
 }
 
+/// The model in a file, or the one that comes with the harness.
+fn model(file: Option<&Path>) -> Result<Model, CliError> {
+    let path = match file {
+        Some(path) => path.to_owned(),
+        None => places::catalog().terrain_model(DEFAULT_MODEL)?,
+    };
+    Model::read(&path).map_err(CliError::input)
+}
+
+/// Fits a shaping to the worlds of a suite and prints it as a section of the generator's rules.
+pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
+    let suite = suite::open(Some(&args.like))?;
+    let model = model(args.model.as_deref())?;
+    let mut surfaces = Vec::new();
+    for info in suite.worlds() {
+        let fraction = match info.elevation {
+            Elevation::Low => args.relief[0],
+            Elevation::Medium => args.relief[1],
+            Elevation::High => args.relief[2],
+        };
+        surfaces.push((suite.load_world(&info.id).map_err(CliError::input)?.heightfield, fraction));
+    }
+    let wanted = fit::of_surfaces(&surfaces).map_err(CliError::input)?;
+    let round = |k: usize, ratios: &[f64]| {
+        let ratios: Vec<_> = ratios.iter().map(|r| format!("{r:.3}")).collect();
+        output::note(&format!(
+            "round {k}: root mean square over the wanted one by band: {}",
+            ratios.join(" ")
+        ));
+    };
+    let shape =
+        fit::fit(&model, &wanted, args.seed, args.surfaces as usize, round).map_err(CliError::input)?;
+    let list = |v: &[f64]| v.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    let swells: Vec<_> =
+        shape.swells.iter().map(|s| format!("{{spacing: {}, std: {}}}", s.spacing, s.std)).collect();
+    output::text(&format!(
+        "  shape:\n    std: {}\n    wavelengths: [{}]\n    gains: [{}]\n    swells: [{}]\n",
+        shape.std,
+        list(&shape.wavelengths),
+        list(&shape.gains),
+        swells.join(", ")
+    ));
+    Ok(())
+}
+
 /// Draws a surface and writes it.
 pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     let kind = Kind::of(&args.out)
         .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
-    let path = match &args.model {
-        Some(path) => path.clone(),
-        None => places::catalog().terrain_model(DEFAULT_MODEL)?,
-    };
-    let model = Model::read(&path).map_err(CliError::input)?;
+    let model = model(args.model.as_deref())?;
     let level = Elevation::from(args.level);
     let request = Request {
         seed: args.seed,

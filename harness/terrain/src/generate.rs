@@ -14,6 +14,7 @@ use vb_world::{Elevation, Heightfield};
 use crate::bands::{Plane, REACH};
 use crate::model::Model;
 use crate::shape::{CELL, CHANNELS, HALO, NUMBERS, SWELLS};
+use crate::shaping::{self, Shaping};
 
 /// Cells along a block that is decoded at a time.
 const CHUNK: usize = 8;
@@ -97,6 +98,15 @@ impl Model {
     /// # Errors
     /// [`GenerateError`] if the request makes no sense.
     pub fn surface(&self, request: &Request) -> Result<Heightfield, GenerateError> {
+        self.shaped(request, None)
+    }
+
+    /// Draws a surface whose wavelengths are shaped before nodes are taken. Heights have the standard deviation of the shaping
+    /// times the fraction, over many surfaces.
+    ///
+    /// # Errors
+    /// [`GenerateError`] if the request makes no sense.
+    pub fn shaped(&self, request: &Request, shaping: Option<&Shaping>) -> Result<Heightfield, GenerateError> {
         let own = self.header.resolution;
         for n in [request.rows, request.cols] {
             if !(NODES[0]..=NODES[1]).contains(&n) {
@@ -120,7 +130,10 @@ impl Model {
         }
         let rows = taps(request.rows, request.resolution / own);
         let cols = taps(request.cols, request.resolution / own);
-        let field = self.field(request.seed, span(&rows), span(&cols));
+        let field = match shaping {
+            None => self.field(request.seed, span(&rows), span(&cols)),
+            Some(shaping) => self.shaped_field(request.seed, span(&rows), span(&cols), shaping),
+        };
         let values = field.resampled(&rows, &cols);
         let scale = self.header.relief * request.fraction / self.header.std;
         let heights = values.into_iter().map(|v| (v - self.header.mean) * scale).collect();
@@ -137,6 +150,46 @@ impl Model {
             plane = plane.mapped(pass);
         }
         Field { rows, cols, values: plane.values }
+    }
+
+    /// The same after gains, with swells.
+    fn shaped_field(&self, seed: u64, rows: [i64; 2], cols: [i64; 2], shaping: &Shaping) -> Field {
+        let reach = shaping::REACH as i64;
+        let wider = |span: [i64; 2]| [span[0] - reach, span[1] + reach];
+        self.shaped_again(&self.field(seed, wider(rows), wider(cols)), seed, shaping)
+    }
+
+    /// Samples after gains, with swells: narrower by what the gains reach.
+    fn shaped_again(&self, whole: &Field, seed: u64, shaping: &Shaping) -> Field {
+        let reach = shaping::REACH as i64;
+        let inner = |span: [i64; 2]| [span[0] + reach, span[1] - reach];
+        let (rows, cols) = (inner(whole.rows), inner(whole.cols));
+        let mut values = shaping.filtered(&whole.values, (whole.cols[1] - whole.cols[0]) as usize);
+        // Swells are given in metres at full relief, samples are in the decoder's unit.
+        let unit = self.header.std / self.header.relief;
+        for (k, (step, std)) in shaping.swells.iter().enumerate().filter(|(_, (_, std))| *std > 0.0) {
+            let swell = Waves::new(seed, &format!("shape-{k}"), *step, std * unit, rows, cols).heights();
+            for (value, swell) in values.iter_mut().zip(swell) {
+                *value = (f64::from(*value) + swell) as f32;
+            }
+        }
+        Field { rows, cols, values }
+    }
+
+    /// Samples for a square of nodes, before they are shaped.
+    pub(crate) fn unshaped(&self, seed: u64, nodes: usize, resolution: f64) -> Unshaped {
+        let taps = taps(nodes, resolution / self.header.resolution);
+        let reach = shaping::REACH as i64;
+        let wide = [span(&taps)[0] - reach, span(&taps)[1] + reach];
+        Unshaped { seed, field: self.field(seed, wide, wide), taps }
+    }
+
+    /// The heights of the nodes at full relief, m, row by row.
+    pub(crate) fn heights(&self, unshaped: &Unshaped, shaping: &Shaping) -> Vec<f64> {
+        let field = self.shaped_again(&unshaped.field, unshaped.seed, shaping);
+        let scale = self.header.relief / self.header.std;
+        let values = field.resampled(&unshaped.taps, &unshaped.taps);
+        values.into_iter().map(|v| (v - self.header.mean) * scale).collect()
     }
 
     /// The samples before the passes.
@@ -211,6 +264,13 @@ impl Model {
         }
         values
     }
+}
+
+/// Samples for a square of nodes, to be shaped in several ways.
+pub(crate) struct Unshaped {
+    seed: u64,
+    field: Field,
+    taps: Vec<Taps>,
 }
 
 /// A rectangle of the decoder's samples.

@@ -112,6 +112,25 @@ impl Spectrum {
         self.power[row * self.side + col] / self.windows.max(1) as f64
     }
 
+    /// Mean square of the windows' values in wavelengths from the first, which belongs to them, to the second, which doesn't; samples are
+    /// `resolution` apart, in the unit of the wavelengths. Corrected for what the taper takes away; `None` if a window has no such wave.
+    #[must_use]
+    pub fn mean_square(&self, resolution: f64, [short, long]: [f64; 2]) -> Option<f64> {
+        let n = self.side;
+        let wave = |i: usize| i.min(n - i) as f64 / (n as f64 * resolution);
+        let (mut sum, mut waves) = (0.0, 0usize);
+        for (i, p) in self.power.iter().enumerate() {
+            let k = vb_math::hypot(wave(i / n), wave(i % n));
+            // Rounding must not move a wave over an edge.
+            if k > (1.0 + 1e-9) / long && k <= (1.0 + 1e-9) / short {
+                sum += p;
+                waves += 1;
+            }
+        }
+        let taper: f64 = self.taper.iter().map(|t| t * t).sum();
+        (waves > 0).then(|| sum / (taper * taper * (n * n) as f64 * self.windows.max(1) as f64))
+    }
+
     /// Mean power by wave number.
     #[must_use]
     pub fn radial(&self) -> Vec<f64> {
@@ -192,6 +211,18 @@ mod tests {
         // Ten times the power everywhere: 10 dB.
         let ten: Vec<f64> = r.iter().map(|p| 10.0 * p).collect();
         assert!((spectral_distance(&ten, &r, 1) - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bands_hold_the_mean_square_of_their_waves() {
+        // sin² has a mean of 1/2, over samples of 0.5 m: waves of 32 · 0.5 / 5 = 3.2 m.
+        let n = 32;
+        let wave = |i: usize| vb_math::sin(std::f64::consts::TAU * 5.0 * (i % n) as f64 / n as f64);
+        let mut s = Spectrum::new(n);
+        s.add(&(0..n * n).map(wave).collect::<Vec<_>>());
+        let square = |band| s.mean_square(0.5, band).unwrap();
+        assert!((square([2.0, 6.0]) - 0.5).abs() < 1e-9 && square([1.0, 2.0]) < 1e-9);
+        assert_eq!(s.mean_square(0.5, [0.1, 0.5]), None);
     }
 
     #[test]

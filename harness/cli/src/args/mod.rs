@@ -31,7 +31,7 @@ pub(crate) use suite::{
     TasksArgs, TasksCommand, TestbedArgs, ValidateArgs,
 };
 pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
-pub(crate) use terrain::{MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
+pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
 
 /// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.

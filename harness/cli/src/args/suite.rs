@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::FormatArgs;
-use super::values::positive;
+use super::values::{planner, positive};
+use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SuiteCommand {
@@ -150,6 +150,34 @@ pub(crate) struct GenerateArgs {
     /// The worlds are for training: the seed must be one of 7000 to 7999, which other suites must not have
     #[arg(long)]
     pub(crate) training: bool,
+    /// Make no suite, but search the relief of each level with which the planner of --plugin completes the fractions of --targets in this
+    /// vehicle (a name, or a file). --worlds is the number of worlds a level, best a multiple of 10; the seed must be one of training worlds.
+    /// Into --out go params.yaml (--params with that relief), calibration.json, and all runs; the same command goes on where it was stopped
+    #[arg(long, value_name = "VEHICLE", requires = "plugin")]
+    pub(crate) calibrate: Option<String>,
+    #[command(flatten)]
+    pub(crate) calibration: CalibrationArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrationArgs {
+    /// The planner that --calibrate lets drive
+    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), requires = "calibrate")]
+    pub(crate) plugin: Option<PathBuf>,
+    /// Parameter of this planner; may be repeated; default: speed=5
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = super::values::key_value, requires = "calibrate")]
+    pub(crate) plugin_params: Vec<(String, String)>,
+    /// Percentages of low, medium and high tasks that it is to complete: by default those of PID in the paper
+    #[arg(long, value_name = "LOW,MEDIUM,HIGH", value_delimiter = ',', num_args = 3, default_values_t = [86.0, 50.0, 8.0], value_parser = percentage)]
+    pub(crate) targets: Vec<f64>,
+    /// Points of percentage within which a level's search ends
+    #[arg(long, value_name = "POINTS", default_value_t = 2.0, value_parser = percentage)]
+    pub(crate) tolerance: f64,
+    /// Most reliefs that are tried for a level
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=50))]
+    pub(crate) evaluations: u32,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
 }
 
 #[derive(Debug, Args)]
@@ -212,6 +240,14 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 fn density(text: &str) -> Result<vb_world::Density, String> {
     let found = vb_world::Density::ALL.into_iter().find(|d| d.name() == text);
     found.ok_or_else(|| "want sparse, medium or dense".to_owned())
+}
+
+/// A percentage between 0 and 100.
+fn percentage(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok();
+    value
+        .filter(|v| *v > 0.0 && *v < 100.0)
+        .ok_or_else(|| "want a percentage above 0 and below 100, e.g. 86".into())
 }
 
 /// A length in metres, 0 or more.

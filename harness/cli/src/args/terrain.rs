@@ -15,6 +15,8 @@ pub(crate) enum TerrainCommand {
     Generate(SurfaceArgs),
     /// Tell heights, slopes and the spectrum's exponent of elevation files
     Measure(MeasureArgs),
+    /// Fit elevation.shape of the generator's rules, so that surfaces have the spectrum of a suite's worlds
+    Fit(FitArgs),
 }
 
 #[derive(Debug, Args)]
@@ -98,4 +100,23 @@ pub(super) fn nodes(text: &str) -> Result<(usize, usize), String> {
         None => number(text).map(|n| (n, n)),
     };
     sides.ok_or_else(|| "want a number of nodes, e.g. 129 or 200x100".into())
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct FitArgs {
+    /// Suite whose spectrum of heights is wanted: a directory, or the name of one that comes with the harness
+    #[arg(long, value_name = "DIR")]
+    pub(crate) like: PathBuf,
+    /// The model; default: the one that comes with the harness
+    #[arg(long, value_name = "MODEL")]
+    pub(crate) model: Option<PathBuf>,
+    /// Fraction of the full relief of the suite's low, medium and high worlds
+    #[arg(long, value_name = "LOW,MEDIUM,HIGH", value_delimiter = ',', num_args = 3, default_values_t = [0.3, 0.6, 1.0], value_parser = positive)]
+    pub(crate) relief: Vec<f64>,
+    /// Number of surfaces that are drawn from the model
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) surfaces: u32,
+    /// Seed of the first of them
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
 }

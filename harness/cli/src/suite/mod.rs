@@ -1,5 +1,6 @@
 //! `vb-harness suite` and `vb-harness tasks`.
 
+mod calibrate;
 mod prove;
 mod show;
 mod site;
@@ -189,6 +190,9 @@ pub(crate) fn rules<T: Default>(
 }
 
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
+    if let Some(vehicle) = &args.calibrate {
+        return calibrate::calibrate(args, vehicle);
+    }
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let (drawn, worlds) = (&args.drawn, args.worlds as usize);

@@ -1,11 +1,13 @@
 //! The content of a suite in figures: by world, and over all worlds of a level, a class or a density.
 
+mod roughness;
 mod summary;
 pub mod tables;
 #[cfg(test)]
 mod tests;
 mod world;
 
+pub use roughness::{Angles, CLEARANCE, OCTAVES, Roughness};
 pub use summary::{Histogram, Summary};
 pub use tables::Table;
 pub use world::{ClassShare, Kinds, Slopes, TaskStatistics, WorldStatistics};
@@ -40,6 +42,8 @@ pub struct Relief {
     pub relief: Summary,
     /// The slopes of all worlds together, degrees.
     pub slopes: Slopes,
+    /// The roughness of all worlds together.
+    pub roughness: Roughness,
     /// The heights about their world's mean, all worlds together, with bins in m.
     pub heights: Histogram,
     /// The slopes of all worlds together, with bins in degrees.
@@ -169,6 +173,7 @@ pub struct Survey {
     worlds: Vec<WorldStatistics>,
     slopes: BTreeMap<Elevation, Tally>,
     heights: BTreeMap<Elevation, Tally>,
+    roughness: BTreeMap<Elevation, roughness::Sums>,
     /// Area (m²), sum and sum of squares of friction over it, least and greatest friction.
     friction: BTreeMap<TerrainClass, [f64; 5]>,
     /// Width and height above ground of each boulder and box.
@@ -181,6 +186,8 @@ impl Survey {
         let (statistics, samples) = WorldStatistics::with_samples(world);
         merge(&mut self.slopes, world.elevation, samples.slopes);
         merge(&mut self.heights, world.elevation, samples.heights);
+        let rough = roughness::Sums::of(&world.heightfield);
+        self.roughness.entry(world.elevation).and_modify(|all| all.merge(&rough)).or_insert(rough);
         let s = &world.semantics;
         let area = s.patch * s.patch;
         for (&class, &mu) in s.classes.iter().zip(&s.friction) {
@@ -249,6 +256,7 @@ impl Survey {
             height_std: of(|w| w.height_std)?,
             relief: of(|w| w.relief)?,
             slopes: Slopes::of(slopes),
+            roughness: self.roughness.get(&elevation)?.finish(),
             // Bins that hold several levels of an 8-bit elevation raster, between which single levels show no comb: a third
             // of the spread, and 2°.
             heights: heights.histogram(((of(|w| w.height_std)?.mean / 0.03).round() as i64).max(1)),

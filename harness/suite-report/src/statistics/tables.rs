@@ -1,6 +1,6 @@
 //! The figures as tables, for the terminal and the page alike.
 
-use super::{SuiteStatistics, Summary, TaskFigures, WorldStatistics};
+use super::{CLEARANCE, OCTAVES, Roughness, SuiteStatistics, Summary, TaskFigures, WorldStatistics};
 use vb_world::{Density, Elevation, Terrain};
 
 /// The text of a cell that has no value.
@@ -40,7 +40,8 @@ impl SuiteStatistics {
     /// All tables but that of the worlds.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        let mut tables = vec![self.labels(), self.surfaces(), self.ground(), self.obstacle_table()];
+        let mut tables =
+            vec![self.labels(), self.surfaces(), self.roughness(), self.ground(), self.obstacle_table()];
         tables.extend(self.tasks.as_ref().map(task_table));
         if !self.tasks_by_density.is_empty() {
             tables.push(self.paths());
@@ -148,6 +149,40 @@ impl SuiteStatistics {
                 "max",
             ],
             rows: rows.collect(),
+        }
+    }
+
+    fn roughness(&self) -> Table {
+        let row = |name: &str, value: &dyn Fn(&Roughness) -> Option<String>| {
+            let cells = Elevation::ALL.map(|e| {
+                let level = self.relief.iter().find(|r| r.elevation == e);
+                or_empty(level.and_then(|r| value(&r.roughness)), |text| text)
+            });
+            std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()
+        };
+        let mm = |v: f64| Some(fixed(1e3 * v, 1));
+        let degrees = |v: f64| Some(fixed(v, 1));
+        let mut rows = Vec::new();
+        for (k, edges) in OCTAVES.windows(2).enumerate() {
+            let name = format!("RMS height, waves of {} to {} m, mm", edges[0], edges[1]);
+            rows.push(row(&name, &|r| r.octaves[k].and_then(mm)));
+        }
+        rows.push(row("RMS second difference over 1 m, mm", &|r| mm(r.second_difference)));
+        rows.push(row("RMS twist of 1 m squares, mm", &|r| mm(r.twist)));
+        let belly = format!("poses with the belly ({CLEARANCE} m) in the ground, %");
+        rows.push(row(&belly, &|r| r.belly.map(|b| fixed(100.0 * b, 2))));
+        rows.push(row("break-over p50, °", &|r| degrees(r.break_over.p50)));
+        rows.push(row("break-over p95, °", &|r| degrees(r.break_over.p95)));
+        rows.push(row("break-over p99, °", &|r| degrees(r.break_over.p99)));
+        rows.push(row("facet slope p50, °", &|r| degrees(r.facets.p50)));
+        rows.push(row("facet slope p95, °", &|r| degrees(r.facets.p95)));
+        rows.push(row("facet slope p99, °", &|r| degrees(r.facets.p99)));
+        Table {
+            title: "Roughness",
+            about: "By elevation level: height within octaves of wavelength; second differences and twists; random poses of an HMMWV on its \
+                    four wheels; the angle between the ground over the metre behind and the metre ahead of a point; slopes of facets.",
+            head: vec!["figure", "low", "medium", "high"],
+            rows,
         }
     }
 

@@ -14,10 +14,15 @@ const AREA: f64 = 128.0 * 128.0;
 
 pub(super) fn check(world: &World, rules: &GeneratorParams, findings: &mut Findings<'_>) {
     let figures = WorldStatistics::of(world);
-    let (std, usual) = (figures.height_std, rules.elevation.std.get(world.elevation));
+    let std = figures.height_std;
+    // A level may have the relief of the paper's recipe, or one that is calibrated by mobility.
+    let paper = GeneratorParams::paper().elevation.std.get(world.elevation);
+    let own = rules.elevation.std.get(world.elevation);
+    let (least, most) = (paper.min(own), paper.max(own));
     // The lowest level has no lower bound, and the highest no upper one.
-    let too_flat = world.elevation != Elevation::Low && std < usual / SPREAD;
-    let too_steep = world.elevation != Elevation::High && std > usual * SPREAD;
+    let too_flat = world.elevation != Elevation::Low && std < least / SPREAD;
+    let too_steep = world.elevation != Elevation::High && std > most * SPREAD;
+    let usual = if too_flat { least } else { most };
     if too_flat || too_steep {
         let word = if too_flat { "flat" } else { "rugged" };
         let problem = format!(

@@ -5,6 +5,7 @@
 //! [`GeneratorParams`].
 
 mod broken;
+mod calibrate;
 mod ends;
 mod ground;
 mod obstacles;
@@ -13,6 +14,7 @@ mod surfaces;
 
 pub(crate) use broken::Fields;
 pub use broken::NoStarts;
+pub use calibrate::{Evaluation, FACTORS, Search};
 pub(crate) use ends::{Starts, millimetres};
 pub(crate) use ground::{drawn_friction, friction};
 pub use params::{
@@ -23,6 +25,7 @@ pub(crate) use params::{check_clip, check_friction, check_model, check_path, che
 pub(crate) use surfaces::Surfaces;
 
 use crate::path::{PathError, PathParams, Planner};
+use crate::rules::ParamsError;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -104,6 +107,9 @@ pub enum GenerateError {
         /// The flaw of the world.
         flaw: Flaw,
     },
+    /// The rules do not suit the terrain model.
+    #[error(transparent)]
+    Rules(#[from] ParamsError),
     /// The suite could not be written.
     #[error(transparent)]
     Suite(#[from] SuiteError),
@@ -118,7 +124,10 @@ const LAYOUTS: usize = 20;
 /// Between-world factors of the height spread lie within this many standard deviations of their logarithm.
 const SPREAD_LIMIT: f64 = 1.5;
 /// Version of the generator, which changes whenever the same inputs would give other worlds.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
+/// Step of the heights of generated worlds, m: far below what a wheel feels and below the original's (8 bits over up to 16 m, so
+/// 63 mm), and coarse enough that elevation images compress to about two thirds.
+const HEIGHT_STEP: f64 = 1e-3;
 /// What the generator's rules call what surfaces follow from.
 pub(crate) const FIELDS: Fields =
     Fields { grid: "grid", stand: "tasks.stand", distance: "tasks.radius", elsewhere: "" };
@@ -167,10 +176,24 @@ impl Generator<'_> {
         &self,
         dir: impl AsRef<Path>,
         meta: SuiteMeta,
+        progress: impl FnMut(usize, &WorldInfo),
+    ) -> Result<Suite, GenerateError> {
+        self.write_some(dir, meta, &(0..self.worlds).collect::<Vec<_>>(), progress)
+    }
+
+    /// Generates the worlds at these indices alone, under the names that they have in the whole suite.
+    ///
+    /// # Errors
+    /// Returns an error if the rules leave no room or no way, or the suite cannot be written.
+    pub fn write_some(
+        &self,
+        dir: impl AsRef<Path>,
+        meta: SuiteMeta,
+        indices: &[usize],
         mut progress: impl FnMut(usize, &WorldInfo),
     ) -> Result<Suite, GenerateError> {
         let mut writer = SuiteWriter::create(dir, meta)?;
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(self.worlds.max(1));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(indices.len().max(1));
         let next = AtomicUsize::new(0);
         std::thread::scope(|scope| {
             // A full channel holds the makers back, so that only a few worlds are in memory.
@@ -179,9 +202,10 @@ impl Generator<'_> {
                 let (sender, next) = (sender.clone(), &next);
                 scope.spawn(move || {
                     loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        let turn = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(&index) = indices.get(turn) else { break };
                         // Nobody listens any more once a world has failed.
-                        if index >= self.worlds || sender.send((index, self.world(index))).is_err() {
+                        if sender.send((turn, self.world(index))).is_err() {
                             break;
                         }
                     }
@@ -190,8 +214,8 @@ impl Generator<'_> {
             drop(sender);
             let mut waiting = BTreeMap::new();
             let mut written = 0;
-            for (index, world) in made {
-                waiting.insert(index, world);
+            for (turn, world) in made {
+                waiting.insert(turn, world);
                 while let Some(world) = waiting.remove(&written) {
                     progress(written, writer.add(&world?)?);
                     written += 1;
@@ -255,8 +279,11 @@ impl Generator<'_> {
         // Drawn before the surfaces: flat ones, which have more room for starts, must not make a level flatter.
         let spread = rng.normal(0.0, 1.0).clamp(-SPREAD_LIMIT, SPREAD_LIMIT);
         let std = rules.std.get(level) * vb_math::exp(rules.std_spread * spread);
+        let shaping = rules.shaping(self.model)?;
         let surfaces = Surfaces {
             model: self.model,
+            shaping: shaping.as_ref(),
+            step: Some(HEIGHT_STEP),
             nodes: grid.nodes,
             resolution: grid.resolution,
             std,

@@ -3,6 +3,7 @@
 use crate::path::PathParams;
 use crate::rules::{self, MOST_NODES, ParamsError, Rules, flaw, range_within, within};
 use serde::Deserialize;
+use vb_terrain::{Model, ShapeParams, Shaping};
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 /// One value for each elevation level.
@@ -25,6 +26,17 @@ impl ByElevation {
             Elevation::Low => self.low,
             Elevation::Medium => self.medium,
             Elevation::High => self.high,
+        }
+    }
+}
+
+impl ByElevation {
+    /// Sets the value for a level.
+    pub fn set(&mut self, level: Elevation, value: f64) {
+        match level {
+            Elevation::Low => self.low = value,
+            Elevation::Medium => self.medium = value,
+            Elevation::High => self.high = value,
         }
     }
 }
@@ -105,6 +117,24 @@ pub struct ElevationParams {
     /// The standard deviation of the logarithm of `std` between worlds, without what the model draws differently
     /// anyway.
     pub std_spread: f64,
+    /// The gains by wavelength and the swells of the surfaces; `None` takes the model's samples as they are.
+    #[serde(default)]
+    pub shape: Option<ShapeParams>,
+}
+
+impl ElevationParams {
+    /// The shaping for a model.
+    ///
+    /// # Errors
+    /// Returns the flaw if the shape does not suit the model's resolution.
+    pub fn shaping(&self, model: &Model) -> Result<Option<Shaping>, ParamsError> {
+        let shaping = |p| Shaping::new(p, model.header().resolution).map_err(shape_flaw);
+        self.shape.as_ref().map(shaping).transpose()
+    }
+}
+
+fn shape_flaw((field, problem): (String, String)) -> ParamsError {
+    flaw(format!("elevation.shape.{field}"), problem)
 }
 
 /// A normal distribution.
@@ -282,6 +312,15 @@ impl GeneratorParams {
     /// The text of `tasks/generator/default.yaml`, a starting point for one's own rules.
     pub const DEFAULT_YAML: &str = include_str!("../../../../tasks/generator/default.yaml");
 
+    /// The text of `tasks/generator/paper.yaml`.
+    pub const PAPER_YAML: &str = include_str!("../../../../tasks/generator/paper.yaml");
+
+    /// The rules in `tasks/generator/paper.yaml`: the paper's recipe, with 30, 60 and 100 % of the relief.
+    #[must_use]
+    pub fn paper() -> Self {
+        rules::built_in(Self::PAPER_YAML)
+    }
+
     /// Reads and checks rules.
     ///
     /// # Errors
@@ -303,6 +342,9 @@ impl GeneratorParams {
             within(&format!("elevation.std.{}", level.name()), e.std.get(level), 1e-3, 100.0)?;
         }
         within("elevation.std_spread", e.std_spread, 0.0, 1.0)?;
+        if let Some(shape) = &e.shape {
+            shape.check().map_err(shape_flaw)?;
+        }
         check_model("elevation.model", &e.model)
     }
 
@@ -462,10 +504,16 @@ mod tests {
         assert_eq!([p.obstacles.trees.sparse, p.obstacles.trees.medium, p.obstacles.trees.dense], [1, 2, 3]);
         assert_eq!(p.ground.friction.get(TerrainClass::Grass), Some(Normal { mean: 0.36, std: 0.07 }));
         assert_eq!(p.ground.friction.get(TerrainClass::Snow), None);
-        for (level, fraction) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
-            assert!((p.elevation.std.get(level) - p.elevation.std.high * fraction).abs() < 1e-12);
-        }
         assert_eq!(p.path, PathParams::default());
+        // The paper's recipe has 30, 60 and 100 % of the relief; the rest of its rules are the built-in ones.
+        let mut paper = GeneratorParams::paper();
+        let relief = paper.elevation.shape.as_ref().unwrap().std;
+        for (level, fraction) in [(Elevation::Low, 0.3), (Elevation::Medium, 0.6), (Elevation::High, 1.0)] {
+            assert!((paper.elevation.std.get(level) - relief * fraction).abs() < 1e-3);
+        }
+        paper.name.clone_from(&p.name);
+        paper.elevation.std = p.elevation.std;
+        assert_eq!(paper, p);
     }
 
     #[test]
@@ -474,8 +522,8 @@ mod tests {
             ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
             ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
             ("resolution: 1.0", "resolution: .nan", "grid.resolution: NaN must lie in"),
-            ("medium: 0.33", "medium: steep", "elevation.std.medium: \"steep\""),
-            ("medium: 0.33", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
+            ("medium: 0.534", "medium: steep", "elevation.std.medium: \"steep\""),
+            ("medium: 0.534", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
             ("model: rocks", "model: ''", "elevation.model: is empty"),
             ("tilt: 15.0", "tilt: -1.0", "tasks.stand.tilt: -1 must lie in 0 to 90"),
             (

@@ -6,7 +6,7 @@ use super::params::TaskParams;
 use super::{GenerateError, Pairs};
 use crate::surface::counted_from_lowest;
 use vb_math::rng::Stream;
-use vb_terrain::{Model, Request};
+use vb_terrain::{Model, Request, Shaping};
 use vb_world::{Heightfield, Semantics};
 
 /// Surfaces drawn before giving up on starts and goals.
@@ -22,12 +22,16 @@ const TOO_FULL: usize = 100;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surfaces<'a> {
     pub(crate) model: &'a Model,
+    /// What is done to its wavelengths.
+    pub(crate) shaping: Option<&'a Shaping>,
     /// Nodes along a side.
     pub(crate) nodes: usize,
     /// Distance between nodes, m.
     pub(crate) resolution: f64,
     /// Standard deviation of height over many surfaces, m.
     pub(crate) std: f64,
+    /// Step of the heights, m; `None`: as fine as 16 bits over the surface's own range.
+    pub(crate) step: Option<f64>,
     /// What they are covered with.
     pub(crate) semantics: &'a Semantics,
     /// The tasks that must find room.
@@ -69,12 +73,14 @@ impl Surfaces<'_> {
     }
 
     fn draw(&self, seed: u64) -> Result<Heightfield, GenerateError> {
-        let fraction = self.std / self.model.header().relief;
+        let fraction = self.std / self.shaping.map_or(self.model.header().relief, Shaping::std);
         let request =
             Request { seed, rows: self.nodes, cols: self.nodes, resolution: self.resolution, fraction };
         let grid = self.fields.grid;
-        let surface =
-            self.model.surface(&request).map_err(|source| GenerateError::Surface { grid, source })?;
-        Ok(counted_from_lowest(self.nodes, self.resolution, surface.heights()))
+        let surface = self
+            .model
+            .shaped(&request, self.shaping)
+            .map_err(|source| GenerateError::Surface { grid, source })?;
+        Ok(counted_from_lowest(self.nodes, self.resolution, surface.heights(), self.step))
     }
 }

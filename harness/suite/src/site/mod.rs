@@ -298,7 +298,7 @@ fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteErro
             heights.push(z);
         }
     }
-    Ok(counted_from_lowest(nodes, site.resolution, &heights))
+    Ok(counted_from_lowest(nodes, site.resolution, &heights, None))
 }
 
 /// Classes by labels or by rules, friction by class as the generator draws it.

@@ -70,6 +70,8 @@ impl Testbed<'_> {
         let radius = 0.5 * rules.trials.distance;
         let surfaces = Surfaces {
             model: self.model,
+            shaping: None,
+            step: None,
             nodes: rules.nodes(),
             resolution: rules.bed.resolution,
             std: bed.std,

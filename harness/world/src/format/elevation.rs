@@ -1,16 +1,18 @@
 //! Heights as a 16-bit grey PNG, row 0 in the north.
 
-use crate::{Flaw, Heightfield, check::Part};
+use crate::check::{MAX_SIDE, Part};
+use crate::{Flaw, Heightfield};
 
-/// The PNG of a surface. Stored without compression: the bytes, and so the content hash, depend on no
-/// compressor's version.
+/// The PNG of a surface, compressed. The content hash covers the levels and not these bytes, which depend on the version of the
+/// compressor.
 pub(crate) fn encode(rows: usize, cols: usize, levels: &[u16]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, cols as u32, rows as u32);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Sixteen);
-    encoder.set_compression(png::Compression::NoCompression);
-    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_compression(png::Compression::High);
+    // Of a rough surface the difference to the gradient's prediction is smallest.
+    encoder.set_filter(png::Filter::Paeth);
     let data: Vec<u8> = levels.chunks(cols).rev().flatten().flat_map(|v| v.to_be_bytes()).collect();
     let written = encoder.write_header().and_then(|mut w| {
         w.write_image_data(&data)?;
@@ -18,6 +20,24 @@ pub(crate) fn encode(rows: usize, cols: usize, levels: &[u16]) -> Vec<u8> {
     });
     written.expect("writing a checked image into memory does not fail");
     out
+}
+
+/// The part of a PNG that a content hash covers, whatever compressed it: rows and columns (32 bits each) and the levels row by row from
+/// the north (16 bits each), all big-endian. `None` if it is no whole 16-bit grey image of a size that a world may have.
+pub(crate) fn content(bytes: &[u8]) -> Option<Vec<u8>> {
+    let limits = png::Limits { bytes: 4 * MAX_SIDE * MAX_SIDE };
+    let mut reader = png::Decoder::new_with_limits(std::io::Cursor::new(bytes), limits).read_info().ok()?;
+    let info = reader.info();
+    let (rows, cols) = (info.height, info.width);
+    let grey = (info.color_type, info.bit_depth) == (png::ColorType::Grayscale, png::BitDepth::Sixteen);
+    if !grey || rows as usize > MAX_SIDE || cols as usize > MAX_SIDE {
+        return None;
+    }
+    let mut out = [rows.to_be_bytes(), cols.to_be_bytes()].concat();
+    out.resize(8 + 2 * rows as usize * cols as usize, 0);
+    reader.next_frame(&mut out[8..]).ok()?;
+    reader.finish().ok()?;
+    Some(out)
 }
 
 /// Reads a PNG that must have the given size.

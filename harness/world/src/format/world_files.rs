@@ -57,18 +57,18 @@ impl WorldFiles {
         Ok(())
     }
 
-    /// SHA-256, in hexadecimal, over name, length and bytes of every file. Line ends count as LF: a checkout that
-    /// turned them into CR LF is the same world.
+    /// SHA-256, in hexadecimal, over name, length and content of every file. The content of the elevation image is its size and its
+    /// levels, so that the compressor does not matter. Line ends count as LF: a checkout that turned them into CR LF is the same world.
     pub(crate) fn hash(&self) -> String {
         let mut hasher = Hash::new();
         for (part, bytes) in Part::ALL.iter().zip(&self.0) {
-            let unified;
-            let content = if *part == Part::Elevation || !bytes.contains(&b'\r') {
-                bytes
-            } else {
-                unified = String::from_utf8_lossy(bytes).replace("\r\n", "\n").into_bytes();
-                &unified
+            let unified = match part {
+                // What is no image has some other hash, whatever it is.
+                Part::Elevation => elevation::content(bytes),
+                _ if !bytes.contains(&b'\r') => None,
+                _ => Some(String::from_utf8_lossy(bytes).replace("\r\n", "\n").into_bytes()),
             };
+            let content = unified.as_ref().unwrap_or(bytes);
             hasher.update(part.file_name().as_bytes());
             hasher.update([0]);
             hasher.update((content.len() as u64).to_le_bytes());
