@@ -1,7 +1,7 @@
 //! Shock and ride of a drive, from what the simulation does at every step.
 
 use vb_score::{Ride, RideMeter, RideStep};
-use vb_sim::Simulation;
+use vb_sim::{Diagnostics, Simulation};
 
 use crate::Trial;
 
@@ -16,7 +16,7 @@ pub(crate) struct RideWatch {
     velocity: Option<[f64; 3]>,
     /// Steps until then in which the hull was near to something.
     contact_steps: u64,
-    energy_surplus: f64,
+    diagnostics: Diagnostics,
 }
 
 impl RideWatch {
@@ -28,7 +28,7 @@ impl RideWatch {
             step,
             velocity: None,
             contact_steps: 0,
-            energy_surplus: 0.0,
+            diagnostics: Diagnostics::default(),
         }
     }
 
@@ -56,12 +56,16 @@ impl RideWatch {
 
     /// Takes what the simulation counts itself, at a sample.
     pub(crate) fn sample(&mut self, sim: &Simulation) {
-        self.energy_surplus = sim.energy_surplus();
+        self.diagnostics = sim.diagnostics();
     }
 
     /// What was measured; `None` without steps.
     pub(crate) fn ride(&self) -> Option<Ride> {
-        let ride = Ride { energy_surplus_j: Some(self.energy_surplus), ..self.meter.ride()? };
+        let ride = Ride {
+            energy_surplus_j: Some(self.diagnostics.energy_surplus),
+            held_fraction: Some(self.diagnostics.held),
+            ..self.meter.ride()?
+        };
         ride.flaw().is_none().then_some(ride)
     }
 }
