@@ -137,6 +137,33 @@ fn break_over(front: Disc, rear: Disc, points: &[Vector3<f64>]) -> Option<f64> {
     between.filter_map(|p| Some(down(p, front)? + down(p, rear)?)).filter(|a| *a < PI).min_by(f64::total_cmp)
 }
 
+/// How the wheels stand on level ground.
+struct Rest {
+    /// N.
+    loads: Vec<f64>,
+    /// m, positive in compression.
+    travels: Vec<f64>,
+}
+
+impl Rest {
+    /// By statics, which knows no brakes that hold wheels apart; as the simulation settles where statics knows nothing of the vehicle.
+    fn of(bench: &Bench<'_>, statics: Option<&Statics<'_>>) -> Self {
+        let level = vec![0.0; bench.geometry.corners.len()];
+        match statics.and_then(|s| s.at(&level)) {
+            Some(s) => Self { loads: s.loads, travels: s.travels },
+            None => Self {
+                loads: bench.standing.wheels.iter().map(|w| w.load).collect(),
+                travels: bench.geometry.rest.clone(),
+            },
+        }
+    }
+
+    /// The mean load of the wheels of an axle, N.
+    fn load(&self, axle: usize) -> f64 {
+        mean(axle, |i| self.loads[i])
+    }
+}
+
 impl Characteristics {
     pub(crate) fn new(bench: &Bench<'_>) -> Self {
         let (g, spec, s) = (&bench.geometry, bench.spec, &bench.standing);
@@ -150,9 +177,11 @@ impl Characteristics {
         let statics = Statics::new(bench);
         let last = g.corners.len() - 1;
         let lifts = |raised: &[usize]| statics.as_ref()?.lifts(raised, 0.5 * wheelbase);
+        let rest = Rest::of(bench, statics.as_ref());
         let springs = Statics::springs(bench);
-        let ride: Vec<Option<Ride>> = (0..spec.axles.len()).map(|a| ride(bench, &springs, a)).collect();
-        let roll: Vec<Roll> = (0..spec.axles.len()).map(|a| Roll::new(bench, &springs, a)).collect();
+        let ride: Vec<Option<Ride>> =
+            (0..spec.axles.len()).map(|a| ride(bench, &springs, &rest, a)).collect();
+        let roll: Vec<Roll> = (0..spec.axles.len()).map(|a| Roll::new(bench, &springs, &rest, a)).collect();
         let axles = spec.axles.iter().zip(ride).zip(&roll).map(|((a, ride), roll)| AxleCharacteristics {
             name: a.name.clone(),
             ride,
@@ -162,7 +191,7 @@ impl Characteristics {
             mass: g.mass,
             wheelbase,
             axles: axles.collect(),
-            roll_gradient_deg_per_g: roll_gradient(bench, &roll),
+            roll_gradient_deg_per_g: roll_gradient(bench, &rest, &roll),
             articulation_m: lifts(&[0]),
             diagonal_articulation_m: lifts(&[0, last]),
             ground_clearance_m: lowest,
@@ -262,15 +291,14 @@ fn mean(axle: usize, of: impl Fn(usize) -> f64) -> f64 {
 }
 
 /// The sprung mass on a wheel of an axle, kg.
-fn sprung_mass(bench: &Bench<'_>, axle: usize) -> f64 {
-    let (g, s) = (&bench.geometry, &bench.standing);
-    mean(axle, |i| s.wheels[i].load / GRAVITY - g.corners[i].mass)
+fn sprung_mass(bench: &Bench<'_>, rest: &Rest, axle: usize) -> f64 {
+    rest.load(axle) / GRAVITY - mean(axle, |i| bench.geometry.corners[i].mass)
 }
 
 /// The stiffness of a tyre of an axle under its load, N/m.
-fn tyre_rate(bench: &Bench<'_>, axle: usize) -> f64 {
+fn tyre_rate(bench: &Bench<'_>, rest: &Rest, axle: usize) -> f64 {
     let tyre = Tyre::new(bench.spec.tyre_of(&bench.spec.axles[axle]));
-    let deflection = tyre.deflection(mean(axle, |i| bench.standing.wheels[i].load));
+    let deflection = tyre.deflection(rest.load(axle));
     let h = 1e-5 * bench.spec.scale;
     (tyre.vertical_force(deflection + h) - tyre.vertical_force(deflection - h)) / (2.0 * h)
 }
@@ -280,15 +308,15 @@ fn sprung(spec: &VehicleSpec, axle: usize) -> bool {
     !matches!(spec.axles[axle].suspension.linkage, Linkage::Rigid(_) | Linkage::PivotAxle(_))
 }
 
-fn ride(bench: &Bench<'_>, springs: &Statics<'_>, axle: usize) -> Option<Ride> {
+fn ride(bench: &Bench<'_>, springs: &Statics<'_>, rest: &Rest, axle: usize) -> Option<Ride> {
     let (g, spec) = (&bench.geometry, bench.spec);
-    let mass = sprung_mass(bench, axle);
+    let mass = sprung_mass(bench, rest, axle);
     if !sprung(spec, axle) || mass <= 0.0 {
         return None;
     }
     let h = 1e-5 * spec.scale;
     let push = |shift: f64| {
-        let mut q = g.rest.clone();
+        let mut q = rest.travels.clone();
         q[2 * axle] += shift;
         q[2 * axle + 1] += shift;
         mean(axle, |i| springs.push(i, &q))
@@ -297,7 +325,7 @@ fn ride(bench: &Bench<'_>, springs: &Statics<'_>, axle: usize) -> Option<Ride> {
     let suspension = &spec.axles[axle].suspension;
     let elements = elements(suspension);
     let lengths = |shift: f64| {
-        let q = [g.rest[2 * axle] + shift, g.rest[2 * axle + 1] + shift];
+        let q = [rest.travels[2 * axle] + shift, rest.travels[2 * axle + 1] + shift];
         g.axles[axle].wheel(Side::Left, q, 0.0).struts
     };
     let (below, above) = (lengths(-h), lengths(h));
@@ -309,7 +337,7 @@ fn ride(bench: &Bench<'_>, springs: &Statics<'_>, axle: usize) -> Option<Ride> {
     };
     let critical = 2.0 * (rate * mass).sqrt();
     let frequency = |rate: f64| (rate / mass).sqrt() / (2.0 * PI);
-    let tyre = tyre_rate(bench, axle);
+    let tyre = tyre_rate(bench, rest, axle);
     let torsion = usize::from(suspension.linkage.torsion().is_some());
     let spring = suspension.struts.iter().position(|s| s.spring.is_some());
     (rate > 0.0).then(|| Ride {
@@ -337,14 +365,14 @@ struct Roll {
 }
 
 impl Roll {
-    fn new(bench: &Bench<'_>, springs: &Statics<'_>, axle: usize) -> Self {
+    fn new(bench: &Bench<'_>, springs: &Statics<'_>, rest: &Rest, axle: usize) -> Self {
         let (g, s) = (&bench.geometry, &bench.standing);
         let track = g.hub(2 * axle, 0.0, 0.0).y - g.hub(2 * axle + 1, 0.0, 0.0).y;
         let fixed = matches!(bench.spec.axles[axle].suspension.linkage, Linkage::Rigid(_));
         let h = 1e-5 * bench.spec.scale;
         let level = UnitQuaternion::identity();
         let at = |shift: f64| {
-            let mut q = g.rest.clone();
+            let mut q = rest.travels.clone();
             q[2 * axle] += shift;
             q[2 * axle + 1] -= shift;
             let foot = |i: usize| springs.foot(i, 0.0, &q, &level).y;
@@ -355,10 +383,10 @@ impl Roll {
         let per_travel = |k: usize| (above[k] - below[k]) / (2.0 * h);
         let weight = |mass: f64| 2.0 * mass * GRAVITY;
         Self {
-            weights: [weight(sprung_mass(bench, axle)), weight(mean(axle, |i| g.corners[i].mass))],
+            weights: [weight(sprung_mass(bench, rest, axle)), weight(mean(axle, |i| g.corners[i].mass))],
             // A roll by φ moves the wheels by ± φ t/2.
             suspension: if fixed { f64::INFINITY } else { 0.5 * per_travel(0) * track * track },
-            tyres: 0.5 * tyre_rate(bench, axle) * track * track,
+            tyres: 0.5 * tyre_rate(bench, rest, axle) * track * track,
             centre: if fixed { 0.0 } else { 0.5 * per_travel(1) * track },
             hub: mean(axle, |i| g.hub_of(s, i).z),
         }
@@ -367,12 +395,12 @@ impl Roll {
 
 /// The roll of the body over the ground per lateral acceleration, °/g: suspension and tyres of each axle in series, the sprung mass above
 /// the roll axis, and the axles' own share through roll centres and unsprung masses (Gillespie, ch. 6, with tyres).
-fn roll_gradient(bench: &Bench<'_>, roll: &[Roll]) -> Option<f64> {
+fn roll_gradient(bench: &Bench<'_>, rest: &Rest, roll: &[Roll]) -> Option<f64> {
     let (g, s) = (&bench.geometry, &bench.standing);
     let on_ground: Vec<&Roll> = roll
         .iter()
         .enumerate()
-        .filter(|(a, _)| mean(*a, |i| s.wheels[i].load) > 0.01 * g.weight() / g.corners.len() as f64)
+        .filter(|(a, _)| rest.load(*a) > 0.01 * g.weight() / g.corners.len() as f64)
         .map(|(_, r)| r)
         .collect();
     let weight = g.chassis_mass * GRAVITY;

@@ -78,20 +78,25 @@ impl<'a> Statics<'a> {
         let count = self.bench.geometry.corners.len();
         let light = 0.01 * self.bench.geometry.weight() / count as f64;
         let mut u = self.balance(&vec![0.0; count], self.start())?;
-        let mut before = f64::INFINITY;
-        for step in 1..=LIFTS {
-            let height = most * f64::from(step) / f64::from(LIFTS);
+        let step = most / f64::from(LIFTS);
+        // The least load of the last two steps: between and just beyond them it falls in a line.
+        let mut last = [f64::NAN; 2];
+        for k in 1..=LIFTS {
+            let height = step * f64::from(k);
             let ground: Vec<f64> =
                 (0..count).map(|i| if raised.contains(&i) { height } else { 0.0 }).collect();
-            u = self.balance(&ground, u)?;
-            let (_, loads) = self.residual(&ground, &u);
-            let least = loads.into_iter().fold(f64::INFINITY, f64::min);
+            let Some(balanced) = self.balance(&ground, u) else {
+                // On two wheels alone a vehicle has no balance to find.
+                let further = (last[1] - light) / (last[0] - last[1]);
+                return (0.0..=2.0).contains(&further).then(|| height + (further - 1.0) * step);
+            };
+            u = balanced;
+            let least = self.residual(&ground, &u).1.into_iter().fold(f64::INFINITY, f64::min);
             if least < light {
-                // Between two steps the load falls in a line.
-                let back = if before.is_finite() { (light - least) / (before - least) } else { 0.0 };
-                return Some(height - back * most / f64::from(LIFTS));
+                let back = if last[1].is_nan() { 0.0 } else { (light - least) / (last[1] - least) };
+                return Some(height - back * step);
             }
-            before = least;
+            last = [last[1], least];
         }
         None
     }

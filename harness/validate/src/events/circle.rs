@@ -29,6 +29,8 @@ const GROWTH: f64 = 0.2;
 const MOST: f64 = 6.0;
 /// Time to come onto the circle, s.
 const RUN_IN: f64 = 10.0;
+/// Time for which the last speed is held, s: the speed follows its target with some delay.
+const HOLD: f64 = 10.0;
 /// Rate of the driver who turns the wheel while the path is too wide, 1/s. Ours: slow beside the vehicle's answer, fast beside the growth
 /// of the speed.
 const DRIVER: f64 = 0.3;
@@ -44,7 +46,7 @@ fn steady_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let step = bench.options.step;
     let mut d = Drive::new(bench, "left", &flat(0.9), 0.0, 0.0)?;
     let fastest = pace.within_reach((1.2 * MOST * RADIUS).sqrt());
-    let seconds = RUN_IN + (fastest - FROM) / GROWTH;
+    let seconds = RUN_IN + (fastest - FROM) / GROWTH + HOLD;
     let mut command = 0.0_f64;
     let smoothing = 1.0 - exp(-step / pace.time(SMOOTHED));
     let (mut lateral, mut angle, mut most) = (0.0, 0.0, 0.0_f64);

@@ -193,15 +193,16 @@ pub(super) const SPLIT_GRIP: Event = Event {
     name: "split-grip",
     title: "Pull with one wheel of each axle without grip",
     about: "Throttle 0.5 on level ground with μ 0.01 under the left wheels, as good as hanging, and 0.9 under the right: the mean \
-            pull from the first to the second second beside what the differentials pass. The same with μ 0.1 at the left, and the torque of \
+            pull from the first to the second second beside what the differentials pass. The same with throttle 1 and μ 0.1 at the left, and the torque of \
             the wheels that grip over that of the wheels that spin: the bias of the differentials.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
     run: split_grip,
 };
 
-/// Friction under the left wheels as good as hanging, and that of ice: the label of the second is in the names of its figures.
-const LEFT: [(&str, f64); 2] = [("", 0.01), ("μ 0.1: ", 0.1)];
+/// Friction under the left wheels as good as hanging, and that of ice, with the throttle that spins them: the label of the second is in
+/// the names of its figures.
+const LEFT: [(&str, f64, f64); 2] = [("", 0.01, 0.5), ("μ 0.1: ", 0.1, 1.0)];
 /// Friction under the right wheels.
 const RIGHT: f64 = 0.9;
 
@@ -211,17 +212,17 @@ fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.note("Friction of the tyre depends on slip: not driven.");
         return Ok(o);
     }
-    for (label, ice) in LEFT {
-        pull(bench, &mut o, label, ice)?;
+    for (label, ice, throttle) in LEFT {
+        pull(bench, &mut o, label, ice, throttle)?;
     }
     Ok(o)
 }
 
-fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64) -> Result<(), SimError> {
+fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64, throttle: f64) -> Result<(), SimError> {
     let (g, spec) = (&bench.geometry, bench.spec);
     let resistance = spec.tyre.rolling_resistance();
     let mut d = Drive::new(bench, &format!("split-{ice}"), &split(ice, RIGHT), 0.0, 0.0)?;
-    let push = |_: &VehicleState| controls(0.0, 0.5, 0.0);
+    let push = |_: &VehicleState| controls(0.0, throttle, 0.0);
     d.hold(bench.pace.time(1.0), push)?;
     let first = d.state();
     let (mut loads, mut count) = (vec![0.0; g.corners.len()], 0.0);
