@@ -208,6 +208,11 @@ impl ChassisContacts {
         self.passes_soil
     }
 
+    /// Whether the faces of the wheels are among its parts.
+    pub(crate) fn has_faces(&self) -> bool {
+        self.parts.len() > self.hull
+    }
+
     /// Takes note of whether there is soil below the hull, which doesn't stop it, and of which wheels `stand` on the ground
     /// under them. Their faces don't meet the ground, since a wheel that stands in soil has forces of its own wherever the
     /// middle of the hull is; those of one that leans against a bank do, as nothing else holds it there.
