@@ -235,7 +235,8 @@ impl Simulation {
 
     /// Tells the hull what is below it.
     fn pass_over_soil(&mut self) {
-        if !self.chassis.passes_soil() || self.soil.is_empty() {
+        let passes = self.chassis.passes_soil();
+        if self.soil.is_empty() || !(passes || self.chassis.has_faces()) {
             return;
         }
         let body = self.vehicle.body();
@@ -246,10 +247,11 @@ impl Simulation {
                 let under = self.world.heightfield.at(hub.x, hub.y);
                 let normal = normal_of([under.dzdx, under.dzdy]);
                 let face = (hub.z - under.z) * normal.z - envelope.half_width() * axis.dot(&normal).abs();
-                *stands = face > FACE_NEAR * envelope.radius();
+                let own_forces = passes || self.soil.soil_at(hub.x, hub.y).is_some();
+                *stands = own_forces && face > FACE_NEAR * envelope.radius();
             }
         }
-        self.chassis.pass_over(self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
+        self.chassis.pass_over(passes && self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
     }
 
     /// Whether neither wheels nor hull touch the ground. Wheels that are known to be far above the ground needn't be looked at; the

@@ -79,6 +79,8 @@ struct Clear {
     gap: f64,
 }
 
+/// The distance within which rapier finds contacts at full scale, m: its default.
+const CONTACTS_WITHIN: f64 = 0.02;
 /// The ground's group of colliders.
 const GROUND: Group = Group::GROUP_1;
 /// What is left of a clearance for rounding, m.
@@ -128,8 +130,8 @@ impl ChassisContacts {
         // Four by default, for steps of 1/60 s: ours are finer as they are.
         physics.integration_parameters.num_solver_iterations = 1;
         // A hull that touches the ground at one place must not sink in at another before rapier looks there.
-        physics.integration_parameters.normalized_contact_recycle_distance =
-            physics.integration_parameters.normalized_prediction_distance;
+        physics.integration_parameters.normalized_prediction_distance = CONTACTS_WITHIN;
+        physics.integration_parameters.normalized_contact_recycle_distance = CONTACTS_WITHIN;
         let ground = physics.insert_collider(
             ground_collider(&world.heightfield)
                 .collision_groups(InteractionGroups::new(GROUND, Group::ALL, InteractionTestMode::And))
@@ -204,6 +206,11 @@ impl ChassisContacts {
     /// Whether soil doesn't stop the hull, so that [`Self::pass_over`] has to be told of it.
     pub(crate) fn passes_soil(&self) -> bool {
         self.passes_soil
+    }
+
+    /// Whether the faces of the wheels are among its parts.
+    pub(crate) fn has_faces(&self) -> bool {
+        self.parts.len() > self.hull
     }
 
     /// Takes note of whether there is soil below the hull, which doesn't stop it, and of which wheels `stand` on the ground
@@ -338,8 +345,8 @@ impl ChassisContacts {
         Ok(gap)
     }
 
-    /// Looks how high heaps of soil stand under and around the hull, in every second cell of the soil's memory. The ground
-    /// is looked at as if it stood as high everywhere, so that a heap is met before the hull is in it.
+    /// Looks how high heaps of soil stand under and around the hull, in every second cell of the soil's memory. Contacts
+    /// are looked for from that height on, so that a heap is met before the hull is in it.
     pub(crate) fn look_for_heaps(&mut self, soil: &SoilGround, x: &V3, q: &Quat) {
         let spacing = 2.0 * soil.grid.resolution();
         let count = |k: usize| ((self.high[k] - self.low[k]) / spacing).ceil() as usize + 2;
@@ -390,12 +397,14 @@ impl ChassisContacts {
             self.corrected = Some((*x, *q));
         }
         let hooks = if keeps { ActiveHooks::empty() } else { ActiveHooks::MODIFY_SOLVER_CONTACTS };
-        let ground = &self.physics.colliders[self.ground];
-        let raised = if keeps { ground.contact_skin() } else { self.heaps };
-        if ground.active_hooks() != hooks || ground.contact_skin() != raised {
-            let ground = &mut self.physics.colliders[self.ground];
-            ground.set_active_hooks(hooks);
-            ground.set_contact_skin(raised);
+        if self.physics.colliders[self.ground].active_hooks() != hooks {
+            self.physics.colliders[self.ground].set_active_hooks(hooks);
+        }
+        if !keeps {
+            // Contacts are found by the ground without its heaps.
+            let scale = self.physics.integration_parameters.length_unit;
+            let reach = CONTACTS_WITHIN + self.heaps / scale;
+            self.physics.integration_parameters.normalized_prediction_distance = reach;
         }
         let body = &mut self.physics.bodies[self.body];
         body.set_position(Pose::from_parts(vector(x), rotation(q)), true);
@@ -403,7 +412,7 @@ impl ChassisContacts {
         let offset = *q * from_vector(body.mass_properties().local_mprops.local_com);
         body.set_linvel(vector(&(*v + w.cross(&offset))), true);
         body.set_angvel(vector(w), true);
-        let correction = Correction { footing, ground: self.ground, hull: self.friction, raised };
+        let correction = Correction { footing, ground: self.ground, hull: self.friction };
         self.physics.step_with_events(&correction, &());
         let body = &self.physics.bodies[self.body];
         let r = body.rotation();

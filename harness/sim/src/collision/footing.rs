@@ -59,8 +59,6 @@ pub(super) struct Correction<'a> {
     pub(super) ground: ColliderHandle,
     /// The friction of the hull.
     pub(super) hull: f64,
-    /// By how much the ground was raised so that contacts with heaps are found in time, m.
-    pub(super) raised: f64,
 }
 
 impl PhysicsHooks for Correction<'_> {
@@ -90,7 +88,7 @@ impl PhysicsHooks for Correction<'_> {
         let middle = manifold.solver_contacts.iter().map(on_ground).sum::<Vector>() / count as f64;
         let upwards = from_vector(*manifold.normal).z.abs();
         for c in manifold.solver_contacts.iter_mut() {
-            c.dist += self.raised - self.footing.bearing(on_ground(c), middle) * upwards;
+            c.dist -= self.footing.bearing(on_ground(c), middle) * upwards;
         }
     }
 }
