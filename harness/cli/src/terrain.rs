@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use std::process::Command;
 
+use vb_suite::generate::GeneratorParams;
 use vb_terrain::read::{Holes, read};
 use vb_terrain::repair::repair;
 use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
@@ -80,6 +81,10 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
         };
         surfaces.push((suite.load_world(&info.id).map_err(CliError::input)?.heightfield, fraction));
     }
+    let rules = suite::rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let start = rules.elevation.shape.ok_or_else(|| {
+        CliError::input("the rules have no elevation.shape, whose curve is kept (give others with --params)")
+    })?;
     let wanted = fit::of_surfaces(&surfaces).map_err(CliError::input)?;
     let round = |k: usize, ratios: &[f64]| {
         let ratios: Vec<_> = ratios.iter().map(|r| format!("{r:.3}")).collect();
@@ -88,16 +93,18 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
             ratios.join(" ")
         ));
     };
-    let shape =
-        fit::fit(&model, &wanted, args.seed, args.surfaces as usize, round).map_err(CliError::input)?;
+    let shape = fit::fit(&model, &wanted, &start, args.seed, args.surfaces as usize, round)
+        .map_err(CliError::input)?;
     let list = |v: &[f64]| v.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     let swells: Vec<_> =
         shape.swells.iter().map(|s| format!("{{spacing: {}, std: {}}}", s.spacing, s.std)).collect();
     output::text(&format!(
-        "  shape:\n    std: {}\n    wavelengths: [{}]\n    gains: [{}]\n    swells: [{}]\n",
+        "  shape:\n    std: {}\n    wavelengths: [{}]\n    gains: [{}]\n    from: [{}]\n    to: [{}]\n    swells: [{}]\n",
         shape.std,
         list(&shape.wavelengths),
         list(&shape.gains),
+        list(&shape.from),
+        list(&shape.to),
         swells.join(", ")
     ));
     Ok(())

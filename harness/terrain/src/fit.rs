@@ -1,7 +1,8 @@
 //! Fit of a shaping to the spectrum of other surfaces, for instance the original's worlds.
 //!
 //! Gains are adjusted, band by band, until the mean square of the heights in each band of wavelength is that of the other surfaces.
-//! Above 8 m, where a kernel would have to be wide, swells add what is missing.
+//! Above 8 m, where a kernel would have to be wide, swells add what is missing. The curve stays as it is given: a spectrum does not show whether
+//! tops or pits are sharp.
 
 use vb_world::Heightfield;
 
@@ -62,7 +63,7 @@ pub fn of_surfaces(surfaces: &[(Heightfield, f64)]) -> Result<Bands, String> {
     Ok(measured(surfaces.iter().map(window)))
 }
 
-/// The shaping with which `count` surfaces, of `seed` and the seeds after it, have these mean squares at full relief. `progress` hears after
+/// The shaping, with the curve of `start`, with which `count` surfaces, of `seed` and the seeds after it, have these mean squares at full relief. `progress` hears after
 /// each round of the ratio of the root mean squares, drawn to wanted, by band.
 ///
 /// # Errors
@@ -70,6 +71,7 @@ pub fn of_surfaces(surfaces: &[(Heightfield, f64)]) -> Result<Bands, String> {
 pub fn fit(
     model: &Model,
     wanted: &Bands,
+    start: &ShapeParams,
     seed: u64,
     count: usize,
     mut progress: impl FnMut(usize, &[f64]),
@@ -82,11 +84,13 @@ pub fn fit(
         std: 1.0,
         wavelengths: EDGES.windows(2).map(middle).chain([10.0]).collect(),
         gains: vec![1.0; EDGES.len()],
+        from: start.from.clone(),
+        to: start.to.clone(),
         swells: SWELLS.iter().map(|s| Swell { spacing: s.1, std: 0.0 }).collect(),
     };
     for round in 0..=ROUNDS {
-        let shaping =
-            Shaping::new(&params, model.header().resolution).map_err(|(f, p)| format!("{f}: {p}"))?;
+        let shaping = Shaping::new(&params, model.header().resolution, model.metre())
+            .map_err(|(f, p)| format!("{f}: {p}"))?;
         let heights: Vec<_> = unshaped.iter().map(|u| model.heights(u, &shaping)).collect();
         let variance = heights.iter().map(|h| deviation(h) * deviation(h)).sum::<f64>() / count as f64;
         params.std = rounded(variance.sqrt());

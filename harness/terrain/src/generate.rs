@@ -152,21 +152,28 @@ impl Model {
         Field { rows, cols, values: plane.values }
     }
 
-    /// The same after gains, with swells.
+    /// A metre of height at full relief, in the decoder's unit.
+    #[must_use]
+    pub fn metre(&self) -> f64 {
+        self.header.std / self.header.relief
+    }
+
+    /// The same after gains and curve, with swells.
     fn shaped_field(&self, seed: u64, rows: [i64; 2], cols: [i64; 2], shaping: &Shaping) -> Field {
         let reach = shaping::REACH as i64;
         let wider = |span: [i64; 2]| [span[0] - reach, span[1] + reach];
         self.shaped_again(&self.field(seed, wider(rows), wider(cols)), seed, shaping)
     }
 
-    /// Samples after gains, with swells: narrower by what the gains reach.
+    /// Samples after gains and curve, with swells: narrower by what the gains reach.
     fn shaped_again(&self, whole: &Field, seed: u64, shaping: &Shaping) -> Field {
         let reach = shaping::REACH as i64;
         let inner = |span: [i64; 2]| [span[0] + reach, span[1] - reach];
         let (rows, cols) = (inner(whole.rows), inner(whole.cols));
-        let mut values = shaping.filtered(&whole.values, (whole.cols[1] - whole.cols[0]) as usize);
+        let plane = Plane { cols: (whole.cols[1] - whole.cols[0]) as usize, values: whole.values.clone() };
+        let mut values = shaping.applied(&plane).values;
         // Swells are given in metres at full relief, samples are in the decoder's unit.
-        let unit = self.header.std / self.header.relief;
+        let unit = self.metre();
         for (k, (step, std)) in shaping.swells.iter().enumerate().filter(|(_, (_, std))| *std > 0.0) {
             let swell = Waves::new(seed, &format!("shape-{k}"), *step, std * unit, rows, cols).heights();
             for (value, swell) in values.iter_mut().zip(swell) {

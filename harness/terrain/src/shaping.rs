@@ -8,9 +8,16 @@
 use serde::Deserialize;
 use vb_math::fft::inverse_2d;
 
+use crate::bands::{Curve, Plane};
+
 /// Samples from the middle of the kernel to its edge.
-pub const REACH: usize = 12;
-/// Samples along a side of the grid of wave numbers on which the kernel is computed: more than 4 · [`REACH`].
+const KERNEL: usize = 12;
+/// Passes of the B-spline about which heights are mapped by a curve: it keeps waves longer than 16 samples, and reaches so far.
+const SMOOTHINGS: [usize; 4] = [1, 2, 4, 8];
+const SMOOTH: usize = 2 * (1 + 2 + 4 + 8);
+/// Samples on each side of a surface that shaping takes away.
+pub const REACH: usize = KERNEL + SMOOTH;
+/// Samples along a side of the grid of wave numbers on which the kernel is computed: more than 4 · [`KERNEL`].
 const GRID: usize = 64;
 /// Most knots, and most swells.
 const MOST: usize = 32;
@@ -25,6 +32,11 @@ pub struct ShapeParams {
     pub wavelengths: Vec<f64>,
     /// Gain at each wavelength: interpolated over the logarithm of the wavelength, constant below the first, 1 from the last on.
     pub gains: Vec<f64>,
+    /// The curve that maps heights about the smooth surface (waves longer than 16 samples), after the gains: heights at full relief, m, ascending.
+    /// Beyond the first and the last they are multiplied as these are.
+    pub from: Vec<f64>,
+    /// What each of these heights becomes, m, ascending. Gentler above 0 and steeper below makes low rounded tops and deep narrow pits.
+    pub to: Vec<f64>,
     /// Smooth normal fields that are added.
     pub swells: Vec<Swell>,
 }
@@ -75,6 +87,12 @@ impl ShapeParams {
         for (k, g) in self.gains.iter().enumerate() {
             range(format!("gains[{k}]"), *g, 0.0, 10.0)?;
         }
+        for (name, knots) in [("from", &self.from), ("to", &self.to)] {
+            for (k, v) in knots.iter().enumerate() {
+                range(format!("{name}[{k}]"), *v, -100.0, 100.0)?;
+            }
+        }
+        self.curve(1.0).map_err(|problem| ("from or to".to_owned(), problem))?;
         if self.swells.len() > MOST {
             return flaw("swells", format!("{} swells: at most {MOST} are allowed", self.swells.len()));
         }
@@ -83,6 +101,12 @@ impl ShapeParams {
             range(format!("swells[{k}].std"), s.std, 0.0, 100.0)?;
         }
         Ok(())
+    }
+
+    /// The curve, in another unit than m.
+    fn curve(&self, unit: f64) -> Result<Curve, String> {
+        let knots = |v: &[f64]| v.iter().map(|z| (z * unit) as f32).collect();
+        Curve::new(knots(&self.from), knots(&self.to))
     }
 
     /// Gain at a wavelength, m.
@@ -107,16 +131,18 @@ pub struct Shaping {
     std: f64,
     /// Swells: samples between nodes, and standard deviation, m.
     pub(crate) swells: Vec<(usize, f64)>,
-    /// Rows of the kernel, 2 · [`REACH`] + 1 of as many weights, whose sum is 1.
+    /// Rows of the kernel, 2 · [`KERNEL`] + 1 of as many weights, whose sum is 1.
     kernel: Vec<f64>,
+    /// Maps heights about the smooth surface, in the decoder's unit.
+    curve: Curve,
 }
 
 impl Shaping {
-    /// The shaping with these figures for samples that are so far apart, m.
+    /// The shaping with these figures for samples that are so far apart, m, and in which a metre at full relief is so many of the decoder's units.
     ///
     /// # Errors
     /// What is wrong with the figures: the field and the problem.
-    pub fn new(params: &ShapeParams, resolution: f64) -> Result<Self, (String, String)> {
+    pub fn new(params: &ShapeParams, resolution: f64, unit: f64) -> Result<Self, (String, String)> {
         params.check()?;
         let mut swells = Vec::with_capacity(params.swells.len());
         for (k, s) in params.swells.iter().enumerate() {
@@ -128,7 +154,8 @@ impl Shaping {
             }
             swells.push((step as usize, s.std));
         }
-        Ok(Self { std: params.std, swells, kernel: kernel(params, resolution) })
+        let curve = params.curve(unit).map_err(|problem| ("from or to".to_owned(), problem))?;
+        Ok(Self { std: params.std, swells, kernel: kernel(params, resolution), curve })
     }
 
     /// Standard deviation of the heights of shaped surfaces at the model's full relief, m.
@@ -137,25 +164,39 @@ impl Shaping {
         self.std
     }
 
-    /// A row-major plane after the gains, narrower by [`REACH`] on each side.
-    pub(crate) fn filtered(&self, values: &[f32], cols: usize) -> Vec<f32> {
-        let side = 2 * REACH + 1;
-        let (rows, width) = ((values.len() / cols) - 2 * REACH, cols - 2 * REACH);
-        let mut out = Vec::with_capacity(rows * width);
-        let mut line = vec![0.0f64; width];
+    /// The plane after gains and curve, narrower by [`REACH`] on each side.
+    pub(crate) fn applied(&self, plane: &Plane) -> Plane {
+        let mut out = self.filtered(plane);
+        let mut smooth = out.clone();
+        for step in SMOOTHINGS {
+            smooth = smooth.octave(step).1;
+        }
+        out = out.inner(SMOOTH);
+        for (v, s) in out.values.iter_mut().zip(&smooth.values) {
+            *v = self.curve.at(*v - s) + s;
+        }
+        out
+    }
+
+    /// The plane after the gains, narrower by [`KERNEL`] on each side.
+    fn filtered(&self, plane: &Plane) -> Plane {
+        let side = 2 * KERNEL + 1;
+        let (rows, cols) = (plane.rows() - 2 * KERNEL, plane.cols - 2 * KERNEL);
+        let mut values = Vec::with_capacity(rows * cols);
+        let mut line = vec![0.0f64; cols];
         for row in 0..rows {
             line.fill(0.0);
             for (k, weights) in self.kernel.chunks_exact(side).enumerate() {
-                let from = &values[(row + k) * cols..][..cols];
+                let from = &plane.values[(row + k) * plane.cols..][..plane.cols];
                 for (j, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
                     for (sum, v) in line.iter_mut().zip(&from[j..]) {
                         *sum += w * f64::from(*v);
                     }
                 }
             }
-            out.extend(line.iter().map(|v| *v as f32));
+            values.extend(line.iter().map(|v| *v as f32));
         }
-        out
+        Plane { cols, values }
     }
 }
 
@@ -171,13 +212,13 @@ fn kernel(params: &ShapeParams, resolution: f64) -> Vec<f64> {
         })
         .collect();
     inverse_2d(&mut waves, GRID);
-    let side = 2 * REACH + 1;
-    let at = |i: usize| (GRID + i - REACH) % GRID;
+    let side = 2 * KERNEL + 1;
+    let at = |i: usize| (GRID + i - KERNEL) % GRID;
     let mut kernel = Vec::with_capacity(side * side);
     for row in 0..side {
         for col in 0..side {
-            let away =
-                vb_math::hypot(row as f64 - REACH as f64, col as f64 - REACH as f64) / (REACH as f64 + 1.0);
+            let away = vb_math::hypot(row as f64 - KERNEL as f64, col as f64 - KERNEL as f64)
+                / (KERNEL as f64 + 1.0);
             let window =
                 if away < 1.0 { 0.5 * (1.0 + vb_math::cos(std::f64::consts::PI * away)) } else { 0.0 };
             kernel.push(window * waves[at(row) * GRID + at(col)][0]);
@@ -197,34 +238,49 @@ mod tests {
             std: 1.0,
             wavelengths: vec![1.5, 3.0, 6.0][..gains.len()].to_vec(),
             gains: gains.to_vec(),
+            from: vec![-1.0, 1.0],
+            to: vec![-1.0, 1.0],
             swells: Vec::new(),
         }
     }
 
     /// What becomes of a wave along the columns of this length, m, in samples of 0.5 m.
     fn response(shaping: &Shaping, wavelength: f64) -> f64 {
-        let cols = 2 * REACH + 65;
+        let cols = 2 * KERNEL + 65;
         let wave = |i: usize| vb_math::cos(std::f64::consts::TAU * 0.5 * (i % cols) as f64 / wavelength);
-        let plane: Vec<f32> = (0..cols * (2 * REACH + 1)).map(|i| wave(i) as f32).collect();
-        let out = shaping.filtered(&plane, cols);
-        let power: f64 = out.iter().enumerate().map(|(i, v)| f64::from(*v) * wave(i + REACH)).sum();
-        power / (0..out.len()).map(|i| wave(i + REACH) * wave(i + REACH)).sum::<f64>()
+        let plane = Plane { cols, values: (0..cols * (2 * KERNEL + 1)).map(|i| wave(i) as f32).collect() };
+        let out = shaping.filtered(&plane).values;
+        let power: f64 = out.iter().enumerate().map(|(i, v)| f64::from(*v) * wave(i + KERNEL)).sum();
+        power / (0..out.len()).map(|i| wave(i + KERNEL) * wave(i + KERNEL)).sum::<f64>()
     }
 
     #[test]
     fn waves_are_multiplied_by_their_gain() {
         // A step in the gains is smoothed over wave numbers of 1 / 12 m; a wavelength in the middle of an even range keeps its gain.
-        let low_pass = Shaping::new(&params(&[0.0, 0.0, 1.0]), 0.5).unwrap();
+        let low_pass = Shaping::new(&params(&[0.0, 0.0, 1.0]), 0.5, 1.0).unwrap();
         for (wavelength, gain) in [(1.2, 0.0), (2.0, 0.0), (16.0, 1.0)] {
             let found = response(&low_pass, wavelength);
             assert!((found - gain).abs() < 0.03, "{wavelength} m: {found}");
         }
-        // Of equal gains every wave but the longest, which stay: the kernel's sum is 1.
-        let same = Shaping::new(&params(&[1.0, 1.0, 1.0]), 0.5).unwrap();
-        let plane: Vec<f32> = (0..30 * 30).map(|i| (i * i % 17) as f32).collect();
-        let out = same.filtered(&plane, 30);
-        assert_eq!(out.len(), 6 * 6);
-        assert!((out[0] - plane[REACH * 30 + REACH]).abs() < 1e-5);
+    }
+
+    #[test]
+    fn heights_about_the_smooth_surface_are_mapped_by_the_curve() {
+        // Equal gains leave the surface, and a straight curve, too: a level plane with one deep pit.
+        let side = 2 * REACH + 9;
+        let mut plane = Plane { cols: side, values: vec![2.0; side * side] };
+        let middle = side / 2 * side + side / 2;
+        plane.values[middle] = -1.0;
+        let same = Shaping::new(&params(&[1.0, 1.0, 1.0]), 0.5, 1.0).unwrap().applied(&plane);
+        assert_eq!((same.cols, same.rows()), (9, 9));
+        assert!(same.values.iter().zip(&plane.inner(REACH).values).all(|(a, b)| (a - b).abs() < 1e-4));
+        // Heights below the smooth surface are doubled: the pit is 3 m below a surface that it lowers by little, and gets nearly 6 m deep.
+        let mut deep = params(&[1.0, 1.0, 1.0]);
+        deep.to = vec![-2.0, 0.0, 1.0];
+        deep.from = vec![-1.0, 0.0, 1.0];
+        let deep = Shaping::new(&deep, 0.5, 1.0).unwrap().applied(&plane);
+        assert!((deep.values[4 * 9 + 4] + 4.0).abs() < 0.1, "{}", deep.values[4 * 9 + 4]);
+        assert!((deep.values[0] - 2.0).abs() < 0.1);
     }
 
     #[test]
@@ -233,7 +289,7 @@ mod tests {
             let mut p = params(&[0.0, 0.5, 1.0]);
             p.swells = vec![Swell { spacing: 4.0, std: 0.1 }];
             change(&mut p);
-            let (field, problem) = Shaping::new(&p, 0.5).unwrap_err();
+            let (field, problem) = Shaping::new(&p, 0.5, 1.0).unwrap_err();
             format!("{field}: {problem}")
         };
         assert!(wrong(&|p| p.gains.push(1.0)).starts_with("gains: 4 gains for 3"));
@@ -242,6 +298,7 @@ mod tests {
         assert!(
             wrong(&|p| p.swells[0].spacing = 4.3).starts_with("swells[0].spacing: 4.3 must be a multiple")
         );
+        assert!(wrong(&|p| p.to[0] = 5.0).starts_with("from or to: knots lead to heights that fall"));
         assert!(wrong(&|p| p.std = 0.0).starts_with("std: 0 must lie in"));
     }
 }

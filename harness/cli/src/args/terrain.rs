@@ -107,6 +107,9 @@ pub(crate) struct FitArgs {
     /// Suite whose spectrum of heights is wanted: a directory, or the name of one that comes with the harness
     #[arg(long, value_name = "DIR")]
     pub(crate) like: PathBuf,
+    /// Rules of the generator whose curve of heights is kept; default: tasks/generator/default.yaml
+    #[arg(long, value_name = "FILE")]
+    pub(crate) params: Option<PathBuf>,
     /// The model; default: the one that comes with the harness
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<PathBuf>,

@@ -128,7 +128,7 @@ impl ElevationParams {
     /// # Errors
     /// Returns the flaw if the shape does not suit the model's resolution.
     pub fn shaping(&self, model: &Model) -> Result<Option<Shaping>, ParamsError> {
-        let shaping = |p| Shaping::new(p, model.header().resolution).map_err(shape_flaw);
+        let shaping = |p| Shaping::new(p, model.header().resolution, model.metre()).map_err(shape_flaw);
         self.shape.as_ref().map(shaping).transpose()
     }
 }
