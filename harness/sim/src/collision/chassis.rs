@@ -89,6 +89,8 @@ const GROUND: Group = Group::GROUP_1;
 const ROUNDING: f64 = 1e-9;
 /// Fraction of the hull's height that counts as its sole.
 const SOLE: f64 = 0.1;
+/// Cells along and across the sole at which heaps are looked for, at most: a larger hull has larger cells.
+const MOST_CELLS: f64 = 64.0;
 /// How far around the hull the ground is looked at, over the hull's bound.
 const ROOM: f64 = 0.15;
 
@@ -353,19 +355,22 @@ impl ChassisContacts {
         Ok(gap)
     }
 
-    /// Looks how high heaps of soil stand under the sole and two cells around it, in every second cell of the soil's memory.
+    /// Looks how high heaps of soil stand under and around the sole, in every second cell of the soil's memory.
     /// Contacts are looked for from that height on, so that a heap is met before the hull is in it.
     pub(crate) fn look_for_heaps(&mut self, soil: &SoilGround, x: &V3, q: &Quat) {
-        let spacing = 2.0 * soil.grid.resolution();
         let (low, high) = self.sole;
-        let count = |k: usize| ((high[k] - low[k]) / spacing).ceil().max(0.0) as usize + 2;
-        let (rows, cols) = (count(1), count(0));
-        let place = |k: usize, i: usize| low[k] + spacing * (i as f64 - 0.5);
+        let lattice = |k: usize| {
+            let cells = ((high[k] - low[k]) / (2.0 * soil.grid.resolution())).ceil();
+            let cells = cells.clamp(1.0, MOST_CELLS);
+            (cells as usize + 2, (high[k] - low[k]) / cells)
+        };
+        let [(cols, along), (rows, across)] = [lattice(0), lattice(1)];
+        let place = |k: usize, spacing: f64, i: usize| low[k] + spacing * (i as f64 - 0.5);
         let (forward, left) = (*q * V3::x(), *q * V3::y());
         let mut highest = 0.0_f64;
         for row in 0..rows {
             for col in 0..cols {
-                let at = x + forward * place(0, col) + left * place(1, row);
+                let at = x + forward * place(0, along, col) + left * place(1, across, row);
                 if let Some(cell) = soil.grid.touched(at.x, at.y) {
                     highest = highest.max(cell.raised - cell.plastic);
                 }
