@@ -32,7 +32,9 @@ pub(crate) struct ChassisContacts {
     bound: f64,
     /// The friction coefficient of the hull.
     friction: f64,
-    /// How high heaps of soil near the hull stand above the ground, m.
+    /// Lowest and highest coordinates of the lowest part of the hull, its sole, relative to the centre of mass.
+    sole: (V3, V3),
+    /// How high heaps of soil under the sole stand above the ground, m.
     heaps: f64,
     /// The pose of the hull when the contacts with the ground were found and corrected last.
     corrected: Option<(V3, Quat)>,
@@ -85,6 +87,10 @@ const CONTACTS_WITHIN: f64 = 0.02;
 const GROUND: Group = Group::GROUP_1;
 /// What is left of a clearance for rounding, m.
 const ROUNDING: f64 = 1e-9;
+/// Fraction of the hull's height that counts as its sole.
+const SOLE: f64 = 0.1;
+/// Cells along and across the sole at which heaps are looked for, at most: a larger hull has larger cells.
+const MOST_CELLS: f64 = 64.0;
 /// How far around the hull the ground is looked at, over the hull's bound.
 const ROOM: f64 = 0.15;
 
@@ -182,6 +188,9 @@ impl ChassisContacts {
         let vertices = || parts.iter().flat_map(|part| part.points()).map(|p| from_vector(*p));
         let (low, high) = extents(vertices());
         let bound = vertices().map(|p| p.norm()).fold(0.0, f64::max);
+        let of_hull = || parts[..hull].iter().flat_map(|part| part.points()).map(|p| from_vector(*p));
+        let (bottom, top) = extents(of_hull());
+        let sole = extents(of_hull().filter(|p| p.z <= bottom.z + SOLE * (top.z - bottom.z)));
         let looks = Looks::default();
         let (passes_soil, passing) = (v.chassis.hull_passes_soil, Passing::default());
         Self {
@@ -196,6 +205,7 @@ impl ChassisContacts {
             high,
             bound,
             friction: v.chassis.friction,
+            sole,
             heaps: 0.0,
             corrected: None,
             extent: extent.max(bound),
@@ -345,18 +355,22 @@ impl ChassisContacts {
         Ok(gap)
     }
 
-    /// Looks how high heaps of soil stand under and around the hull, in every second cell of the soil's memory. Contacts
-    /// are looked for from that height on, so that a heap is met before the hull is in it.
+    /// Looks how high heaps of soil stand under and around the sole, in every second cell of the soil's memory.
+    /// Contacts are looked for from that height on, so that a heap is met before the hull is in it.
     pub(crate) fn look_for_heaps(&mut self, soil: &SoilGround, x: &V3, q: &Quat) {
-        let spacing = 2.0 * soil.grid.resolution();
-        let count = |k: usize| ((self.high[k] - self.low[k]) / spacing).ceil() as usize + 2;
-        let (rows, cols) = (count(1), count(0));
-        let place = |k: usize, i: usize| self.low[k] + spacing * (i as f64 - 0.5);
+        let (low, high) = self.sole;
+        let lattice = |k: usize| {
+            let cells = ((high[k] - low[k]) / (2.0 * soil.grid.resolution())).ceil();
+            let cells = cells.clamp(1.0, MOST_CELLS);
+            (cells as usize + 2, (high[k] - low[k]) / cells)
+        };
+        let [(cols, along), (rows, across)] = [lattice(0), lattice(1)];
+        let place = |k: usize, spacing: f64, i: usize| low[k] + spacing * (i as f64 - 0.5);
         let (forward, left) = (*q * V3::x(), *q * V3::y());
         let mut highest = 0.0_f64;
         for row in 0..rows {
             for col in 0..cols {
-                let at = x + forward * place(0, col) + left * place(1, row);
+                let at = x + forward * place(0, along, col) + left * place(1, across, row);
                 if let Some(cell) = soil.grid.touched(at.x, at.y) {
                     highest = highest.max(cell.raised - cell.plastic);
                 }
@@ -365,7 +379,7 @@ impl ChassisContacts {
         self.heaps = highest;
     }
 
-    /// How high heaps of soil near the hull stand above the ground, m.
+    /// How high heaps of soil under the sole stand above the ground, m.
     pub(crate) fn heaps(&self) -> f64 {
         self.heaps
     }
