@@ -128,6 +128,8 @@ const VERSION: u32 = 5;
 /// Step of the heights of generated worlds, m: far below what a wheel feels and below the original's (8 bits over up to 16 m, so
 /// 63 mm), and coarse enough that elevation images compress to about two thirds.
 const HEIGHT_STEP: f64 = 1e-3;
+/// Distance between the windows of a surface in which starts and goals are looked for, m: heights farther apart than 3 m are hardly correlated.
+const SHIFT: f64 = 4.0;
 /// What the generator's rules call what surfaces follow from.
 pub(crate) const FIELDS: Fields =
     Fields { grid: "grid", stand: "tasks.stand", distance: "tasks.radius", elsewhere: "" };
@@ -284,6 +286,7 @@ impl Generator<'_> {
             model: self.model,
             shaping: shaping.as_ref(),
             step: Some(HEIGHT_STEP),
+            shift: [((SHIFT / grid.resolution).round() as usize).max(1), (grid.nodes - 1) / 4],
             nodes: grid.nodes,
             resolution: grid.resolution,
             std,

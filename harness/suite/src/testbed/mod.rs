@@ -72,6 +72,7 @@ impl Testbed<'_> {
             model: self.model,
             shaping: None,
             step: None,
+            shift: [0, 0],
             nodes: rules.nodes(),
             resolution: rules.bed.resolution,
             std: bed.std,

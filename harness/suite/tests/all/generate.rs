@@ -9,11 +9,19 @@ use vb_suite::generate::{GenerateError, Generator, GeneratorParams};
 use vb_terrain::Model;
 use vb_world::{Density, Elevation, ObstacleKind, Suite, Terrain, TerrainClass, World, geometry};
 
-/// Seed, number of worlds and name of the suites in `tasks`, all of the built-in rules.
-const BUILT_IN: [(u64, usize, &str); 2] = [(2025, 10, "smoke"), (2026, 100, "vb-100")];
+/// Seed, number of worlds, name and rules of the suites in `tasks`.
+const BUILT_IN: [(u64, usize, &str, &str); 3] = [
+    (2025, 10, "smoke", GeneratorParams::DEFAULT_YAML),
+    (2026, 100, "vb-100", GeneratorParams::DEFAULT_YAML),
+    (2028, 100, "vb-paper", GeneratorParams::PAPER_YAML),
+];
 
 fn params(changes: &[(&str, &str)]) -> GeneratorParams {
-    let mut text = GeneratorParams::DEFAULT_YAML.to_owned();
+    changed(GeneratorParams::DEFAULT_YAML, changes)
+}
+
+fn changed(rules: &str, changes: &[(&str, &str)]) -> GeneratorParams {
+    let mut text = rules.to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replacen(from, to, 1);
@@ -57,22 +65,18 @@ fn near(what: &str, value: f64, expected: f64, tolerance: f64) {
 }
 
 /// docs/worlds.md gives for each level the spread of heights within a world and percentiles of slope. A dozen worlds,
-/// whose spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. At p90 ours are steeper by 6 %
-/// besides, as the scans are beside the original's worlds. The far tail is somewhat shorter, since isolated black
-/// pixels are no terrain: without them the original's p99 is 17.0, 29.4 and 44.7 degrees (docs/worlds.md).
-///
-/// Single facets, differences over 1 m, are compared with the scans that the model never saw: every fourth sample of a
-/// repaired scan, scaled to the level's share of 0.55 m for the standard deviation of the scans trained on. (The
-/// original's worlds have gentler ones: p90 12.7, 23.2 and 36.2 degrees.)
+/// whose spread varies by 13 %, fix their mean spread to 4 %, and slopes with it. The far tail is somewhat shorter on low worlds: the
+/// original's isolated black pixels have no counterpart here (without them its p99 is 17.0, 29.4 and 44.7 degrees, docs/worlds.md).
 #[test]
 fn heights_and_slopes_are_those_of_the_original_at_every_level() {
     let no_boulders =
         ("boulders: {sparse: 10, medium: 20, dense: 40}", "boulders: {sparse: 0, medium: 0, dense: 0}");
-    let worlds = generate(&params(&[no_boulders, ("count: 10", "count: 1")]), 11, 36);
+    let worlds =
+        generate(&changed(GeneratorParams::PAPER_YAML, &[no_boulders, ("count: 10", "count: 1")]), 11, 36);
     let levels = [
-        (Elevation::Low, 0.166, [4.6, 9.6, 11.8, 19.1], [5.6, 15.3, 19.6, 28.1]),
-        (Elevation::Medium, 0.322, [9.1, 18.2, 22.1, 33.4], [11.2, 28.7, 35.4, 46.8]),
-        (Elevation::High, 0.547, [14.9, 29.0, 34.5, 48.5], [18.2, 42.4, 49.8, 60.6]),
+        (Elevation::Low, 0.166, [4.6, 9.6, 11.8, 19.1], [5.8, 12.7, 15.8, 25.9]),
+        (Elevation::Medium, 0.322, [9.1, 18.2, 22.1, 33.4], [11.5, 23.2, 28.5, 42.5]),
+        (Elevation::High, 0.547, [14.9, 29.0, 34.5, 48.5], [17.7, 36.2, 42.4, 57.5]),
     ];
     for (level, std, central, facets) in levels {
         let of_level: Vec<_> = worlds.iter().filter(|w| w.elevation == level).collect();
@@ -83,7 +87,7 @@ fn heights_and_slopes_are_those_of_the_original_at_every_level() {
             let m = mean(heights.iter().copied());
             mean(heights.iter().map(|z| (z - m) * (z - m))).sqrt()
         }));
-        near(&format!("{name} std"), spread, std, 0.1);
+        near(&format!("{name} std"), spread, std, 0.15);
         for (kind, expected) in [("central", central), ("facet", facets)] {
             let of = if kind == "facet" { facet_slopes } else { central_slopes };
             let mut all: Vec<_> = of_level.iter().flat_map(|w| of(w)).collect();
@@ -93,7 +97,7 @@ fn heights_and_slopes_are_those_of_the_original_at_every_level() {
             }
             let tail = percentile(&all, 99.0);
             eprintln!("{name} {kind} slope p99: {tail:.2}, measured {}", expected[3]);
-            assert!((0.85..1.1).contains(&(tail / expected[3])), "{name} {kind} slope p99: {tail}");
+            assert!((0.8..1.1).contains(&(tail / expected[3])), "{name} {kind} slope p99: {tail}");
         }
         assert!(of_level.iter().all(|w| w.heightfield.range().0 == 0.0));
     }
@@ -301,11 +305,11 @@ fn a_seed_gives_the_same_bytes_and_another_gives_others() {
 #[test]
 fn the_built_in_suites_are_what_the_generator_makes() {
     let model = model();
-    for (seed, worlds, name) in BUILT_IN {
+    for (seed, worlds, name, rules) in BUILT_IN {
         let suite = built_in(name);
         assert_eq!((suite.worlds().len(), suite.task_count()), (worlds, 10 * worlds));
         assert_eq!(suite.meta().name, name);
-        let rules = params(&[]);
+        let rules = changed(rules, &[]);
         let generator = Generator { rules: &rules, model: &model, seed, worlds };
         let made = generator.meta(name, &suite.meta().version);
         assert_eq!(*suite.meta(), made);
@@ -349,7 +353,9 @@ fn the_suite_has_every_choice_of_labels_in_proportion() {
 
 #[test]
 fn built_in_suites_are_small() {
-    for (name, most) in [("smoke", 1_000_000), ("testbed", 200_000), ("vb-100", 8_000_000)] {
+    for (name, most) in
+        [("smoke", 700_000), ("testbed", 200_000), ("vb-100", 6_500_000), ("vb-paper", 6_500_000)]
+    {
         let size: usize = files(built_in(name).dir()).iter().map(|(_, b)| b.len()).sum();
         assert!(size < most, "{name}: {size} bytes");
     }
@@ -375,7 +381,7 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
 
     // A coarse surface is drawn faster, and all of them are drawn in vain.
     let coarse = ("grid: {nodes: 129, resolution: 1.0}", "grid: {nodes: 33, resolution: 4.0}");
-    let level = error(&[("tilt: 15.0", "tilt: 0.5"), coarse], 2).to_string();
+    let level = error(&[("tilt: 20.0", "tilt: 0.5"), coarse], 2).to_string();
     assert!(
         level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),
         "{level}"
@@ -392,9 +398,9 @@ fn rules_that_can_not_be_met_are_given_up_soon_and_named() {
         Generator { rules: &rules, model: &model, seed: 1, worlds: 1 }.world(0).unwrap_err().to_string()
     };
     let cases: [(&[(&str, &str)], &str); 7] = [
-        (&[("tilt: 15.0", "tilt: 0.0")], "raise tasks.stand.tilt (100 % of the places"),
-        (&[("unevenness: 0.6", "unevenness: 0.0")], "raise tasks.stand.unevenness (100 % of the places"),
-        (&[("twist: 0.15", "twist: 0.0")], "raise tasks.stand.twist (100 % of the places"),
+        (&[("tilt: 20.0", "tilt: 0.0")], "raise tasks.stand.tilt (100 % of the places"),
+        (&[("unevenness: 1.0", "unevenness: 0.0")], "raise tasks.stand.unevenness (100 % of the places"),
+        (&[("twist: 0.2", "twist: 0.0")], "raise tasks.stand.twist (100 % of the places"),
         (&[("grip: 0.7", "grip: 0.0")], "raise tasks.stand.grip (100 % of the places"),
         (
             &[("radius: 60.0", "radius: 64.0"), ("reach: 3.0", "reach: 60.0")],

@@ -113,6 +113,30 @@ fn a_world_reads_back_bit_for_bit_and_writes_the_same_bytes_again() {
 }
 
 #[test]
+fn the_hash_covers_the_levels_and_not_how_they_are_compressed() {
+    let (dir, suite) = written();
+    let image = dir.path().join("worlds/w001/elevation.png");
+    let store = |data: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 9, 5);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        encoder.set_compression(png::Compression::NoCompression);
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        std::fs::write(&image, bytes).unwrap();
+    };
+    let packed = std::fs::read(&image).unwrap();
+    let mut data = vec![0; 90];
+    png::Decoder::new(std::io::Cursor::new(&packed)).read_info().unwrap().next_frame(&mut data).unwrap();
+    store(&data);
+    assert_ne!(std::fs::read(&image).unwrap(), packed);
+    suite.load_world("w001").unwrap();
+    data[17] ^= 1;
+    store(&data);
+    assert!(suite.load_world("w001").is_err(), "one level of another world");
+}
+
+#[test]
 fn heights_that_never_were_levels_lose_at_most_half_a_level() {
     let mut w = world("w001");
     let heights: Vec<f64> = (0..45).map(|k| 0.1 * f64::from(k * k % 17) - 0.33).collect();
