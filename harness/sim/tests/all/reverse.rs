@@ -1,6 +1,6 @@
 //! Driving backwards, in neutral, and to and fro.
 
-use crate::common::{flat, model, soils};
+use crate::common::{flat, model, reference_hmmwv, soils};
 use std::path::Path;
 use std::sync::Arc;
 use vb_sim::{Controls, Gear, SimOptions, Simulation};
@@ -88,7 +88,7 @@ fn it_backs_up_a_slope_of_20_degrees_and_its_energy_comes_from_the_engine() {
 
 #[test]
 fn backwards_it_drives_at_the_speed_of_the_engine_through_the_reverse_ratio_on_the_radius_of_its_wheels() {
-    let mut sim = start(&flat(0.9), shipped("hmmwv"), 0.0);
+    let mut sim = start(&flat(0.9), reference_hmmwv(), 0.0);
     for speed in [1.0, 2.0, 4.0] {
         back_for(&mut sim, 10.0, speed, 0.0);
         let s = sim.state();
@@ -101,7 +101,7 @@ fn backwards_it_drives_at_the_speed_of_the_engine_through_the_reverse_ratio_on_t
 
 #[test]
 fn a_command_for_reverse_at_5_m_per_s_waits_for_the_brake_and_then_takes_its_latency() {
-    let mut sim = start(&flat(0.9), shipped("hmmwv"), 0.0);
+    let mut sim = start(&flat(0.9), reference_hmmwv(), 0.0);
     // At so little throttle no wheel spins.
     while sim.state().velocity.x < 5.0 {
         sim.advance(ask(Gear::Forward, 0.1, 0.0), 10).expect("it goes on");
@@ -120,7 +120,7 @@ fn a_command_for_reverse_at_5_m_per_s_waits_for_the_brake_and_then_takes_its_lat
         last = sim.state().velocity.x;
         sim.advance(ask(Gear::Reverse, 1.0, 0.5), 1).expect("it goes on");
     }
-    // vehicles/hmmwv.yaml: below 0.5 m/s, 0.6 s.
+    // vehicles/hmmwv-released.yaml: below 0.5 m/s, 0.6 s.
     assert!(last < 0.5 && last > 0.48, "{last} m/s");
     let begin = sim.time();
     while sim.state().gear == Gear::Neutral {
@@ -136,7 +136,7 @@ fn a_command_for_reverse_at_5_m_per_s_waits_for_the_brake_and_then_takes_its_lat
 #[test]
 fn in_neutral_it_coasts_against_rolling_resistance_alone() {
     for back in [false, true] {
-        let spec = shipped("hmmwv");
+        let spec = reference_hmmwv();
         let mass = spec.total_mass();
         let mut sim = start(&flat(0.9), spec, 0.0);
         let gear = if back { Gear::Reverse } else { Gear::Forward };
@@ -160,7 +160,7 @@ fn in_neutral_it_coasts_against_rolling_resistance_alone() {
 fn with_its_wheels_turned_it_backs_around_the_centre_around_which_it_drives() {
     // At walking pace no tyre slips to speak of.
     for steering in [0.6, -0.6] {
-        let mut sim = start(&flat(0.9), shipped("hmmwv"), 0.0);
+        let mut sim = start(&flat(0.9), reference_hmmwv(), 0.0);
         let mut curvature = [0.0; 2];
         for _ in 0..1000 {
             let c = Controls { steering, ..ask(Gear::Forward, 1.0 - sim.state().velocity.x, 0.0) };
@@ -236,7 +236,7 @@ fn rocking_to_and_fro_makes_no_energy_on_rigid_ground_and_on_soil() {
 
 #[test]
 fn to_and_fro_without_brakes_the_engines_work_is_energy_of_motion_and_rolling_resistance() {
-    let spec = shipped("hmmwv");
+    let spec = reference_hmmwv();
     let mass = spec.total_mass();
     let mut sim = start(&flat(0.9), spec, 0.0);
     let (mut work, mut way) = (0.0, 0.0);
@@ -262,7 +262,7 @@ fn to_and_fro_without_brakes_the_engines_work_is_energy_of_motion_and_rolling_re
 
 #[test]
 fn a_governor_limits_the_speed_backwards_as_it_does_forwards() {
-    let mut spec = shipped("hmmwv");
+    let mut spec = reference_hmmwv();
     spec.powertrain.governor = Some(Governor { speed: 2.0, band: 0.5 });
     let mut sim = start(&flat(0.9), spec, 0.0);
     sim.advance(ask(Gear::Reverse, 1.0, 0.0), 10_000).expect("it goes on");
