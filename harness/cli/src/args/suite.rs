@@ -168,8 +168,8 @@ pub(crate) struct CalibrationArgs {
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = super::values::key_value, requires = "calibrate")]
     pub(crate) plugin_params: Vec<(String, String)>,
     /// Percentages of low, medium and high tasks that it is to complete: by default those of PID in the paper
-    #[arg(long, value_name = "LOW,MEDIUM,HIGH", value_delimiter = ',', num_args = 3, default_values_t = [86.0, 50.0, 8.0], value_parser = percentage)]
-    pub(crate) targets: Vec<f64>,
+    #[arg(long, value_name = "LOW,MEDIUM,HIGH", default_value = "86,50,8", value_parser = percentages)]
+    pub(crate) targets: [f64; 3],
     /// Points of percentage within which a level's search ends
     #[arg(long, value_name = "POINTS", default_value_t = 2.0, value_parser = percentage)]
     pub(crate) tolerance: f64,
@@ -240,6 +240,12 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 fn density(text: &str) -> Result<vb_world::Density, String> {
     let found = vb_world::Density::ALL.into_iter().find(|d| d.name() == text);
     found.ok_or_else(|| "want sparse, medium or dense".to_owned())
+}
+
+/// Percentages of three levels.
+fn percentages(text: &str) -> Result<[f64; 3], String> {
+    let all: Vec<f64> = text.split(',').map(percentage).collect::<Result<_, _>>()?;
+    all.try_into().map_err(|_| "want three percentages, of low, medium and high tasks, e.g. 86,50,8".into())
 }
 
 /// A percentage between 0 and 100.

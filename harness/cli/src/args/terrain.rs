@@ -92,6 +92,12 @@ pub(crate) struct MeasureArgs {
     pub(crate) summary: bool,
 }
 
+/// Fractions of three levels.
+fn fractions(text: &str) -> Result<[f64; 3], String> {
+    let all: Vec<f64> = text.split(',').map(positive).collect::<Result<_, _>>()?;
+    all.try_into().map_err(|_| "want three fractions, of low, medium and high worlds, e.g. 0.3,0.6,1".into())
+}
+
 /// Nodes along two sides: columns, rows.
 pub(super) fn nodes(text: &str) -> Result<(usize, usize), String> {
     let number = |s: &str| s.trim().parse::<usize>().ok();
@@ -114,8 +120,8 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<PathBuf>,
     /// Fraction of the full relief of the suite's low, medium and high worlds
-    #[arg(long, value_name = "LOW,MEDIUM,HIGH", value_delimiter = ',', num_args = 3, default_values_t = [0.3, 0.6, 1.0], value_parser = positive)]
-    pub(crate) relief: Vec<f64>,
+    #[arg(long, value_name = "LOW,MEDIUM,HIGH", default_value = "0.3,0.6,1", value_parser = fractions)]
+    pub(crate) relief: [f64; 3],
     /// Number of surfaces that are drawn from the model
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) surfaces: u32,

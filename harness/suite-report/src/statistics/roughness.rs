@@ -259,11 +259,14 @@ mod tests {
         // Flat ground, and a plane, never reach it.
         assert_eq!(of(&field(65, |_, _| 0.0)).belly, Some(0.0));
         assert_eq!(of(&field(65, |x, y| 0.3 * x - 0.2 * y)).belly, Some(0.0));
-        // A cylinder h = −x²/(2 R) under wheels that are 3.302 m apart along it rises by 1.651²/(2 R) above their plane: with R = 2 m that is
-        // 0.68 m for a vehicle that heads along x, and 0.91²/(2 R) = 0.21 m across.
-        let crest = |r: f64| of(&field(65, move |x, _| -x * x / (2.0 * r))).belly.unwrap();
-        assert!(crest(2.0) > 0.3, "{}", crest(2.0));
-        assert_eq!(crest(4.0), 0.0, "0.34 m at most");
+        // Ridges of 8 m along y, h = a cos(2π x / 8 m). On a crest, heading along x, the wheels stand at x = ±1.651 m on the facets between
+        // the nodes at 1 m (0.707 a) and 2 m (0): 0.247 a high, so the crest is 0.753 a above their plane, which is most. It reaches the
+        // belly where a > 0.41 m / 0.753 = 0.54 m.
+        let ridges = |a: f64| {
+            of(&field(65, move |x, _| a * vb_math::cos(std::f64::consts::TAU * x / 8.0))).belly.unwrap()
+        };
+        assert!(ridges(0.9) > 0.02, "{}", ridges(0.9));
+        assert_eq!(ridges(0.5), 0.0);
         assert_eq!(of(&field(9, |_, _| 0.0)).belly, None, "no room");
     }
 }
