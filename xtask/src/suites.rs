@@ -29,7 +29,12 @@ const SUITES: [Made; 4] = [
 fn make(suite: &Made, out: &Path) -> Result<(), Failure> {
     let _ = std::fs::remove_dir_all(out);
     let mut command = Command::new(built("vb-harness"));
-    command.current_dir(root()).arg("suite").args(suite.by).args(["--name", suite.name, "--suite-version", suite.version]);
+    command.current_dir(root()).arg("suite").args(suite.by).args([
+        "--name",
+        suite.name,
+        "--suite-version",
+        suite.version,
+    ]);
     command.arg("--out").arg(out);
     run(&mut command)
 }
