@@ -56,12 +56,12 @@ fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
     assert!(std::fs::read(&file).expect("the suite's proof") == before);
 }
 
-/// A snapshot: the proof of the small suite is of today's physics. If it fails, drive anew with `cargo xtask prove`, also
-/// `vb-100`, and say so in the change log, since all results change.
+/// A snapshot: the proof of the small suite is of today's physics. If it fails, re-run `cargo xtask prove smoke`, and say so in the
+/// change log, since all results change.
 #[test]
 fn tasks_that_are_said_to_be_proven_are_done_again_with_the_same_states() {
     let bench = Bench::new();
-    for suite in ["smoke", "vb-100"] {
+    for suite in ["smoke"] {
         let file = root().join("tasks").join(suite).join("proof.json");
         let proof: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(file).expect("a proof")).expect("JSON");
