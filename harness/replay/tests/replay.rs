@@ -295,7 +295,12 @@ fn a_page_says_with_what_was_driven_and_by_which_rule_it_ended() {
     assert_eq!(said("by the rule"), Some("moved less than 1 m within 10 s"));
     assert_eq!(said("reason"), Some("it sank pid"));
     assert_eq!((said("cause"), said("evidence")), (Some("spinning on soil"), Some("it dug pid")));
-    assert_eq!(said("vehicle"), Some("hmmwv: HMMWV, double wishbones all round, all-wheel drive"));
+    assert_eq!(
+        said("vehicle"),
+        Some(
+            "hmmwv: HMMWV M998, double wishbones all round, torque-biasing differentials, locked transfer case"
+        )
+    );
     assert_eq!(said("scale"), Some("1:1"));
     assert!(said("rules").unwrap().starts_with("paper: "));
     assert!(data["links"].as_object().unwrap().values().all(serde_json::Value::is_null), "it stands alone");

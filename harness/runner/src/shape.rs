@@ -206,8 +206,8 @@ mod tests {
         // Length and width by hand from the points of the hulls, and from spindles and tyres: twice the spindle's distance
         // from the centre line and half the tyre's width, or an axle's place and the tyre's radius.
         let expected = [
-            // Hull x -2.45..2.21, y +-1.05; tyres 2 (0.909701 + 0.127) = 2.073. Mirrors: 2.564.
-            ("hmmwv", 4.66, 2.1),
+            // Hull x -2.45..2.21, y +-1.05; tyres 2 (0.909701 + 0.15875). Mirrors: 2.564.
+            ("hmmwv", 4.66, 2.1369),
             // Hull from x -2.2, front tyres to 0.97 + 0.28575; rear tyres 2 (0.62 + 0.1524).
             ("gator", 3.45575, 1.5448),
             // Tyres 2 (0.97663 + 0.1675); hull 2.25.

@@ -88,7 +88,7 @@ impl<'a> Statics<'a> {
             let Some(balanced) = self.balance(&ground, u) else {
                 // On two wheels alone a vehicle has no balance to find.
                 let further = (last[1] - light) / (last[0] - last[1]);
-                return (0.0..=2.0).contains(&further).then(|| height + (further - 1.0) * step);
+                return (0.0..=2.0).contains(&further).then_some(height + (further - 1.0) * step);
             };
             u = balanced;
             let least = self.residual(&ground, &u).1.into_iter().fold(f64::INFINITY, f64::min);

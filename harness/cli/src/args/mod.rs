@@ -186,6 +186,7 @@ mod tests {
             "terrain train",
             "terrain generate",
             "terrain measure",
+            "terrain fit",
             "completions",
             "man",
         ];

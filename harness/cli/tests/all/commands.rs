@@ -44,8 +44,8 @@ fn the_built_in_suites_are_listed_shown_and_valid() {
     assert!(shown.contains("w001") && shown.contains("w010"), "{shown}");
     assert_eq!(succeed(&dir, &["tasks", "list", "--suite", "smoke"]).lines().count(), 100);
     assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 1000, "vb-100 is the default");
-    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100   100 worlds, 1000 tasks"));
-    assert!(succeed(&dir, &["suite", "list"]).contains("testbed  2 worlds, 10 tasks"));
+    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100    100 worlds, 1000 tasks"));
+    assert!(succeed(&dir, &["suite", "list"]).contains("testbed   2 worlds, 10 tasks"));
     let listed = succeed(&dir, &["suite", "list", "--json"]);
     let listed: Vec<serde_json::Value> = listed.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     let smoke = listed.iter().find(|s| s["name"] == "smoke").unwrap();

@@ -96,7 +96,7 @@ fn rules_of_the_generator_that_can_not_be_met_are_named_and_leave_nothing_behind
     let generate =
         ["suite", "generate", "--seed", "1", "--worlds", "1", "--params", "rules.yaml", "--out", "x"];
     for (from, to, says) in [
-        ("tilt: 15.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the places break this rule)"),
+        ("tilt: 20.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the places break this rule)"),
         ("{rigid: [1, 7]", "{rigid: [7, 7]", "ground.centre_spread"),
         ("spacing: 10.0", "spacing: 50.0", "obstacles.spacing: 50 leaves room for"),
     ] {

@@ -109,7 +109,7 @@ fn a_planners_metadata_are_those_of_its_crate() {
         assert_eq!((m.name.as_str(), m.abi.as_str(), m.control_period), ("pid", "0.2", 0.1));
         assert_eq!(m.authors, [env!("CARGO_PKG_AUTHORS")]);
         let speed = m.params.iter().find(|p| p.key == "speed").unwrap();
-        assert_eq!((speed.default.as_str(), speed.help.as_str()), ("3.0", "target speed, m/s at full scale"));
+        assert_eq!((speed.default.as_str(), speed.help.as_str()), ("5.0", "target speed, m/s at full scale"));
     }
 }
 

@@ -10,18 +10,18 @@ use vb_world::Suite;
 
 /// A vehicle, a world of `tasks/smoke`, and what the drive left. A snapshot: it changes with the simulator, and with nothing else.
 const DRIVES: [(&str, &str, u64); 12] = [
-    ("hmmwv", "w001", 0xaa13_4a02_2148_265d),
-    ("hmmwv", "w003", 0x8a2f_a318_54e3_ab0f),
-    ("hmmwv-released", "w006", 0x8ac6_e344_eaa3_3b7a),
-    ("gator", "w002", 0x71c1_582c_03fc_068f),
-    ("feda", "w005", 0x59de_5383_30a2_3d15),
-    ("m113", "w003", 0xd69e_28d4_6f88_6011),
-    ("m113", "w007", 0x377d_24b5_c0a6_2029),
-    ("man5t", "w004", 0x39a9_f2ef_cfd1_e2b9),
-    ("man7t", "w008", 0x0f26_4f4f_8fe6_51fb),
-    ("man10t", "w009", 0xa917_e8ac_7587_98e3),
-    ("artcar", "w010", 0xba37_6619_5b85_7d54),
-    ("verti4wheeler", "w003", 0x74e2_b4ad_4cfe_0c7a),
+    ("hmmwv", "w001", 0x834a_d5a6_5b61_810b),
+    ("hmmwv", "w003", 0x0041_60fc_8a5f_7b20),
+    ("hmmwv-released", "w006", 0x47ec_c32a_a4ff_1c61),
+    ("gator", "w002", 0xee75_fa47_7219_c272),
+    ("feda", "w005", 0x60d2_84ae_4eb1_df44),
+    ("m113", "w003", 0x3b01_0b60_00a5_280b),
+    ("m113", "w007", 0x3019_1fc2_9490_f5f6),
+    ("man5t", "w004", 0x1e02_43ba_10c5_91a1),
+    ("man7t", "w008", 0x55a4_0111_7b60_48ee),
+    ("man10t", "w009", 0x47dc_6e58_dd2e_e6a2),
+    ("artcar", "w010", 0xaadb_1a6f_3c74_c6eb),
+    ("verti4wheeler", "w003", 0x2bbe_3fc4_bd8c_ea86),
 ];
 
 #[test]

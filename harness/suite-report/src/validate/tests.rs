@@ -8,14 +8,14 @@ use vb_world::{Density, Elevation, Obstacle, ObstacleKind, Provenance, SuiteMeta
 /// The extents of its hull in `tasks/vehicles/hmmwv.yaml`.
 const HMMWV: Vehicle = Vehicle { length: 4.66, width: 2.1 };
 
-fn built_in() -> Suite {
+fn built_in(name: &str) -> Suite {
     let tasks = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
-    Suite::open(tasks.join("smoke")).unwrap()
+    Suite::open(tasks.join(name)).unwrap()
 }
 
 /// Low ground, rigid: nothing odd about it before it is damaged.
 fn good() -> World {
-    built_in().load_world("w001").unwrap()
+    built_in("vb-paper").load_world("w001").unwrap()
 }
 
 fn write(worlds: &[World]) -> (TempDir, Suite) {
@@ -65,11 +65,11 @@ fn flat(world: &mut World) {
 }
 
 #[test]
-fn the_built_in_suite_has_no_flaw_and_each_of_its_worlds_is_told() {
-    let suite = built_in();
+fn the_built_in_suite_has_no_error_and_each_of_its_worlds_is_told() {
+    let suite = built_in("smoke");
     let mut heard = Vec::new();
     let found = validate(&suite, &Limits::of(HMMWV), |world, _| heard.push(world.map(str::to_owned)));
-    assert!(found.is_empty(), "{found:#?}");
+    assert!(found.iter().all(|f| f.severity == Severity::Warning), "{found:#?}");
     let mut expected: Vec<_> = suite.worlds().iter().map(|w| Some(w.id.clone())).collect();
     expected.push(None);
     assert_eq!(heard, expected);
@@ -77,7 +77,7 @@ fn the_built_in_suite_has_no_flaw_and_each_of_its_worlds_is_told() {
 
 #[test]
 fn all_flaws_of_a_world_are_told_and_worlds_after_it_are_checked() {
-    let mut second = built_in().load_world("w002").unwrap();
+    let mut second = built_in("smoke").load_world("w002").unwrap();
     second.tasks[0].start.yaw += std::f64::consts::PI;
     second.tasks[0].start.yaw -= if second.tasks[0].start.yaw > 6.0 { std::f64::consts::TAU } else { 0.0 };
     let (dir, suite) = write(&[good(), second]);
@@ -276,7 +276,7 @@ fn labels_that_the_world_belies_are_warned_of() {
         Rule::Labels,
         &["world.yaml: density: dense is odd for 11 obstacles", "43"],
     );
-    let high = built_in().load_world("w003").unwrap();
+    let high = built_in("smoke").load_world("w003").unwrap();
     assert_eq!(high.elevation, Elevation::High);
     let found = findings(&[World { id: "w001".into(), elevation: Elevation::Low, ..high }]);
     only(&found, Severity::Warning, Rule::Labels, &["low is odd", "too rugged"]);
@@ -336,9 +336,9 @@ fn a_changed_suite_under_the_name_and_version_of_a_released_one_is_an_error() {
         provenance: Provenance::Authored { by: "a test".into() },
     };
     let suite = |version| Suite::write(dir.path().join(version), &meta(version), &[good()]).unwrap();
-    let found = validate(&suite("1"), &Limits::of(HMMWV), |_, _| {});
+    let found = validate(&suite("3"), &Limits::of(HMMWV), |_, _| {});
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_eq!((found[0].severity, found[0].rule), (Severity::Error, Rule::Content));
-    assert!(found[0].text.contains("smoke 1 was released with the hash"), "{}", found[0].text);
-    assert_eq!(validate(&suite("1-mine"), &Limits::of(HMMWV), |_, _| {}), []);
+    assert!(found[0].text.contains("smoke 3 was released with the hash"), "{}", found[0].text);
+    assert_eq!(validate(&suite("3-mine"), &Limits::of(HMMWV), |_, _| {}), []);
 }

@@ -28,7 +28,7 @@ fn the_testbed_in_tasks_is_what_its_rules_make() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/testbed")).unwrap();
     let (rules, model) = (TestbedParams::default(), model());
     let testbed = Testbed { rules: &rules, model: &model, seed: SEED };
-    assert_eq!(*suite.meta(), testbed.meta("testbed", "1"));
+    assert_eq!(*suite.meta(), testbed.meta("testbed", "2"));
     let worlds = testbed.worlds().unwrap();
     assert_eq!(suite.worlds().len(), worlds.len());
     for world in &worlds {
