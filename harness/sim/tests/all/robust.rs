@@ -129,7 +129,7 @@ fn energy_that_nothing_supplied_is_an_error_with_the_state_to_look_at() {
             start,
             SimOptions::default(),
         )?;
-        sim.advance(crate::common::controls(0.0, 0.3, 0.0), 5000)
+        sim.advance(crate::common::controls(0.0, 1.0, 0.0), 5000)
     };
     drive(hmmwv()).expect("as it is, it drives");
     let message = drive(vehicle).expect_err("it is pushed").to_string();
