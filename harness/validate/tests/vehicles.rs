@@ -1,5 +1,7 @@
 //! The vehicles that come with the harness, as their files describe them and in the events of published figures.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
 use std::path::{Path, PathBuf};
 use vb_validate::{Bench, Characteristics, References, RunOptions, run};
 use vb_vehicle::VehicleSpec;
