@@ -12,7 +12,7 @@ use vb_vehicle::{
 use vb_world::{Heightfield, Semantics, TerrainClass};
 
 fn hmmwv() -> VehicleSpec {
-    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
+    VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv").unwrap()
 }
 
 pub(super) fn build(spec: &VehicleSpec) -> Vehicle {

@@ -12,7 +12,7 @@ const DT: f64 = 1e-3;
 const RADIUS: f64 = 0.467;
 
 fn hmmwv() -> VehicleSpec {
-    VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
+    VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv").unwrap()
 }
 
 /// The HMMWV with all differentials alike.
