@@ -378,5 +378,6 @@ fn the_governor_holds_the_published_top_speed() {
     };
     let (governed, free) = (top(true), top(false));
     assert!((30.5..=31.3).contains(&governed), "{governed} m/s");
-    assert!(free > 34.0, "the maps alone give {free} m/s");
+    // 377 rad/s, where its power ends, through 1.00 and 5.24 to 1 on 0.46 m: 33.1 m/s.
+    assert!(free > 33.0, "the maps alone give {free} m/s");
 }

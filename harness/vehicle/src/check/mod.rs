@@ -127,14 +127,16 @@ impl Check<'_> {
         let c = &v.chassis;
         self.positive("chassis.mass", c.mass)?;
         self.finite("chassis.com", &c.com)?;
+        // Twice the box of the vehicle's size about the reference point: nothing of a vehicle lies farther away.
+        let within = |field: &str, point: &[f64; 3]| {
+            let most = [v.length, v.width, 2.0 * v.height];
+            let Some(k) = (0..3).find(|&k| point[k].abs() > most[k]) else { return Ok(()) };
+            let reason = format!("{} must lie in -{} to {}", point[k], most[k], most[k]);
+            self.fail(&format!("{field}[{k}]"), reason)
+        };
         if let Some(seat) = &c.seat {
             self.finite("chassis.seat", seat)?;
-            // Within a box of the vehicle's size about the reference point and once more: a seat on a boom is none.
-            let within = [v.length, v.width, 2.0 * v.height];
-            if let Some(k) = (0..3).find(|&k| seat[k].abs() > within[k]) {
-                let reason = format!("{} must lie in -{} to {}", seat[k], within[k], within[k]);
-                return self.fail(&format!("chassis.seat[{k}]"), reason);
-            }
+            within("chassis.seat", seat)?;
         }
         for (i, &value) in c.inertia.iter().enumerate() {
             self.positive(&format!("chassis.inertia[{i}]"), value)?;
@@ -155,8 +157,9 @@ impl Check<'_> {
         }
         for (i, part) in c.hull.iter().enumerate() {
             let field = format!("chassis.hull[{i}]");
-            for point in part {
+            for (j, point) in part.iter().enumerate() {
                 self.finite(&field, point)?;
+                within(&format!("{field}[{j}]"), point)?;
             }
             let points: Vec<_> = part.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
             if SharedShape::convex_hull(&points).is_none() {
