@@ -70,7 +70,7 @@ impl Check<'_> {
 mod tests {
     use crate::VehicleSpec;
 
-    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
     const MAN: &str = include_str!("../../../../tasks/vehicles/man10t.yaml");
 
     fn refused(text: &str, changes: &[(&str, &str)]) -> String {

@@ -174,7 +174,7 @@ impl Check<'_> {
 mod tests {
     use super::*;
 
-    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
 
     fn broken(from: &str, to: &str) -> String {
         assert!(HMMWV.contains(from), "{from}");
@@ -213,6 +213,11 @@ mod tests {
 
     #[test]
     fn a_tyre_says_what_its_model_lacks_and_what_no_tyre_can_be() {
+        let broken = |from: &str, to: &str| {
+            let all = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+            assert!(all.contains(from), "{from}");
+            VehicleSpec::parse(&all.replacen(from, to, 1), "car.yaml").unwrap_err().to_string()
+        };
         let e = broken("model: fiala", "model: slick");
         assert!(e.contains("tyres.fiala.model") && e.contains("slick") && e.contains("tmeasy"), "{e}");
         let e = broken("    model: rigid\n    radius: 0.467\n", "    radius: 0.467\n    model: rigid\n");

@@ -190,7 +190,7 @@ mod tests {
         powertrain::{Differential, DirectionChange, Engine},
     };
 
-    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
 
     /// The HMMWV's file with another engine, and lines added below it.
     fn with_engine(engine: &str) -> Result<VehicleSpec, String> {

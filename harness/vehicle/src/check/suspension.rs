@@ -398,7 +398,7 @@ impl Check<'_> {
 mod tests {
     use crate::VehicleSpec;
 
-    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+    const HMMWV: &str = include_str!("../../../../tasks/vehicles/hmmwv-released.yaml");
 
     fn refused(changes: &[(&str, &str)], says: &str) {
         let mut text = HMMWV.to_owned();

@@ -23,7 +23,7 @@ fn steer(k: &AxleKinematics, rows: &[(f64, f64, f64)], tolerance: f64) {
 }
 
 fn hmmwv() -> VehicleSpec {
-    VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap()
+    VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv").unwrap()
 }
 
 /// hmmwv.yaml, wheel_travel_table: travel, strut, toe left positive counter-clockwise, camber left positive top outward.
