@@ -422,15 +422,18 @@ mod tests {
     #[test]
     fn a_range_that_leaves_the_design_position_out_is_refused() {
         refused(
-            &[("range: [-0.16, 0.16]", "range: [0.02, 0.16]")],
-            "axles[0].suspension.range: [0.02, 0.16] must go from a negative to a positive travel",
+            &[("range: [-0.16, 0.24]", "range: [0.02, 0.24]")],
+            "axles[0].suspension.range: [0.02, 0.24] must go from a negative to a positive travel",
         );
     }
 
     #[test]
     fn stops_beyond_the_range_are_refused() {
         refused(
-            &[("stops: {jounce: 0.12", "stops: {jounce: 0.2")],
+            &[(
+                "range: [-0.16, 0.24]",
+                "range: [-0.16, 0.16]\n      stops: {jounce: 0.2, rebound: -0.12, stiffness: 800000.0}",
+            )],
             "axles[0].suspension.stops.jounce: 0.2 lies outside the range of travel, [-0.16, 0.16]",
         );
     }
