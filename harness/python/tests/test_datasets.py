@@ -68,8 +68,8 @@ def test_episodes_say_everything_that_is_in_the_files(explored):
         settled.append([np.hypot(*(first[:2] - episode.start[:2])), turn])
         assert episode.length == pytest.approx(episode.time_s * 10, abs=1)
         assert np.hypot(*(last - first)[:2]) <= episode.distance_m
-    # On steep ground a vehicle slides a little while it settles, before the first frame; most don't.
-    assert (np.median(settled, axis=0) < [0.05, 0.02]).all() and np.max(settled) < 0.5
+    # On steep ground a vehicle slides while it settles, before the first frame; most don't.
+    assert (np.median(settled, axis=0) < [0.05, 0.02]).all() and np.max(settled) < 2.5
     assert (dataset.info.kind, dataset.info.vehicle, dataset.info.licence) == ("explore", "hmmwv", "CC-BY-4.0")
     assert json.loads((explored / "dataset.json").read_text()) == dataset.info.header
 

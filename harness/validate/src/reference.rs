@@ -225,7 +225,7 @@ mod tests {
         assert!(other.to_string().contains("\"bus\" is not the vehicle under test, \"car\""), "{other}");
         let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", &car())
             .unwrap_err();
-        assert!(e.to_string().contains("events.flying: there is no event flying (one of: suspension"), "{e}");
+        assert!(e.to_string().contains("events.flying: there is no event flying (one of: data-sheet"), "{e}");
     }
 
     #[test]

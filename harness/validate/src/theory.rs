@@ -184,7 +184,9 @@ mod tests {
     #[test]
     fn at_the_friction_limit_it_stops_in_v_squared_over_two_mu_g_and_starts_with_mu_g() {
         let spec =
-            VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
+            VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv.yaml")
+                .unwrap();
+        let spec = spec.with_tyre("brush").unwrap();
         let bench = Bench::new(&spec, &[], 1e-3).unwrap();
         let stop = PointMass::new(&bench, 0.5, 15.0).stop(1.0);
         assert!((stop / (225.0 / (2.0 * 0.5 * GRAVITY)) - 1.0).abs() < 2e-3, "{stop} m");

@@ -110,7 +110,9 @@ mod tests {
     #[test]
     fn the_hmmwv_backs_at_the_engine_speed_at_which_its_map_balances_the_rolling_resistance() {
         let spec =
-            VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
+            VehicleSpec::parse(include_str!("../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv.yaml")
+                .unwrap();
+        let spec = spec.with_tyre("brush").unwrap();
         let bench = Bench::new(&spec, &[], 1e-3).unwrap();
         let b = Backwards::new(&bench).unwrap();
         // 0.015 · 24 462 N · 0.462 m · 0.04 = 6.8 N m, on the line from (230.383, 1041.3) to (251.327, −271.2): 246.89 rad/s.
