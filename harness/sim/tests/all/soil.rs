@@ -479,7 +479,8 @@ fn a_dropped_start_falls_freely_from_its_height_with_the_clock_running_and_lands
     let options = SimOptions { start: Start::Dropped { height: 1.0, stretch: 1.0 }, ..SimOptions::default() };
     // Its springs are so stiff that they are at rest within the fall.
     let (vehicle, at) = (model(reference_hmmwv()), Pose2 { x: 3.0, y: 0.0, yaw: 0.5 });
-    let mut sim = Simulation::new(world, &vehicle, &original_soils(), at, options).expect("it starts");
+    let mut sim =
+        Simulation::new(world.clone(), &vehicle, &original_soils(), at, options).expect("it starts");
     let (s, (_, _, yaw)) = (sim.state(), sim.state().roll_pitch_yaw());
     assert_eq!((sim.time(), s.velocity.norm()), (0.0, 0.0));
     assert!((s.position.z - 1.0).abs() < 1e-9 && (yaw - 0.5).abs() < 1e-9, "{s:?}");
