@@ -512,6 +512,8 @@ fn steered(spec: &VehicleSpec, trunks: impl Fn(V3) -> Vec<[f64; 2]>) -> (f64, f6
 
 #[test]
 fn a_rack_turns_the_wheels_at_rest_but_does_not_push_through_trunks() {
+    let hmmwv =
+        || VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv").unwrap();
     let limited = |force| {
         let mut spec = hmmwv();
         spec.steering.force = force;

@@ -17,7 +17,7 @@ pub enum Sinkage {
         exponent: f64,
     },
     /// Snow over firm ground, compacted in place: a sinkage z in snow of depth h and density ρ₀ gives the density
-    /// ρ = ρ₀/(1 − z/h) (Richmond, CRREL Report 95-7, 1995: z = h (1 − ρ₀/ρ_f)), and [`compaction_pressure`] gives the
+    /// ρ = ρ₀/(1 − z/h) (Richmond, CRREL Report 95-7, 1995: z = h (1 − ρ₀/ρ_f)), and `compaction_pressure` gives the
     /// pressure.
     Snow {
         /// The depth h of the undisturbed snow, m.
