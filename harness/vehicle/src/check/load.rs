@@ -85,16 +85,7 @@ mod tests {
     /// 2095.592 kg, 0.056 + 1.651 of 3.302 m before the rear wheels: half of 0.517 of the weight.
     #[test]
     fn a_spring_that_cannot_carry_its_load_is_refused_with_load_and_strength() {
-        let e = refused(
-            HMMWV,
-            &[
-                ("stiffness: 167070.939", "stiffness: 1670.70939"),
-                (
-                    "stops: {jounce: 0.12, rebound: -0.12, stiffness: 800000.0}",
-                    "stops: {jounce: 0.12, rebound: -0.12, stiffness: 1000.0}",
-                ),
-            ],
-        );
+        let e = refused(HMMWV, &[("stiffness: 167070.939", "stiffness: 1670.70939")]);
         assert!(e.starts_with("car.yaml: axles[0].suspension: carries at most "), "{e}");
         assert!(e.contains("5313.") || e.contains("5314.") || e.contains("5312."), "{e}");
         assert!(e.contains("rest on it; stiffen") && !e.contains('\n'), "{e}");

@@ -452,11 +452,11 @@ mod tests {
     #[test]
     fn a_limit_of_the_steering_is_positive_and_belongs_to_a_gear_of_the_vehicle() {
         refused(
-            &[("  rate: 1.25 ", "  force: -15000.0\n  rate: 1.25 ")],
+            &[("  rate: 10.0 ", "  force: -15000.0\n  rate: 10.0 ")],
             "steering.force: -15000 must be a positive number",
         );
         refused(
-            &[("  rate: 1.25 ", "  torque: 4000.0\n  rate: 1.25 ")],
+            &[("  rate: 10.0 ", "  torque: 4000.0\n  rate: 10.0 ")],
             "steering.torque: 4000 given, but no axle is steered by a pitman arm or a rotary arm",
         );
     }
@@ -464,13 +464,13 @@ mod tests {
     #[test]
     fn a_gear_at_an_axle_is_refused_where_the_driveline_steers() {
         refused(
-            &[("  rate: 1.25 ", "  by: differential\n  rate: 1.25 ")],
+            &[("  rate: 10.0 ", "  by: differential\n  rate: 10.0 ")],
             "axles[0].steering: given, but steering.by says that the driveline steers",
         );
         refused(
             &[
-                ("  rate: 1.25 ", "  by: differential\n  rate: 1.25 "),
-                ("    steering: {type: rack_and_pinion, travel: 0.08}\n", ""),
+                ("  rate: 10.0 ", "  by: differential\n  rate: 10.0 "),
+                ("    steering: {type: rack_and_pinion, travel: 0.0523598776}\n", ""),
             ],
             "steering.by: differential, but only tracked vehicles are steered so, and there are no tracks",
         );
