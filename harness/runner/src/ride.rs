@@ -54,12 +54,12 @@ impl RideWatch {
         self.contact_steps = contact_steps;
     }
 
-    /// Takes what the simulation counts itself, at a sample.
+    /// Takes the diagnostics of the simulation, at a sample.
     pub(crate) fn sample(&mut self, sim: &Simulation) {
         self.diagnostics = sim.diagnostics();
     }
 
-    /// What was measured; `None` without steps.
+    /// The measurements; `None` without steps.
     pub(crate) fn ride(&self) -> Option<Ride> {
         let ride = Ride {
             energy_surplus_j: Some(self.diagnostics.energy_surplus),

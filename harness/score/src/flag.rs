@@ -1,4 +1,4 @@
-//! What of a trial is true or false beside its outcome, and is counted in tables.
+//! Properties of a trial in addition to its outcome, which are true or false and are counted in tables.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub const TILT_LIMIT_DEG: f64 = 30.0;
 /// Declares the flags together with their list, their names in files, what people call them, and how a record is judged.
 macro_rules! flags {
     ($($(#[doc = $about:literal])+ $variant:ident = $name:literal, $title:literal, $of:expr;)+) => {
-        /// What of a trial is true or false beside its outcome. Tables count the trials of which it is true.
+        /// A property of a trial in addition to its outcome. Tables count the trials that have it.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         pub enum Flag {
             $($(#[doc = $about])+ #[serde(rename = $name)] $variant,)+

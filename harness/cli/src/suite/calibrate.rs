@@ -23,7 +23,7 @@ const TILT: f64 = 30.0;
 /// The parameter of the planner where none is given: the speed that the traversal times of the paper's PID imply, m/s.
 const SPEED: (&str, &str) = ("speed", "5");
 
-/// What is measured with one relief of a level.
+/// The measurements with one relief of a level.
 #[derive(Clone, Debug, Serialize)]
 struct Trial {
     level: Elevation,
