@@ -74,7 +74,7 @@ pub(super) struct Driveline {
     driven: Vec<bool>,
 }
 
-/// Bound of a differential's clutch with a torque that enters its box, N m.
+/// Bound of a differential's clutch with the torque that passes through it, N m.
 fn limit(differential: Differential, torque: f64) -> f64 {
     match differential {
         Differential::Open {} => 0.0,
@@ -92,10 +92,22 @@ struct Motion<'a> {
     axles: &'a [Axle],
     sum: [f64; MAX_AXLES],
     half: [f64; MAX_AXLES],
+    /// c, kg m².
+    shaft_inertia: f64,
     /// c / (1 + c Σ U²/A).
     common: f64,
     /// Σ U²/A.
     ease: f64,
+    before: Before,
+}
+
+/// What the torques through the differentials are measured from: speeds before the step, and impulses on them.
+#[derive(Default)]
+struct Before {
+    /// 2 I σ of the wheels of each axle, less the impulse of the tyres, N m s.
+    momentum: [f64; MAX_AXLES],
+    /// Speed of the output shaft, rad/s.
+    shaft: f64,
 }
 
 impl Motion<'_> {
@@ -124,6 +136,12 @@ impl Motion<'_> {
 
     fn shaft(&self) -> f64 {
         self.axles.iter().zip(&self.sum).map(|(x, s)| x.pull * s).sum()
+    }
+
+    /// Impulse that the differential of axle `a` hands its wheels, without what balances their brakes, N m s. What spins up
+    /// its box and shafts isn't in it.
+    fn passed(&self, a: usize) -> f64 {
+        2.0 * self.axles[a].wheel_inertia * self.sum[a] - self.before.momentum[a]
     }
 }
 
@@ -223,8 +241,10 @@ impl Driveline {
             axles: &self.axles,
             sum: [0.0; MAX_AXLES],
             half: [0.0; MAX_AXLES],
+            shaft_inertia: c,
             common: c / (1.0 + c * ease),
             ease,
+            before: Before::default(),
         };
         let mut gained = [0.0; MAX_AXLES];
         let mut shaft = 0.0;
@@ -233,7 +253,10 @@ impl Driveline {
             m.sum[a] = 0.5 * (wheels.spins[l] + wheels.spins[r]);
             m.half[a] = 0.5 * (wheels.spins[l] - wheels.spins[r]);
             m.half[a] += 0.5 * dt * (wheels.moments[l] - wheels.moments[r]) * x.wheel_ease;
-            let impulse = dt * (wheels.moments[l] + wheels.moments[r] + input.torque * x.pull);
+            let tyres = dt * (wheels.moments[l] + wheels.moments[r]);
+            m.before.momentum[a] = 2.0 * x.wheel_inertia * m.sum[a] + tyres;
+            m.before.shaft += x.pull * m.sum[a];
+            let impulse = tyres + dt * input.torque * x.pull;
             gained[a] = impulse * x.ease;
             shaft += x.pull * gained[a];
         }
@@ -261,10 +284,11 @@ impl Driveline {
                 m.turn(-p);
                 change = change.max(p.abs() * mobility);
             }
-            let torque = input.torque - engine.0 / dt;
             for (a, pair) in self.axles.windows(2).enumerate() {
-                let entering = torque * (pair[0].pull / pair[0].gain + pair[1].pull / pair[1].gain);
-                let bound = dt * limit(self.centre, entering);
+                let turned = m.shaft_inertia * (m.shaft() - m.before.shaft);
+                let torque = input.torque - (engine.0 + turned) / dt;
+                let through = torque * (pair[0].pull / pair[0].gain + pair[1].pull / pair[1].gain);
+                let bound = dt * limit(self.centre, through);
                 // An open centre; or, in a state that has diverged, a bound that isn't a number.
                 if bound.is_nan() || bound <= 0.0 {
                     continue;
@@ -278,9 +302,8 @@ impl Driveline {
                 change = change.max(p.abs() * mobility);
             }
             for (a, x) in self.axles.iter().enumerate() {
-                let before = if a > 0 { centre[a - 1].0 } else { 0.0 };
-                let entering = torque * x.pull + x.gain * (before - centre[a].0) / dt;
-                let bound = dt * limit(x.differential, entering);
+                let through = (m.passed(a) + brake[2 * a].0 + brake[2 * a + 1].0) / dt;
+                let bound = dt * limit(x.differential, through);
                 if bound > 0.0 {
                     let p = axle[a].hold(2.0 * m.half[a], 2.0 * x.wheel_ease, bound);
                     m.half[a] -= p * x.wheel_ease;
@@ -298,7 +321,8 @@ impl Driveline {
                 }
             }
             // Nothing interacts: the first sweep is exact.
-            let alone = !braking && self.axles.len() <= 2 && input.friction <= 0.0;
+            let by_torque = matches!(self.centre, Differential::LimitedSlip { .. });
+            let alone = !braking && self.axles.len() <= 2 && input.friction <= 0.0 && !by_torque;
             if change < CONVERGED || alone {
                 break;
             }

@@ -130,6 +130,47 @@ fn a_limited_slip_axle_biases_all_of_the_torque_that_the_centre_hands_it() {
 }
 
 #[test]
+fn what_spins_up_shafts_and_engine_does_not_count_for_the_bias() {
+    // Slower over faster output torque is the bias (SAE 2003-01-0664), with brakes or without, however much of the engine's
+    // torque accelerates what lies before the differential.
+    let slip = Differential::LimitedSlip { bias: 2.0, preload: 0.0 };
+    for centre in [Differential::Open {}, Differential::Locked {}, slip] {
+        for brakes in [[0.0; 4], [30.0, 0.0, 30.0, 0.0]] {
+            let mut v = with(centre);
+            v.powertrain.engine = constant(300.0, 1.6);
+            for a in &mut v.powertrain.driveline.axles {
+                a.differential = slip;
+            }
+            let mut b = Bench::new(&v, 0.0);
+            b.spins = vec![9.0, 3.0, 9.0, 3.0];
+            b.brakes = brakes.to_vec();
+            b.step(1.0, DT);
+            assert!(b.spins[0] > 9.001 || brakes[0] > 0.0, "{:?}", b.spins);
+            for left in [0, 2] {
+                // `torques` have the brakes in them.
+                let (faster, slower) = (b.torques[left] + brakes[left], b.torques[left + 1]);
+                assert!(faster > 1.0 && (slower / faster - 2.0).abs() < 1e-6, "{centre:?}: {:?}", b.torques);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_centre_of_limited_slip_biases_what_is_left_of_the_engine_s_torque() {
+    let slip = Differential::LimitedSlip { bias: 2.0, preload: 0.0 };
+    let mut v = with(slip);
+    v.powertrain.engine = constant(300.0, 1.6);
+    for a in &mut v.powertrain.driveline.axles {
+        *a = DrivenAxle { shaft_inertia: 0.0, box_inertia: 0.0, differential: Differential::Open {}, ..*a };
+    }
+    let mut b = Bench::new(&v, 0.0);
+    b.spins = vec![9.0, 9.0, 3.0, 3.0];
+    b.step(1.0, DT);
+    let [faster, slower] = [0, 2].map(|left| b.torques[left] + b.torques[left + 1]);
+    assert!(b.spins[0] > 9.0 && (slower / faster - 2.0).abs() < 1e-6, "{:?}", b.torques);
+}
+
+#[test]
 fn a_limited_slip_axle_biases_the_drag_of_the_engine_too() {
     let mut b = Bench::new(&limited_slip(constant(-100.0, 0.0)), 0.0);
     b.spins = vec![12.0, 8.0, 10.0, 10.0];
