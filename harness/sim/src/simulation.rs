@@ -50,7 +50,8 @@ impl Default for SimOptions {
     }
 }
 
-/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks at full scale, m, unless the simulation has failed.
+/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks at full scale, m, unless the simulation has failed. A vehicle
+/// whose hull passes soil may sink in it without a limit, as in Chrono.
 const FASTEST: f64 = 200.0;
 const DEEPEST: f64 = 1.5;
 /// Steps between two looks for obstacles in reach.
@@ -62,6 +63,8 @@ const AROUND: f64 = 0.2;
 const LYING: f64 = 0.5;
 /// How near the middle of a wheel's face comes to the ground on which the wheel stands, in radii of the wheel.
 const FACE_NEAR: f64 = 0.1;
+/// Sine of the wheel's lean from the ground's normal up to which its face never meets soil, however deep the wheel has sunk.
+const STRAIGHT: f64 = 0.5;
 /// How near the hull comes to ground or obstacles at full scale before rapier is asked, m: beyond the 0.02 m at which it
 /// begins to see contacts.
 const HULL_NEAR: f64 = 0.025;
@@ -246,9 +249,10 @@ impl Simulation {
             for (stands, ((hub, axis), envelope)) in stand.iter_mut().zip(wheels) {
                 let under = self.world.heightfield.at(hub.x, hub.y);
                 let normal = normal_of([under.dzdx, under.dzdy]);
-                let face = (hub.z - under.z) * normal.z - envelope.half_width() * axis.dot(&normal).abs();
+                let lean = axis.dot(&normal).abs();
+                let face = (hub.z - under.z) * normal.z - envelope.half_width() * lean;
                 let own_forces = passes || self.soil.soil_at(hub.x, hub.y).is_some();
-                *stands = own_forces && face > FACE_NEAR * envelope.radius();
+                *stands = own_forces && (lean < STRAIGHT || face > FACE_NEAR * envelope.radius());
             }
         }
         self.chassis.pass_over(passes && self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
@@ -408,6 +412,10 @@ impl Simulation {
         let ground = &self.world.heightfield;
         let inside = ground.contains(body.x.x, body.x.y);
         let deepest = DEEPEST * self.world.scale;
+        let swallows = |hub: &V3| self.chassis.passes_soil() && self.soil.soil_at(hub.x, hub.y).is_some();
+        let deep = |hub: &V3| {
+            ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + deepest && !swallows(hub)
+        };
         let what = if !finite(&body.x) || !body.q.coords.iter().all(|x| x.is_finite()) {
             "a pose that is not finite"
         } else if !finite(&body.v) || !finite(&body.w) {
@@ -416,10 +424,7 @@ impl Simulation {
             "a wheel's state that is not finite"
         } else if inside && (body.v.norm() > FASTEST || body.w.norm() > FASTEST) {
             "a speed beyond 200 m/s or rad/s"
-        } else if vehicle
-            .hubs()
-            .any(|(hub, _)| ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + deepest)
-        {
+        } else if vehicle.hubs().any(|(hub, _)| deep(&hub)) {
             "a wheel deep below the ground"
         } else if self.energy.exceeded() {
             "mechanical energy that nothing supplied"

@@ -36,10 +36,11 @@ const COMPACTION_DENSITY: f64 = 575.0;
 /// M113 (CRREL Report 95-1 has the first density for it), the last ends at twice its beginning, as the one before (ours).
 const COMPACTION_PRESSURE: f64 = 341.0e3;
 const COMPACTION_SCALE: f64 = 67.4;
-/// Density above which snow is ice, kg/m³ (917 without air): compaction ends.
-const ICE: f64 = 900.0;
-/// Stiffness of ice and of the firm ground below it, Pa/m; ours: no vehicle's pressure reaches it.
-const FIRM: f64 = 1.0e9;
+/// Greatest pressure of that table that is bounded, Pa: at higher ones, which only impacts reach, not the compacted snow on
+/// firm ground yields but the tyre.
+const FIRM_PRESSURE: f64 = 700.0e3;
+/// Stiffness from there on, Pa/m: that of tyres, 100 to 400 kN/m, over a contact of 0.1 to 0.2 m² (ours).
+const FIRM_STIFFNESS: f64 = 2.0e6;
 
 /// The pressure (Pa) that compacts snow to a density, kg/m³.
 fn compaction_pressure(density: f64) -> f64 {
@@ -60,10 +61,12 @@ impl Sinkage {
         match *self {
             Self::Bekker { exponent, .. } => vb_math::pow(sinkage, exponent),
             Self::Snow { depth, density } => {
-                let end = depth * (1.0 - density / ICE);
+                // The density at which the pressure is [`FIRM_PRESSURE`].
+                let firm = COMPACTION_DENSITY + COMPACTION_SCALE * vb_math::ln(FIRM_PRESSURE / COMPACTION_PRESSURE);
+                let end = depth * (1.0 - density / firm).max(0.0);
                 let compacted = density / (1.0 - sinkage.min(end) / depth);
                 compaction_pressure(compacted) - compaction_pressure(density)
-                    + FIRM * (sinkage - end).max(0.0)
+                    + FIRM_STIFFNESS * (sinkage - end).max(0.0)
             }
         }
     }
@@ -109,7 +112,7 @@ impl Sinkage {
             Self::Bekker { k_phi, .. } => k_phi,
             // The slope of loading at the pressure of a heavy wheel, 350 kPa: dp/dz = p ρ²/(ρ₀ h · scale).
             Self::Snow { depth, density } => {
-                (350e3 * 577.0 * 577.0 / (density * depth * COMPACTION_SCALE)).min(FIRM)
+                350e3 * 577.0 * 577.0 / (density * depth * COMPACTION_SCALE)
             }
         }
     }
@@ -124,7 +127,7 @@ mod tests {
     fn snow_sinks_as_far_as_its_final_density_at_each_pressure_allows() {
         for (depth, density) in [(0.13, 160.0), (0.21, 220.0), (0.35, 150.0), (0.12, 300.0)] {
             let snow = Sinkage::Snow { depth, density };
-            for (kpa, compacted) in [(150.0, 500.0), (280.0, 550.0), (500.0, 600.0), (900.0, 650.0)] {
+            for (kpa, compacted) in [(150.0, 500.0), (280.0, 550.0), (500.0, 600.0)] {
                 let z = depth * (1.0 - density / compacted);
                 let wanted = |f: f64| depth * (1.0 - density / (compacted + f));
                 let (mut low, mut high) = (0.0, depth);
@@ -139,8 +142,10 @@ mod tests {
                 );
             }
             assert_eq!(snow.pressure(0.0, 0.3), 0.0);
-            assert!(snow.pressure(depth, 0.3) > 10e6, "it has a bottom");
-            assert!(snow.pressure(2.0 * depth, 0.3).is_finite());
+            // 50 kN on 0.1 m² go 0.1 m deeper at most, as a soft tyre does.
+            let end = depth * (1.0 - density / 623.5);
+            assert!(snow.pressure(end + 0.1, 0.3) - snow.pressure(end, 0.3) < 0.5e6);
+            assert!((snow.pressure(end, 0.3) / 700e3 - 1.0).abs() < 0.05);
         }
     }
 }

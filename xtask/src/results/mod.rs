@@ -1,0 +1,186 @@
+//! The results of planners over the suites, as tables in README and docs.
+
+mod published;
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::run::{Failure, remove, run, step};
+use crate::{built, default_plugin_dir, root, target_dir};
+
+/// A planner with its parameters: a row of each table.
+pub(super) struct Entry {
+    /// The name of its plugin, by which published figures are found, too.
+    pub(super) plugin: &'static str,
+    /// What it is called in the tables.
+    pub(super) label: &'static str,
+    pub(super) params: &'static [&'static str],
+}
+
+/// The rows, in their order.
+const ENTRIES: &[Entry] = &[
+    Entry { plugin: "pid", label: "PID", params: &[] },
+    Entry { plugin: "pid", label: "PID, 3 m/s", params: &["speed=3"] },
+    Entry { plugin: "eh", label: "EH", params: &[] },
+    Entry { plugin: "eh", label: "EH, 3 m/s", params: &["speed=3"] },
+    Entry { plugin: "mppi", label: "MPPI", params: &[] },
+    Entry { plugin: "mppi", label: "MPPI, 3 m/s", params: &["speed=3"] },
+];
+
+/// A suite that is driven with a vehicle: two tables, one of results and one of causes.
+struct Course {
+    /// The name of its tables in the documents, and of the folder of its runs.
+    name: &'static str,
+    suite: &'static str,
+    vehicle: &'static str,
+}
+
+/// The worlds of the original, which don't come with the repository.
+const ORIGINAL: &str = "original";
+
+const COURSES: &[Course] = &[
+    Course { name: "vb-100-hmmwv", suite: "vb-100", vehicle: "hmmwv" },
+    Course { name: "vb-paper-hmmwv-released", suite: "vb-paper", vehicle: "hmmwv-released" },
+    Course { name: "original-hmmwv-released", suite: ORIGINAL, vehicle: "hmmwv-released" },
+    Course { name: "original-hmmwv", suite: ORIGINAL, vehicle: "hmmwv" },
+    Course { name: "vb-100-hmmwv-released", suite: "vb-100", vehicle: "hmmwv-released" },
+    Course { name: "vb-paper-hmmwv", suite: "vb-paper", vehicle: "hmmwv" },
+];
+
+/// The documents whose tables are made here.
+const DOCUMENTS: [&str; 2] = ["README.md", "docs/benchmark-results.md"];
+
+/// Drives every entry over every course and writes the tables into the documents. With `resume`, runs that are complete are
+/// taken as they are.
+pub(crate) fn results(resume: bool) -> Result<(), Failure> {
+    let folder = target_dir().join("results");
+    if !resume {
+        remove(&folder)?;
+    }
+    let mut tables = Vec::new();
+    for course in COURSES {
+        let suite = suite(course, &folder)?;
+        let mut rows = Vec::new();
+        for entry in ENTRIES {
+            let out = folder.join(course.name).join(run_name(entry));
+            rows.push((entry, drive(entry, course, &suite, &out)?));
+        }
+        tables.push((format!("{} results", course.name), table::results(&rows)));
+        tables.push((format!("{} causes", course.name), table::causes(&rows)));
+    }
+    for document in DOCUMENTS {
+        write(&root().join(document), &tables)?;
+    }
+    Ok(())
+}
+
+fn run_name(entry: &Entry) -> String {
+    std::iter::once(entry.plugin).chain(entry.params.iter().copied()).collect::<Vec<_>>().join("-")
+}
+
+/// The suite of a course, by its name or its folder; the original's worlds are imported first.
+fn suite(course: &Course, folder: &Path) -> Result<PathBuf, Failure> {
+    if course.suite != ORIGINAL {
+        return Ok(course.suite.into());
+    }
+    let imported = folder.join(ORIGINAL);
+    if !imported.exists() {
+        let from = vb_testing::shared_folder().join("verti-bench/BenchMaps");
+        if !from.exists() {
+            return Err(Failure::new(format!(
+                "{}: the worlds of the original aren't there; set VB_SHARED to the folder that has verti-bench/BenchMaps",
+                from.display()
+            )));
+        }
+        let mut import = Command::new(built("vb-harness"));
+        import.args(["suite", "import"]).arg(from).arg("--out").arg(&imported);
+        run(import.stdout(Stdio::null()))?;
+    }
+    Ok(imported)
+}
+
+/// The summary of a run, which is driven unless it is complete.
+fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Value, Failure> {
+    let file = out.join("summary.json");
+    if !file.exists() {
+        step(&format!("{} on {} in {}", entry.label, course.suite, course.vehicle));
+        remove(out)?;
+        let mut drive = Command::new(built("vb-harness"));
+        drive.arg("--plugin").arg(default_plugin_dir().join(format!("{}.wasm", entry.plugin)));
+        drive.arg("--suite").arg(suite).args(["--vehicle", course.vehicle]).arg("--out").arg(out);
+        drive.args(["--trace", "none", "--keep-going"]);
+        for param in entry.params {
+            drive.args(["--param", param]);
+        }
+        run(drive.current_dir(root()).stdout(Stdio::null()).stderr(Stdio::null()))?;
+    }
+    let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", file.display()));
+    let text = std::fs::read_to_string(&file).map_err(|e| wrong(&e))?;
+    serde_json::from_str(&text).map_err(|e| wrong(&e))
+}
+
+/// Puts tables in their places in a document.
+fn write(document: &Path, tables: &[(String, String)]) -> Result<(), Failure> {
+    let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", document.display()));
+    let mut text = std::fs::read_to_string(document).map_err(|e| wrong(&e))?;
+    let mut found = 0;
+    for (name, table) in tables {
+        if let Some(changed) = replaced(&text, name, table) {
+            text = changed;
+            found += 1;
+        }
+    }
+    step(&format!("{}: {found} tables", document.display()));
+    std::fs::write(document, text).map_err(|e| wrong(&e))
+}
+
+/// The text with another table between the marks of this name, if it has them.
+fn replaced(text: &str, name: &str, table: &str) -> Option<String> {
+    let (begin, end) =
+        (format!("<!-- made: {name} (by cargo xtask results) -->\n"), format!("<!-- end of {name} -->"));
+    let (before, rest) = text.split_once(&begin)?;
+    let (_, after) = rest.split_once(&end)?;
+    Some(format!("{before}{begin}\n{table}\n{end}{after}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_replaced_between_its_marks_alone() {
+        let text = "a\n<!-- made: t (by cargo xtask results) -->\nold\n<!-- end of t -->\nb\n";
+        let new = replaced(text, "t", "| new |\n").unwrap();
+        assert_eq!(
+            new,
+            "a\n<!-- made: t (by cargo xtask results) -->\n\n| new |\n\n<!-- end of t -->\nb\n"
+        );
+        assert_eq!(replaced(&new, "t", "| new |\n").unwrap(), new);
+        assert_eq!(replaced(text, "u", ""), None);
+    }
+
+    #[test]
+    fn every_mark_in_the_documents_is_of_a_table_and_every_table_has_a_place() {
+        let marks = |document: &str| -> Vec<String> {
+            let text = std::fs::read_to_string(root().join(document)).unwrap();
+            let marks = text.lines().filter_map(|line| {
+                line.strip_prefix("<!-- made: ")?.strip_suffix(" (by cargo xtask results) -->")
+            });
+            marks.map(str::to_owned).collect()
+        };
+        let names: Vec<String> = COURSES
+            .iter()
+            .flat_map(|c| ["results", "causes"].map(|kind| format!("{} {kind}", c.name)))
+            .collect();
+        for document in DOCUMENTS {
+            for mark in marks(document) {
+                assert!(names.contains(&mark), "{document}: {mark}");
+            }
+        }
+        let placed = marks(DOCUMENTS[1]);
+        assert!(names.iter().all(|name| placed.contains(name)), "{placed:?}");
+    }
+}
