@@ -154,10 +154,7 @@ mod tests {
     fn a_table_is_replaced_between_its_marks_alone() {
         let text = "a\n<!-- made: t (by cargo xtask results) -->\nold\n<!-- end of t -->\nb\n";
         let new = replaced(text, "t", "| new |\n").unwrap();
-        assert_eq!(
-            new,
-            "a\n<!-- made: t (by cargo xtask results) -->\n\n| new |\n\n<!-- end of t -->\nb\n"
-        );
+        assert_eq!(new, "a\n<!-- made: t (by cargo xtask results) -->\n\n| new |\n\n<!-- end of t -->\nb\n");
         assert_eq!(replaced(&new, "t", "| new |\n").unwrap(), new);
         assert_eq!(replaced(text, "u", ""), None);
     }

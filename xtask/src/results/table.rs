@@ -23,10 +23,8 @@ pub(super) fn results(rows: &[Row<'_>]) -> String {
         let by = |group: &str, name: &str, figure: &str| number(&summary[group][name][figure]);
         let success = |group: &str, name: &str| percent(&summary[group][name]["success_rate"]);
         let angles = |figure: &str| LEVELS.map(|l| by("elevation", l, figure)).join(", ");
-        let mut cells = vec![
-            entry.label.to_owned(),
-            format!("{} ({low}–{high})", percent(&all["success_rate"])),
-        ];
+        let mut cells =
+            vec![entry.label.to_owned(), format!("{} ({low}–{high})", percent(&all["success_rate"]))];
         cells.extend(LEVELS.map(|l| success("elevation", l)));
         cells.extend(["rigid", "deformable", "mixed"].map(|t| success("terrain", t)));
         cells.extend(["rollover", "stuck"].map(|o| fraction(&all["three_way"][o], all)));
@@ -122,7 +120,9 @@ mod tests {
         assert_eq!(lines.len(), 5, "{text}");
         let columns = |line: &str| line.replace("\\|", "").matches('|').count();
         assert!(lines.iter().all(|line| columns(line) == 18), "{text}");
-        assert!(lines[2].starts_with("| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 25.0 | – | – | 12.5 | 62.5 | 37.5 | – |"));
+        assert!(lines[2].starts_with(
+            "| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 25.0 | – | – | 12.5 | 62.5 | 37.5 | – |"
+        ));
         assert!(lines[4].starts_with("| paper: PID | 48.8 | 85.9 |"), "{text}");
         let text = causes(&rows);
         assert_eq!(text.lines().next(), Some("|  | high centred | rollover at speed |"));

@@ -62,7 +62,8 @@ impl Sinkage {
             Self::Bekker { exponent, .. } => vb_math::pow(sinkage, exponent),
             Self::Snow { depth, density } => {
                 // The density at which the pressure is [`FIRM_PRESSURE`].
-                let firm = COMPACTION_DENSITY + COMPACTION_SCALE * vb_math::ln(FIRM_PRESSURE / COMPACTION_PRESSURE);
+                let firm =
+                    COMPACTION_DENSITY + COMPACTION_SCALE * vb_math::ln(FIRM_PRESSURE / COMPACTION_PRESSURE);
                 let end = depth * (1.0 - density / firm).max(0.0);
                 let compacted = density / (1.0 - sinkage.min(end) / depth);
                 compaction_pressure(compacted) - compaction_pressure(density)
@@ -111,9 +112,7 @@ impl Sinkage {
         match *self {
             Self::Bekker { k_phi, .. } => k_phi,
             // The slope of loading at the pressure of a heavy wheel, 350 kPa: dp/dz = p ρ²/(ρ₀ h · scale).
-            Self::Snow { depth, density } => {
-                350e3 * 577.0 * 577.0 / (density * depth * COMPACTION_SCALE)
-            }
+            Self::Snow { depth, density } => 350e3 * 577.0 * 577.0 / (density * depth * COMPACTION_SCALE),
         }
     }
 }
