@@ -64,8 +64,8 @@ Tasks:
   pictures              Drive the small suite with four planners, and make the README's pictures anew (needs Chromium)
   prove SUITE           Let the expert and other planners drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
-  results               Drive the planners over the suites and the original's worlds, and write the tables of results in README
-                        and docs (--resume: take complete runs of target/results as they are)
+  results [COURSE]...   Drive the planners over the suites and the original's worlds, or over some of these courses, and write the
+                        tables of results in README and docs (--resume: take complete runs of target/results as they are)
   sensitivity           Run PID and TAL over 200 tasks of vb-100 with each uncertain parameter of vehicle and soils at its
                         bounds, and print the success rates
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
@@ -104,8 +104,7 @@ fn main() -> ExitCode {
         ["abi"] => abi(),
         ["models"] => models::models(),
         ["kernel", ref architectures @ ..] => kernel::kernel(architectures),
-        ["results"] => build_all().and_then(|()| results::results(false)),
-        ["results", "--resume"] => build_all().and_then(|()| results::results(true)),
+        ["results", ref options @ ..] => results::results(options),
         ["sensitivity"] => build_all().and_then(|()| sensitivity::sensitivity()),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),

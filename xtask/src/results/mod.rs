@@ -50,26 +50,44 @@ const COURSES: &[Course] = &[
     Course { name: "vb-paper-hmmwv", suite: "vb-paper", vehicle: "hmmwv" },
 ];
 
+/// Makes a table of the rows of a course.
+type Make = fn(&[(&Entry, Value)]) -> String;
+
+/// The tables of a course: what their names end in, and what makes them.
+const KINDS: [(&str, Make); 3] =
+    [("summary", table::summary), ("results", table::results), ("causes", table::causes)];
+
 /// The documents whose tables are made here.
 const DOCUMENTS: [&str; 2] = ["README.md", "docs/benchmark-results.md"];
 
-/// Drives every entry over every course and writes the tables into the documents. With `resume`, runs that are complete are
-/// taken as they are.
-pub(crate) fn results(resume: bool) -> Result<(), Failure> {
-    let folder = target_dir().join("results");
-    if !resume {
-        remove(&folder)?;
+/// Drives every entry over every course, or over those that are named, and writes their tables into the documents. With
+/// `--resume`, runs that are complete are taken as they are.
+pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
+    let resume = options.contains(&"--resume");
+    let names: Vec<&str> = options.iter().copied().filter(|o| *o != "--resume").collect();
+    if let Some(unknown) = names.iter().find(|name| COURSES.iter().all(|c| c.name != **name)) {
+        let known: Vec<&str> = COURSES.iter().map(|c| c.name).collect();
+        return Err(Failure::new(format!(
+            "results: no such course: `{unknown}`; there are {}",
+            known.join(", ")
+        )));
     }
+    crate::build_all()?;
+    let folder = target_dir().join("results");
     let mut tables = Vec::new();
-    for course in COURSES {
+    for course in COURSES.iter().filter(|c| names.is_empty() || names.contains(&c.name)) {
+        if !resume {
+            remove(&folder.join(course.name))?;
+        }
         let suite = suite(course, &folder)?;
         let mut rows = Vec::new();
         for entry in ENTRIES {
             let out = folder.join(course.name).join(run_name(entry));
             rows.push((entry, drive(entry, course, &suite, &out)?));
         }
-        tables.push((format!("{} results", course.name), table::results(&rows)));
-        tables.push((format!("{} causes", course.name), table::causes(&rows)));
+        for (kind, make) in KINDS {
+            tables.push((format!("{} {kind}", course.name), make(&rows)));
+        }
     }
     for document in DOCUMENTS {
         write(&root().join(document), &tables)?;
@@ -168,16 +186,15 @@ mod tests {
             });
             marks.map(str::to_owned).collect()
         };
-        let names: Vec<String> = COURSES
-            .iter()
-            .flat_map(|c| ["results", "causes"].map(|kind| format!("{} {kind}", c.name)))
-            .collect();
+        let names: Vec<String> =
+            COURSES.iter().flat_map(|c| KINDS.map(|(kind, _)| format!("{} {kind}", c.name))).collect();
         for document in DOCUMENTS {
             for mark in marks(document) {
                 assert!(names.contains(&mark), "{document}: {mark}");
             }
         }
         let placed = marks(DOCUMENTS[1]);
-        assert!(names.iter().all(|name| placed.contains(name)), "{placed:?}");
+        let mut in_full = names.iter().filter(|name| !name.ends_with("summary"));
+        assert!(in_full.all(|name| placed.contains(name)), "{placed:?}");
     }
 }

@@ -60,6 +60,28 @@ pub(super) fn results(rows: &[Row<'_>]) -> String {
     text
 }
 
+/// A few columns of [`results`], for the README.
+pub(super) fn summary(rows: &[Row<'_>]) -> String {
+    let mut text = String::from(
+        "| | success % (95 %) | low | medium | high | rollover % | stuck % | tilt > 30° % | time s |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
+    );
+    let wanted =
+        ["success % (95 %)", "low", "medium", "high", "rollover %", "stuck %", "tilt > 30° %", "time s"];
+    let table = results(rows);
+    let mut lines =
+        table.lines().map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect::<Vec<_>>());
+    let columns: Vec<usize> = lines
+        .next()
+        .map(|head| wanted.iter().filter_map(|w| head.iter().position(|c| c == w)).collect())
+        .unwrap_or_default();
+    for cells in lines.skip(1) {
+        let chosen = std::iter::once(&0).chain(&columns).map(|&c| cells.get(c).copied().unwrap_or_default());
+        text += &line(&chosen.map(str::to_owned).collect::<Vec<_>>());
+    }
+    text
+}
+
 /// How many percent of the tasks failed for each cause, the most frequent ones first.
 pub(super) fn causes(rows: &[Row<'_>]) -> String {
     let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
@@ -124,6 +146,13 @@ mod tests {
             "| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 25.0 | – | – | 12.5 | 62.5 | 37.5 | – |"
         ));
         assert!(lines[4].starts_with("| paper: PID | 48.8 | 85.9 |"), "{text}");
+        let text = summary(&rows);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[2], "| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 12.5 | 62.5 | 37.5 | – |");
+        assert!(
+            lines[4].starts_with("| paper: PID | 48.8 | 85.9 | 50.4 | 7.9 | 14.7 | 36.5 |  | 24."),
+            "{text}"
+        );
         let text = causes(&rows);
         assert_eq!(text.lines().next(), Some("|  | high centred | rollover at speed |"));
         assert_eq!(text.lines().last(), Some("| PID, 3 m/s | 62.5 | 12.5 |"));
