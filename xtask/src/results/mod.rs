@@ -123,21 +123,34 @@ fn suite(course: &Course, folder: &Path) -> Result<PathBuf, Failure> {
 /// The summary of a run, which is driven unless it is complete.
 fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Value, Failure> {
     let file = out.join("summary.json");
-    if !file.exists() {
-        step(&format!("{} on {} in {}", entry.label, course.suite, course.vehicle));
-        remove(out)?;
-        let mut drive = Command::new(built("vb-harness"));
-        drive.arg("--plugin").arg(default_plugin_dir().join(format!("{}.wasm", entry.plugin)));
-        drive.arg("--suite").arg(suite).args(["--vehicle", course.vehicle]).arg("--out").arg(out);
-        drive.args(["--trace", "none", "--keep-going"]);
-        for param in entry.params {
-            drive.args(["--param", param]);
+    if file.exists() {
+        let summary = read(&file)?;
+        if is_complete(&summary) {
+            return Ok(summary);
         }
-        run(drive.current_dir(root()).stdout(Stdio::null()).stderr(Stdio::null()))?;
     }
+    step(&format!("{} on {} in {}", entry.label, course.suite, course.vehicle));
+    remove(out)?;
+    let mut drive = Command::new(built("vb-harness"));
+    drive.arg("--plugin").arg(default_plugin_dir().join(format!("{}.wasm", entry.plugin)));
+    drive.arg("--suite").arg(suite).args(["--vehicle", course.vehicle]).arg("--out").arg(out);
+    drive.args(["--trace", "none", "--keep-going"]);
+    for param in entry.params {
+        drive.args(["--param", param]);
+    }
+    run(drive.current_dir(root()).stdout(Stdio::null()).stderr(Stdio::null()))?;
+    read(&file)
+}
+
+fn read(file: &Path) -> Result<Value, Failure> {
     let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", file.display()));
-    let text = std::fs::read_to_string(&file).map_err(|e| wrong(&e))?;
+    let text = std::fs::read_to_string(file).map_err(|e| wrong(&e))?;
     serde_json::from_str(&text).map_err(|e| wrong(&e))
+}
+
+/// Whether a run has driven all that it was to drive; a run that was interrupted has a summary, too.
+fn is_complete(summary: &Value) -> bool {
+    summary["all"]["tasks"].is_u64() && summary["all"]["tasks"] == summary["planned"]
 }
 
 /// Puts tables in their places in a document.
@@ -175,6 +188,13 @@ mod tests {
         assert_eq!(new, "a\n<!-- made: t (by cargo xtask results) -->\n\n| new |\n\n<!-- end of t -->\nb\n");
         assert_eq!(replaced(&new, "t", "| new |\n").unwrap(), new);
         assert_eq!(replaced(text, "u", ""), None);
+    }
+
+    #[test]
+    fn a_run_that_was_interrupted_is_not_complete() {
+        let summary = |tasks: u64| serde_json::json!({"planned": 1000, "all": {"tasks": tasks}});
+        assert!(is_complete(&summary(1000)));
+        assert!(!is_complete(&summary(316)) && !is_complete(&serde_json::json!({})));
     }
 
     #[test]

@@ -146,7 +146,7 @@ mod tests {
             "| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 25.0 | – | – | 12.5 | 62.5 | 37.5 | – |"
         ));
         assert!(lines[4].starts_with("| paper: PID | 48.8 | 85.9 |"), "{text}");
-        let text = summary(&rows);
+        let text = super::summary(&rows);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[2], "| PID | 25.0 (10.0–50.0) | 25.0 | 25.0 | 25.0 | 12.5 | 62.5 | 37.5 | – |");
         assert!(
