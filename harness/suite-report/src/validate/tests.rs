@@ -202,8 +202,8 @@ fn waypoints_too_far_apart_or_on_one_spot_and_a_path_along_the_edge_are_warned_o
         w.tasks.truncate(1);
         let path = &mut w.tasks[0].path;
         path.remove(3);
-        let ([x, y], [next_x, next_y]) = (path[2], path[3]);
-        gap = format!("{:.2} m from the next waypoint", (next_x - x).hypot(next_y - y));
+        let [dx, dy] = [0, 1].map(|k| path[3][k] - path[2][k]);
+        gap = format!("{:.2} m from the next waypoint", (dx * dx + dy * dy).sqrt());
     });
     only(&found, Severity::Warning, Rule::Path, &["path[2]", &gap, "put waypoints"]);
     let found = after(|w| {
