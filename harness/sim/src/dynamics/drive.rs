@@ -74,7 +74,8 @@ impl Shafts {
             let radius = t.pitch_radius();
             shafts.spins[i] = t.sprocket_spin(belt.speed);
             shafts.moments[i] = -radius * thrusts[i];
-            let load: f64 = (0..t.count()).map(|j| forces[t.wheel(j)].load).sum();
+            // A track that is pushed from the side may bear less than nothing away from the ground: then nothing resists.
+            let load = (0..t.count()).map(|j| forces[t.wheel(j)].load).sum::<f64>().max(0.0);
             let [rest, growth] = t.spec.resistance;
             let friction = (rest + growth * belt.speed.abs()) * load * radius;
             let brake = brake * design.corners[t.wheel(t.sprocket)].brake_torque;
