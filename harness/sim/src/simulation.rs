@@ -50,8 +50,8 @@ impl Default for SimOptions {
     }
 }
 
-/// What no vehicle reaches, m/s and rad/s, and how far no wheel sinks at full scale, m, unless the simulation has failed. A vehicle
-/// whose hull passes soil may sink in it without a limit, as in Chrono.
+/// Bounds of a valid state: speed, m/s and rad/s, and depth of a hub below the ground at full scale, m. The depth in soil is
+/// unbounded for a vehicle with `hull_passes_soil`, as in Chrono.
 const FASTEST: f64 = 200.0;
 const DEEPEST: f64 = 1.5;
 /// Steps between two looks for obstacles in reach.

@@ -15,7 +15,7 @@ use crate::{built, default_plugin_dir, root, target_dir};
 pub(super) struct Entry {
     /// The name of its plugin, by which published figures are found, too.
     pub(super) plugin: &'static str,
-    /// What it is called in the tables.
+    /// The name of the row.
     pub(super) label: &'static str,
     pub(super) params: &'static [&'static str],
 }

@@ -4,7 +4,7 @@
 //! `plot.ipynb` in their repository (±0.3 of success, ±0.2 s, ±0.2°). Their worlds are others than ours, and their vehicle is
 //! `hmmwv-released`.
 
-/// What was published of a planner. Percentages of tasks; means by level of relief, low to high.
+/// Published results of a planner: percentages of all tasks, and figures per level of relief, low to high.
 pub(super) struct Published {
     pub(super) plugin: &'static str,
     pub(super) success: f64,
@@ -49,7 +49,7 @@ const PUBLISHED: &[Published] = &[
     },
 ];
 
-/// What was published of the planner of a plugin.
+/// Returns the published results of a plugin's planner.
 pub(super) fn of(plugin: &str) -> Option<&'static Published> {
     PUBLISHED.iter().find(|p| p.plugin == plugin)
 }

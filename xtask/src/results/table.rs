@@ -82,7 +82,7 @@ pub(super) fn summary(rows: &[Row<'_>]) -> String {
     text
 }
 
-/// How many percent of the tasks failed for each cause, the most frequent ones first.
+/// Causes of failure, % of the tasks, in order of decreasing frequency.
 pub(super) fn causes(rows: &[Row<'_>]) -> String {
     let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
     for (cause, count) in rows.iter().filter_map(|(_, s)| s["all"]["causes"].as_object()).flatten() {

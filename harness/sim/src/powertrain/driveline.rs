@@ -101,7 +101,7 @@ struct Motion<'a> {
     before: Before,
 }
 
-/// What the torques through the differentials are measured from: speeds before the step, and impulses on them.
+/// The state before the step, from which the torques through the differentials are computed.
 #[derive(Default)]
 struct Before {
     /// 2 I σ of the wheels of each axle, less the impulse of the tyres, N m s.
