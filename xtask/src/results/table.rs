@@ -4,80 +4,133 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::{Entry, published};
+use super::Entry;
+use super::published::{self, Published};
 
 type Row<'a> = (&'a Entry, Value);
 
 const LEVELS: [&str; 3] = ["low", "medium", "high"];
 
-/// The results of every row, and what was published of its planners below.
-pub(super) fn results(rows: &[Row<'_>]) -> String {
-    let mut text = String::from(
-        "| | success % (95 %) | low | medium | high | rigid | deformable | mixed | rollover % | stuck % | tilt > 30° % | \
-         time s | mean \\|roll\\| ° (low, medium, high) | mean \\|pitch\\| ° (low, medium, high) | strict % | > 2.5 g % | > 6 W % |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for (entry, summary) in rows {
-        let all = &summary["all"];
-        let [low, high] = ["success_low", "success_high"].map(|k| percent(&all[k]));
-        let by = |group: &str, name: &str, figure: &str| number(&summary[group][name][figure]);
-        let success = |group: &str, name: &str| percent(&summary[group][name]["success_rate"]);
-        let angles = |figure: &str| LEVELS.map(|l| by("elevation", l, figure)).join(", ");
-        let mut cells =
-            vec![entry.label.to_owned(), format!("{} ({low}–{high})", percent(&all["success_rate"]))];
-        cells.extend(LEVELS.map(|l| success("elevation", l)));
-        cells.extend(["rigid", "deformable", "mixed"].map(|t| success("terrain", t)));
-        cells.extend(["rollover", "stuck"].map(|o| fraction(&all["three_way"][o], all)));
-        cells.push(fraction(&all["flags"]["tilted"], all));
-        cells.push(number(&all["time_mean_s"]));
-        cells.push(angles("roll_mean_deg"));
-        cells.push(angles("pitch_mean_deg"));
-        cells.extend(["strict", "over_2_5_g", "over_6_w"].map(|f| fraction(&all["flags"][f], all)));
-        text += &line(&cells);
-    }
-    let mut told = Vec::new();
-    for (entry, _) in rows {
-        let Some(p) = published::of(entry.plugin).filter(|p| !told.contains(&p.plugin)) else { continue };
-        told.push(p.plugin);
-        let name = entry.label.split(',').next().unwrap_or(entry.label);
-        let mut cells = vec![format!("paper: {name}"), format!("{:.1}", p.success)];
-        cells.extend(p.levels.iter().map(|l| format!("{:.1}", l.success)));
-        cells.extend(["", "", ""].map(str::to_owned));
-        cells.extend([p.rollover, p.stuck].map(|f| format!("{f:.1}")));
-        cells.push(String::new());
-        // Over the successful trials, as ours.
-        let weight: f64 = p.levels.iter().map(|l| l.success).sum();
-        let time: f64 = p.levels.iter().map(|l| l.success * l.time).sum();
-        cells.push(format!("{:.1}", time / weight));
-        let angles = |of: fn(&published::Level) -> f64| {
-            p.levels.iter().map(|l| format!("{:.1}", of(l))).collect::<Vec<_>>().join(", ")
-        };
-        cells.push(angles(|l| l.roll));
-        cells.push(angles(|l| l.pitch));
-        cells.extend(["", "", ""].map(str::to_owned));
-        text += &line(&cells);
-    }
-    text
+/// A column: its header, whether the summary has it, and its cells of a run and of the published results.
+struct Column {
+    header: &'static str,
+    in_summary: bool,
+    ours: fn(&Value) -> String,
+    paper: fn(&Published) -> String,
 }
 
-/// A few columns of [`results`], for the README.
+const COLUMNS: [Column; 16] = [
+    Column {
+        header: "success % (95 %)",
+        in_summary: true,
+        ours: |s| {
+            let [rate, low, high] =
+                ["success_rate", "success_low", "success_high"].map(|k| percent(&s["all"][k]));
+            format!("{rate} ({low}–{high})")
+        },
+        paper: |p| format!("{:.1}", p.success),
+    },
+    Column { header: "low", in_summary: true, ours: |s| level(s, 0), paper: |p| published_level(p, 0) },
+    Column { header: "medium", in_summary: true, ours: |s| level(s, 1), paper: |p| published_level(p, 1) },
+    Column { header: "high", in_summary: true, ours: |s| level(s, 2), paper: |p| published_level(p, 2) },
+    Column { header: "rigid", in_summary: false, ours: |s| terrain(s, "rigid"), paper: none },
+    Column { header: "deformable", in_summary: false, ours: |s| terrain(s, "deformable"), paper: none },
+    Column { header: "mixed", in_summary: false, ours: |s| terrain(s, "mixed"), paper: none },
+    Column {
+        header: "rollover %",
+        in_summary: true,
+        ours: |s| fraction(&s["all"]["three_way"]["rollover"], &s["all"]),
+        paper: |p| format!("{:.1}", p.rollover),
+    },
+    Column {
+        header: "stuck %",
+        in_summary: true,
+        ours: |s| fraction(&s["all"]["three_way"]["stuck"], &s["all"]),
+        paper: |p| format!("{:.1}", p.stuck),
+    },
+    Column { header: "tilt > 30° %", in_summary: true, ours: |s| flag(s, "tilted"), paper: none },
+    Column {
+        header: "time s",
+        in_summary: true,
+        ours: |s| number(&s["all"]["time_mean_s"]),
+        // Mean over the successful trials, as ours.
+        paper: |p| {
+            let weight: f64 = p.levels.iter().map(|l| l.success).sum();
+            let time: f64 = p.levels.iter().map(|l| l.success * l.time).sum();
+            format!("{:.1}", time / weight)
+        },
+    },
+    Column {
+        header: "mean \\|roll\\| ° (low, medium, high)",
+        in_summary: false,
+        ours: |s| angles(s, "roll_mean_deg"),
+        paper: |p| published_angles(p, |l| l.roll),
+    },
+    Column {
+        header: "mean \\|pitch\\| ° (low, medium, high)",
+        in_summary: false,
+        ours: |s| angles(s, "pitch_mean_deg"),
+        paper: |p| published_angles(p, |l| l.pitch),
+    },
+    Column { header: "strict %", in_summary: false, ours: |s| flag(s, "strict"), paper: none },
+    Column { header: "> 2.5 g %", in_summary: false, ours: |s| flag(s, "over_2_5_g"), paper: none },
+    Column { header: "> 6 W %", in_summary: false, ours: |s| flag(s, "over_6_w"), paper: none },
+];
+
+fn level(summary: &Value, i: usize) -> String {
+    percent(&summary["elevation"][LEVELS[i]]["success_rate"])
+}
+
+fn published_level(p: &Published, i: usize) -> String {
+    format!("{:.1}", p.levels[i].success)
+}
+
+fn terrain(summary: &Value, name: &str) -> String {
+    percent(&summary["terrain"][name]["success_rate"])
+}
+
+fn flag(summary: &Value, name: &str) -> String {
+    fraction(&summary["all"]["flags"][name], &summary["all"])
+}
+
+fn angles(summary: &Value, figure: &str) -> String {
+    LEVELS.map(|l| number(&summary["elevation"][l][figure])).join(", ")
+}
+
+fn published_angles(p: &Published, of: fn(&published::Level) -> f64) -> String {
+    p.levels.iter().map(|l| format!("{:.1}", of(l))).collect::<Vec<_>>().join(", ")
+}
+
+fn none(_: &Published) -> String {
+    String::new()
+}
+
+/// All columns of every row, followed by the published results of its planners.
+pub(super) fn results(rows: &[Row<'_>]) -> String {
+    table(rows, |_| true)
+}
+
+/// The columns for the README.
 pub(super) fn summary(rows: &[Row<'_>]) -> String {
-    let mut text = String::from(
-        "| | success % (95 %) | low | medium | high | rollover % | stuck % | tilt > 30° % | time s |\n\
-         |---|---|---|---|---|---|---|---|---|\n",
-    );
-    let wanted =
-        ["success % (95 %)", "low", "medium", "high", "rollover %", "stuck %", "tilt > 30° %", "time s"];
-    let table = results(rows);
-    let mut lines =
-        table.lines().map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect::<Vec<_>>());
-    let columns: Vec<usize> = lines
-        .next()
-        .map(|head| wanted.iter().filter_map(|w| head.iter().position(|c| c == w)).collect())
-        .unwrap_or_default();
-    for cells in lines.skip(1) {
-        let chosen = std::iter::once(&0).chain(&columns).map(|&c| cells.get(c).copied().unwrap_or_default());
-        text += &line(&chosen.map(str::to_owned).collect::<Vec<_>>());
+    table(rows, |c| c.in_summary)
+}
+
+fn table(rows: &[Row<'_>], wanted: fn(&Column) -> bool) -> String {
+    let row = |name: &str, cell: &dyn Fn(&Column) -> String| {
+        let cells = COLUMNS.iter().filter(|c| wanted(c)).map(cell);
+        line(&std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>())
+    };
+    let mut text = row("", &|c| c.header.to_owned()).replacen("|  |", "| |", 1);
+    text += &row("---", &|_| "---".to_owned()).replace(' ', "");
+    for (entry, summary) in rows {
+        text += &row(entry.label, &|c| (c.ours)(summary));
+    }
+    let mut listed = Vec::new();
+    for (entry, _) in rows {
+        let Some(p) = published::of(entry.plugin).filter(|p| !listed.contains(&p.plugin)) else { continue };
+        listed.push(p.plugin);
+        let name = entry.label.split(',').next().unwrap_or(entry.label);
+        text += &row(&format!("paper: {name}"), &|c| (c.paper)(p));
     }
     text
 }
