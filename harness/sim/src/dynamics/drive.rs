@@ -85,6 +85,12 @@ impl Shafts {
         shafts
     }
 
+    /// The maximum torques of brakes and friction on the first two, N m.
+    #[cfg(test)]
+    pub(super) fn brakes(&self) -> [f64; 2] {
+        [self.brakes[0], self.brakes[1]]
+    }
+
     /// Advances engine, gearbox and shafts by `dt` (s).
     // Inlined into the step, the powertrain's code takes registers from all that is around it.
     #[inline(never)]

@@ -3,6 +3,7 @@ use crate::V3;
 use crate::dynamics::Vehicle;
 use crate::dynamics::contact::Forces;
 use crate::dynamics::design::{Design, sprockets};
+use crate::dynamics::drive::Shafts;
 use crate::dynamics::kinematics::{Kinematics, Placement};
 use std::sync::Arc;
 use vb_vehicle::VehicleModel;
@@ -135,4 +136,17 @@ fn the_sprockets_turn_all_that_turns_with_the_belt() {
     let expected =
         1.283 + 1144.27 * p * p + 5.0 * 2.16 * (p / 0.305) * (p / 0.305) + 1.12 * (p / 0.255) * (p / 0.255);
     assert!((load.pairs[0].inertia - expected).abs() < 1e-6, "{}", load.pairs[0].inertia);
+}
+
+#[test]
+fn a_track_whose_load_is_negative_has_no_friction() {
+    // The drive of the M113 over w090 of vb-100 that ended in a panic: a clamp with a negative bound.
+    let v = m113();
+    let loaded = |load| {
+        let forces: Vec<_> =
+            v.design.corners.iter().map(|c| Forces { load, ..Forces::none(c.mass) }).collect();
+        Shafts::of_sprockets(&v.design, &v.state.belts, [0.0; 2], &forces, 0.0, 0.0).brakes()
+    };
+    assert!(loaded(1000.0).iter().all(|b| *b > 0.0));
+    assert_eq!(loaded(-1000.0), [0.0; 2]);
 }
