@@ -138,7 +138,12 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
     for param in entry.params {
         drive.args(["--param", param]);
     }
-    run(drive.current_dir(root()).stdout(Stdio::null()).stderr(Stdio::null()))?;
+    let done = drive.current_dir(root()).output().map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
+    if !done.status.success() {
+        let messages = String::from_utf8_lossy(&done.stderr);
+        let last = messages.trim_end().lines().last().unwrap_or_default();
+        return Err(Failure::new(format!("{}: vb-harness: {}: {last}", out.display(), done.status)));
+    }
     read(&file)
 }
 
