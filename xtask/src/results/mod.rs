@@ -138,7 +138,8 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
     for param in entry.params {
         drive.args(["--param", param]);
     }
-    let done = drive.current_dir(root()).output().map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
+    let done =
+        drive.current_dir(root()).output().map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
     if !done.status.success() {
         let messages = String::from_utf8_lossy(&done.stderr);
         let last = messages.trim_end().lines().last().unwrap_or_default();

@@ -4,6 +4,7 @@
 //! processor has, so that the order of sums is the same everywhere. The length of its rows tells a wheel's footprint
 //! from a track's.
 
+mod aside;
 mod heap;
 mod press;
 mod shape;
@@ -294,11 +295,14 @@ impl<const N: usize> Footprint<N> {
         let mut sum = Sum::default();
         self.press(simd, ground, surface, under, motion, frame, dt, &mut sum);
         let span = sum.span?;
+        let soil = ground.soil_at(motion.hub.x, motion.hub.y);
+        if let Some(soil) = soil {
+            self.resist_aside(simd, soil, motion, frame, dt, &mut sum);
+        }
         let breadth = self.shape.strip_width() * sum.strips as f64;
         self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
         if sum.displaced > 0.0
-            && let Some(soil) = ground.soil_at(motion.hub.x, motion.hub.y)
-            && let Some((slope, flow)) = soil.heap
+            && let Some((slope, flow)) = soil.and_then(|soil| soil.heap)
         {
             self.heap(&mut ground.grid, motion, frame, span, flow * sum.displaced, slope);
         }

@@ -325,7 +325,7 @@ impl<S: Simd> Lanes<S> {
 
 /// The sum of the lanes, in an order that does not depend on the machine.
 #[inline(always)]
-fn total<S: Simd>(lanes: f64x4<S>) -> f64 {
+pub(super) fn total<S: Simd>(lanes: f64x4<S>) -> f64 {
     let [a, b, c, d] = *lanes;
     (a + b) + (c + d)
 }

@@ -10,7 +10,7 @@ use fearless_simd::{Simd, f64x4, prelude::*};
 /// Part of the grid's resolution by which a wheel slides before it looks at the ground beside it again.
 const SLIDE: f64 = 0.02;
 /// Speed below which nothing moves, m/s.
-const STILL: f64 = 1e-6;
+pub(super) const STILL: f64 = 1e-6;
 /// The cells that a wheel leaves in a step, at most: 200 m/s over cells of 1 mm at the longest time step.
 const MOST_CELLS: usize = 1000;
 
