@@ -72,10 +72,10 @@ const HULL_NEAR: f64 = 0.025;
 /// Counts and maxima since the start of a simulation. They don't change it and are no part of its state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Diagnostics {
-    /// The maximum of the mechanical energy that neither engine nor steering supplied, J; see
-    /// [`Simulation::energy_surplus`].
+    /// The maximum of the mechanical energy that neither engine nor steering supplied, J: the level of a leaky bucket that
+    /// the rises of kinetic energy and energy of height fill. Springs and tyres that relax show in it, so it isn't zero.
     pub energy_surplus: f64,
-    /// The surplus (J) above which the simulation counts as diverged.
+    /// The surplus (J) above which the simulation counts as diverged: it lifts the vehicle by the radius of a wheel.
     pub energy_allowed: f64,
     /// The fraction of wheel-steps in which a contact was deeper than the motion of the wheel explains, so that its depth
     /// was limited.
@@ -471,15 +471,6 @@ impl Simulation {
     #[must_use]
     pub fn contact_steps(&self) -> u64 {
         self.contact_steps
-    }
-
-    /// The maximum so far of the mechanical energy that neither engine nor steering supplied, J: the level of a leaky
-    /// bucket that the rises of kinetic energy and energy of height fill. Springs and tyres that relax show in it, so it
-    /// isn't zero. If the level exceeds the energy that lifts the vehicle by the radius of a wheel, the simulation counts
-    /// as diverged.
-    #[must_use]
-    pub fn energy_surplus(&self) -> f64 {
-        self.energy.surplus()
     }
 
     /// Counts and maxima since the start that show how the simulation itself did.

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_record::{LogMode, RunReader, TraceMode};
-use vb_score::{Outcome, TaskRecord};
+use vb_score::{Flag, Outcome, TILT_LIMIT_DEG, TaskRecord};
 use vb_suite::generate::{Evaluation, Generator, GeneratorParams, Search};
 use vb_suite_report::statistics::SuiteStatistics;
 use vb_terrain::Model;
@@ -18,8 +18,6 @@ use crate::args::{GenerateArgs, RunArgs};
 use crate::error::CliError;
 use crate::{output, places, run};
 
-/// Tilt about which the paper's authors count a rollover, degrees: roll or pitch at any time (their evaluation scripts, rule profile `dev`).
-const TILT: f64 = 30.0;
 /// The parameter of the planner where none is given: the speed that the traversal times of the paper's PID imply, m/s.
 const SPEED: (&str, &str) = ("speed", "5");
 
@@ -150,7 +148,7 @@ fn cells(t: &Trial) -> Vec<String> {
 
 fn line(t: &Trial) -> String {
     format!(
-        "{} x {:.3}: {} of {} tasks, tilt above {TILT}° in {:.1} %, facet slope p99 {:.1}°",
+        "{} x {:.3}: {} of {} tasks, tilt above {TILT_LIMIT_DEG}° in {:.1} %, facet slope p99 {:.1}°",
         t.level.name(),
         t.factor,
         t.completed,
@@ -223,15 +221,13 @@ fn evaluate(
     let records =
         RunReader::open(&out).and_then(|run| run.records::<TaskRecord>()).map_err(CliError::input)?;
     let count = |is: &dyn Fn(&TaskRecord) -> bool| records.iter().filter(|r| is(r)).count();
-    let is_tilted =
-        |r: &TaskRecord| r.metrics.as_ref().is_some_and(|m| m.roll_max_deg > TILT || m.pitch_max_deg > TILT);
     Ok(Trial {
         level,
         factor,
         std,
         tasks: records.len(),
         completed: count(&|r| r.outcome == Outcome::Success),
-        tilted: count(&is_tilted) as f64 / records.len().max(1) as f64,
+        tilted: count(&|r| Flag::Tilted.of(r) == Some(true)) as f64 / records.len().max(1) as f64,
         facet_slope_p99,
     })
 }

@@ -82,7 +82,11 @@ fn it_backs_up_a_slope_of_20_degrees_and_its_energy_comes_from_the_engine() {
         let s = sim.state();
         assert!(s.position.x - from.x > 10.0 && s.velocity.x < -1.0, "{name}: {s:?}");
         let lift = weight * (s.position.z - from.z);
-        assert!(sim.energy_surplus() < 0.01 * lift, "{name}: {} J of {lift} J", sim.energy_surplus());
+        assert!(
+            sim.diagnostics().energy_surplus < 0.01 * lift,
+            "{name}: {} J of {lift} J",
+            sim.diagnostics().energy_surplus
+        );
     }
 }
 
@@ -228,7 +232,7 @@ fn rocking_to_and_fro_makes_no_energy_on_rigid_ground_and_on_soil() {
             let changes = rock(&mut sim, 20.0);
             assert!(changes >= 5, "{name} on {class:?}: {changes} changes of direction");
             // Five centimetres of height: what springs and tyres hold. Its energy of motion at 3 m/s is nine times that.
-            let surplus = sim.energy_surplus();
+            let surplus = sim.diagnostics().energy_surplus;
             assert!(surplus < 0.05 * weight, "{name} on {class:?}: {surplus} J from nowhere");
         }
     }

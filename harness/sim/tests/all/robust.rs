@@ -83,7 +83,11 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
     }
     let s = sim.state();
     // Half of what counts as diverged: 24.5 kN times the radius of a wheel.
-    assert!(sim.energy_surplus() < 0.5 * 24_462.0 * 0.467, "{} J from nowhere", sim.energy_surplus());
+    assert!(
+        sim.diagnostics().energy_surplus < 0.5 * 24_462.0 * 0.467,
+        "{} J from nowhere",
+        sim.diagnostics().energy_surplus
+    );
     if !inside(&s) {
         return ((s.position - from).norm(), sim.time());
     }
@@ -153,7 +157,7 @@ fn energy_that_comes_slowly_from_nowhere_is_found_too() {
             .expect("it settles");
         sim.throw([5.0, 0.0, 0.0]);
         let neutral = Controls { gear: vb_sim::Gear::Neutral, ..Controls::default() };
-        sim.advance(neutral, 25_000).map(|()| sim.energy_surplus())
+        sim.advance(neutral, 25_000).map(|()| sim.diagnostics().energy_surplus)
     };
     let surplus = after(0.0).expect("without the push it coasts");
     assert!(surplus < 500.0, "{surplus} J");

@@ -144,9 +144,9 @@ fn no_commands_on_rough_ground_make_a_vehicle_diverge_or_gain_energy() {
             let spec = model.spec();
             let allowed = 0.5 * spec.total_mass() * GRAVITY * spec.tyre.radius();
             assert!(
-                sim.energy_surplus() < allowed,
+                sim.diagnostics().energy_surplus < allowed,
                 "{name}, {seed}: {} J of {allowed}",
-                sim.energy_surplus()
+                sim.diagnostics().energy_surplus
             );
         }
     }

@@ -62,7 +62,10 @@ fn rest(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let sum = total / steps;
         let weight = bench.geometry.weight();
         let (expected, source) = if d.sim().contact_steps() > 0 {
-            (Expected::Between(0.0, 1.01 * weight), "weight m g, less what the hull bears, which lies on the soil")
+            (
+                Expected::Between(0.0, 1.01 * weight),
+                "weight m g, less what the hull bears, which lies on the soil",
+            )
         } else {
             (Expected::fraction(weight, 0.01), "weight m g")
         };
