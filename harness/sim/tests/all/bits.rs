@@ -21,7 +21,7 @@ const DRIVES: [(&str, &str, u64); 12] = [
     ("man7t", "w008", 0xeae3_03b7_081b_e091),
     ("man10t", "w009", 0xcb72_3431_e5d0_0454),
     ("artcar", "w010", 0x0a31_a805_7379_ed5a),
-    ("verti4wheeler", "w003", 0xbaf9_f6a9_c05a_f160),
+    ("verti4wheeler", "w003", 0x63d8_4b82_6117_57a9),
 ];
 
 #[test]

@@ -75,9 +75,9 @@ impl<const N: usize> Footprint<N> {
 #[cfg(test)]
 mod tests {
     use super::super::super::ground::SoilGround;
-    use super::super::super::law::{PressureDirection, SoilLaw};
+    use super::super::super::law::SoilLaw;
     use super::super::super::sinkage::Sinkage;
-    use super::super::super::slip::SlipSinkage;
+    use super::super::tests::linear;
     use super::*;
     use crate::V3;
     use vb_world::Heightfield;
@@ -91,15 +91,8 @@ mod tests {
     fn slide(rise: f64, depth: f64) -> (V3, f64) {
         let law = SoilLaw {
             sinkage: Sinkage::Bekker { k_phi: MODULUS, k_c: 0.0, exponent: 1.0 },
-            slip_sinkage: SlipSinkage::None,
-            cohesion: 0.0,
             friction_angle_deg: 0.0,
-            shear_modulus: 0.01,
-            elastic_stiffness: 2e8,
-            damping: 0.0,
-            pressure: PressureDirection::Radial,
-            steel_friction: None,
-            bulldozing: None,
+            ..linear()
         };
         let surface = Heightfield::new(9, 9, 1.0, (0..81).map(|i| rise * f64::from(i / 9)).collect());
         let mut ground = SoilGround::of_one(law.prepare(), [4.0, 4.0], 0.05);

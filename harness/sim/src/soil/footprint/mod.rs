@@ -70,6 +70,8 @@ pub(crate) struct Footprint<const N: usize> {
     pressed: Vec<Row<N>>,
     /// Whether the states are the ground's: else they are in the grid.
     live: bool,
+    /// Whether they have become so in this step where the wheel has been before.
+    returned: bool,
     /// Whether it has ever been live.
     used: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
@@ -235,6 +237,7 @@ impl<const N: usize> Footprint<N> {
             shear: [states.clone(), states.clone()],
             pressed: states,
             live: false,
+            returned: false,
             used: false,
             aside: 0.0,
             beside: [[0.0; N]; 2],
@@ -280,8 +283,10 @@ impl<const N: usize> Footprint<N> {
         dt: f64,
     ) -> Option<SoilForce> {
         if self.live {
+            self.returned = false;
             self.transport(simd, &mut ground.grid, motion, frame, dt);
         } else {
+            self.returned = self.used;
             self.enter(&ground.grid, motion, frame);
         }
         if let Some(stations) = &mut self.stations {
@@ -391,6 +396,22 @@ mod tests {
     use super::super::slip::SlipSinkage;
     use super::*;
 
+    /// A soil whose pressure is proportional to the sinkage.
+    pub(super) fn linear() -> SoilLaw {
+        SoilLaw {
+            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
+            slip_sinkage: SlipSinkage::None,
+            cohesion: 0.0,
+            friction_angle_deg: 30.0,
+            shear_modulus: 0.01,
+            elastic_stiffness: 2e8,
+            damping: 0.0,
+            pressure: PressureDirection::Radial,
+            steel_friction: None,
+            bulldozing: None,
+        }
+    }
+
     /// All that the processor has.
     fn levels() -> Vec<Level> {
         let mut levels = vec![Level::baseline(), Level::new()];
@@ -455,18 +476,7 @@ mod tests {
 
     #[test]
     fn the_sinkage_of_a_wheel_is_that_of_its_middle_plane_whatever_its_tilt_and_the_grid() {
-        let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
-            slip_sinkage: SlipSinkage::None,
-            cohesion: 0.0,
-            friction_angle_deg: 30.0,
-            shear_modulus: 0.01,
-            elastic_stiffness: 2e8,
-            damping: 0.0,
-            pressure: PressureDirection::Radial,
-            steel_friction: None,
-            bulldozing: None,
-        };
+        let law = linear();
         // A plane that rises by 0.2 to the left.
         let surface = Heightfield::new(9, 9, 1.0, (0..81).map(|i| 0.2 * f64::from(i / 9)).collect());
         let normal = normal_of([0.0, 0.2]);
@@ -486,5 +496,28 @@ mod tests {
                 assert!((force.sinkage - 0.03).abs() < 1e-9, "{tilt}, {resolution} m: {}", force.sinkage);
             }
         }
+    }
+
+    #[test]
+    fn a_wheel_that_lay_flat_in_soil_comes_up_on_its_rim_without_a_blow() {
+        let surface = Heightfield::new(9, 9, 1.0, vec![0.0; 81]);
+        let mut ground = SoilGround::of_one(linear().prepare(), [4.0, 4.0], 0.1);
+        let mut wheel = Footprint::wheel(0.47, 0.25, 0.1);
+        // It stands above the ground, is laid down with its hub in the surface, and comes up again where it lies.
+        let mut at = |degrees: f64, height: f64| {
+            let roll = degrees.to_radians();
+            let axis = V3::new(0.0, vb_math::cos(roll), vb_math::sin(roll));
+            let still = V3::zeros();
+            let hub = V3::new(0.0, 0.0, height);
+            let motion = WheelMotion { hub, velocity: still, rotation: still, axis, spin: 0.0 };
+            let under = ground.under(hub.x, hub.y, 0.47);
+            let force = wheel.step(&mut ground, &surface, under, &motion, 1e-3);
+            (wheel.live, force.map_or(0.0, |f| f.load))
+        };
+        assert!(at(0.0, 0.6).0 && !at(80.0, 0.0).0);
+        let (live, load) = at(60.0, 0.0);
+        assert!(live && load == 0.0, "{load} N");
+        // What goes deeper meets the resistance of the depth.
+        assert!(at(60.0, -0.01).1 > 1e4);
     }
 }

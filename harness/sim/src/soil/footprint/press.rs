@@ -81,6 +81,9 @@ impl<const N: usize> Footprint<N> {
                 self.lift_off(strip, &field);
                 continue;
             }
+            if self.returned {
+                self.displace(strip, &field);
+            }
             let before = sum.strips;
             match only {
                 Some(soil) => self.press_strip(simd, strip, soil, &field, &body, sum),
@@ -161,6 +164,14 @@ impl<const N: usize> Footprint<N> {
             store(&mut field.sinkage, g, sinkage);
         }
         touches
+    }
+
+    /// Takes the soil above a strip for displaced already: a wheel that lay flat and comes up on its rim is in the soil as
+    /// deep as it lay, without a force so far.
+    fn displace(&mut self, strip: usize, field: &Field<N>) {
+        for (plastic, sinkage) in self.plastic[strip].iter_mut().zip(&field.sinkage) {
+            *plastic = plastic.max(*sinkage);
+        }
     }
 
     /// Nothing of a strip touches the ground.
