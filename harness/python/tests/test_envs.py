@@ -2,9 +2,13 @@
 
 import copy
 import json
+import os
 import pickle
+import subprocess
+import sys
 import warnings
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -39,6 +43,21 @@ def drive(env, observation, most=10_000, speed=0.0):
         if terminated or truncated:
             return observation, reward, terminated, truncated, info, count + 1
     return observation, reward, terminated, truncated, info, most
+
+
+@pytest.mark.parametrize("code", [
+    "import vertibench, gymnasium; name = 'VertiBench/Navigation-v0'",
+    "import gymnasium, vertibench; gymnasium.register_envs(vertibench); name = 'VertiBench/Navigation-v0'",
+    "import gymnasium; name = 'vertibench:VertiBench/Navigation-v0'",
+    "import vertibench, gymnasium; name = 'vertibench:VertiBench/Navigation-v0'",
+    "from vertibench import envs; import gymnasium; name = 'VertiBench/Navigation-v0'",
+])
+def test_whoever_imports_the_package_finds_the_environment_by_its_name(envs, code):
+    # In an interpreter of its own: what a test before has imported would register it here.
+    code += "; env = gymnasium.make(name, suite='smoke', tasks='w001/t00'); env.reset(seed=0); env.close()"
+    path = os.pathsep.join([str(Path(vertibench.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run([sys.executable, "-B", "-c", code], env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("options", [

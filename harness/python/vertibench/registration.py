@@ -1,6 +1,15 @@
-"""Makes the environments known to gymnasium, which calls this when it is imported (the entry point `gymnasium.envs`)."""
+"""Makes the environments known to gymnasium: at once where it is imported already, else as soon as it is.
+
+gymnasium 1.0 calls no entry points of packages any more, and importing it takes longer than all else here together.
+"""
 
 from __future__ import annotations
+
+import importlib.util
+import sys
+from importlib.abc import MetaPathFinder
+from types import ModuleType
+from typing import Any
 
 NAME = "VertiBench/Navigation-v0"
 
@@ -18,3 +27,30 @@ def register() -> None:
             disable_env_checker=True,
             order_enforce=False,
         )
+
+
+class _WhenImported(MetaPathFinder):
+    """Finds gymnasium where it is, and registers the environments after it has been executed."""
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> Any:
+        if name != "gymnasium":
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.loader is not None:
+            execute = spec.loader.exec_module
+
+            def and_register(module: ModuleType) -> None:
+                execute(module)
+                register()
+
+            spec.loader.exec_module = and_register  # type: ignore[method-assign]
+        return spec
+
+
+def register_when_imported() -> None:
+    """Registers the environments now if gymnasium is imported, and else right after it is."""
+    if hasattr(sys.modules.get("gymnasium"), "register"):
+        register()
+    elif not any(isinstance(finder, _WhenImported) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _WhenImported())

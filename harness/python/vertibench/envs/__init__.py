@@ -1,6 +1,6 @@
 """Environments for reinforcement learning: tasks of the benchmark, driven step by step.
 
->>> import gymnasium
+>>> import gymnasium, vertibench
 >>> env = gymnasium.make("VertiBench/Navigation-v0", suite="smoke", tasks="w003/t00")
 >>> observation, info = env.reset(seed=0)
 >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
@@ -17,13 +17,9 @@ try:
 except ImportError as e:
     raise missing_module("vertibench.envs", e) from None
 
-from ..registration import register
 from ._common import describe_parts, describe_rewards
 from ._navigation import NavigationEnv, State
 from ._render import Picture, picture
 from ._vector import NavigationVectorEnv
-
-# Where the package is on the path without being installed, gymnasium hasn't heard of it.
-register()
 
 __all__ = ["NavigationEnv", "NavigationVectorEnv", "Picture", "State", "describe_parts", "describe_rewards", "picture"]
