@@ -117,6 +117,8 @@ def test_a_program_without_statistics_is_told(stand_in):
         stand_in(other)
         with pytest.raises(vertibench.ProgramError, match="statistics of another form"):
             vertibench.compare("runs/a")
+    with pytest.raises(vertibench.VertibenchError, match=r"list is no run .*compare\(a, b\)"):
+        vertibench.compare(["a", "b"])
     with pytest.raises(vertibench.VertibenchError, match="no run is given"):
         vertibench.compare()
 

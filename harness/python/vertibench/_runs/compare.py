@@ -177,6 +177,10 @@ def compare(*runs: Run | str | PathLike[str]) -> Comparison:
     """
     if not runs:
         raise VertibenchError("compare", "no run is given", "give two or more")
+    for run in runs:
+        if not isinstance(run, (Run, str, PathLike)):
+            hint = "give each run as an argument of its own: compare(a, b)"
+            raise VertibenchError("compare", f"{type(run).__name__} is no run", hint)
     paths = [str(run.path if isinstance(run, Run) else run) for run in runs]
     # Without a file to write the program makes no report.
     told = events("report", *paths, "--markdown=-", "--message-format=json")
