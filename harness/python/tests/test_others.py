@@ -41,6 +41,15 @@ def minari(tmp_path, monkeypatch):
     return pytest.importorskip("minari", reason="Minari is not installed")
 
 
+def test_a_package_that_minari_lacks_is_named():
+    from vertibench.datasets._minari import _missing
+
+    # As Minari raises it: an error of its own without the name of a module.
+    told = str(_missing(ImportError("h5py is not installed. Please install it using `pip install minari[hdf5]`")))
+    assert "h5py is not installed" in told and "None" not in told
+    assert "a package is missing: minari (" in str(_missing(ModuleNotFoundError("No module named 'minari'", name="minari")))
+
+
 def test_minari_gets_every_step(explored, minari):
     dataset = datasets.open(explored)
     datasets.to_minari(dataset, "vertibench/explored-v0", author="A. Driver", author_email="a@example.org")

@@ -99,7 +99,9 @@ def to_minari(
 
 
 def _missing(e: ImportError) -> DatasetError:
-    return DatasetError("to_minari", f"a package is missing: {e.name}", "pip install 'minari[hdf5]' pillow")
+    # Minari raises errors of its own, which have no name, where h5py is missing.
+    what = e.name or str(e)
+    return DatasetError("to_minari", f"a package is missing: {what}", "pip install 'minari[hdf5]' pillow")
 
 
 def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:
