@@ -50,6 +50,7 @@ def drive(env, observation, most=10_000, speed=0.0):
     "import gymnasium, vertibench; gymnasium.register_envs(vertibench); name = 'VertiBench/Navigation-v0'",
     "import gymnasium; name = 'vertibench:VertiBench/Navigation-v0'",
     "import vertibench, gymnasium; name = 'vertibench:VertiBench/Navigation-v0'",
+    "import vertibench, importlib.util; importlib.util.find_spec('gymnasium'); import gymnasium; name = 'VertiBench/Navigation-v0'",
     "from vertibench import envs; import gymnasium; name = 'VertiBench/Navigation-v0'",
 ])
 def test_whoever_imports_the_package_finds_the_environment_by_its_name(envs, code):

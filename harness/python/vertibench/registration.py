@@ -5,9 +5,9 @@ gymnasium 1.0 calls no entry points of packages any more, and importing it takes
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from importlib.abc import MetaPathFinder
+from importlib.machinery import PathFinder
 from types import ModuleType
 from typing import Any
 
@@ -35,14 +35,16 @@ class _WhenImported(MetaPathFinder):
     def find_spec(self, name: str, path: Any, target: Any = None) -> Any:
         if name != "gymnasium":
             return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
+        spec = PathFinder.find_spec(name, path, target)
         if spec is not None and spec.loader is not None:
             execute = spec.loader.exec_module
 
             def and_register(module: ModuleType) -> None:
                 execute(module)
                 register()
+                # Not before: who only asks whether it is there finds it, too.
+                if self in sys.meta_path:
+                    sys.meta_path.remove(self)
 
             spec.loader.exec_module = and_register  # type: ignore[method-assign]
         return spec
