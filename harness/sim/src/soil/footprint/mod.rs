@@ -70,8 +70,6 @@ pub(crate) struct Footprint<const N: usize> {
     pressed: Vec<Row<N>>,
     /// Whether the states are the ground's: else they are in the grid.
     live: bool,
-    /// Whether they have become so in this step where the wheel has been before.
-    returned: bool,
     /// Whether it has ever been live.
     used: bool,
     /// Way to the left since the ground beside was last looked at, m; and plastic sinkage and heaps there.
@@ -237,7 +235,6 @@ impl<const N: usize> Footprint<N> {
             shear: [states.clone(), states.clone()],
             pressed: states,
             live: false,
-            returned: false,
             used: false,
             aside: 0.0,
             beside: [[0.0; N]; 2],
@@ -282,11 +279,11 @@ impl<const N: usize> Footprint<N> {
         normal: &V3,
         dt: f64,
     ) -> Option<SoilForce> {
+        // A wheel that has been in soil comes back to it.
+        let returns = self.used && !self.live;
         if self.live {
-            self.returned = false;
             self.transport(simd, &mut ground.grid, motion, frame, dt);
         } else {
-            self.returned = self.used;
             self.enter(&ground.grid, motion, frame);
         }
         if let Some(stations) = &mut self.stations {
@@ -298,7 +295,7 @@ impl<const N: usize> Footprint<N> {
             self.slip = slip::follow(self.slip, drive, travel, self.shape.renewal, dt);
         }
         let mut sum = Sum::default();
-        self.press(simd, ground, surface, under, motion, frame, dt, &mut sum);
+        self.press(simd, ground, surface, under, motion, frame, dt, returns, &mut sum);
         let span = sum.span?;
         let soil = ground.soil_at(motion.hub.x, motion.hub.y);
         if let Some(soil) = soil {

@@ -60,6 +60,7 @@ impl<const N: usize> Footprint<N> {
         m: &WheelMotion,
         f: &Frame,
         dt: f64,
+        returns: bool,
         sum: &mut Sum,
     ) {
         let mut body = Body {
@@ -81,7 +82,7 @@ impl<const N: usize> Footprint<N> {
                 self.lift_off(strip, &field);
                 continue;
             }
-            if self.returned {
+            if returns {
                 self.displace(strip, &field);
             }
             let before = sum.strips;
