@@ -36,18 +36,35 @@ struct Course {
     name: &'static str,
     suite: &'static str,
     vehicle: &'static str,
+    /// The tasks that are driven.
+    tasks: &'static str,
 }
 
 /// The worlds of the original, which don't come with the repository.
 const ORIGINAL: &str = "original";
 
+/// Every task of a suite.
+const ALL: &str = "*";
+
+/// Three tasks of each world: for suites that are driven in the vehicle that they aren't made for.
+const THREE_OF_TEN: &str = "w*/t00,w*/t01,w*/t02";
+
+const fn course(
+    name: &'static str,
+    suite: &'static str,
+    vehicle: &'static str,
+    tasks: &'static str,
+) -> Course {
+    Course { name, suite, vehicle, tasks }
+}
+
 const COURSES: &[Course] = &[
-    Course { name: "vb-100-hmmwv", suite: "vb-100", vehicle: "hmmwv" },
-    Course { name: "vb-paper-hmmwv-released", suite: "vb-paper", vehicle: "hmmwv-released" },
-    Course { name: "original-hmmwv-released", suite: ORIGINAL, vehicle: "hmmwv-released" },
-    Course { name: "original-hmmwv", suite: ORIGINAL, vehicle: "hmmwv" },
-    Course { name: "vb-100-hmmwv-released", suite: "vb-100", vehicle: "hmmwv-released" },
-    Course { name: "vb-paper-hmmwv", suite: "vb-paper", vehicle: "hmmwv" },
+    course("vb-100-hmmwv", "vb-100", "hmmwv", ALL),
+    course("vb-paper-hmmwv-released", "vb-paper", "hmmwv-released", ALL),
+    course("original-hmmwv-released", ORIGINAL, "hmmwv-released", ALL),
+    course("original-hmmwv", ORIGINAL, "hmmwv", ALL),
+    course("vb-100-hmmwv-released", "vb-100", "hmmwv-released", THREE_OF_TEN),
+    course("vb-paper-hmmwv", "vb-paper", "hmmwv", THREE_OF_TEN),
 ];
 
 /// Makes a table of the rows of a course.
@@ -134,7 +151,7 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
     let mut drive = Command::new(built("vb-harness"));
     drive.arg("--plugin").arg(default_plugin_dir().join(format!("{}.wasm", entry.plugin)));
     drive.arg("--suite").arg(suite).args(["--vehicle", course.vehicle]).arg("--out").arg(out);
-    drive.args(["--trace", "none", "--keep-going"]);
+    drive.args(["--tasks", course.tasks, "--trace", "none", "--keep-going"]);
     for param in entry.params {
         drive.args(["--param", param]);
     }
