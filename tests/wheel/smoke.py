@@ -19,6 +19,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import examples
+
 
 class Installed:
     """The package in a virtual environment, and a folder to work in, far from any checkout."""
@@ -138,7 +140,19 @@ def environments(package: Installed) -> None:
     assert all("not installed" in line for line in skipped), skipped
 
 
-CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, environments]
+def documents(package: Installed) -> None:
+    """The examples of README and docs run, each as it stands there."""
+    if not package.has("pytest"):
+        return print("documents: not tested, since what they need is not installed (--extras [test])", flush=True)
+    folder = package.folder / "examples"
+    folder.mkdir()
+    plugins = Path(package.python("import vertibench; print(vertibench.plugins_path())").strip())
+    environment = examples.prepared(folder, package.bin, plugins, package.environment)
+    if failures := examples.run_pages(folder, environment, examples.PAGES):
+        sys.exit("\n".join(f"error: {failure}" for failure in failures))
+
+
+CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, documents, environments]
 
 
 def check_sources(sdist: Path, folder: Path) -> None:

@@ -218,6 +218,11 @@ impl Arena {
         std::ptr::eq(self, other) || self.options == other.options
     }
 
+    /// A hash of the options, by which arenas of several processes are compared.
+    pub(crate) fn options_hash(&self) -> String {
+        vb_files::sha256(format!("{:?}", self.options).as_bytes())
+    }
+
     /// The suite that the tasks are of.
     #[must_use]
     pub fn suite(&self) -> &Suite {

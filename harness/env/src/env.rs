@@ -13,6 +13,7 @@ use vb_sdk::{Observation, Point2};
 use vb_sim::{SimError, VehicleState};
 
 use crate::arena::Start;
+use crate::drive_log::DriveLog;
 use crate::reward::Measured;
 use crate::{Arena, EnvError, TERMS, Terms};
 
@@ -75,6 +76,8 @@ struct Running {
     time: f64,
     /// Steps of the simulation in which the contacts of the hull were solved, in the last step.
     contact_steps: u64,
+    /// All actions until now, one after another.
+    actions: Vec<f64>,
     /// The way until now, m: the place at the start and after each step.
     way: Vec<[f32; 3]>,
     /// How far each wheel has turned until now, rad, for pictures.
@@ -231,6 +234,52 @@ impl Env {
         (self.draws, self.running) = (draws, running);
         Ok(())
     }
+
+    /// Goes back to a snapshot that another process wrote ([`Snapshot::to_bytes`]): begins its task and drives there again, which
+    /// takes as long as the drive took.
+    ///
+    /// # Errors
+    /// Returns an error, and changes nothing, if the bytes are no snapshot, or one of an environment that was made with other
+    /// options, and if the drive doesn't come to the same state, as after a change of the suite.
+    pub fn restore_from(&mut self, bytes: &[u8]) -> Result<(), EnvError> {
+        let log = DriveLog::from_bytes(bytes)?;
+        if log.options != self.arena.options_hash() {
+            return Err(EnvError::Unlike);
+        }
+        let (key, words) = log.draws;
+        let mut reached = Self::new(Arc::clone(&self.arena), 0);
+        reached.reset(&Reset { seed: None, task: Some(log.task.clone()), run_seed: Some(log.run_seed) })?;
+        for action in log.actions.chunks(self.arena.action().dimensions().len()) {
+            reached.step(action)?;
+        }
+        let is_there = |r: &Running| r.episode.state_hash().value() == log.state_hash;
+        if !reached.running.as_ref().is_some_and(is_there) {
+            return Err(EnvError::Elsewhere { task: log.task });
+        }
+        self.draws = Stream::at_position(key, u128::from(words));
+        self.running = reached.running;
+        Ok(())
+    }
+}
+
+impl Snapshot {
+    /// The snapshot for another process, or for later: how it was reached, by which [`Env::restore_from`] drives there again.
+    ///
+    /// # Errors
+    /// Returns an error if there is no episode.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, EnvError> {
+        let running = self.running.as_ref().ok_or(EnvError::NoEpisode)?;
+        let (key, words) = self.draws.position();
+        let log = DriveLog {
+            options: self.arena.options_hash(),
+            task: running.start.name.clone(),
+            run_seed: running.run_seed,
+            draws: (key, words as u64),
+            actions: running.actions.clone(),
+            state_hash: running.episode.state_hash().value(),
+        };
+        Ok(log.to_bytes())
+    }
 }
 
 /// The stream that tasks and noise are drawn from.
@@ -260,6 +309,7 @@ impl Running {
             goal_distance: distance(brief.goal, at.x, at.y),
             actuator: Actuator::new(arena.action(), &brief),
             contact_steps: 0,
+            actions: Vec::new(),
             way: vec![[at.x as f32, at.y as f32, at.z as f32]],
             turned: Vec::new(),
             steering: 0.0,
@@ -276,6 +326,7 @@ impl Running {
     }
 
     fn step(&mut self, arena: &Arena, action: &[f64]) -> Step {
+        self.actions.extend_from_slice(action);
         let command = self.actuator.command(action, &self.observation);
         let taken = self.episode.command(&command);
         let contact_steps = self.episode.simulation().contact_steps();

@@ -111,6 +111,17 @@ pub enum EnvError {
         "the state is of an environment that was made with other options: restore it in one that was made with the same"
     )]
     Unlike,
+    /// Bytes that should be a state are none.
+    #[error("the state can't be read: {0}; take one that this version of the package has pickled")]
+    State(String),
+    /// The drive that led to a state ends elsewhere now.
+    #[error(
+        "the drive of {task} that led to the state ends in another one here: the suite's files have changed"
+    )]
+    Elsewhere {
+        /// The name of the task.
+        task: String,
+    },
     /// The environment has no episode.
     #[error("there is no episode: call reset first")]
     NoEpisode,

@@ -10,6 +10,7 @@
 
 mod arena;
 mod cache;
+mod drive_log;
 mod env;
 mod error;
 mod output;

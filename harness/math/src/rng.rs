@@ -36,6 +36,20 @@ impl Stream {
         Self(ChaCha8Rng::from_seed(key))
     }
 
+    /// Where the stream stands: its key, and how many words of 32 bits were drawn.
+    #[must_use]
+    pub fn position(&self) -> ([u8; 32], u128) {
+        (self.0.get_seed(), self.0.get_word_pos())
+    }
+
+    /// The stream that stands at a [`Self::position`].
+    #[must_use]
+    pub fn at_position(key: [u8; 32], words: u128) -> Self {
+        let mut rng = ChaCha8Rng::from_seed(key);
+        rng.set_word_pos(words);
+        Self(rng)
+    }
+
     /// 64 uniform bits.
     pub fn next_u64(&mut self) -> u64 {
         self.0.next_u64()
@@ -89,6 +103,18 @@ mod tests {
         assert_ne!(draw(1, &["a", "b"]), draw(2, &["a", "b"]));
         assert_ne!(draw(1, &["a", "b"]), draw(1, &["ab"]));
         assert_ne!(draw(1, &["a", "b"]), draw(1, &["b", "a"]));
+    }
+
+    #[test]
+    fn a_stream_goes_on_from_its_position() {
+        let mut stream = Stream::new(7, &["a"]);
+        for _ in 0..37 {
+            stream.next_u64();
+        }
+        let (key, words) = stream.position();
+        let mut other = Stream::at_position(key, words);
+        assert_eq!(words, 74);
+        assert!((0..100).all(|_| stream.next_u64() == other.next_u64()));
     }
 
     #[test]

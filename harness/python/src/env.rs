@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use vb_env::{EnvError, Reset, Size, Terms, View};
 use vb_sdk::policy::{Dtype, Row};
 
@@ -21,6 +21,15 @@ pub(crate) struct Env {
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Snapshot {
     pub(crate) inner: vb_env::Snapshot,
+}
+
+#[pymethods]
+impl Snapshot {
+    /// The snapshot for another process: how it was reached.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = errors::guarded(py, || self.inner.to_bytes())?;
+        Ok(PyBytes::new(py, &bytes))
+    }
 }
 
 impl Env {
@@ -104,6 +113,11 @@ impl Env {
     /// Goes back to how it was.
     fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
         errors::guarded(py, || self.lock().restore(&snapshot.inner))
+    }
+
+    /// Goes back to a snapshot that another process wrote, by driving there again.
+    fn restore_from(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
+        errors::guarded(py, || self.lock().restore_from(bytes))
     }
 
     /// The true state of the vehicle as a dictionary; None without an episode.

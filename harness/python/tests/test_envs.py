@@ -2,6 +2,7 @@
 
 import copy
 import json
+import multiprocessing
 import os
 import pickle
 import subprocess
@@ -171,14 +172,53 @@ def test_a_state_is_gone_back_to_exactly(make):
     observation, *_ = drive(env, observation, 20)
     state, there = env.state(), observation
     first = drive(env, there, 30)
-    other = make(observation=["state", "path"]).unwrapped
-    for one in (env, other):
-        back = one.set_state(state)
+    other, pickled = make(observation=["state", "path"]).unwrapped, pickle.dumps(state)
+    assert len(pickled) < 2000
+    assert copy.deepcopy(state) is state
+    for one, kept in ((env, state), (other, state), (other, pickle.loads(pickled)), (env, pickle.loads(pickled))):
+        back = one.set_state(kept)
         assert all(np.array_equal(back[name], there[name]) for name in back)
         again = drive(one, back, 30)
         assert np.array_equal(again[0]["state"], first[0]["state"]) and again[1] == first[1]
-    with pytest.raises(TypeError):
-        pickle.dumps(state)
+    assert pickle.dumps(pickle.loads(pickled)) == pickled
+
+
+def test_states_that_were_forged_or_are_of_other_options_are_refused(make):
+    env = make(observation=["state"]).unwrapped
+    seen, _ = env.reset(seed=2)
+    env.step([0.0, 1.0])
+    state = env.state()
+    how = state.__reduce__()[1][0]
+    remade = state.__reduce__()[0]
+    with pytest.raises(vertibench.OptionError, match="made with other options"):
+        make(observation=["state", "path"]).unwrapped.set_state(pickle.loads(pickle.dumps(state)))
+    for forged in (b"", b"vbstate1", how[:-1], how + b"x", b"\x00" * 100, how[:8] + b"\x9f" * 50, b"vbstate1\xdd\xff\xff\xff\xff"):
+        with pytest.raises(vertibench.OptionError, match="the state can't be read"):
+            env.set_state(remade(forged))
+    with pytest.raises(vertibench.OptionError, match="holds bytes, not int"):
+        remade(7)
+    # Nothing has changed.
+    assert env.vehicle["time"] == pytest.approx(0.1)
+
+
+def test_a_search_in_another_process_takes_a_state(make):
+    env = make(observation=["state"]).unwrapped
+    env.reset(seed=2)
+    for _ in range(10):
+        env.step([0.2, 1.0])
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        time, position = pool.apply(_one_step_on, (env.state(), env._made_of))
+    env.step([0.0, 1.0])
+    assert (time, position) == (env.vehicle["time"], env.vehicle["position"].tolist())
+
+
+def _one_step_on(state, made_of):
+    from vertibench.envs import NavigationEnv
+
+    env = NavigationEnv(*made_of[0], **made_of[1])
+    env.set_state(state)
+    env.step([0.0, 1.0])
+    return env.vehicle["time"], env.vehicle["position"].tolist()
 
 
 def test_truth_is_told_apart_from_what_is_observed(make):

@@ -288,6 +288,34 @@ def test_a_copy_is_a_fresh_one_of_the_same_options(make, envs):
     assert type(again) is Own and again.mine == [7] and again.mine is not own.mine
 
 
+def test_attributes_and_methods_of_each_environment_can_be_asked_for(make):
+    from gymnasium.vector import SyncVectorEnv
+
+    own = make(2, threads=1, render_mode="rgb_array", render_size=(32, 24))
+    assert own.get_attr("task") == (None, None)
+    theirs = SyncVectorEnv([lambda: gymnasium.make(NAME, render_mode="rgb_array", render_size=(32, 24), **OPTIONS)] * 2)
+    for one in (own, theirs):
+        one.reset(seed=3)
+        one.step(np.full((2, 2), 0.5, np.float32))
+    for name in ("task", "vehicle", "tasks", "reward_weights"):
+        for mine, other in zip(own.get_attr(name), theirs.get_attr(name)):
+            assert repr(mine) == repr(other), name
+    for mine, other in zip(own.call("render"), theirs.call("render")):
+        assert np.array_equal(mine, other)
+    single = gymnasium.make(NAME, **OPTIONS).unwrapped
+    for k, state in enumerate(own.call("state")):
+        single.set_state(state)
+        assert repr(single.vehicle) == repr(own.get_attr("vehicle")[k])
+    for name in ("step", "reset", "close", "_env", "no_such"):
+        with pytest.raises(vertibench.UnknownError, match=f"call: '{name}' can't be asked of environments: there are task, "):
+            own.call(name)
+    with pytest.raises(vertibench.OptionError, match="set_attr: 'reward_weights' can't be set"):
+        own.set_attr("reward_weights", {})
+    own.close()
+    with pytest.raises(vertibench.EpisodeError, match="closed"):
+        own.get_attr("task")
+
+
 @pytest.mark.parametrize("mode", ["NEXT_STEP", "SAME_STEP"])
 def test_a_limit_of_steps_is_that_of_gymnasium(envs, mode):
     from gymnasium.vector import AutoresetMode, SyncVectorEnv

@@ -156,6 +156,12 @@ impl Episode {
         self.ledger.scorer.verdict()
     }
 
+    /// The hash of all states until now, one for each sample.
+    #[must_use]
+    pub fn state_hash(&self) -> StateHash {
+        self.ledger.hash.clone()
+    }
+
     /// What has been gathered until now.
     pub(crate) fn ledger(&self) -> &Ledger {
         &self.ledger

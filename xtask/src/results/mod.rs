@@ -157,7 +157,8 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
     }
     let done =
         drive.current_dir(root()).output().map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
-    if !done.status.success() {
+    // A run with simulations that failed, which count as failures, ends with a code of its own, and is complete.
+    if !done.status.success() && !read(&file).is_ok_and(|summary| is_complete(&summary)) {
         let messages = String::from_utf8_lossy(&done.stderr);
         let last = messages.trim_end().lines().last().unwrap_or_default();
         return Err(Failure::new(format!("{}: vb-harness: {}: {last}", out.display(), done.status)));

@@ -157,6 +157,63 @@ fn a_snapshot_is_refused_by_an_environment_with_other_options_and_one_of_no_epis
 }
 
 #[test]
+fn a_snapshot_as_bytes_goes_on_as_the_environment_did() {
+    let mut env = Env::new(arena(options()), 0);
+    // A drawn task, and others after it, so that the stream of draws matters.
+    env.reset(&Reset { seed: Some(4), ..Reset::default() }).unwrap();
+    drive(&mut env, 30).unwrap();
+    let bytes = env.snapshot().to_bytes().unwrap();
+    let steps = drive(&mut env, 50).unwrap();
+    let (seen, record) = (part(&env, 0), env.record().cloned());
+    env.reset(&Reset::default()).unwrap();
+    let next = (env.task().map(str::to_owned), env.run_seed());
+    // Made anew, as another process does.
+    let mut other = Env::new(arena(options()), 99);
+    other.restore_from(&bytes).unwrap();
+    assert_eq!(other.snapshot().to_bytes().unwrap(), bytes);
+    assert_eq!(drive(&mut other, 50).unwrap(), steps);
+    assert_eq!((part(&other, 0), other.record().cloned()), (seen, record));
+    other.reset(&Reset::default()).unwrap();
+    assert_eq!((other.task().map(str::to_owned), other.run_seed()), next);
+}
+
+#[test]
+fn forged_snapshots_are_refused_and_change_nothing() {
+    let mut env = Env::new(arena(options()), 0);
+    assert!(matches!(env.snapshot().to_bytes(), Err(EnvError::NoEpisode)));
+    env.reset(&on("w003/t02")).unwrap();
+    drive(&mut env, 5).unwrap();
+    let bytes = env.snapshot().to_bytes().unwrap();
+    let seen = part(&env, 0);
+    for other in [Options { vehicle: "gator".into(), ..options() }, Options { control_hz: 20.0, ..options() }]
+    {
+        let told = Env::new(arena(other), 0).restore_from(&bytes);
+        assert!(matches!(told, Err(EnvError::Unlike)));
+    }
+    let mut refused = |forged: &[u8]| {
+        let told = env.restore_from(forged).expect_err("a forged state").to_string();
+        assert_eq!(part(&env, 0), seen, "{told}");
+        told
+    };
+    assert!(refused(b"").starts_with("the state can't be read: it is no state"));
+    assert!(refused(&vec![0; 17 << 20]).contains("at most 16777216 are read"));
+    for end in 8..bytes.len() {
+        refused(&bytes[..end]);
+    }
+    // Each byte but the stream's key and position changed: the text, the seed and the actions lead elsewhere or nowhere.
+    for k in 0..bytes.len() {
+        let mut forged = bytes.clone();
+        forged[k] ^= 0x55;
+        let _ = env.restore_from(&forged);
+    }
+    // An action that is no number, in the place of one that is.
+    let mut forged = bytes.clone();
+    let at = bytes.windows(9).position(|w| w[0] == 0xcb).expect("an action");
+    forged[at + 1..at + 9].copy_from_slice(&f64::NAN.to_be_bytes());
+    assert!(env.restore_from(&forged).expect_err("NaN").to_string().contains("action[0]"));
+}
+
+#[test]
 fn a_drawn_task_that_cannot_be_begun_is_not_drawn_again_and_again() {
     // At a step of 5 ms a car of a tenth of the size can't be simulated on this soil.
     let small = Options { vehicle: "verti4wheeler".into(), time_step: 0.005, ..options() };

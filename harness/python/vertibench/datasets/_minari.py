@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 import re
 import shutil
@@ -80,6 +81,7 @@ def to_minari(
     make = minari.create_dataset_from_buffers
     if "jpeg_encoding" not in inspect.signature(make).parameters:
         settings.pop("jpeg_encoding")
+    settings.setdefault("env", _env_spec(dataset))
     observations = gymnasium.spaces.Dict(spaces)
     actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
     path = Path(get_dataset_path(dataset_id))
@@ -96,6 +98,30 @@ def to_minari(
         if isinstance(e, ImportError):
             raise _missing(e) from None
         raise
+
+
+def _env_spec(dataset: Dataset) -> Any:
+    """The environment over the dataset's worlds with its vehicle, which Minari's `recover_environment` makes. The worlds are where the
+    dataset lies now."""
+    import gymnasium
+
+    from ..registration import NAME, register
+
+    register()
+    info = dataset.info
+    options = {
+        "suite": str((dataset.folder / "suite").resolve()),
+        "vehicle": info.vehicle,
+        "soils": info.soils,
+        "perception": info.perception,
+        "scale": info.scale,
+        "time_step": info.header["time_step"],
+        "control_hz": float(info.hz),
+        "action": "pedals",
+    }
+    spec = copy.deepcopy(gymnasium.spec(NAME))
+    spec.kwargs = options
+    return spec
 
 
 def _missing(e: ImportError) -> DatasetError:

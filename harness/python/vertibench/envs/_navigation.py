@@ -15,12 +15,34 @@ from ._render import Camera
 
 
 class State:
-    """An environment as it was at some time: `NavigationEnv.state` gives it, `NavigationEnv.set_state` takes it back."""
+    """An environment as it was at some time: `NavigationEnv.state` gives it, `NavigationEnv.set_state` takes it back.
 
-    __slots__ = ("_snapshot",)
+    It never changes. A pickled one holds how the state was reached: the task, its seed and all actions, a few kB. An environment that
+    takes it back drives there again, as fast as it simulates, and then has the same state to the last bit."""
+
+    __slots__ = ("_bytes", "_snapshot")
 
     def __init__(self, snapshot: _native.Snapshot) -> None:
-        self._snapshot = snapshot
+        self._snapshot: _native.Snapshot | None = snapshot
+        self._bytes = b""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self._bytes if self._snapshot is None else self._snapshot.to_bytes(),)
+
+    def __copy__(self) -> State:
+        return self
+
+    def __deepcopy__(self, memo: Any) -> State:
+        return self
+
+
+def _unpickled(how: bytes) -> State:
+    """The state that was reached in this way; whether it can be reached is seen where it is taken back."""
+    if not isinstance(how, bytes):
+        raise OptionError(f"a pickled State holds bytes, not {type(how).__name__}")
+    state = State.__new__(State)
+    state._snapshot, state._bytes = None, how
+    return state
 
 
 class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
@@ -125,7 +147,7 @@ class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
         return self._setup.collect([env.observe_flat()] if self._setup.flat else env.observe())
 
     def state(self) -> State:
-        """The environment as it is now, for a search that comes back to it. It lives in memory and can't be pickled."""
+        """The environment as it is now, for a search that comes back to it, also in another process: it can be pickled."""
         env = self._native()
         env.check()
         return State(env.snapshot())
@@ -136,7 +158,10 @@ class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
         env = self._native()
         if not isinstance(state, State):
             raise OptionError(f"set_state: {type(state).__name__} is no State: give what state() gave")
-        env.restore(state._snapshot)
+        if state._snapshot is None:
+            env.restore_from(state._bytes)
+        else:
+            env.restore(state._snapshot)
         self._is_seeded = True
         return self._observe(env)
 

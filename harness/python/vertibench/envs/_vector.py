@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 from collections.abc import Sequence
@@ -17,9 +18,13 @@ from .._options import number, path, whole
 from .._options import seed as seed_of
 from ._common import TERMS, Remade, began, ended, options_of, real_numbers, setup_of, task_of
 from ._limit import Limit
-from ._navigation import State
+from ._navigation import NavigationEnv, State
 from ._render import Camera
 
+#: What can be asked of each environment: attributes and methods of one that change nothing.
+_VIEWS = (
+    "task", "vehicle", "tasks", "reward_weights", "state", "render", "render_mode", "metadata", "spec", "observation_space", "action_space",
+)  # fmt: skip
 #: So many training worlds of the default seed have tasks for all stages of the curriculum `manual`.
 MANUAL_WORLDS = 36
 
@@ -307,6 +312,38 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
     def tasks(self) -> list[str]:
         """The names of the tasks, in the suite's order."""
         return self._setup.arena.tasks()
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """What an attribute of `NavigationEnv` is in each environment: `task`, `vehicle`, `tasks`, `reward_weights`, or the spaces.
+
+        Raises `UnknownError` for any other name."""
+        return self.call(name)
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """What a method of `NavigationEnv` that changes nothing gives in each environment: `state` or `render`. An attribute is given
+        as it is. What would change one environment alone, such as `step`, can't be called: step all, or use `send` with its index.
+
+        Raises `UnknownError` for any other name."""
+        if name not in _VIEWS:
+            raise UnknownError(f"call: {name!r} can't be asked of environments: there are {', '.join(_VIEWS)}")
+        env = self._native()
+        one = NavigationEnv.__new__(NavigationEnv)
+        one._setup, one._camera = self._setup, self._camera
+        one.observation_space, one.action_space = self.single_observation_space, self.single_action_space
+        one.render_mode, one.metadata, one.spec = self.render_mode, self.metadata, self.spec
+        told = []
+        for index in range(self.num_envs):
+            snapshot, one._env = env.snapshot(index), _native.Env(self._setup.arena, 0)
+            # Without an episode, as before the first reset, there is nothing to go back to.
+            with contextlib.suppress(EpisodeError):
+                one._env.restore(snapshot)
+            value = getattr(one, name)
+            told.append(value(*args, **kwargs) if callable(value) else value)
+        return tuple(told)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Raises `OptionError`: what an environment is like is said when it is made, and is the same in all."""
+        raise OptionError(f"set_attr: {name!r} can't be set: make environments with other options")
 
     def state(self, index: int) -> State:
         """One of the environments as it is now, which a `NavigationEnv` with the same options can go on with."""

@@ -1,0 +1,47 @@
+//! How a state of an environment was reached, as bytes: small, and without any state of the simulation, so that nothing that a
+//! stranger writes into it can bring the simulation into a state that it can't reach by driving.
+
+use serde::{Deserialize, Serialize};
+
+use crate::EnvError;
+
+/// What comes first, so that other bytes are told apart at once. The last character is the version.
+const MAGIC: &[u8] = b"vbstate1";
+/// The most bytes that are read: an hour of actions at 100 Hz is less.
+const MAX_BYTES: usize = 16 << 20;
+
+/// How a state was reached.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DriveLog {
+    /// The hash of the options of the arena.
+    pub(crate) options: String,
+    /// The name of the task.
+    pub(crate) task: String,
+    /// The seed of the sensors' noise.
+    pub(crate) run_seed: u64,
+    /// Where the stream stands that later tasks are drawn from.
+    pub(crate) draws: ([u8; 32], u64),
+    /// All actions, one after another.
+    pub(crate) actions: Vec<f64>,
+    /// The hash over all states of the simulation until then.
+    pub(crate) state_hash: u64,
+}
+
+impl DriveLog {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        // Numbers and text can always be written into memory.
+        let _ = rmp_serde::encode::write(&mut bytes, self);
+        bytes
+    }
+
+    pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self, EnvError> {
+        if bytes.len() > MAX_BYTES {
+            let (size, most) = (bytes.len(), MAX_BYTES);
+            return Err(EnvError::State(format!("it has {size} bytes, and at most {most} are read")));
+        }
+        let body = bytes.strip_prefix(MAGIC).ok_or_else(|| EnvError::State("it is no state".into()))?;
+        rmp_serde::from_slice(body).map_err(|e| EnvError::State(e.to_string()))
+    }
+}
