@@ -191,9 +191,15 @@ fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
     CliError::output(format!("cannot write {}: {e}", path.display()))
 }
 
-/// A line to stderr.
+/// A line to stderr. Paths and texts of strangers in it can't command the terminal.
 pub(crate) fn note(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", vb_host::printable(line));
+}
+
+/// A path as a shell takes it for one word.
+pub(crate) fn word(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    shlex::try_quote(&text).map_or_else(|_| text.to_string(), std::borrow::Cow::into_owned)
 }
 
 /// The one line that tells why a command failed.

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     let again = |out: &Path| match args.shard {
         // A shard goes on by itself.
         Some(_) => "the same command".to_owned(),
-        None => format!("the same command and --out {} --resume", out.display()),
+        None => format!("the same command and --out {} --resume", output::word(out)),
     };
     let (out, simulated) = drive(args, &again)?;
     if args.format.get() == MessageFormat::Human {
@@ -37,8 +37,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
 
 /// What one does next, as commands: look at all of it, and at the first task that failed.
 fn next(out: &Path, trace: TraceMode) {
-    let own = out.display();
-    output::note(&format!("next:    vb-harness report {own} --out {}", out.join("report").display()));
+    let own = output::word(out);
+    output::note(&format!("next:    vb-harness report {own} --out {}", output::word(&out.join("report"))));
     if trace == TraceMode::None {
         return;
     }
@@ -202,7 +202,17 @@ pub(crate) fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
 
 #[allow(clippy::disallowed_methods, reason = "for the record: nothing of it reaches a score")]
 fn started_at() -> String {
-    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+    rfc3339(SystemTime::now())
+}
+
+/// A time as RFC 3339 has it. Boards without a battery start anywhere: a time that the format lacks is unknown.
+fn rfc3339(time: SystemTime) -> String {
+    /// 9999-12-31T23:59:59Z.
+    const LAST: u64 = 253_402_300_799;
+    match time.duration_since(SystemTime::UNIX_EPOCH) {
+        Ok(since) if since.as_secs() <= LAST => humantime::format_rfc3339_seconds(time).to_string(),
+        _ => "unknown".to_owned(),
+    }
 }
 
 pub(crate) fn run_error(e: RunError) -> CliError {

@@ -58,13 +58,18 @@ pub const QUANTITIES: [Quantity; 8] = [
     },
 ];
 
-/// A distribution: the number of values in each bin, by the place of the bin; bin 0 is centred at 0.
+/// The outermost bin on either side: it has all that lies beyond.
+const OUTERMOST: f64 = 1000.0;
+
+/// A distribution: the number of values in each bin, by the place of the bin; bin 0 is centred at 0, and those beyond bin ±1000
+/// are in that one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Histogram(pub BTreeMap<i64, u64>);
 
 impl Histogram {
     fn add(&mut self, value: f64, bin: f64) {
-        *self.0.entry((value / bin).round() as i64).or_default() += 1;
+        let place = (value / bin).round().clamp(-OUTERMOST, OUTERMOST);
+        *self.0.entry(place as i64).or_default() += 1;
     }
 
     /// The number of values.
@@ -194,5 +199,8 @@ mod tests {
         }
         assert_eq!(h.0, [(-1, 1), (0, 3), (1, 1), (7, 1)].into());
         assert_eq!(h.count(), 6);
+        let mut h = Histogram::default();
+        [1e38, -1e38, 1001.0].into_iter().for_each(|v| h.add(v, 1.0));
+        assert_eq!(h.0, [(-1000, 1), (1000, 2)].into());
     }
 }

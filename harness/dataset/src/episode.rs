@@ -5,8 +5,12 @@ use vb_record::Sample;
 use vb_runner::Witness;
 use vb_sdk::{Command, Observation};
 use vb_sim::{Controls, Gear, Simulation, VehicleState};
+use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 use crate::feature::{Feature, Frame, Ground, Values};
+
+/// The greatest length, coordinate or time that an episode may have, m or s.
+const FARTHEST: f64 = 1e9;
 
 /// What is said of an episode as a whole. Each field is a column of `meta/episodes`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,6 +53,34 @@ pub struct EpisodeInfo {
     pub origin: String,
     /// The cause of a rollover, or of getting stuck; else empty.
     pub cause: String,
+}
+
+impl EpisodeInfo {
+    /// The first field with a value that no episode can have: the field, the value, and what is allowed. `None` if there is none.
+    #[must_use]
+    pub fn flaw(&self) -> Option<String> {
+        let named = |field: &str, value: &str, known: &[&str]| {
+            let is_known = value.is_empty() || known.contains(&value);
+            (!is_known).then(|| format!("{field}: {value:?} is none of {}", known.join(", ")))
+        };
+        let within = |field: &str, values: &[f64], low: f64, high: f64| {
+            let odd = values.iter().find(|v| !(low..=high).contains(*v))?;
+            Some(format!("{field}: {odd:e} must lie in {low:e} to {high:e}"))
+        };
+        let outcomes: Vec<&str> =
+            vb_score::Outcome::ALL.iter().map(|o| o.name()).chain([crate::make::ENDED]).collect();
+        let causes: Vec<&str> = vb_score::Cause::ALL.iter().map(|c| c.name()).collect();
+        named("outcome", &self.outcome, &outcomes)
+            .or_else(|| named("cause", &self.cause, &causes))
+            .or_else(|| named("elevation", &self.elevation, &Elevation::ALL.map(Elevation::name)))
+            .or_else(|| named("terrain", &self.terrain, &Terrain::ALL.map(Terrain::name)))
+            .or_else(|| named("density", &self.density, &Density::ALL.map(Density::name)))
+            .or_else(|| named("ground", &self.ground, &TerrainClass::ALL.map(TerrainClass::name)))
+            .or_else(|| within("time_s", &[self.time_s], 0.0, FARTHEST))
+            .or_else(|| within("distance_m", &[self.distance_m], 0.0, FARTHEST))
+            .or_else(|| within("start", &self.start, -FARTHEST, FARTHEST))
+            .or_else(|| within("goal", &self.goal, -FARTHEST, FARTHEST))
+    }
 }
 
 /// An episode in memory.

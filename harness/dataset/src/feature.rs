@@ -216,7 +216,7 @@ impl Layout {
                 vector(
                     "action",
                     named(&["steering", "throttle", "brake", "gear"]),
-                    "What the driver commanded, as given: steering in [-1, 1], positive to the left, throttle and brake in [0, 1], gear (-1 reverse, 0 neutral, 1 forward); it holds until the next command",
+                    "What the driver commanded, within range: steering in [-1, 1], positive to the left, throttle and brake in [0, 1], gear (-1 reverse, 0 neutral, 1 forward); it holds until the next command",
                     Fill::Action,
                 ),
             ),
@@ -450,7 +450,10 @@ impl Feature {
             }
             Fill::Action => {
                 let c = frame.given;
-                to.f32([c.steering, c.throttle, c.brake, given_gear(c.gear)]);
+                // As the vehicle takes it: what is out of range counts as the end of the range.
+                let (steering, [throttle, brake]) =
+                    (c.steering.clamp(-1.0, 1.0), [c.throttle, c.brake].map(|v| v.clamp(0.0, 1.0)));
+                to.f32([steering, throttle, brake, given_gear(c.gear)]);
             }
             Fill::Speed => to.f32([frame.speed]),
             Fill::Applied => {

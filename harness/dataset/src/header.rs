@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vb_record::DataHeader;
+use vb_record::{DataHeader, TIME_STEPS};
+use vb_vehicle::SCALES;
 
 use crate::explore::Exploration;
 use crate::feature::Layout;
@@ -112,7 +113,31 @@ pub struct Header {
     pub options: BTreeMap<String, Value>,
 }
 
+/// The most wheels that a vehicle of a dataset may have.
+const WHEELS: usize = 64;
+/// The most rows of a crop.
+const CROPS: usize = 128;
+/// Frames a second at most.
+const HZ: u32 = 100;
+
 impl Header {
+    /// The first value that no dataset can have: its field, its value, and what is allowed. `None` if there is none.
+    #[must_use]
+    pub fn flaw(&self) -> Option<String> {
+        let real = |field: &str, value: f64, allowed: &std::ops::RangeInclusive<f64>| {
+            let (low, high) = (allowed.start(), allowed.end());
+            (!allowed.contains(&value)).then(|| format!("{field}: {value:e} must lie in {low} to {high}"))
+        };
+        let whole = |field: &str, value: usize, low: usize, high: usize| {
+            (!(low..=high).contains(&value)).then(|| format!("{field}: {value} must lie in {low} to {high}"))
+        };
+        whole("layout.wheels", self.layout.wheels, 1, WHEELS)
+            .or_else(|| whole("layout.crops", self.layout.crops, 0, CROPS))
+            .or_else(|| whole("hz", self.hz as usize, 1, HZ as usize))
+            .or_else(|| real("scale", self.scale, &SCALES))
+            .or_else(|| real("time_step", self.time_step, &TIME_STEPS))
+    }
+
     /// The first field in which another header differs: its name, and both values.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {

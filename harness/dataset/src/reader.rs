@@ -29,7 +29,8 @@ pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
     if found > u64::from(DATASET_SCHEMA) {
         return Err(DatasetError::Schema { path, found, supported: DATASET_SCHEMA });
     }
-    serde_json::from_value(value).map_err(damaged)
+    let header: Header = serde_json::from_value(value).map_err(damaged)?;
+    header.flaw().map_or(Ok(header), |flaw| Err(DatasetError::damaged(&path, &flaw)))
 }
 
 /// Reads `dataset.json` of a dataset that must be finished.
@@ -65,7 +66,13 @@ impl Dataset {
                 }
                 break;
             }
-            rows.extend(read_episodes(&path)?);
+            for row in read_episodes(&path)? {
+                let first = rows.last().map_or(0, |last: &Row| last.place.to);
+                if let Some(flaw) = row.flaw(rows.len(), first, number) {
+                    return Err(DatasetError::damaged(&path, &flaw));
+                }
+                rows.push(row);
+            }
         }
         let features = header.layout.features();
         Ok(Self { dir: dir.to_owned(), header, features, rows })

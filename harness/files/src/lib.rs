@@ -89,7 +89,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(parent)?;
     file.write_all(bytes)?;
-    file.as_file().sync_all()?;
+    match file.as_file().sync_all() {
+        // Some file systems can't make a file durable, and say that it is no operation of theirs.
+        Err(e) if matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {}
+        other => other?,
+    }
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }

@@ -260,6 +260,9 @@ impl FaultCause {
                 "recurse less deeply and keep big arrays on the heap; the system sets the size (ulimit -s), and no limit of the \
                  harness does"
             }
+            Self::Trap { backtrace, .. } if backtrace.is_empty() => {
+                "no function is known: it may be in what a call handed over, so look at pointers, lengths and texts of results"
+            }
             Self::Trap { .. } => "look at the functions named; run --debug shows more of them",
             Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",

@@ -8,7 +8,7 @@ use vb_sdk::metadata::{ELF_SECTION, MACHO_SECTION, Metadata, WASM_SECTION};
 use wasmparser::{BinaryReaderError, Encoding, Parser, Payload};
 
 use crate::abi::{self, AbiVersion};
-use crate::text::one_line;
+use crate::text::{one_line, printable};
 use crate::{Limits, LoadError, hint};
 
 /// What a plugin is made of.
@@ -112,17 +112,38 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
         path: path.into(),
         reason: format!("it carries no planner metadata; {}", hint::no_metadata(format == Format::Native)),
     })?;
+    let too_large = |what, found, limit| LoadError::TooLarge { path: path.into(), what, found, limit };
+    if text.len() as u64 > MAX_METADATA {
+        return Err(too_large("bytes of metadata", text.len() as u64, MAX_METADATA));
+    }
     // The version decides how the rest is to be read.
-    let outside = |found: &str| LoadError::AbiVersion { path: path.into(), found: one_line(found) };
+    let outside = |found: &str| {
+        // Blanks at an end would not be seen.
+        let quoted = if found.trim() == found { found.to_owned() } else { format!("\"{found}\"") };
+        LoadError::AbiVersion { path: path.into(), found: one_line(&quoted) }
+    };
     if let Some(found) = abi::stamp(&text).filter(|found| AbiVersion::find(found).is_none()) {
         return Err(outside(found));
     }
-    let metadata =
+    let mut metadata =
         Metadata::parse(&text).map_err(|source| LoadError::Metadata { path: path.into(), source })?;
+    for (what, text) in
+        [("bytes of its name", &mut metadata.name), ("bytes of its version", &mut metadata.version)]
+    {
+        if text.len() as u64 > MAX_NAME {
+            return Err(too_large(what, text.len() as u64, MAX_NAME));
+        }
+        // They stand in files, on pages and boards, and in names of folders.
+        *text = printable(text);
+    }
     let abi = AbiVersion::find(&metadata.abi).ok_or_else(|| outside(&metadata.abi))?;
     Ok(PluginFile { bytes, format, abi, metadata })
 }
 
+/// The most bytes of a plugin's metadata; that of the planners that come with the harness has some thousand.
+const MAX_METADATA: u64 = 64 << 10;
+/// The most bytes of a planner's name, of which folders are named, and of its version.
+const MAX_NAME: u64 = 100;
 /// Levels of components in components: toolchains make two or three, and the engine walks them recursively.
 const MAX_DEPTH: u64 = 16;
 /// Modules and components in a plugin: those of interpreted languages have dozens.

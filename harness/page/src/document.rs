@@ -69,7 +69,7 @@ impl Page<'_> {
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
              content=\"width=device-width,initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" \
-             content=\"default-src 'none'; img-src {images}; style-src 'unsafe-inline'{policy}\"><title>{title}</title>\
+             content=\"default-src 'none'; base-uri 'none'; form-action 'none'; img-src {images}; style-src 'unsafe-inline'{policy}\"><title>{title}</title>\
              <style>{styles}</style></head><body{space}{}>{}{scripts}</body></html>\n",
             self.attributes, self.body
         )

@@ -4,10 +4,18 @@ use std::fmt::Write as _;
 
 use crate::{escape, number};
 
-/// Round values within a range, about as many as wanted.
+/// Ticks of an axis at most.
+const MOST: usize = 1000;
+
+/// Round values within a range, about as many as wanted, and never more than a thousand. A range that has no finite length, or
+/// whose ends are the wrong way round, has none.
 #[must_use]
 pub fn ticks(low: f64, high: f64, wanted: f64) -> Vec<f64> {
-    let raw = ((high - low) / wanted).max(1e-9);
+    let length = high - low;
+    if !(length.is_finite() && length >= 0.0 && wanted > 0.0) {
+        return Vec::new();
+    }
+    let raw = (length / wanted).clamp(1e-9, f64::MAX);
     let mut unit = 1.0;
     while unit > raw {
         unit /= 10.0;
@@ -17,7 +25,17 @@ pub fn ticks(low: f64, high: f64, wanted: f64) -> Vec<f64> {
     }
     let step = [1.0, 2.0, 5.0, 10.0].map(|f| f * unit).into_iter().find(|s| *s >= raw).unwrap_or(unit);
     let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| k as f64 * step + 0.0).collect()
+    (first..=last).take(MOST).map(|k| k as f64 * step + 0.0).filter(|tick| tick.is_finite()).collect()
+}
+
+/// Where a value lies in a range, from 0 to 1; what is beyond it, or is no number, lies at an end. In a range without a finite
+/// length everything lies in the middle.
+fn fraction(value: f64, [low, high]: [f64; 2]) -> f64 {
+    let length = high - low;
+    if !(length.is_finite() && length > 0.0) {
+        return 0.5;
+    }
+    (value.max(low).min(high) - low) / length
 }
 
 /// Digits behind the point that tell ticks apart.
@@ -53,14 +71,14 @@ impl Frame {
     #[must_use]
     pub fn sx(&self, x: f64) -> f64 {
         let w = self.width - self.left - self.right;
-        self.left + (x.clamp(self.x[0], self.x[1]) - self.x[0]) / (self.x[1] - self.x[0]) * w
+        self.left + fraction(x, self.x) * w
     }
 
     /// Where a value lies from the top; what is beyond the area is put at its edge.
     #[must_use]
     pub fn sy(&self, y: f64) -> f64 {
         let h = self.height - self.top - self.bottom;
-        self.top + (1.0 - (y.clamp(self.y[0], self.y[1]) - self.y[0]) / (self.y[1] - self.y[0])) * h
+        self.top + (1.0 - fraction(y, self.y)) * h
     }
 
     /// Widens one of the ranges so that a unit is as long across as upwards: for maps.
@@ -173,5 +191,53 @@ mod tests {
             ticks(9990.0, 10_050.0, 6.0),
             [9990.0, 10_000.0, 10_010.0, 10_020.0, 10_030.0, 10_040.0, 10_050.0]
         );
+    }
+
+    #[test]
+    fn ranges_that_can_not_be_drawn_have_no_ticks_and_end_no_program() {
+        for (low, high) in [
+            (0.0, f64::INFINITY),
+            (f64::NEG_INFINITY, f64::INFINITY),
+            (-f64::MAX, f64::MAX),
+            (f64::NAN, 1.0),
+            (0.0, f64::NAN),
+            (1.0, 0.0),
+        ] {
+            assert!(ticks(low, high, 5.0).is_empty(), "{low} to {high}");
+        }
+        assert!(ticks(0.0, 1.0, 0.0).is_empty());
+        // Any finite range has some, whatever its size.
+        for high in [f64::MAX, 1e308, 1e100, 1e17, 1e-3, 1e-300, 0.0] {
+            let all = ticks(0.0, high, 5.0);
+            assert!((1..=7).contains(&all.len()) && all.iter().all(|t| t.is_finite()), "{high}: {all:?}");
+        }
+        assert!(ticks(1e300, 1e300, 5.0).len() <= 1 && ticks(1e17, 1e17 + 16.0, 5.0).len() <= 7);
+        assert_eq!(ticks(0.0, 1.0, 1e9).len(), MOST);
+    }
+
+    #[test]
+    fn values_lie_within_the_picture_whatever_they_are() {
+        let frame =
+            |x, y| Frame { width: 100.0, height: 50.0, left: 10.0, right: 10.0, top: 5.0, bottom: 5.0, x, y };
+        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, f64::MAX, -f64::MAX, 1e38];
+        let ranges =
+            [[0.0, 1.0], [4.6e17, -4.6e17], [0.0, 0.0], [f64::NAN, 1.0], [f64::NEG_INFINITY, f64::INFINITY]];
+        for range in ranges {
+            let mut frame = frame(range, range);
+            for value in odd {
+                let (x, y) = (frame.sx(value), frame.sy(value));
+                assert!(
+                    (10.0..=90.0).contains(&x) && (5.0..=45.0).contains(&y),
+                    "{value} in {range:?}: {x}, {y}"
+                );
+            }
+            frame.make_square();
+            let mut text = String::new();
+            frame.x_axis(&mut text, 5.0);
+            frame.y_axis(&mut text, 5.0);
+            assert!(text.len() < 10_000 && !text.contains("NaN"), "{range:?}: {text}");
+        }
+        let frame = frame([0.0, 10.0], [0.0, 1.0]);
+        assert_eq!((frame.sx(5.0), frame.sx(-1.0), frame.sx(11.0), frame.sy(1.0)), (50.0, 10.0, 90.0, 5.0));
     }
 }

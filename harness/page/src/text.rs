@@ -1,11 +1,17 @@
 //! Text in pages.
 
+/// Whether a character turns the direction of the text around it (Unicode's property `Bidi_Control`): texts of strangers would look
+/// like others with it.
+fn is_turning(c: char) -> bool {
+    matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// Text that is safe in HTML and SVG, between tags and in quoted attributes. Characters that XML can't hold (XML 1.0, production 2)
-/// become the replacement character: a file of SVG with one of them would be none.
+/// become the replacement character: a file of SVG with one of them would be none. So do those that turn the direction of writing.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let held = |c: char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
-    text.replace(|c| !held(c), "\u{fffd}")
+    text.replace(|c| !held(c) || is_turning(c), "\u{fffd}")
         .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
@@ -13,12 +19,15 @@ pub fn escape(text: &str) -> String {
         .replace('\'', "&#39;")
 }
 
-/// JSON that is safe within a script element: no tag or comment can begin or end in it.
+/// JSON that is safe within a script element: no tag or comment can begin or end in it, and no text turns the direction of writing.
 #[must_use]
 pub fn json<T: serde::Serialize>(value: &T) -> String {
     // What a page holds is lists of texts and numbers, which always convert; numbers that JSON lacks become null.
     let text = serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned());
-    text.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    text.replace(is_turning, "\u{fffd}")
+        .replace('<', "\\u003c")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
 }
 
 /// A number with so many digits behind the point and a minus sign as people write it.
@@ -67,11 +76,13 @@ mod tests {
         assert!(!text.contains('<') && !text.contains('\u{2028}'), "{text}");
         let back: Vec<String> = serde_json::from_str(&text).unwrap();
         assert_eq!(back[0], "</script><script>alert(1)</script>");
+        assert_eq!(json(&["a\u{202e}b"]), "[\"a\u{fffd}b\"]");
     }
 
     #[test]
     fn text_is_escaped_and_has_no_character_that_xml_lacks() {
         assert_eq!(escape("a<b & \"c\"\n\t'd'>"), "a&lt;b &amp; &quot;c&quot;\n\t&#39;d&#39;&gt;");
+        assert_eq!(escape("a\u{202e}b\u{2066}\u{200f}"), "a\u{fffd}b\u{fffd}\u{fffd}");
         assert_eq!(escape("\0\u{1}é\u{1b}[0m\u{ffff}"), "\u{fffd}\u{fffd}é\u{fffd}[0m\u{fffd}");
     }
 

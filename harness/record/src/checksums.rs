@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use vb_files::sha256;
 
 use crate::StoreError;
+use crate::files::durable;
 
 /// The file in a run directory.
 pub(crate) const CHECKSUMS: &str = "checksums.txt";
@@ -154,6 +155,6 @@ impl ChecksumWriter {
 
     /// Makes durable what was added.
     pub(crate) fn sync(&self) -> Result<(), StoreError> {
-        self.file.sync_data().map_err(StoreError::io("sync", &self.path))
+        durable(self.file.sync_data()).map_err(StoreError::io("sync", &self.path))
     }
 }

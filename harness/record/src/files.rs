@@ -1,7 +1,7 @@
 //! Writing whole files so that they are either there or not.
 
 use std::fs::{self, File};
-use std::io::Write as _;
+use std::io::{self, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::StoreError;
@@ -13,7 +13,7 @@ pub(crate) fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> 
     let written = (|| {
         let mut file = File::create(&tmp).map_err(StoreError::io("create", &tmp))?;
         file.write_all(bytes).map_err(StoreError::io("write", &tmp))?;
-        file.sync_all().map_err(StoreError::io("sync", &tmp))?;
+        durable(file.sync_all()).map_err(StoreError::io("sync", &tmp))?;
         fs::rename(&tmp, path).map_err(StoreError::io("rename to", path))?;
         path.parent().map(sync_dir);
         Ok(())
@@ -23,6 +23,15 @@ pub(crate) fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> 
         let _ = fs::remove_file(&tmp);
     }
     written
+}
+
+/// The result of making a file durable. Some file systems (FUSE, SMB) can't, and say that it is no operation of theirs: what was
+/// written is as safe there as it gets.
+pub(crate) fn durable(synced: io::Result<()>) -> io::Result<()> {
+    match synced {
+        Err(e) if matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        other => other,
+    }
 }
 
 /// `.NAME.tmp` beside the file.

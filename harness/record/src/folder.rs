@@ -73,7 +73,7 @@ impl FolderLock {
             Ok(()) => Ok(Self { file, path }),
             Err(TryLockError::WouldBlock) => Err(StoreError::Locked(dir.to_owned())),
             // Some network file systems have no locks: better to run unprotected than not at all.
-            Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => Ok(Self { file, path }),
+            Err(TryLockError::Error(e)) if has_no_locks(&e) => Ok(Self { file, path }),
             Err(TryLockError::Error(source)) => Err(StoreError::Io { action: "lock", path, source }),
         }
     }
@@ -85,6 +85,13 @@ impl FolderLock {
         // An empty hidden file that stays harms nobody.
         let _ = fs::remove_file(path);
     }
+}
+
+/// Whether an error of locking says that the file system has no locks: none at all, or, on a network file system whose lock service
+/// doesn't run, none to be had (ENOLCK, which is 37 on Linux and 77 on macOS and the BSDs).
+fn has_no_locks(e: &std::io::Error) -> bool {
+    let none_to_be_had = if cfg!(target_os = "linux") { 37 } else { 77 };
+    e.kind() == ErrorKind::Unsupported || (cfg!(unix) && e.raw_os_error() == Some(none_to_be_had))
 }
 
 /// A folder whose content is made within it, under a hidden name, and gets its place only when it is whole. Meanwhile the
@@ -219,5 +226,13 @@ mod tests {
         fs::write(tmp.path().join(WORKSHOP).join("old"), "").unwrap();
         let folder = NewFolder::new(tmp.path()).unwrap();
         assert_eq!(fs::read_dir(folder.dir()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_file_system_without_locks_is_used_unlocked() {
+        let none = if cfg!(target_os = "linux") { 37 } else { 77 };
+        assert!(has_no_locks(&ErrorKind::Unsupported.into()));
+        assert_eq!(has_no_locks(&std::io::Error::from_raw_os_error(none)), cfg!(unix));
+        assert!(!has_no_locks(&ErrorKind::PermissionDenied.into()));
     }
 }

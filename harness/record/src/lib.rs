@@ -6,6 +6,7 @@
 //! ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing of rules: records and summaries are
 //! whatever its callers serialise.
 
+mod bounded;
 mod checksums;
 mod debug;
 mod error;
@@ -19,8 +20,10 @@ mod sample;
 mod scope;
 mod settings;
 mod store;
+mod thrift;
 mod trace;
 
+pub use bounded::{ParquetBounds, read_parquet};
 pub use debug::{DebugEntry, DebugSeries};
 pub use error::StoreError;
 pub use folder::{FolderLock, NewFolder};

@@ -1,9 +1,11 @@
 //! The little of Parquet that the store needs: one row group of required, non-nested columns.
 
-use std::fs::File;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
+use bytes::Bytes;
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, get_typed_column_reader};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
@@ -15,6 +17,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnPath, Type};
 
 use crate::StoreError;
+use crate::bounded::{ParquetBounds, read_parquet};
 
 /// A column's values.
 pub(crate) enum Column {
@@ -84,8 +87,11 @@ pub(crate) fn encode(
 
 /// A file opened for reading.
 pub(crate) struct Table {
-    reader: SerializedFileReader<File>,
+    reader: SerializedFileReader<Bytes>,
 }
+
+/// Rows that are decoded at a time.
+const PART: usize = 1 << 14;
 
 const HINT: &str = "the file is truncated or not a trace of this harness: run the task again";
 
@@ -97,9 +103,13 @@ pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
 }
 
 impl Table {
-    pub(crate) fn open(path: &Path) -> Result<Self, StoreError> {
-        let file = vb_files::open(path).map_err(StoreError::io("read", path))?;
-        let reader = SerializedFileReader::new(file).map_err(|e| damaged(path, e))?;
+    /// Opens a file that is within bounds.
+    pub(crate) fn open(path: &Path, bounds: &ParquetBounds) -> Result<Self, StoreError> {
+        let content = read_parquet(path, bounds).map_err(|e| match e.kind() {
+            ErrorKind::InvalidData => damaged(path, e),
+            _ => StoreError::io("read", path)(e),
+        })?;
+        let reader = SerializedFileReader::new(content).map_err(|e| damaged(path, e))?;
         Ok(Self { reader })
     }
 
@@ -130,17 +140,57 @@ impl Table {
         self.read::<Int32Type>(path, name, Physical::INT32)
     }
 
-    pub(crate) fn text(&self, path: &Path, name: &str) -> Result<Vec<String>, StoreError> {
-        let bytes = self.read::<ByteArrayType>(path, name, Physical::BYTE_ARRAY)?;
-        bytes
-            .iter()
-            .map(|b| {
-                b.as_utf8().map(str::to_owned).map_err(|e| damaged(path, format!("column {name:?}: {e}")))
-            })
-            .collect()
+    /// A column of text, of which each different one is kept once and known by its place in the list. There may be `most` of them, of
+    /// `longest` bytes.
+    pub(crate) fn names(
+        &self,
+        path: &Path,
+        name: &str,
+        most: usize,
+        longest: usize,
+    ) -> Result<(Vec<Arc<str>>, Vec<usize>), StoreError> {
+        let mut known: BTreeMap<Vec<u8>, usize> = BTreeMap::new();
+        let (mut texts, mut rows): (Vec<Arc<str>>, _) = (Vec::new(), Vec::new());
+        self.each::<ByteArrayType>(path, name, Physical::BYTE_ARRAY, |values| {
+            for value in values.drain(..) {
+                let fail = |detail: String| damaged(path, format!("column {name:?}: {detail}"));
+                if let Some(k) = known.get(value.data()) {
+                    rows.push(*k);
+                    continue;
+                }
+                if value.len() > longest {
+                    return Err(fail(format!("a text of {} bytes, at most {longest} are read", value.len())));
+                }
+                if texts.len() == most {
+                    return Err(fail(format!("more than {most} different texts")));
+                }
+                let text = value.as_utf8().map_err(|e| fail(e.to_string()))?;
+                rows.push(texts.len());
+                known.insert(value.data().to_vec(), texts.len());
+                texts.push(text.into());
+            }
+            Ok(())
+        })?;
+        Ok((texts, rows))
     }
 
     fn read<T: DataType>(&self, path: &Path, name: &str, want: Physical) -> Result<Vec<T::T>, StoreError> {
+        let mut all = Vec::new();
+        self.each::<T>(path, name, want, |values| {
+            all.append(values);
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// Hands over the values of a column in their order, some thousand at a time, to be taken out of their list.
+    fn each<T: DataType>(
+        &self,
+        path: &Path,
+        name: &str,
+        want: Physical,
+        mut take: impl FnMut(&mut Vec<T::T>) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
         let metadata = self.reader.metadata();
         let schema = metadata.file_metadata().schema_descr();
         let index = (0..schema.num_columns())
@@ -157,15 +207,18 @@ impl Table {
             let count = usize::try_from(rows.metadata().num_rows()).unwrap_or(0);
             let column: ColumnReader = rows.get_column_reader(index).map_err(fail)?;
             let mut reader = get_typed_column_reader::<T>(column);
-            let before = values.len();
-            while values.len() - before < count {
-                let missing = count - (values.len() - before);
-                let (records, _, _) = reader.read_records(missing, None, None, &mut values).map_err(fail)?;
+            let mut missing = count;
+            while missing > 0 {
+                let (records, ..) =
+                    reader.read_records(missing.min(PART), None, None, &mut values).map_err(fail)?;
                 if records == 0 {
                     return Err(damaged(path, format!("column {name:?} has fewer than its {count} rows")));
                 }
+                take(&mut values)?;
+                values.clear();
+                missing = missing.saturating_sub(records);
             }
         }
-        Ok(values)
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use vb_vehicle::SCALES;
 
-use crate::RunHeader;
+use crate::{RunHeader, TraceMeta};
 
 /// The time steps that the simulation of a run may have, s.
 pub const TIME_STEPS: RangeInclusive<f64> = 1e-4..=5e-3;
@@ -25,13 +25,37 @@ pub fn is_time_step(step: f64, sample_period: f64) -> bool {
         && ((sample_period / step).round() * step - sample_period).abs() < TOLERANCE
 }
 
+/// The coordinates that a place in a world may have, m, and angles, rad.
+const PLACES: RangeInclusive<f64> = -1e9..=1e9;
+
+/// What is wrong with a value that lies outside of what is allowed.
+fn outside(field: &str, value: f64, allowed: &RangeInclusive<f64>) -> Option<String> {
+    // A sum of digits or a power, whichever is shorter: 1e300 has 301 digits.
+    let text = |v: f64| {
+        let (plain, power) = (v.to_string(), format!("{v:e}"));
+        if plain.len() > 12 { power } else { plain }
+    };
+    let (low, high) = (text(*allowed.start()), text(*allowed.end()));
+    (!allowed.contains(&value)).then(|| format!("{field}: {} must lie in {low} to {high}", text(value)))
+}
+
+impl TraceMeta {
+    /// The first value that no task can have: its field, its value, and what is allowed.
+    pub(crate) fn flaw(&self) -> Option<String> {
+        let places = |field: &str, values: &[f64]| values.iter().find_map(|v| outside(field, *v, &PLACES));
+        outside("scale", self.scale, &SCALES)
+            .or_else(|| outside("sample_period", self.sample_period, &SAMPLE_PERIODS))
+            .or_else(|| outside("time_step", self.time_step, &TIME_STEPS))
+            .or_else(|| places("start", &self.start))
+            .or_else(|| places("goal", &self.goal))
+            .or_else(|| places("goal_z", &[self.goal_z]))
+            .or_else(|| places("half_extent", &self.half_extent))
+    }
+}
+
 impl RunHeader {
     /// The first setting that no run can have: its field, its value, and what is allowed. `None` if there is no such setting.
     pub(crate) fn flaw(&self) -> Option<String> {
-        let outside = |field: &str, value: f64, allowed: &RangeInclusive<f64>| {
-            let (low, high) = (allowed.start(), allowed.end());
-            (!allowed.contains(&value)).then(|| format!("{field}: {value} must lie in {low} to {high}"))
-        };
         outside("scale", self.scale, &SCALES)
             .or_else(|| outside("sample_period", self.sample_period, &SAMPLE_PERIODS))
             .or_else(|| {

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, missing, record_name};
-use crate::files::{is_temporary, sync_dir, write_atomic};
+use crate::files::{durable, is_temporary, sync_dir, write_atomic};
 use crate::folder::FolderLock;
 use crate::header::OLDEST_SCHEMA;
 use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace, TraceMode};
@@ -56,7 +56,7 @@ impl RunStore {
         write_atomic(&dir.join(HEADER), &header)?;
         let path = dir.join(TASKS);
         let file = File::create(&path).map_err(StoreError::io("create", &path))?;
-        file.sync_all().map_err(StoreError::io("sync", &path))?;
+        durable(file.sync_all()).map_err(StoreError::io("sync", &path))?;
         sync_dir(dir);
         let (tasks, checksums) = (Mutex::new(TaskFile { file, len: 0 }), Mutex::new(checksums));
         Ok(Self { dir: dir.to_owned(), tasks, checksums, _lock: lock })
@@ -113,7 +113,7 @@ impl RunStore {
             .map_err(StoreError::io("open", &path))?;
         file.set_len(len).map_err(StoreError::io("cut", &path))?;
         file.seek(SeekFrom::Start(len)).map_err(StoreError::io("seek in", &path))?;
-        file.sync_all().map_err(StoreError::io("sync", &path))?;
+        durable(file.sync_all()).map_err(StoreError::io("sync", &path))?;
         let tasks = Mutex::new(TaskFile { file, len });
         Ok((Self { dir: dir.to_owned(), tasks, checksums, _lock: lock }, records))
     }
@@ -148,7 +148,7 @@ impl RunStore {
             .file
             .write_all(&line)
             .map_err(StoreError::io("write", &path))
-            .and_then(|()| tasks.file.sync_data().map_err(StoreError::io("sync", &path)));
+            .and_then(|()| durable(tasks.file.sync_data()).map_err(StoreError::io("sync", &path)));
         if written.is_err() {
             let len = tasks.len;
             // If this fails too, the torn line is found on resume.

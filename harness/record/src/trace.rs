@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::bounded::ParquetBounds;
 use crate::parquet_io::{Column, Table, damaged, encode};
 use crate::{Sample, StoreError, WheelSample};
 
@@ -11,6 +12,10 @@ use crate::{Sample, StoreError, WheelSample};
 pub const TRACE_SCHEMA: u32 = 1;
 
 const META_KEY: &str = "vertibench:trace";
+
+/// The file at most: three hours of all samples of a vehicle of four wheels, or an hour of one of forty.
+const BOUNDS: ParquetBounds =
+    ParquetBounds { file: 512 << 20, values: 1 << 25, bytes: 512 << 20, dictionary: 1 << 20 };
 
 /// The samples of a trajectory that are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -185,7 +190,7 @@ impl Trace {
     /// # Errors
     /// Returns an error if the file can't be read, is truncated, or is not a trace file of a supported version.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
-        let table = Table::open(path)?;
+        let table = Table::open(path, &BOUNDS)?;
         let text = table.meta(path, META_KEY)?;
         let fields: serde_json::Value =
             serde_json::from_str(text).map_err(|e| damaged(path, format!("metadata: {e}")))?;
@@ -193,7 +198,11 @@ impl Trace {
         if schema != u64::from(TRACE_SCHEMA) {
             return Err(StoreError::Schema { path: path.to_owned(), found: schema, supported: TRACE_SCHEMA });
         }
-        let meta = serde_json::from_value(fields).map_err(|e| damaged(path, format!("metadata: {e}")))?;
+        let meta: TraceMeta =
+            serde_json::from_value(fields).map_err(|e| damaged(path, format!("metadata: {e}")))?;
+        if let Some(flaw) = meta.flaw() {
+            return Err(damaged(path, format!("metadata: {flaw}")));
+        }
         let names = table.columns();
         let column = |name: &&str| {
             let is_missing = Sample::ADDED.contains(name) && !names.iter().any(|n| n == name);
@@ -326,5 +335,29 @@ mod tests {
         std::fs::write(&path, trace.encode().unwrap()).unwrap();
         let e = Trace::read(&path).unwrap_err();
         assert!(matches!(e, StoreError::Schema { found: 2, .. }), "{e}");
+    }
+
+    #[test]
+    fn a_trace_whose_task_no_simulation_can_have_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("t.parquet");
+        let refused = |change: fn(&mut TraceMeta)| {
+            let mut trace = recorded(TraceMode::Full, 3);
+            change(&mut trace.meta);
+            std::fs::write(&path, trace.encode().unwrap()).unwrap();
+            Trace::read(&path).unwrap_err().to_string()
+        };
+        for (change, field) in [
+            ((|m| m.scale = 0.0) as fn(&mut TraceMeta), "scale: 0 must"),
+            (|m| m.sample_period = -1.0, "sample_period: -1 must"),
+            (|m| m.sample_period = 1e300, "sample_period: 1e300 must"),
+            (|m| m.half_extent[1] = 1e300, "half_extent: 1e300 must"),
+            (|m| m.goal[0] = -1e300, "goal: -1e300 must"),
+            (|m| m.goal_z = 1e12, "goal_z: 1e12 must"),
+            (|m| m.start[2] = 1e12, "start: 1e12 must"),
+        ] {
+            let e = refused(change);
+            assert!(e.contains(field) && e.contains("t.parquet"), "{e}");
+        }
     }
 }

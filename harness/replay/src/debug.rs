@@ -139,7 +139,7 @@ impl PlannerSeries {
         let mut curves: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
         for e in self.entries.iter().filter(|e| !matches!(role(&e.name), Role::Lines(..))) {
             let least = e.values.iter().copied().filter(|v| v.is_finite()).fold(f32::INFINITY, f32::min);
-            if least.is_finite() && (curves.len() < CURVES || curves.contains_key(e.name.as_str())) {
+            if least.is_finite() && (curves.len() < CURVES || curves.contains_key(&*e.name)) {
                 curves.entry(&e.name).or_default().push([e.time, f64::from(least)]);
             }
         }

@@ -1,6 +1,7 @@
 //! One task, from the start to its verdict.
 
 use std::any::Any;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -96,6 +97,12 @@ struct Trail {
     fuel_steps: Vec<u64>,
     /// The last lines that it logged.
     log: Arc<Mutex<Vec<String>>>,
+}
+
+/// The name of a series as it is recorded: without what a terminal might act on or a reader can't see. One that is too long is not
+/// recorded, so it stays as it is.
+fn shown(name: &str) -> Cow<'_, str> {
+    if name.len() > DebugSeries::MAX_NAME { Cow::Borrowed(name) } else { vb_host::printable(name).into() }
 }
 
 impl Trail {
@@ -256,7 +263,7 @@ impl Trial<'_> {
             witness.step(&episode.simulation().state(), &observation, &given, taken);
             if self.trace != TraceMode::None {
                 for series in &given.debug {
-                    trail.debug.push(observation.time, &series.name, &series.values);
+                    trail.debug.push(observation.time, &shown(&series.name), &series.values);
                 }
             }
             let advanced = episode.advance(witness);

@@ -37,6 +37,17 @@ impl<T> Measured<T> {
     }
 }
 
+/// The greatest value of a measure that a record may have; no simulation comes near it.
+pub(crate) const MOST: f64 = 1e9;
+
+/// What is wrong with the measure `name` if it lies outside of `low` to `high`.
+pub(crate) fn outside(name: &str, value: f64, low: f64, high: f64) -> Option<String> {
+    // The shorter form: 1e308 has 309 digits.
+    let text = |v: f64| if v.abs() < 1e6 { v.to_string() } else { format!("{v:e}") };
+    (!(low..=high).contains(&value))
+        .then(|| format!("{name}: {} must lie in {} to {}", text(value), text(low), text(high)))
+}
+
 /// Declares a struct of measures together with the list of them, `MEASURES`, in which the documentation of each field says what
 /// the measure is.
 macro_rules! measures {

@@ -1,11 +1,11 @@
 //! What is measured of one trial.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use vb_math::angle::degrees;
 use vb_math::hypot;
 use vb_record::Sample;
 
-use crate::measures::measures;
+use crate::measures::{MOST, measures, outside};
 use crate::stats::Running;
 
 measures! {
@@ -60,6 +60,36 @@ measures! {
 }
 
 impl Metrics {
+    /// The first measure that no trial can have: its name, its value, and what is allowed. `None` if there is none.
+    #[must_use]
+    pub fn flaw(&self) -> Option<String> {
+        const TURN: f64 = 180.0;
+        // A mean of angles may be beyond the greatest by its last digit.
+        let rounded = |v: f64| if v.abs() < 1e6 { (v * 1e6).round() / 1e6 } else { v };
+        Self::MEASURES.iter().find_map(|m| {
+            let (low, high) = match m.name {
+                "roll_end_deg" => (-TURN, TURN),
+                "end_x_m" | "end_y_m" => (-MOST, MOST),
+                name if name.ends_with("_deg") => (0.0, TURN),
+                name if name.ends_with("_deg2") => (0.0, TURN * TURN),
+                _ => (0.0, MOST),
+            };
+            outside(m.name, rounded(m.number(self)?), low, high)
+        })
+    }
+
+    /// Reads the measures of a record, which may be of strangers.
+    ///
+    /// # Errors
+    /// Returns an error if a measure is missing, or can't be one.
+    pub(crate) fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
+        let metrics = Option::<Self>::deserialize(from)?;
+        match metrics.as_ref().and_then(Self::flaw) {
+            Some(flaw) => Err(serde::de::Error::custom(format!("metrics.{flaw}"))),
+            None => Ok(metrics),
+        }
+    }
+
     /// Where the trial ended: x and y of the reference point at the last sample, m. Records of versions before 0.2 don't say it.
     #[must_use]
     pub fn end(&self) -> Option<[f64; 2]> {

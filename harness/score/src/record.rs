@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::measures::measures;
+use crate::measures::{MOST, measures, outside};
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
@@ -42,7 +42,40 @@ measures! {
     }
 }
 
+/// Reads a time of a record, s.
+fn time<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let value = f64::deserialize(from)?;
+    outside("time_s", value, 0.0, MOST).map_or(Ok(value), |flaw| Err(serde::de::Error::custom(flaw)))
+}
+
+/// Reads a count of a record: counts are summed over tasks.
+fn count<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    /// More than any simulation has steps.
+    const MOST: u64 = 1 << 40;
+    let value = u64::deserialize(from)?;
+    if value > MOST {
+        let text = format!("a count of {value} is more than {MOST}");
+        return Err(serde::de::Error::custom(text));
+    }
+    Ok(value)
+}
+
 impl FuelUse {
+    /// Reads what a planner used from a record, which may be of strangers.
+    ///
+    /// # Errors
+    /// Returns an error if a measure is missing, or can't be one.
+    fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
+        let used = Option::<Self>::deserialize(from)?;
+        let shares = used.iter().flat_map(|u| {
+            [("init_share", u.init_share), ("p99_share", u.p99_share), ("max_share", u.max_share)]
+        });
+        match shares.into_iter().find_map(|(name, share)| outside(name, share, 0.0, MOST)) {
+            Some(flaw) => Err(serde::de::Error::custom(format!("fuel.{flaw}"))),
+            None => Ok(used),
+        }
+    }
+
     /// The use of a task whose start-up took `init` and whose steps took `steps`, within limits of `init_limit` and
     /// `step_limit`.
     #[must_use]
@@ -101,18 +134,24 @@ pub struct TaskRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
     /// The simulated time at the end of the task, s.
+    #[serde(deserialize_with = "time")]
     pub time_s: f64,
     /// The hash over the whole state of the simulation at every sample, as 16 hexadecimal digits.
     pub state_hash: String,
     /// The number of simulation steps.
+    #[serde(deserialize_with = "count")]
     pub sim_steps: u64,
     /// The number of calls of the planner's step.
+    #[serde(deserialize_with = "count")]
     pub planner_steps: u64,
     /// The number of these calls whose command was out of range and was clamped.
+    #[serde(deserialize_with = "count")]
     pub clamped: u64,
     /// The resources that the planner used; `None` for native planners.
+    #[serde(default, deserialize_with = "FuelUse::checked")]
     pub fuel: Option<FuelUse>,
     /// The measures; `None` if the task ended before the first sample.
+    #[serde(default, deserialize_with = "Metrics::checked")]
     pub metrics: Option<Metrics>,
     /// Shock and ride; `None` if the task ended before the first step, or was scored again with another end.
     #[serde(default, deserialize_with = "Ride::checked", skip_serializing_if = "Option::is_none")]
@@ -202,5 +241,51 @@ mod tests {
         assert_eq!((metrics.end(), metrics.goal_distance_end_m), (None, 6.0));
         let written = serde_json::to_string(&metrics).unwrap();
         assert!(!written.contains("end_x_m"), "{written}");
+    }
+
+    /// Whatever number a stranger writes, it is one that a trial can have, or the record is none.
+    #[test]
+    fn a_record_with_a_number_that_no_trial_has_is_refused_by_field_and_value() {
+        let text = r#"{"task":"w001/t00","world":"w001","elevation":"low","terrain":"rigid","density":"sparse",
+            "outcome":"success","three_way":"success","reason":"","time_s":1.0,"state_hash":"","sim_steps":1,"planner_steps":1,
+            "clamped":0,"fuel":{"total":1,"init":1,"p50_step":1,"p99_step":1,"max_step":1,"init_share":0.5,"p99_share":0.5,
+            "max_share":0.5,"memory_bytes":1},"metrics":{"samples":1,"roll_mean_deg":1.0,"roll_variance_deg2":1.0,
+            "roll_max_deg":1.0,"roll_end_deg":-1.0,"pitch_mean_deg":1.0,"pitch_variance_deg2":1.0,"pitch_max_deg":1.0,
+            "distance_m":1.0,"speed_mean_m_per_s":1.0,"speed_max_m_per_s":1.0,"throttle_effort_s":1.0,"brake_effort_s":1.0,
+            "steering_effort_s":1.0,"steering_rate_per_s":1.0,"reverse_s":1.0,"goal_distance_min_m":1.0,
+            "goal_distance_end_m":1.0,"end_x_m":-1.0,"end_y_m":-1.0},"ride":{"seat_peak_g":1.0,"seat_peak_z_g":1.0,
+            "seat_rms_m_per_s2":1.0,"seat_rms_z_m_per_s2":1.0,"absorbed_power_w":1.0,"airborne_fraction":0.5,"landed":true,
+            "energy_surplus_j":1.0,"held_fraction":0.5}}"#;
+        let good: serde_json::Value = serde_json::from_str(text).unwrap();
+        serde_json::from_value::<TaskRecord>(good.clone()).unwrap();
+        let mut tried = 0;
+        let mut attack = |place: &[&str], value: &serde_json::Value| {
+            let mut bad = good.clone();
+            let field = place.iter().fold(&mut bad, |v, name| &mut v[*name]);
+            *field = value.clone();
+            let e = serde_json::from_str::<TaskRecord>(&bad.to_string()).unwrap_err().to_string();
+            assert!(e.len() < 200, "{place:?} = {value}: {e}");
+            tried += 1;
+            e
+        };
+        for group in ["metrics", "fuel", "ride"] {
+            for (name, value) in good[group].as_object().unwrap() {
+                if value.is_f64() {
+                    for odd in [1e308, -1e308, 1e17] {
+                        let e = attack(&[group, name], &odd.into());
+                        assert!(e.contains(&format!("{group}.{name}: {odd:e} must lie in")), "{e}");
+                    }
+                }
+            }
+        }
+        assert!(attack(&["time_s"], &1e308.into()).contains("time_s: 1e308 must lie in 0 to 1e9"));
+        attack(&["time_s"], &(-1.0).into());
+        for name in ["sim_steps", "planner_steps", "clamped"] {
+            attack(&[name], &u64::MAX.into());
+        }
+        attack(&["metrics", "samples"], &u64::MAX.into());
+        attack(&["metrics", "roll_max_deg"], &180.1.into());
+        attack(&["metrics", "roll_mean_deg"], &(-0.1).into());
+        assert_eq!(tried, 3 * (19 + 3 + 8) + 8);
     }
 }

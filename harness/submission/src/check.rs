@@ -1,6 +1,7 @@
 //! Holding a submission against itself and against what it says it was made with.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use vb_host::{Plugin, PluginKind};
@@ -20,6 +21,19 @@ use crate::verdict::{Finding, Findings};
 
 /// Of a document that says the same, but in other bytes.
 const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
+
+/// Of a file that isn't there.
+const MISSING: &str = "is missing";
+/// The beginning of what is said of a file above its limit.
+const TOO_LARGE: &str = "is larger than";
+
+/// What is said of a file above its limit, both in bytes.
+pub(crate) fn too_large(size: u64, limit: u64) -> String {
+    format!("{TOO_LARGE} such a file may be: {size} bytes, at most {limit}")
+}
+
+/// Lines of `tasks.jsonl` that are looked at beyond the number of tasks: enough findings for a verdict.
+const LINES_MORE: usize = Findings::MOST;
 
 /// A submission on disk.
 #[derive(Clone, Debug)]
@@ -59,7 +73,14 @@ impl Submission {
         if !path.exists() {
             return Err(SubmissionError::NoSubmission(dir.to_owned()));
         }
-        let (manifest, bytes) = files::read_json(&path, DOCUMENT, SUBMISSION_SCHEMA)?;
+        let (manifest, bytes) = files::read_json(&path, DOCUMENT, SUBMISSION_SCHEMA, |bytes| {
+            // Each task has an entry of its own, of known fields. The rest is a page of text.
+            if files::length_without(bytes, "tasks") as u64 > SMALL {
+                let what = "a manifest, its tasks left out, of bytes";
+                return Err(SubmissionError::TooLarge { path: path.clone(), what, limit: SMALL });
+            }
+            Ok(())
+        })?;
         Ok(Self { dir: dir.to_owned(), manifest, bytes })
     }
 
@@ -104,17 +125,20 @@ impl Submission {
             ["run.json", "tasks.jsonl", "summary.json"].map(|f| format!("{RUN}/{f}")).into();
         wanted.insert(REPORT.to_owned());
         let mut allowed = wanted.clone();
-        for task in &self.manifest.replays {
+        for task in self.manifest.replays.iter().take(REPLAYS) {
             let [trace, series] = trace_files(task).map(|f| format!("{RUN}/{f}"));
             wanted.insert(trace.clone());
             allowed.extend([trace, series]);
         }
         for name in wanted.iter().filter(|n| !there.contains_key(*n)) {
-            found.push(Finding::new("files", name, "is missing"));
+            found.push(Finding::new("files", name, MISSING));
         }
-        for name in there.keys() {
+        for (name, size) in &there {
+            let limit = files::limit(name);
             if !allowed.contains(name) {
                 found.push(Finding::new("files", name, "does not belong to the submission"));
+            } else if *size > limit {
+                found.push(Finding::new("files", name, too_large(*size, limit)));
             } else if let Some(stated) = self.manifest.files.get(name) {
                 let hash = files::sha256_file(&self.dir.join(name))?;
                 if hash != *stated {
@@ -138,7 +162,8 @@ pub(crate) fn check(
 ) -> Result<(Findings, Vec<String>), SubmissionError> {
     let m = &submission.manifest;
     let mut found = submission.check_files()?;
-    if found.iter().any(|f| f.text == "is missing") {
+    // What is missing can't be read, and what is too large isn't.
+    if found.iter().any(|f| f.text == MISSING || f.text.starts_with(TOO_LARGE)) {
         return Ok((found, Vec::new()));
     }
     // Only now: later versions may write an older manifest with a field more.
@@ -324,13 +349,18 @@ fn check_tasks(
     let file = format!("{RUN}/tasks.jsonl");
     let mut records = Vec::new();
     let mut seen = BTreeSet::new();
+    let lines = wanted.len().saturating_add(LINES_MORE);
     files::each_line(&submission.dir.join(&file), |number, line, ended| {
         let mut note = |place: String, text: String| found.push(Finding::new("tasks", place, text));
+        if number > lines {
+            note(file.clone(), format!("has more than {lines} lines: the rest was not read"));
+            return Ok(ControlFlow::Break(()));
+        }
         let record: TaskRecord = match serde_json::from_slice(line) {
             Ok(record) => record,
             Err(e) => {
                 note(format!("{file}: line {number}"), e.to_string());
-                return Ok(());
+                return Ok(ControlFlow::Continue(()));
             }
         };
         let place = format!("{file}: {}", record.task);
@@ -339,11 +369,11 @@ fn check_tasks(
         }
         if !seen.insert(record.task.clone()) {
             note(place, "is there twice".into());
-            return Ok(());
+            return Ok(ControlFlow::Continue(()));
         }
         if !wanted.remove(&record.task) {
             note(place, "is no task of the run".into());
-            return Ok(());
+            return Ok(ControlFlow::Continue(()));
         }
         let world = record.task.split('/').next().unwrap_or_default();
         if let Some(w) = worlds.get(world) {
@@ -371,13 +401,13 @@ fn check_tasks(
             None => note(format!("{MANIFEST}: tasks.{}", record.task), "is missing".into()),
         }
         records.push(slim(record));
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     })?;
     for task in &wanted {
         found.push(Finding::new("tasks", format!("{file}: {task}"), "is missing"));
     }
     for task in m.tasks.keys().filter(|t| !seen.contains(*t)) {
-        found.push(Finding::new("tasks", format!("{MANIFEST}: tasks.{task}"), "has no record"));
+        found.push_with(|| Finding::new("tasks", format!("{MANIFEST}: tasks.{task}"), "has no record"));
     }
     if m.replays.len() > REPLAYS {
         let text = format!("are {}, not {REPLAYS} at most", m.replays.len());
@@ -386,8 +416,10 @@ fn check_tasks(
     let mut last: Option<&String> = None;
     for task in &m.replays {
         if !seen.contains(task) || last.is_some_and(|l| l >= task) {
-            let text = format!("{task} is no task of the run, or is not in its place");
-            found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
+            found.push_with(|| {
+                let text = format!("{task} is no task of the run, or is not in its place");
+                Finding::new("tasks", format!("{MANIFEST}: replays"), text)
+            });
         }
         last = Some(task);
     }
@@ -405,10 +437,16 @@ fn check_summary(
     }
     let path = submission.run_dir().join("summary.json");
     let bytes = files::read(&path, DOCUMENT)?;
-    if bytes == files::pretty(&path, summary)? {
+    let ours = files::pretty(&path, summary)?;
+    if bytes == ours {
         return Ok(());
     }
     let place = format!("{RUN}/summary.json");
+    if bytes.len() as u64 > SMALL.saturating_add(2 * ours.len() as u64) {
+        let text = format!("has {} bytes, the records give {}", bytes.len(), ours.len());
+        found.push(Finding::new("summary", place, text));
+        return Ok(());
+    }
     match serde_json::from_slice::<serde_json::Value>(&bytes) {
         Err(e) => found.push(Finding::new("summary", place, e)),
         Ok(stated) => {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Read as _};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use serde::Serialize;
@@ -41,6 +42,60 @@ const FILE: u64 = 4 << 30;
 const FILES: usize = 200;
 /// Deepest folder: `run/traces/WORLD/TASK.parquet`.
 const DEPTH: usize = 4;
+
+/// The most bytes of a submission's file, by its name.
+pub(crate) fn limit(name: &str) -> u64 {
+    match name {
+        REPORT => PAGE,
+        _ if name.ends_with("/run.json") => SMALL,
+        _ if name.ends_with("/summary.json") => DOCUMENT,
+        _ if name.ends_with(".debug.parquet") => SERIES,
+        _ if name.ends_with(".parquet") => TRACE,
+        _ => FILE,
+    }
+}
+
+/// The length of a JSON object's text without the value of its member `name`, bytes. Of what is no JSON it is anything.
+pub(crate) fn length_without(text: &[u8], name: &str) -> usize {
+    let (mut depth, mut in_text, mut escaped) = (0_usize, false, false);
+    // The last text at depth 1, the name of the member whose value is read, and where that began.
+    let (mut begun, mut last, mut open) = (0, &text[..0], None);
+    let mut without = text.len();
+    for (at, byte) in text.iter().enumerate() {
+        if in_text {
+            match byte {
+                _ if escaped => escaped = false,
+                b'\\' => escaped = true,
+                b'"' => {
+                    in_text = false;
+                    if depth == 1 {
+                        last = &text[begun..at];
+                    }
+                }
+                _ => {}
+            }
+            continue;
+        }
+        match byte {
+            b'"' => (in_text, begun) = (true, at + 1),
+            b'{' | b'[' => depth += 1,
+            b':' if depth == 1 && last == name.as_bytes() => open = open.or(Some(at)),
+            b',' | b'}' | b']' => {
+                if depth == 1
+                    && let Some(from) = open.take()
+                {
+                    without -= at - from;
+                    last = &text[..0];
+                }
+                if *byte != b',' {
+                    depth = depth.saturating_sub(1);
+                }
+            }
+            _ => {}
+        }
+    }
+    without
+}
 
 /// Names of all files below `dir` with `/` between folders, and their sizes in bytes.
 pub(crate) fn list(dir: &Path) -> Result<BTreeMap<String, u64>, SubmissionError> {
@@ -100,11 +155,12 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, SubmissionError> 
     vb_files::read(path, limit).map_err(SubmissionError::read(path))
 }
 
-/// A JSON document with a number `schema`, which is one of `1..=newest`.
+/// A JSON document with a number `schema`, which is one of `1..=newest`, and whose text passes a `check`.
 pub(crate) fn read_json<T: DeserializeOwned>(
     path: &Path,
     limit: u64,
     newest: u32,
+    check: impl FnOnce(&[u8]) -> Result<(), SubmissionError>,
 ) -> Result<(T, Vec<u8>), SubmissionError> {
     #[derive(serde::Deserialize)]
     struct Version {
@@ -119,6 +175,7 @@ pub(crate) fn read_json<T: DeserializeOwned>(
             supported: newest,
         });
     }
+    check(&bytes)?;
     let value = serde_json::from_slice(&bytes).map_err(|e| SubmissionError::damaged(path, e))?;
     Ok((value, bytes))
 }
@@ -173,10 +230,11 @@ pub fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
     }
 }
 
-/// Hands over the lines of a file, none of more than [`LINE`] bytes, without what ends them; each with whether it was ended.
+/// Hands over the lines of a file, none of more than [`LINE`] bytes, without what ends them; each with whether it was ended. It stops
+/// where `take` breaks off.
 pub(crate) fn each_line(
     path: &Path,
-    mut take: impl FnMut(usize, &[u8], bool) -> Result<(), SubmissionError>,
+    mut take: impl FnMut(usize, &[u8], bool) -> Result<ControlFlow<()>, SubmissionError>,
 ) -> Result<(), SubmissionError> {
     let mut file = BufReader::new(File::open(path).map_err(SubmissionError::read(path))?);
     let mut line = Vec::new();
@@ -197,7 +255,9 @@ pub(crate) fn each_line(
         if ended {
             line.pop();
         }
-        take(number, &line, ended)?;
+        if take(number, &line, ended)?.is_break() {
+            break;
+        }
     }
     Ok(())
 }
@@ -212,7 +272,7 @@ mod tests {
         let path = dir.path().join("tasks.jsonl");
         // A file without content on disk: 1 GiB of zeros and no end of a line.
         File::create(&path).unwrap().set_len(1 << 30).unwrap();
-        let e = each_line(&path, |_, _, _| Ok(())).unwrap_err().to_string();
+        let e = each_line(&path, |_, _, _| Ok(ControlFlow::Continue(()))).unwrap_err().to_string();
         assert!(e.contains("a line of bytes beyond 1048576"), "{e}");
     }
 
@@ -241,12 +301,31 @@ mod tests {
     }
 
     #[test]
+    fn a_member_is_measured_by_its_text() {
+        for (text, without) in [
+            (r#"{"a": 1, "tasks": {"x": [1, "}"]}, "b": 2}"#, r#"{"a": 1, "tasks", "b": 2}"#),
+            (r#"{"tasks":"a,\"b}"}"#, r#"{"tasks"}"#),
+            (r#"{"a": {"tasks": [1, 2, 3]}}"#, r#"{"a": {"tasks": [1, 2, 3]}}"#),
+            (r#"{"a": "tasks", "b": [1, 2]}"#, r#"{"a": "tasks", "b": [1, 2]}"#),
+            ("[]]]", "[]]]"),
+            ("", ""),
+        ] {
+            assert_eq!(length_without(text.as_bytes(), "tasks"), without.len(), "{text}");
+        }
+    }
+
+    #[test]
     fn newer_documents_are_refused_with_their_version() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.json");
         fs::write(&path, "{\"schema\": 3, \"unknown\": 1}").unwrap();
-        let e = read_json::<serde_json::Value>(&path, SMALL, 2).unwrap_err().to_string();
+        let e = read_json::<serde_json::Value>(&path, SMALL, 2, |_| Ok(())).unwrap_err().to_string();
         assert!(e.contains("schema 3 is not supported, this version reads up to 2"), "{e}");
-        assert!(read_json::<serde_json::Value>(&path, 10, 3).unwrap_err().to_string().contains("beyond 10"));
+        assert!(
+            read_json::<serde_json::Value>(&path, 10, 3, |_| Ok(()))
+                .unwrap_err()
+                .to_string()
+                .contains("beyond 10")
+        );
     }
 }

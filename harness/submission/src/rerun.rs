@@ -1,6 +1,8 @@
 //! Driving tasks again.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -11,7 +13,7 @@ use vb_score::{Outcome, Rules, TaskRecord};
 use vb_world::TaskRef;
 
 use crate::SubmissionError;
-use crate::check::{Expected, Submission, check, check_plugin};
+use crate::check::{Expected, Submission, check, check_plugin, too_large};
 use crate::compare::differences;
 use crate::division::{division, open_reasons};
 use crate::files::{self, MANIFEST, RUN, SERIES, TRACE};
@@ -197,13 +199,13 @@ impl Again<'_> {
         files::each_line(&path, |_, line, _| {
             let stated: TaskRecord =
                 serde_json::from_slice(line).map_err(|e| SubmissionError::damaged(&path, e))?;
-            let Some(driven) = again.get(&stated.task) else { return Ok(()) };
+            let Some(driven) = again.get(&stated.task) else { return Ok(ControlFlow::Continue(())) };
             let (stated, driven) = (self.comparable(stated), self.comparable(driven.clone()));
             for d in differences(&stated, &driven) {
                 let place = format!("{file}: {}: {}", stated.task, d.path);
                 found.push(Finding::new("rerun", place, format!("is {}, driven again it is {}", d.a, d.b)));
             }
-            Ok(())
+            Ok(ControlFlow::Continue(()))
         })
     }
 
@@ -218,17 +220,35 @@ impl Again<'_> {
 
     fn compare_traces(&self, again: &Path, task: &str, found: &mut Findings) -> Result<(), SubmissionError> {
         for (name, limit) in trace_files(task).into_iter().zip([TRACE, SERIES]) {
-            let content = |dir: &Path, limit| {
-                let path = dir.join(&name);
-                if path.metadata().is_ok_and(|m| m.len() <= limit) {
-                    files::read(&path, limit).map(Some)
-                } else {
-                    Ok(None)
-                }
+            let size = |path: &Path| match path.symlink_metadata() {
+                Ok(meta) => Ok(Some(meta.len())),
+                Err(e) if e.kind() == ErrorKind::NotFound => Ok(None),
+                Err(e) => Err(SubmissionError::read(path)(e)),
             };
-            if content(&self.submission.run_dir(), limit)? != content(again, limit)? {
-                let text = "is not what comes out when the task is driven again";
-                found.push(Finding::new("rerun", format!("{RUN}/{name}"), text));
+            let place = || format!("{RUN}/{name}");
+            let theirs = self.submission.run_dir().join(&name);
+            let stated = match size(&theirs)? {
+                Some(size) if size > limit => {
+                    found.push(Finding::new("rerun", place(), too_large(size, limit)));
+                    continue;
+                }
+                Some(_) => Some(files::read(&theirs, limit)?),
+                None => None,
+            };
+            // What is above the limit is left out of a submission.
+            let driven = again.join(&name);
+            let driven = match size(&driven)? {
+                Some(size) if size <= limit => Some(files::read(&driven, limit)?),
+                _ => None,
+            };
+            if stated != driven {
+                let text = match driven {
+                    Some(_) => "is not what comes out when the task is driven again",
+                    None => {
+                        "is there, though driving the task again gives none, or a larger one, which is left out"
+                    }
+                };
+                found.push(Finding::new("rerun", place(), text));
             }
         }
         Ok(())

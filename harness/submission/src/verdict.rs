@@ -45,8 +45,13 @@ impl Findings {
     pub(crate) const MOST: usize = 100;
 
     pub(crate) fn push(&mut self, finding: Finding) {
+        self.push_with(|| finding);
+    }
+
+    /// The same of a finding that is made only if it is kept.
+    pub(crate) fn push_with(&mut self, finding: impl FnOnce() -> Finding) {
         if self.kept.len() < Self::MOST {
-            self.kept.push(finding);
+            self.kept.push(finding());
         } else {
             self.more += 1;
         }

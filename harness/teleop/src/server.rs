@@ -2,9 +2,9 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Deserialize;
 use tungstenite::handshake::server::create_response;
@@ -19,8 +19,10 @@ use crate::driver::Wheel;
 const HEAD: usize = 16 << 10;
 /// The most bytes of a message from the page.
 const MESSAGE: usize = 4 << 10;
-/// How long a browser may take to send its request.
+/// How long a browser may take to send its request, all in all.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Connections at a time: a browser opens some beside that of its page.
+const CONNECTIONS: usize = 16;
 /// How long the connection waits for the page before it looks for what is to be sent.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -77,6 +79,8 @@ struct Shared {
     /// Where what is to be sent goes; none without a page.
     out: Mutex<Option<mpsc::Sender<Out>>>,
     busy: AtomicBool,
+    /// The number of connections that have a thread.
+    connections: AtomicUsize,
 }
 
 enum Out {
@@ -103,14 +107,16 @@ impl Server {
         getrandom::fill(&mut random).map_err(TeleopError::Random)?;
         let token = random.iter().map(|b| format!("{b:02x}")).collect();
         let (asks, asked) = mpsc::channel();
-        let (out, busy) = (Mutex::default(), AtomicBool::new(false));
-        let shared = Arc::new(Shared { page, token, port, wheel, asks, out, busy });
+        let (out, busy, connections) = (Mutex::default(), AtomicBool::new(false), AtomicUsize::new(0));
+        let shared = Arc::new(Shared { page, token, port, wheel, asks, out, busy, connections });
         let own = Arc::clone(&shared);
         let accept = move || {
             for stream in listener.incoming().flatten() {
                 let shared = Arc::clone(&own);
                 // One that can't have a thread is let go.
-                let _ = std::thread::Builder::new().spawn(move || shared.serve(stream));
+                if let Some(place) = Place::take(shared) {
+                    let _ = std::thread::Builder::new().spawn(move || place.0.serve(stream));
+                }
             }
         };
         std::thread::Builder::new().spawn(accept).map_err(TeleopError::Thread)?;
@@ -152,6 +158,23 @@ impl Motion {
     }
 }
 
+/// A place among the connections, which is given back when it is dropped.
+struct Place(Arc<Shared>);
+
+impl Place {
+    fn take(shared: Arc<Shared>) -> Option<Self> {
+        // The place is there before it is counted, so that it is given back in any case.
+        let place = Self(shared);
+        (place.0.connections.fetch_add(1, Ordering::Relaxed) < CONNECTIONS).then_some(place)
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.connections.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// What a request asks for.
 enum Wanted {
     Page,
@@ -178,7 +201,8 @@ impl Shared {
         let mut answer = |status: &str, kind: &str, body: &str| {
             let text = format!(
                 "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
-                 Referrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n{body}",
+                 Referrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
+                 Content-Security-Policy: frame-ancestors 'none'\r\nX-Frame-Options: DENY\r\nConnection: close\r\n\r\n{body}",
                 body.len()
             );
             let _ = stream.write_all(text.as_bytes());
@@ -290,12 +314,23 @@ impl Shared {
     }
 }
 
-/// The head of a request, up to its empty line.
+#[allow(clippy::disallowed_methods, reason = "for patience with a browser: nothing of it reaches a score")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// The head of a request, up to its empty line, if it comes in time.
 fn read_head(stream: &mut TcpStream) -> Option<Vec<u8>> {
+    let end = now() + PATIENCE;
     let mut head = Vec::new();
     let mut byte = [0];
     // Byte by byte: what follows the head belongs to the connection.
     while !head.ends_with(b"\r\n\r\n") {
+        let left = end.saturating_duration_since(now());
+        // A timeout of 0 would be none.
+        if left.is_zero() || stream.set_read_timeout(Some(left)).is_err() {
+            return None;
+        }
         if head.len() == HEAD || stream.read(&mut byte).ok()? == 0 {
             return None;
         }

@@ -1,6 +1,5 @@
 //! The files with the frames.
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,9 +14,15 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, Encoding};
 use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
+use vb_record::ParquetBounds;
 
 use crate::error::DatasetError;
 use crate::feature::{Dtype, Feature, Values};
+use crate::lerobot::open;
+
+/// A data file at most. Ours have 48 MiB before compression, or one episode.
+const BOUNDS: ParquetBounds =
+    ParquetBounds { file: 512 << 20, values: 1 << 28, bytes: 1 << 30, dictionary: 16 << 20 };
 
 /// The frames of one file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -148,9 +153,9 @@ fn flat(mut array: ArrayRef, dtype: Dtype) -> Option<Values> {
 /// Returns an error if the file can't be read, is truncated, or has other columns.
 pub(crate) fn read_data(path: &Path, features: &[Feature]) -> Result<Batch, DatasetError> {
     let damaged = |detail: String| DatasetError::damaged(path, &detail);
-    let file: File = vb_files::open(path).map_err(DatasetError::io("read", path))?;
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| damaged(e.to_string()))?;
-    let reader = builder.with_batch_size(65_536).build().map_err(|e| damaged(e.to_string()))?;
+    let content = open(path, &BOUNDS)?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(content).map_err(|e| damaged(e.to_string()))?;
+    let reader = builder.with_batch_size(8192).build().map_err(|e| damaged(e.to_string()))?;
     let mut batch = Batch::new(features);
     for rows in reader {
         let rows = rows.map_err(|e| damaged(e.to_string()))?;

@@ -13,10 +13,19 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 use serde_json::{Map, Value};
+use vb_record::ParquetBounds;
 
 use super::Stats;
 use crate::episode::EpisodeInfo;
 use crate::error::DatasetError;
+
+/// A file at most: ours tell of 256 episodes, in some hundred columns.
+const BOUNDS: ParquetBounds =
+    ParquetBounds { file: 128 << 20, values: 1 << 25, bytes: 256 << 20, dictionary: 2 << 20 };
+/// Episodes that are decoded at a time: each can have every text of the file.
+const ROWS: usize = 16;
+/// The longest text of an episode, bytes.
+const TEXT: usize = 4096;
 
 /// Where an episode's frames are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +46,24 @@ pub(crate) struct Row {
     pub(crate) info: EpisodeInfo,
     /// The statistics of each feature, by name; none when read.
     pub(crate) stats: Vec<(String, Stats)>,
+}
+
+impl Row {
+    /// What is wrong with a row that should tell of the episode `number`, with frames from `first` on, in the data file `file`.
+    pub(crate) fn flaw(&self, number: usize, first: usize, file: usize) -> Option<String> {
+        let Place { from, to, .. } = self.place;
+        if self.index != number || from != first || to <= from {
+            let index = self.index;
+            return Some(format!(
+                "episode {number}: it is said to be {index} with frames {from} to {to}, after {first}"
+            ));
+        }
+        if self.place.file != file {
+            let (is, should) = (self.place.file, file);
+            return Some(format!("episode {number}: it is said to be in data file {is}, not {should}"));
+        }
+        Some(format!("episode {number}: {}", self.info.flaw()?))
+    }
 }
 
 /// Our own fields of an episode, as a flat table: text, numbers, or lists of numbers.
@@ -138,8 +165,9 @@ pub(crate) fn write_episodes(rows: &[Row]) -> Result<Vec<u8>, DatasetError> {
 /// Returns an error if the file can't be read, is truncated, or lacks a column.
 pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
     let damaged = |detail: String| DatasetError::damaged(path, &detail);
-    let file = vb_files::open(path).map_err(DatasetError::io("read", path))?;
-    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build());
+    let content = super::open(path, &BOUNDS)?;
+    let reader =
+        ParquetRecordBatchReaderBuilder::try_new(content).and_then(|b| b.with_batch_size(ROWS).build());
     let reader = reader.map_err(|e| damaged(e.to_string()))?;
     let mut all = Vec::new();
     for table in reader {
@@ -172,7 +200,14 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
                 let value = match sample {
                     Value::String(_) => {
                         let texts = array.as_string_opt::<i32>().ok_or_else(|| wrong(&name))?;
-                        Value::from(texts.value(row))
+                        let text = texts.value(row);
+                        if text.len() > TEXT {
+                            let length = text.len();
+                            return Err(damaged(format!(
+                                "column {name} has a text of {length} bytes, at most {TEXT} are read"
+                            )));
+                        }
+                        Value::from(text)
                     }
                     Value::Array(_) => Value::from(list(&name, row)?),
                     Value::Number(n) if n.is_u64() => Value::from(number(&name, row)?),
@@ -185,15 +220,27 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
             }
             let info = serde_json::from_value(Value::Object(fields)).map_err(|e| damaged(e.to_string()))?;
             let (chunk, file) = (number("data/chunk_index", row)?, number("data/file_index", row)?);
+            let file = chunk.checked_mul(super::CHUNK).and_then(|first| first.checked_add(file));
             let place = Place {
-                file: chunk * super::CHUNK + file,
+                file: file.ok_or_else(|| damaged(format!("data/chunk_index: {chunk} is too large")))?,
                 from: number("dataset_from_index", row)?,
                 to: number("dataset_to_index", row)?,
             };
+            let length = number("length", row)?;
+            if place.to.checked_sub(place.from) != Some(length) {
+                let index = number("episode_index", row)?;
+                return Err(damaged(format!(
+                    "episode {index}: length: {length} is not that of frames {} to {}",
+                    place.from, place.to
+                )));
+            }
             let stats = features.iter().map(|feature| {
                 let part = |what: &str| list(&format!("stats/{feature}/{what}"), row);
                 let (min, max, mean, std) = (part("min")?, part("max")?, part("mean")?, part("std")?);
-                let count = [place.to.saturating_sub(place.from) as u64];
+                if [&max, &mean, &std].iter().any(|other| other.len() != min.len()) {
+                    return Err(damaged(format!("stats/{feature}: its lists differ in length")));
+                }
+                let count = [length as u64];
                 Ok(((*feature).to_owned(), Stats { min, max, mean, std, count }))
             });
             let stats = stats.collect::<Result<_, DatasetError>>()?;

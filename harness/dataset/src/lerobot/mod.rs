@@ -14,12 +14,26 @@ pub(crate) use info::{Totals, info};
 pub(crate) use stats::{Stats, pooled};
 pub(crate) use tasks::write_tasks;
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use bytes::Bytes;
+use vb_record::ParquetBounds;
+
+use crate::error::DatasetError;
 
 /// The version of the layout.
 pub const CODEBASE_VERSION: &str = "v3.0";
 /// The number of files in a folder.
 pub(crate) const CHUNK: usize = 1000;
+
+/// The content of a Parquet file that is within bounds.
+fn open(path: &Path, bounds: &ParquetBounds) -> Result<Bytes, DatasetError> {
+    vb_record::read_parquet(path, bounds).map_err(|e| match e.kind() {
+        ErrorKind::InvalidData => DatasetError::damaged(path, &e.to_string()),
+        _ => DatasetError::io("read", path)(e),
+    })
+}
 
 /// Chunk and file of the data file with this number.
 pub(crate) fn place(number: usize) -> (usize, usize) {

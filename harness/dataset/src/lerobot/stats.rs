@@ -50,7 +50,7 @@ impl Stats {
 pub(crate) fn pooled<'a>(parts: impl Iterator<Item = &'a Stats> + Clone) -> Stats {
     let total: u64 = parts.clone().map(|p| p.count[0]).sum();
     let parts = parts.filter(|p| p.count[0] > 0);
-    let width = parts.clone().next().map_or(0, |p| p.mean.len());
+    let width = parts.clone().map(|p| p.mean.len()).min().unwrap_or(0);
     let mut all = Stats { count: [total], ..Stats::default() };
     for k in 0..width {
         let weighted = |f: &dyn Fn(&Stats) -> f64| {

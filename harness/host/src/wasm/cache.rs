@@ -57,11 +57,11 @@ impl Entry {
     /// The compiled plugin, if a sound file of this user's is there.
     pub(super) fn load(&self, engine: &Engine) -> Option<Component> {
         let key = read_key(&self.dir)?;
-        let file = File::open(self.path()).ok()?;
+        let file = vb_files::open(&self.path()).ok()?;
         if !is_own(&file.metadata().ok()?, &std::fs::symlink_metadata(&self.dir).ok()?) {
             return None;
         }
-        let bytes = read(&file)?;
+        let bytes = read(&file, self.max_bytes)?;
         let (mac, code) = bytes.strip_prefix(MAGIC)?.split_at_checked(MAC_BYTES)?;
         // Compares in constant time.
         self.mac(&key, code).verify_slice(mac).ok()?;
@@ -133,22 +133,27 @@ impl Entry {
     }
 }
 
-fn read(mut file: &File) -> Option<Vec<u8>> {
+/// What is in a file, if it is no more than `most` bytes.
+fn read(file: &File, most: u64) -> Option<Vec<u8>> {
     use std::io::Read as _;
-    let mut bytes = Vec::with_capacity(usize::try_from(file.metadata().ok()?.len()).ok()?);
-    file.read_to_end(&mut bytes).ok()?;
+    if file.metadata().ok()?.len() > most {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    file.take(most).read_to_end(&mut bytes).ok()?;
     Some(bytes)
 }
 
 /// The user's key, if it is there, whole, and nobody else's.
 fn read_key(dir: &Path) -> Option<[u8; KEY_BYTES]> {
     let dir_meta = std::fs::symlink_metadata(dir).ok()?;
-    let file = File::open(dir.join(KEY_FILE)).ok()?;
+    // A pipe of that name would wait for ever.
+    let file = vb_files::open(&dir.join(KEY_FILE)).ok()?;
     let meta = file.metadata().ok()?;
     if !is_users_dir(dir, &dir_meta) || !is_own(&meta, &dir_meta) || !is_secret(&meta) {
         return None;
     }
-    read(&file)?.try_into().ok()
+    read(&file, KEY_BYTES as u64)?.try_into().ok()
 }
 
 /// Makes the key; if another process was faster, takes its key.

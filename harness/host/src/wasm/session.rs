@@ -320,8 +320,18 @@ fn cause(error: &Error, state: &State, budget: Budget) -> FaultCause {
     if trap.is_none() && error.root_cause().to_string().starts_with("too much data is being copied") {
         return FaultCause::OutputTooLarge { limit: state.output_bytes };
     }
+    // What a call hands over has one enumeration, the gear. The engine's error has no type; a test holds its text.
+    let root = error.root_cause().to_string();
+    if trap.is_none()
+        && backtrace.is_empty()
+        && let Some(found) = root.strip_prefix("unexpected discriminant: ")
+    {
+        let found = one_line(found);
+        let message = format!("gear is {found}; allowed values are 0 (forward), 1 (neutral) and 2 (reverse)");
+        return FaultCause::BadCommand { message };
+    }
     // Of an error that is no trap the outermost texts are the engine's own frames of reference.
-    let message = trap.map_or_else(|| error.root_cause().to_string(), ToString::to_string);
+    let message = trap.map_or(root, ToString::to_string);
     let message = one_line(message.strip_prefix("wasm trap: ").unwrap_or(&message));
     FaultCause::Trap { message, backtrace }
 }

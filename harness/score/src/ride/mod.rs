@@ -8,7 +8,7 @@ mod weighting;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::measures::measures;
+use crate::measures::{MOST, measures, outside};
 
 pub use meter::{RideMeter, RideStep};
 
@@ -23,8 +23,6 @@ const HORIZONTAL: f64 = 1.4;
 const UPRIGHT: f64 = 0.5;
 /// How long a vehicle has to stand upright on its wheels until it has landed, s at scale 1: ours. A hop of a wheel takes less.
 const LANDED_S: f64 = 0.2;
-/// The greatest value of a measure that a record may have; no simulation comes near it.
-const MOST: f64 = 1e9;
 
 measures! {
     /// Shock and ride over the steps of a simulation, from the start of the trial to the sample that decided it. Accelerations are
@@ -61,7 +59,7 @@ impl Ride {
         Self::MEASURES.iter().find_map(|m| {
             let value = m.number(self)?;
             let most = if m.name.ends_with("_fraction") { 1.0 } else { MOST };
-            (!(0.0..=most).contains(&value)).then(|| format!("{}: {value} must lie in 0 to {most}", m.name))
+            outside(m.name, value, 0.0, most)
         })
     }
 

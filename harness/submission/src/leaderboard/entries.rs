@@ -58,7 +58,8 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     if !path.exists() {
         return fail(format!("{VERDICT} is missing (run vb-harness verify on it first)"));
     }
-    let (verification, _): (Verification, _) = files::read_json(&path, files::DOCUMENT, VERIFICATION_SCHEMA)?;
+    let (verification, _): (Verification, _) =
+        files::read_json(&path, files::DOCUMENT, VERIFICATION_SCHEMA, |_| Ok(()))?;
     let submission = Submission::open(dir)?;
     if !verification.verified {
         let first = verification.findings.first().map_or_else(String::new, |f| format!(": {f}"));
@@ -83,7 +84,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     let figures = figures.all;
     let holdout = match dir.join(HOLDOUT) {
         path if path.exists() => {
-            let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA)?;
+            let (scores, _): (Scores, _) = files::read_json(&path, SMALL, SCORES_SCHEMA, |_| Ok(()))?;
             let run = &submission.manifest().run;
             let own = [&run.plugin.sha256, &run.vehicle.name, &run.perception.name, &run.harness_version];
             let theirs =
