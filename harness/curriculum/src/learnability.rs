@@ -29,6 +29,11 @@ impl Count {
         self.outcomes = keep * self.outcomes + 1.0;
     }
 
+    /// Whether it can be counted: no more successes, but for the last digits, than outcomes, and these no more than there is time for.
+    fn is_sound(&self) -> bool {
+        (0.0..=1e12).contains(&self.outcomes) && (0.0..=self.outcomes + 1e-6).contains(&self.successes)
+    }
+
     /// The share of successes, where `prior` outcomes with the share `share` are added.
     fn share(&self, prior: f64, share: f64) -> f64 {
         (self.successes + prior * share) / (self.outcomes + prior)
@@ -77,5 +82,6 @@ impl Learnability {
         self.spec == other.spec
             && self.levels == other.levels
             && (self.by_task.len(), self.by_level.len()) == (other.by_task.len(), other.by_level.len())
+            && self.by_task.iter().chain(&self.by_level).all(Count::is_sound)
     }
 }

@@ -22,6 +22,9 @@ use manual::Manual;
 use replay::Replay;
 pub use spec::{CurriculumError, LearnabilitySpec, ManualSpec, Method, ReplaySpec, Spec, StageRule};
 
+/// The most tasks that are drawn, which counts never come near.
+const MOST_DRAWN: u64 = 1 << 53;
+
 /// Draws tasks for environments, and learns from how their episodes end.
 #[derive(Clone, Debug)]
 pub struct Curriculum {
@@ -202,7 +205,8 @@ impl Curriculum {
             _ => false,
         };
         let tasks_differ = memory.tasks != self.memory.tasks;
-        if !fits || tasks_differ || memory.drawn.len() != self.memory.drawn.len() {
+        let is_counted = memory.drawn.iter().all(|drawn| *drawn <= MOST_DRAWN);
+        if !fits || tasks_differ || !is_counted || memory.drawn.len() != self.memory.drawn.len() {
             return Err(flaw("it is of another curriculum, or of other tasks or environments"));
         }
         self.memory = memory;

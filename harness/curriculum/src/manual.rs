@@ -92,6 +92,11 @@ impl Manual {
         self.rule == other.rule
             && self.stages == other.stages
             && self.places.len() == other.places.len()
-            && self.places.iter().all(|p| p.stage < self.stages.len())
+            && self.places.iter().all(|p| {
+                // Counts begin anew once a window is full.
+                p.stage < self.stages.len()
+                    && p.successes <= p.episodes
+                    && p.episodes < self.rule.window.max(1)
+            })
     }
 }

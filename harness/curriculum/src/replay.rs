@@ -5,7 +5,7 @@ use vb_math::pow;
 use vb_math::rng::Stream;
 
 use crate::spec::ReplaySpec;
-use crate::{Ending, pick};
+use crate::{Ending, MOST_DRAWN, pick};
 
 /// Scores of tasks, and when they were driven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,6 +98,7 @@ impl Replay {
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.spec == other.spec
             && self.tasks.len() == other.tasks.len()
+            && self.episodes <= MOST_DRAWN
             && self.tasks.iter().all(|t| t.last <= self.episodes)
     }
 }

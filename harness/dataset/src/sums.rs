@@ -15,6 +15,9 @@ pub(crate) const SUMS: &str = "SHA256SUMS";
 /// The same of the files that stay as they are, while a dataset is made. It is hidden, since it is none of the dataset's.
 pub(crate) const SUMS_SO_FAR: &str = ".SHA256SUMS";
 
+/// The most bytes of such a file: that of a dataset of half a million files.
+const MOST: u64 = 64 << 20;
+
 /// What is wrong with a file that isn't there.
 const MISSING: &str = "it is missing";
 
@@ -33,7 +36,7 @@ impl Sums {
     /// Reads the hashes that are in a file of a dataset.
     pub(crate) fn read(dir: &Path, file: &str) -> Result<Self, DatasetError> {
         let path = dir.join(file);
-        let text = vb_files::read_text(&path, vb_files::DATA).map_err(|e| match e.kind() {
+        let text = vb_files::read_text(&path, MOST).map_err(|e| match e.kind() {
             ErrorKind::NotFound => Flaw::missing(file.into()).of(dir),
             _ => DatasetError::io("read", &path)(e),
         })?;
@@ -44,7 +47,8 @@ impl Sums {
                 // A name that leads out of the folder is nobody's file.
                 .filter(|(_, name)| Path::new(name).components().all(|c| matches!(c, Component::Normal(_))))
                 .ok_or_else(|| {
-                    DatasetError::damaged(&path, &format!("\"{line}\" is no hash and file in it"))
+                    let begin: String = line.chars().take(100).collect();
+                    DatasetError::damaged(&path, &format!("\"{begin}\" is no hash and file in it"))
                 })?;
             sums.insert(PathBuf::from(name), hash.to_owned());
         }

@@ -23,6 +23,10 @@ const FINDINGS: usize = 50;
 pub struct Findings(pub Vec<String>);
 
 impl Findings {
+    fn is_full(&self) -> bool {
+        self.0.len() >= FINDINGS
+    }
+
     fn add(&mut self, text: String) {
         if self.0.len() < FINDINGS {
             self.0.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
@@ -72,9 +76,9 @@ fn hold(dir: &Path, findings: &mut Findings) -> Result<(), DatasetError> {
     };
     sums.check(dir, |flaw| {
         findings.add(flaw.to_string());
-        ControlFlow::Continue(())
+        if findings.is_full() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    for flaw in sums.strangers(dir)? {
+    for flaw in sums.strangers(dir)?.into_iter().take(FINDINGS) {
         findings.add(flaw.to_string());
     }
     Ok(())

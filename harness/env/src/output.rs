@@ -48,6 +48,21 @@ impl Numbers {
 }
 
 impl Output {
+    /// The bytes of all observations of so many environments.
+    pub(crate) fn bytes(arena: &Arena, count: usize, flat: bool, autoreset: Autoreset) -> usize {
+        let size = |p: &vb_sdk::policy::Part| match p.dtype {
+            Dtype::F32 => p.width().saturating_mul(4),
+            Dtype::U8 => p.width(),
+        };
+        let one = if flat {
+            arena.layout().flat_width().saturating_mul(4)
+        } else {
+            arena.layout().parts().iter().map(size).fold(0, usize::saturating_add)
+        };
+        let copies = if autoreset == Autoreset::SameStep { 2 } else { 1 };
+        one.saturating_mul(count).saturating_mul(copies)
+    }
+
     pub(crate) fn new(arena: &Arena, count: usize, flat: bool, autoreset: Autoreset) -> Self {
         let numbers = || -> Vec<Numbers> {
             if flat {

@@ -149,6 +149,13 @@ impl VectorEnv {
         };
         within("num_envs", count, 65_536)?;
         within("threads", threads, 1024)?;
+        // Memory that isn't there would end the process later, and the interpreter with it.
+        let bytes = Output::bytes(&arena, count, flat, autoreset);
+        if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
+            let problem =
+                format!("is too many: their observations take {bytes} bytes, more than there is memory");
+            return Err(EnvError::Option { option: "num_envs", value: count.to_string(), problem });
+        }
         let place = |k: usize| {
             Mutex::new(Place { env: Env::new(arena.clone(), k as u64), is_over: true, next: None })
         };

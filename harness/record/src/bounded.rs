@@ -338,4 +338,119 @@ mod tests {
         assert!(Page::read(&[0x25, 1, 0]).is_none());
         assert!(Page::read(&[0x15; 100_000]).is_none());
     }
+
+    const ENOUGH: ParquetBounds =
+        ParquetBounds { file: 1 << 20, values: 1 << 20, bytes: 1 << 20, dictionary: 1 << 20 };
+
+    /// A file of two columns with `rows` rows.
+    fn table(rows: usize) -> Bytes {
+        use crate::parquet_io::{Column, encode};
+        let text = (0..rows).map(|k| parquet::data_type::ByteArray::from(["a", "bc"][k % 2])).collect();
+        let columns = vec![
+            ("name".to_owned(), Column::Text(text)),
+            ("value".to_owned(), Column::F32((0..rows).map(|k| k as f32).collect())),
+        ];
+        encode("key", "{}".to_owned(), columns).unwrap().into()
+    }
+
+    fn refused(bytes: &Bytes, bounds: &ParquetBounds) -> String {
+        check(bytes, bounds).unwrap_err()
+    }
+
+    #[test]
+    fn each_bound_is_held() {
+        let file = table(1000);
+        assert_eq!(check(&file, &ENOUGH), Ok(()));
+        // Two columns of a thousand values, 4000 bytes of them numbers; a dictionary of "a" and "bc" with their lengths is 11.
+        assert_eq!(check(&file, &ParquetBounds { values: 2000, dictionary: 11, ..ENOUGH }), Ok(()));
+        let e = refused(&file, &ParquetBounds { values: 1999, ..ENOUGH });
+        assert!(e.contains("column value: the file has more than 1999 values"), "{e}");
+        let e = refused(&file, &ParquetBounds { values: 999, ..ENOUGH });
+        assert!(e.contains("row group 0 has 1000 rows, at most 999 are read"), "{e}");
+        let e = refused(&file, &ParquetBounds { bytes: 4000, ..ENOUGH });
+        assert!(e.contains("the file has more than 4000 bytes before compression"), "{e}");
+        let e = refused(&file, &ParquetBounds { dictionary: 10, ..ENOUGH });
+        assert!(e.contains("column name: a dictionary of 2 values in 11 bytes, at most 10 bytes"), "{e}");
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.parquet");
+        std::fs::write(&path, &file).unwrap();
+        assert_eq!(read_parquet(&path, &ENOUGH).unwrap(), file);
+        let e = read_parquet(&path, &ParquetBounds { file: 100, ..ENOUGH }).unwrap_err();
+        assert_eq!(e.kind(), io::ErrorKind::InvalidData, "{e}");
+    }
+
+    /// What a file is that has nothing but a footer.
+    fn with_footer(footer: &[u8]) -> Bytes {
+        let length = u32::try_from(footer.len()).unwrap().to_le_bytes();
+        [b"PAR1", footer, &length, b"PAR1"].concat().into()
+    }
+
+    /// A footer whose schema has these numbers of children, with as many row groups as said.
+    fn footer_of(children: &[i64], groups: usize) -> Vec<u8> {
+        fn varint(mut v: u64, to: &mut Vec<u8>) {
+            while v >= 0x80 {
+                to.push(v as u8 | 0x80);
+                v >>= 7;
+            }
+            to.push(v as u8);
+        }
+        let zigzag = |v: i64| ((v << 1) ^ (v >> 63)).cast_unsigned();
+        // 1: version 1; 2: list of structs.
+        let mut footer = vec![0x15, 2, 0x19, 0xfc];
+        varint(children.len() as u64, &mut footer);
+        for own in children {
+            // 3: repeated? no: required; 4: name "a"; 5: number of children.
+            footer.extend([0x35, 0, 0x18, 1, b'a', 0x15]);
+            varint(zigzag(*own), &mut footer);
+            footer.push(0);
+        }
+        // 3: no rows; 4: list of empty structs.
+        footer.extend([0x16, 0, 0x19, 0xfc]);
+        varint(groups as u64, &mut footer);
+        footer.extend(std::iter::repeat_n(0, groups));
+        footer.push(0);
+        footer
+    }
+
+    #[test]
+    fn footers_that_would_be_trees_and_lists_without_end_are_refused() {
+        let chain: Vec<i64> = (0..4000).map(|k| i64::from(k < 3999)).collect();
+        let e = refused(&with_footer(&footer_of(&chain, 0)), &ENOUGH);
+        assert!(e.contains("more than 16 groups within each other"), "{e}");
+        let e = refused(&with_footer(&footer_of(&[i64::from(i32::MAX), 0], 0)), &ENOUGH);
+        assert!(e.contains("2147483647 children, of 1 that are left"), "{e}");
+        let e = refused(&with_footer(&footer_of(&[0; 5000], 0)), &ENOUGH);
+        assert!(e.contains("5000 elements in its schema, at most 4096"), "{e}");
+        let e = refused(&with_footer(&footer_of(&[1, 0], 100_000)), &ENOUGH);
+        assert!(e.contains("100000 row groups, at most 65536"), "{e}");
+        let mut long = table(1).to_vec();
+        let at = long.len() - 8;
+        long[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(refused(&long.into(), &ENOUGH).contains("its footer has 4294967295 bytes"));
+        for odd in [&b""[..], b"PAR1", b"PAR1PAR1", b"PAR1\xff\0\0\0PAR1", b"PAR1\0\0\0\0PARE"] {
+            refused(&Bytes::copy_from_slice(odd), &ENOUGH);
+        }
+    }
+
+    /// Whatever bit of a file is another, it is read within bounds or refused, without a panic.
+    #[test]
+    fn no_bit_of_a_file_ends_its_reader() {
+        use parquet::file::reader::{FileReader as _, SerializedFileReader};
+        let whole = table(40);
+        for bit in 0..8 * whole.len() {
+            let mut bytes = whole.to_vec();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            let bytes = Bytes::from(bytes);
+            if check(&bytes, &ENOUGH).is_ok() {
+                let reader = SerializedFileReader::new(bytes).unwrap();
+                let groups = (0..reader.num_row_groups()).filter_map(|g| reader.get_row_group(g).ok());
+                for group in groups {
+                    for column in 0..group.num_columns() {
+                        let Ok(mut pages) = group.get_column_page_reader(column) else { continue };
+                        while let Ok(Some(_)) = pages.get_next_page() {}
+                    }
+                }
+            }
+        }
+    }
 }

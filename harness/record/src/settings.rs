@@ -25,8 +25,8 @@ pub fn is_time_step(step: f64, sample_period: f64) -> bool {
         && ((sample_period / step).round() * step - sample_period).abs() < TOLERANCE
 }
 
-/// The coordinates that a place in a world may have, m, and angles, rad.
-const PLACES: RangeInclusive<f64> = -1e9..=1e9;
+/// The coordinates that a place in a world may have, m, and the other numbers of a sample.
+pub(crate) const PLACES: RangeInclusive<f64> = -1e9..=1e9;
 
 /// What is wrong with a value that lies outside of what is allowed.
 fn outside(field: &str, value: f64, allowed: &RangeInclusive<f64>) -> Option<String> {

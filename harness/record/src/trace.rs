@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounded::ParquetBounds;
 use crate::parquet_io::{Column, Table, damaged, encode};
+use crate::settings::PLACES;
 use crate::{Sample, StoreError, WheelSample};
 
 /// The version of the layout of a trace file.
@@ -210,6 +211,13 @@ impl Trace {
         };
         let columns = Sample::FIELDS.iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let rows = columns[0].len();
+        for (name, values) in Sample::FIELDS.iter().zip(&columns) {
+            if let Some(k) = values.iter().position(|v| !PLACES.contains(v)) {
+                let detail =
+                    format!("sample {k}: {name}: {:e} is no value that a vehicle can have", values[k]);
+                return Err(damaged(path, detail));
+            }
+        }
         let wheels = table.columns().iter().filter(|name| name.starts_with("speed_")).count();
         let mut wheel_columns = Vec::with_capacity(wheels);
         for w in 0..wheels {
@@ -251,10 +259,10 @@ mod tests {
         }
     }
 
-    /// Values whose every bit matters: subnormals, signed zero, infinities and the neighbours of 1.
+    /// Values whose every bit matters: subnormals, signed zero, the greatest that are read and the neighbours of 1.
     fn awkward(i: usize) -> f64 {
         let bits =
-            [0x3ff0_0000_0000_0001, 0x8000_0000_0000_0000, 1, 0x7ff0_0000_0000_0000, 0x3fd5_5555_5555_5555];
+            [0x3ff0_0000_0000_0001, 0x8000_0000_0000_0000, 1, 0xc1cd_cd65_0000_0000, 0x3fd5_5555_5555_5555];
         f64::from_bits(bits[i % bits.len()]) + if i.is_multiple_of(7) { i as f64 * 0.1 } else { 0.0 }
     }
 
@@ -335,6 +343,19 @@ mod tests {
         std::fs::write(&path, trace.encode().unwrap()).unwrap();
         let e = Trace::read(&path).unwrap_err();
         assert!(matches!(e, StoreError::Schema { found: 2, .. }), "{e}");
+    }
+
+    #[test]
+    fn a_trace_with_a_number_that_no_vehicle_has_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("t.parquet");
+        for value in [1e300, -1e300, f64::INFINITY, f64::NAN] {
+            let mut trace = recorded(TraceMode::Full, 3);
+            trace.samples[1].y = value;
+            std::fs::write(&path, trace.encode().unwrap()).unwrap();
+            let e = Trace::read(&path).unwrap_err().to_string();
+            assert!(e.contains(&format!("sample 1: y: {value:e} is no value")), "{e}");
+        }
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(crate) struct Lines<'a> {
     pub(crate) time: f64,
     /// The points of each line, at least one.
     pub(crate) lines: Vec<Vec<Point>>,
-    /// A cost a line.
+    /// A cost a line; of fewer costs than lines, the first lines have them.
     pub(crate) costs: Option<&'a [f32]>,
 }
 
@@ -129,7 +129,10 @@ impl PlannerSeries {
                 let (length, dimensions) = of(e)?;
                 let name = &e.name[..length];
                 let costs = costs.get(&(e.time.to_bits(), name)).copied();
-                Some(Lines { name, time: e.time, lines: part(&e.values, dimensions, costs), costs })
+                let lines = part(&e.values, dimensions, costs);
+                // Many entries of a name may share its costs: each has but those of its own lines.
+                let costs = costs.map(|all| &all[..all.len().min(lines.len())]);
+                Some(Lines { name, time: e.time, lines, costs })
             })
             .collect()
     }
@@ -220,5 +223,16 @@ mod tests {
         let s = PlannerSeries::new(many);
         assert!(s.entries.iter().map(|e| e.values.len()).sum::<usize>() <= VALUES);
         assert_eq!((s.stride, s.entries.len()), (8, 125));
+    }
+
+    #[test]
+    fn costs_are_not_repeated_for_every_entry_of_a_name() {
+        let mut entries: Vec<DebugEntry> = (0..1000).map(|_| entry(0.0, "a.xy", &[1.0, 2.0])).collect();
+        entries.push(entry(0.0, "a.cost", &[0.5; 1000]));
+        let series = PlannerSeries::new(entries);
+        let lines = series.lines();
+        assert_eq!(lines.len(), 1000);
+        assert_eq!(lines.iter().map(|l| l.costs.map_or(0, <[f32]>::len)).sum::<usize>(), 1000);
+        assert!(series.json().to_string().len() < 100_000);
     }
 }

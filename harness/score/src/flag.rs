@@ -161,11 +161,7 @@ mod tests {
         let text = serde_json::to_string(&record("stuck", [0.0; 2], &ride(2.5, 6.0, true))).unwrap();
         for (from, to, told) in [
             ("\"seat_peak_z_g\":2.5", "\"seat_peak_z_g\":-2.5", "ride.seat_peak_z_g: -2.5 must lie in 0 to"),
-            (
-                "\"absorbed_power_w\":6.0",
-                "\"absorbed_power_w\":1e10",
-                "ride.absorbed_power_w: 10000000000 must",
-            ),
+            ("\"absorbed_power_w\":6.0", "\"absorbed_power_w\":1e10", "ride.absorbed_power_w: 1e10 must"),
             (
                 "\"airborne_fraction\":0.0",
                 "\"airborne_fraction\":1.01",

@@ -4,15 +4,20 @@
 //! `cargo xtask fuzz` runs them under libFuzzer (`tests/fuzz/libfuzzer`); the tests of this crate run seeds and their
 //! mutations with every test run, so that targets and readers stay in step.
 
+mod dataset;
 mod import;
 mod limits;
+mod manifest;
 mod plugin;
 mod protocol;
 mod raster;
+mod records;
 mod results;
 mod site;
 mod submission;
 mod suite;
+mod tables;
+mod weights;
 
 use vb_score::Rules;
 use vb_sim::SoilSet;
@@ -42,6 +47,12 @@ pub const TARGETS: &[Target] = &[
     Target { name: "limits", run: limits::run, seeds: limits::seeds },
     Target { name: "submission", run: submission::run, seeds: submission::seeds },
     Target { name: "raster", run: raster::run, seeds: raster::seeds },
+    Target { name: "records", run: records::run, seeds: records::seeds },
+    Target { name: "series", run: tables::series, seeds: tables::series_seeds },
+    Target { name: "trace", run: tables::trace, seeds: tables::trace_seeds },
+    Target { name: "dataset", run: dataset::run, seeds: dataset::seeds },
+    Target { name: "manifest", run: manifest::run, seeds: manifest::seeds },
+    Target { name: "weights", run: weights::run, seeds: weights::seeds },
 ];
 
 /// The target of this name.

@@ -72,6 +72,43 @@ fn no_reader_panics_on_seeds_and_their_mutations() {
     }
 }
 
+/// Mutates the seeds of a target for a while, where no nightly compiler for libFuzzer is at hand: `VB_FUZZ_TARGET` names it (default:
+/// all of them, one after the other), `VB_FUZZ_SECONDS` says how long (default: 60). An input that takes more than two seconds, or ends
+/// the target, is left in `VB_FUZZ_KEEP` (default: the folder for temporary files).
+#[test]
+#[ignore = "runs as long as it is told to"]
+#[allow(clippy::disallowed_methods, reason = "how long it runs reaches no score")]
+fn mutations_of_seeds_for_a_while() {
+    use std::time::{Duration, Instant};
+    let var = |name: &str| std::env::var(name).ok();
+    let seconds = var("VB_FUZZ_SECONDS").and_then(|s| s.parse().ok()).unwrap_or(60);
+    let keep = var("VB_FUZZ_KEEP").map_or_else(std::env::temp_dir, std::path::PathBuf::from);
+    let wanted = var("VB_FUZZ_TARGET");
+    for target in vb_fuzz::TARGETS.iter().filter(|t| wanted.as_deref().is_none_or(|name| name == t.name)) {
+        let seeds = (target.seeds)();
+        let (begun, mut random, mut count) = (Instant::now(), u64::from(std::process::id()), 0_u64);
+        let current = keep.join(format!("fuzz-{}-{}", target.name, std::process::id()));
+        while begun.elapsed() < Duration::from_secs(seconds) {
+            let mut input = seeds[next(&mut random) % seeds.len()].clone();
+            for _ in 0..1 + next(&mut random) % 3 {
+                input = mutate(&input, &mut random);
+            }
+            std::fs::write(&current, &input).expect("a place for the input");
+            let at = Instant::now();
+            (target.run)(&input);
+            assert!(
+                at.elapsed() < Duration::from_secs(2),
+                "{} takes long: {}",
+                target.name,
+                current.display()
+            );
+            count += 1;
+        }
+        let _ = std::fs::remove_file(&current);
+        println!("{}: {count} inputs in {seconds} s", target.name);
+    }
+}
+
 #[test]
 fn every_target_has_its_program_under_libfuzzer() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/libfuzzer");

@@ -249,6 +249,43 @@ fn the_state_of_another_curriculum_is_refused() {
     assert!(over(30, LEARNABILITY, 3).restore(&more).is_err());
 }
 
+/// A state is a text in a checkpoint, which anybody can have written: counts in it are added to and subtracted.
+#[test]
+fn a_state_with_counts_that_nobody_can_have_counted_is_refused() {
+    let mut tried = 0;
+    for text in [LEARNABILITY, REPLAY, MANUAL, "kind: uniform\n"] {
+        let mut own = over(30, text, 3);
+        own.report(&Ending { environment: 0, task: 0, is_success: true });
+        let before: serde_json::Value = serde_json::from_str(&own.state()).unwrap();
+        let method = before["method"].as_object().and_then(|m| m.keys().next().cloned()).unwrap_or_default();
+        let places: &[(&str, serde_json::Value)] = match method.as_str() {
+            "manual" => &[
+                ("/places/0/stage", 99.into()),
+                ("/places/0/episodes", u32::MAX.into()),
+                ("/places/0/successes", u32::MAX.into()),
+            ],
+            "learnability" => &[
+                ("/by_task/0/outcomes", 1e308.into()),
+                ("/by_task/0/successes", 1e308.into()),
+                ("/by_level/0/successes", (-1.0).into()),
+            ],
+            "replay" => &[("/episodes", u64::MAX.into()), ("/tasks/0/last", u64::MAX.into())],
+            _ => &[],
+        };
+        let mut attack = |place: String, value: &serde_json::Value| {
+            let mut state = before.clone();
+            *state.pointer_mut(&place).unwrap_or_else(|| panic!("{place} in {before}")) = value.clone();
+            assert!(own.restore(&state.to_string()).is_err(), "{place} = {value}");
+            tried += 1;
+        };
+        attack("/drawn/0".into(), &u64::MAX.into());
+        for (place, value) in places {
+            attack(format!("/method/{method}{place}"), value);
+        }
+    }
+    assert_eq!(tried, 12);
+}
+
 #[test]
 fn flaws_are_told_with_file_field_and_value() {
     let told = |text: &str| {

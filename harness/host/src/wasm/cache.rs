@@ -288,6 +288,32 @@ mod tests {
         assert!(other.load(&engine).is_none() && a.load(&engine).is_some());
     }
 
+    /// Who opens a pipe waits for somebody to write into it; who reads a file of a tebibyte has no memory left.
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_endless_files_are_not_taken() {
+        let dir = tempfile::tempdir().unwrap();
+        let engine = engine();
+        let entry = entry(&dir.path().join("cache"), &engine, "abc");
+        entry.store(&component(&engine));
+        let fifo = |path: &Path| {
+            std::fs::remove_file(path).unwrap();
+            assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+        };
+        fifo(&entry.path());
+        assert!(entry.load(&engine).is_none());
+        std::fs::remove_file(entry.path()).unwrap();
+        entry.store(&component(&engine));
+        assert!(entry.load(&engine).is_some());
+        std::fs::OpenOptions::new().write(true).open(entry.path()).unwrap().set_len(1 << 40).unwrap();
+        assert!(entry.load(&engine).is_none());
+        fifo(&entry.dir.join(KEY_FILE));
+        assert!(entry.load(&engine).is_none());
+        // Another key takes its place.
+        entry.store(&component(&engine));
+        assert!(entry.load(&engine).is_some());
+    }
+
     #[cfg(unix)]
     #[test]
     fn what_others_may_write_or_read_the_key_of_is_not_trusted() {

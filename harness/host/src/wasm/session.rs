@@ -327,7 +327,7 @@ fn cause(error: &Error, state: &State, budget: Budget) -> FaultCause {
         && let Some(found) = root.strip_prefix("unexpected discriminant: ")
     {
         let found = one_line(found);
-        let message = format!("gear is {found}; allowed values are 0 (forward), 1 (neutral) and 2 (reverse)");
+        let message = format!("gear is {found}; want forward (0), neutral (1) or reverse (2)");
         return FaultCause::BadCommand { message };
     }
     // Of an error that is no trap the outermost texts are the engine's own frames of reference.

@@ -67,7 +67,8 @@ pub fn core_module(wat: &str, metadata: &str) -> Vec<u8> {
 pub fn core_module_of(wat: &str, metadata: &str, packages: &[&str]) -> Vec<u8> {
     let mut module = wat::parse_str(wat).unwrap();
     let mut resolve = wit_parser::Resolve::default();
-    let wit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/wit/v0_1");
+    let version = if metadata.starts_with("abi: 0.2\n") { "v0_2" } else { "v0_1" };
+    let wit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sdk/wit").join(version);
     let (mut package, _) = resolve.push_path(wit).unwrap();
     for text in packages {
         package = resolve.push_str("more.wit", text).unwrap();

@@ -48,6 +48,14 @@ fn with(name: &'static str, item: &str, end: (Ends, FaultCode, &'static str)) ->
     changed(name, ("(func $spin", &format!("{item} (func $spin")), end)
 }
 
+/// A planner of version 0.2 of the interface, whose step puts this into the byte of the command's gear.
+fn gear(name: &'static str, value: u8, says: &'static str) -> Case {
+    let step = format!("(drop {GO}) (i32.store8 (i32.const 2080) (i32.const {value})) (i32.const 2048)");
+    let text = planner_wat(OK, &step).replace("@0.1.0", "@0.2.0");
+    let module = core_module(&text, &METADATA.replace("abi: 0.1", "abi: 0.2"));
+    case(name, Source::File(module), Step, InvalidOutput, says)
+}
+
 /// The result of a step that is an error whose text has this address and length.
 fn error(address: u32, bytes: u32) -> String {
     format!(
@@ -301,6 +309,8 @@ fn lies() -> Vec<Case> {
             InvalidOutput,
             "steering is NaN",
         ),
+        gear("a gear that there isn't", 3, "gear is 3; want forward (0), neutral (1) or reverse (2)"),
+        gear("a gear of all bits", 255, "gear is 255; want forward (0)"),
         step("an infinite throttle", &command("0", "inf", "0"), InvalidOutput, "throttle is inf"),
         step("an infinite brake", &command("0", "0", "-inf"), InvalidOutput, "brake is -inf"),
         step("a result beyond its memory", "(i32.const 0x7ffffff8)", Trap, ""),

@@ -223,7 +223,8 @@ fn powers(range: [f64; 2]) -> Vec<(f64, String)> {
     let mut at = 0.0;
     let mut found = Vec::new();
     let factors: &[f64] = if range[1] - range[0] > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    while at <= range[1] {
+    // No number of a record has more digits.
+    while at <= range[1].min(400.0) {
         for factor in factors {
             let place = at + Scale::Logarithmic.place(*factor);
             if place >= range[0] - 1e-9 && place <= range[1] + 1e-9 {

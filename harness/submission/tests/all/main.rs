@@ -5,4 +5,5 @@
 mod common;
 mod leaderboard;
 mod make;
+mod size;
 mod tamper;

@@ -1,0 +1,217 @@
+//! What a stranger writes into a dataset is refused with field and value, or is a finding.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod common;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Int64Array, RecordBatch};
+use common::{header, suite};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use vb_dataset::{Dataset, DatasetWriter, Dtype, Episode, EpisodeInfo, Layout, Values, merge, validate};
+use vb_world::Suite;
+
+const LAYOUT: Layout = Layout { wheels: 4, speed: true, goal: false, truth: false, crops: 0 };
+
+/// An episode of two frames at rest.
+fn episode(suite: &Suite) -> Episode {
+    let world = &suite.worlds()[0];
+    let columns = LAYOUT.features().into_iter().map(|f| {
+        let n = 2 * f.width();
+        match f.dtype {
+            Dtype::F32 => Values::F32(vec![0.0; n]),
+            Dtype::I64 => Values::I64(vec![0; n]),
+            Dtype::U8 => Values::U8(vec![0; n]),
+            Dtype::Bool => Values::Bool((0..n).map(|k| f.name == "next.done" && k == 1).collect()),
+        }
+    });
+    let info = EpisodeInfo {
+        world: world.id.clone(),
+        world_hash: world.sha256.clone(),
+        outcome: "rollover".into(),
+        terrain: "rigid".into(),
+        state_hash: "0".repeat(16),
+        ..EpisodeInfo::default()
+    };
+    Episode { info, frames: 2, columns: columns.collect() }
+}
+
+struct Place {
+    dir: tempfile::TempDir,
+    suite: Suite,
+}
+
+impl Place {
+    fn new() -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let suite = suite(&dir.path().join("suite"));
+        Self { dir, suite }
+    }
+
+    /// A dataset of one episode, changed before it is written: all its hashes are right.
+    fn made(&self, name: &str, change: impl FnOnce(&mut Episode)) -> PathBuf {
+        let out = self.dir.path().join(name);
+        let mut writer =
+            DatasetWriter::create(&out, header("made", LAYOUT, &self.suite), &self.suite, 10).unwrap();
+        let mut own = episode(&self.suite);
+        change(&mut own);
+        writer.add(&own).unwrap();
+        writer.finish().unwrap();
+        out
+    }
+}
+
+fn findings(dir: &Path) -> String {
+    validate(dir, &[]).unwrap().0.join("\n")
+}
+
+fn refused(dir: &Path) -> String {
+    Dataset::open(dir).err().map_or_else(|| "it was opened".into(), |e| e.to_string())
+}
+
+#[test]
+fn an_honest_dataset_is_as_it_should_be() {
+    let place = Place::new();
+    assert_eq!(findings(&place.made("good", |_| {})), "");
+}
+
+#[test]
+fn numbers_that_no_vehicle_has_are_findings() {
+    let place = Place::new();
+    let mut tried = 0;
+    for (k, feature) in LAYOUT.features().into_iter().enumerate() {
+        if feature.dtype != Dtype::F32 {
+            continue;
+        }
+        for (n, value) in [1e38, -1e38, 1e10, f32::INFINITY, f32::NAN].into_iter().enumerate() {
+            let out = place.made(&format!("f{k}-{n}"), |e| {
+                let Values::F32(values) = &mut e.columns[k] else { return };
+                let last = values.len() - 1;
+                values[last] = value;
+            });
+            let text = findings(&out);
+            assert!(text.contains(feature.name), "{} = {value}: {text}", feature.name);
+            tried += 1;
+        }
+    }
+    assert!(tried >= 30, "{tried}");
+    let action = LAYOUT.features().iter().position(|f| f.name == "action").unwrap();
+    let out = place.made("steering", |e| e.columns[action] = Values::F32(vec![1.5; 8]));
+    assert_eq!(findings(&out), "episode 0: action steering: 1.5e0 of frame 0 must lie in -1 to 1");
+    let ground = LAYOUT.features().iter().position(|f| f.name == "truth.ground").unwrap();
+    let out = place.made("ground", |e| e.columns[ground] = Values::I64(vec![i64::MAX; 2]));
+    assert!(findings(&out).contains("truth.ground: "), "{}", findings(&out));
+}
+
+type Change = fn(&mut EpisodeInfo);
+
+#[test]
+fn what_is_said_of_an_episode_is_known_or_possible() {
+    let place = Place::new();
+    let cases: [(&str, Change); 11] = [
+        ("outcome: \"won\"", |i| i.outcome = "won".into()),
+        ("cause: \"x\"", |i| i.cause = "x".into()),
+        ("elevation: \"x\"", |i| i.elevation = "x".into()),
+        ("terrain: \"x\"", |i| i.terrain = "x".into()),
+        ("density: \"x\"", |i| i.density = "x".into()),
+        ("ground: \"x\"", |i| i.ground = "x".into()),
+        ("time_s: 1e308", |i| i.time_s = 1e308),
+        ("distance_m: -1e0", |i| i.distance_m = -1.0),
+        ("start: 1e308", |i| i.start[2] = 1e308),
+        ("goal: -1e308", |i| i.goal[0] = -1e308),
+        ("a text of 5000 bytes", |i| i.instruction = "x".repeat(5000)),
+    ];
+    for (k, (want, change)) in cases.into_iter().enumerate() {
+        let out = place.made(&format!("i{k}"), |e| change(&mut e.info));
+        assert!(refused(&out).contains(want), "{want}: {}", refused(&out));
+        assert!(findings(&out).contains(want), "{want}: {}", findings(&out));
+    }
+}
+
+/// Writes a file of a dataset again, with one column changed.
+fn edit(path: &Path, column: &str, value: i64) {
+    let table = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+    let rows = table.build().unwrap().next().unwrap().unwrap();
+    let (at, _) = rows.schema().column_with_name(column).unwrap();
+    let mut columns = rows.columns().to_vec();
+    columns[at] = Arc::new(Int64Array::from(vec![value; rows.num_rows()])) as ArrayRef;
+    let changed = RecordBatch::try_new(rows.schema(), columns).unwrap();
+    let mut writer = ArrowWriter::try_new(File::create(path).unwrap(), rows.schema(), None).unwrap();
+    writer.write(&changed).unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn where_episodes_are_said_to_be_is_where_they_are() {
+    let place = Place::new();
+    for (k, (column, value)) in [
+        ("length", -5),
+        ("length", 1 << 62),
+        ("length", 3),
+        ("dataset_from_index", -1),
+        ("dataset_from_index", 1),
+        ("dataset_to_index", i64::MAX),
+        ("dataset_to_index", 0),
+        ("episode_index", 7),
+        ("data/chunk_index", i64::MAX),
+        ("data/chunk_index", 1 << 40),
+        ("data/file_index", 5),
+        ("data/file_index", -1),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = place.made(&format!("e{k}"), |_| {});
+        edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), column, value);
+        let text = refused(&out);
+        assert!(text.contains("file-000.parquet"), "{column} = {value}: {text}");
+        assert!(findings(&out).lines().count() > 1, "{column} = {value}: {}", findings(&out));
+    }
+    let out = place.made("length", |_| {});
+    edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), "length", 1 << 62);
+    assert!(refused(&out).contains("length: 4611686018427387904 is not that of frames 0 to 2"));
+}
+
+#[test]
+fn a_header_with_numbers_that_no_dataset_has_is_refused_by_every_reader() {
+    let place = Place::new();
+    let good = Dataset::open(&place.made("good", |_| {})).unwrap();
+    for (k, (at, value, want)) in [
+        (
+            "/layout/wheels",
+            serde_json::json!(1_u64 << 60),
+            "layout.wheels: 1152921504606846976 must lie in 1 to 64",
+        ),
+        ("/layout/wheels", serde_json::json!(0), "layout.wheels: 0 must"),
+        ("/layout/crops", serde_json::json!(1_000_000_000), "layout.crops: 1000000000 must lie in 0 to 128"),
+        ("/hz", serde_json::json!(0), "hz: 0 must lie in 1 to 100"),
+        ("/hz", serde_json::json!(4_000_000_000_u32), "hz: 4000000000 must"),
+        ("/scale", serde_json::json!(0), "scale: 0e0 must lie in 0.01 to 10"),
+        ("/scale", serde_json::json!(-1e308), "scale: -1e308 must"),
+        ("/time_step", serde_json::json!(0.0), "time_step: 0e0 must"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = place.made(&format!("h{k}"), |_| {});
+        let path = out.join("dataset.json");
+        let mut json: serde_json::Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+        *json.pointer_mut(at).unwrap() = value;
+        fs::write(&path, json.to_string()).unwrap();
+        assert!(refused(&out).contains(want), "{want}: {}", refused(&out));
+        let told = validate(&out, &[]).map_or_else(|e| e.to_string(), |f| f.0.join("\n"));
+        assert!(told.contains(want), "{want}: {told}");
+        assert!(Dataset::open_whole(&out).is_err());
+    }
+    // Its own header is one that a merged dataset can have.
+    let other = Dataset::open(&place.made("other", |e| {
+        e.info.state_hash = "1".repeat(16);
+        e.columns[0] = Values::F32(vec![0.5; 30]);
+    }))
+    .unwrap();
+    merge(&[good, other], &place.dir.path().join("merged"), None, Vec::new()).unwrap();
+}

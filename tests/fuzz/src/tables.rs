@@ -1,0 +1,85 @@
+//! Parquet files of runs: a planner's series, and traces.
+
+use std::path::{Path, PathBuf};
+
+use vb_record::{DebugSeries, RunReader, RunStore, Trace};
+
+use crate::site::Site;
+
+const HEADER: &[u8] = include_bytes!("../seeds/run-v1/run.json");
+const TRACE: &[u8] = include_bytes!("../seeds/run-v1/trace.parquet");
+/// The file that an input becomes.
+const FILE: &str = "file.parquet";
+
+fn read(data: &[u8], reader: fn(&Path)) {
+    thread_local!(static SITE: Site = Site::new());
+    SITE.with(|site| {
+        site.write(Path::new(FILE), data);
+        reader(&site.path().join(FILE));
+    });
+}
+
+/// A planner's series, and what a replay makes of them.
+pub(crate) fn series(data: &[u8]) {
+    read(data, |path| {
+        if let Ok(entries) = DebugSeries::read(path) {
+            let values: usize = entries.iter().map(|e| e.values.len()).sum();
+            assert!(values <= DebugSeries::MAX_VALUES);
+            assert!(entries.iter().all(|e| e.name.len() <= DebugSeries::MAX_NAME));
+        }
+    });
+}
+
+/// A trace.
+pub(crate) fn trace(data: &[u8]) {
+    read(data, |path| {
+        if let Ok(trace) = Trace::read(path) {
+            assert_eq!(trace.samples.len() * trace.wheels, trace.wheel_samples.len());
+        }
+    });
+}
+
+pub(crate) fn trace_seeds() -> Vec<Vec<u8>> {
+    vec![TRACE.to_vec()]
+}
+
+/// The files that a run writes of series of one value, of many names, and of many values.
+pub(crate) fn series_seeds() -> Vec<Vec<u8>> {
+    let site = Site::new().with(vec![(PathBuf::from("old/run.json"), HEADER.to_vec())]);
+    let header = RunReader::open(&site.path().join("old")).expect("a run").header().clone();
+    let store = RunStore::create(&site.path().join("new"), &header).expect("a new run");
+    let mut few = DebugSeries::default();
+    few.push(0.0, "cost", &[1.5]);
+    let mut names = DebugSeries::default();
+    for k in 0..40 {
+        names.push(0.1 * f64::from(k), &format!("name {k}.xy"), &[0.0, f32::NAN]);
+    }
+    let mut values = DebugSeries::default();
+    values.push(1.0, "trajectories", &[2.0; 3000]);
+    let all = [few, names, values];
+    let file = |(k, series): (usize, &DebugSeries)| {
+        store.write_debug(&format!("w001/t{k}"), series).expect("a file");
+        std::fs::read(site.path().join(format!("new/traces/w001/t{k}.debug.parquet"))).expect("the file")
+    };
+    all.iter().enumerate().map(file).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A seed that is refused at the door tests nothing behind it.
+    #[test]
+    fn the_seeds_are_read() {
+        let site = Site::new();
+        for (seeds, is_read) in [
+            (series_seeds(), (|path| DebugSeries::read(path).is_ok()) as fn(&Path) -> bool),
+            (trace_seeds(), |path| Trace::read(path).is_ok()),
+        ] {
+            for seed in seeds {
+                site.write(Path::new(FILE), &seed);
+                assert!(is_read(&site.path().join(FILE)));
+            }
+        }
+    }
+}
