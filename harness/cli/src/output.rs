@@ -91,7 +91,11 @@ pub(crate) fn whole(
         Destination::Stream(mut file) => make(&mut file),
         Destination::File(mut new, place) => {
             make(new.as_file_mut())?;
-            new.as_file().sync_all().map_err(failed)?;
+            match new.as_file().sync_all() {
+                // Some file systems can't make a file durable, and say that it is no operation of theirs.
+                Err(e) if matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {}
+                other => other.map_err(failed)?,
+            }
             new.persist(place).map_err(|e| failed(e.error))?;
             Ok(())
         }

@@ -7,7 +7,7 @@ use vb_world::{Suite, TerrainClass};
 
 use crate::error::DatasetError;
 use crate::feature::Values;
-use crate::lerobot::{Batch, data_path, read_data};
+use crate::lerobot::{Batch, Place, data_path, read_data};
 use crate::make::keep_apart;
 use crate::reader::{Dataset, finished_header};
 use crate::sums::{SUMS, Sums};
@@ -112,7 +112,6 @@ fn worlds(dataset: &Dataset, suites: &[Suite], findings: &mut Findings) -> Optio
 /// Checks what is said of the episodes, and their frames.
 fn episodes(dataset: &Dataset, worlds: Option<&Suite>, findings: &mut Findings) {
     let features = dataset.features();
-    let hz = f64::from(dataset.header().hz);
     let mut open: Option<(usize, Batch, usize)> = None;
     for (k, row) in dataset.rows().iter().enumerate() {
         let (info, place) = (&row.info, row.place);
@@ -137,7 +136,7 @@ fn episodes(dataset: &Dataset, worlds: Option<&Suite>, findings: &mut Findings) 
             findings.add(format!("episode {k}: frames {} to {} are missing", first + batch.len(), place.to));
             return;
         }
-        if let Some(problem) = frames(dataset, batch, rows, k, hz) {
+        if let Some(problem) = frames(dataset, batch, rows, place, k) {
             findings.add(format!("episode {k}: {problem}"));
         }
     }
@@ -148,17 +147,26 @@ fn frames(
     dataset: &Dataset,
     batch: &Batch,
     rows: std::ops::Range<usize>,
+    place: Place,
     episode: usize,
-    hz: f64,
 ) -> Option<String> {
+    let hz = f64::from(dataset.header().hz);
     let whole = |v: usize| i64::try_from(v).unwrap_or(i64::MAX);
     let last = rows.end - 1;
     for (k, row) in rows.clone().enumerate() {
+        if batch.index[row] != whole(place.from + k) {
+            return Some(format!("frame {k}: index {} is not {}", batch.index[row], place.from + k));
+        }
+        if batch.task_index[row] < 0 || batch.task_index[row] > whole(dataset.infos().len()) {
+            return Some(format!("frame {k}: task_index {} is of no task", batch.task_index[row]));
+        }
         if batch.frame_index[row] != whole(k) || batch.episode_index[row] != whole(episode) {
             return Some(format!("frame {k} says that it is {}", batch.frame_index[row]));
         }
         let time = k as f64 / hz;
-        if (f64::from(batch.timestamp[row]) - time).abs() > 1e-4 {
+        // A time that is no number is none either.
+        let is_then = (f64::from(batch.timestamp[row]) - time).abs() <= 1e-4;
+        if !is_then {
             return Some(format!("timestamp {} of frame {k} is not {time}", batch.timestamp[row]));
         }
     }

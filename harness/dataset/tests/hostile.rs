@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Int64Array, RecordBatch};
+use arrow_array::{ArrayRef, Float32Array, Int64Array, RecordBatch};
 use common::{header, suite};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -107,6 +107,21 @@ fn numbers_that_no_vehicle_has_are_findings() {
     assert!(findings(&out).contains("truth.ground: "), "{}", findings(&out));
 }
 
+#[test]
+fn frames_are_counted_and_timed_as_they_come() {
+    let place = Place::new();
+    for (k, column) in ["index", "frame_index", "episode_index", "task_index"].into_iter().enumerate() {
+        let out = place.made(&format!("n{k}"), |_| {});
+        edit(&out.join("data/chunk-000/file-000.parquet"), column, i64::MAX);
+        assert!(findings(&out).contains("\nepisode 0: "), "{column}: {}", findings(&out));
+    }
+    let out = place.made("time", |_| {});
+    edit_to(&out.join("data/chunk-000/file-000.parquet"), "timestamp", |rows| {
+        Arc::new(Float32Array::from(vec![f32::NAN; rows]))
+    });
+    assert!(findings(&out).contains("timestamp NaN of frame 0 is not 0"), "{}", findings(&out));
+}
+
 type Change = fn(&mut EpisodeInfo);
 
 #[test]
@@ -134,11 +149,15 @@ fn what_is_said_of_an_episode_is_known_or_possible() {
 
 /// Writes a file of a dataset again, with one column changed.
 fn edit(path: &Path, column: &str, value: i64) {
+    edit_to(path, column, |rows| Arc::new(Int64Array::from(vec![value; rows])));
+}
+
+fn edit_to(path: &Path, column: &str, values: impl FnOnce(usize) -> ArrayRef) {
     let table = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
     let rows = table.build().unwrap().next().unwrap().unwrap();
     let (at, _) = rows.schema().column_with_name(column).unwrap();
     let mut columns = rows.columns().to_vec();
-    columns[at] = Arc::new(Int64Array::from(vec![value; rows.num_rows()])) as ArrayRef;
+    columns[at] = values(rows.num_rows());
     let changed = RecordBatch::try_new(rows.schema(), columns).unwrap();
     let mut writer = ArrowWriter::try_new(File::create(path).unwrap(), rows.schema(), None).unwrap();
     writer.write(&changed).unwrap();
@@ -171,6 +190,9 @@ fn where_episodes_are_said_to_be_is_where_they_are() {
         assert!(text.contains("file-000.parquet"), "{column} = {value}: {text}");
         assert!(findings(&out).lines().count() > 1, "{column} = {value}: {}", findings(&out));
     }
+    let out = place.made("below", |_| {});
+    edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), "length", -5);
+    assert!(refused(&out).contains("length: -5 in row 0 is no count"), "{}", refused(&out));
     let out = place.made("length", |_| {});
     edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), "length", 1 << 62);
     assert!(refused(&out).contains("length: 4611686018427387904 is not that of frames 0 to 2"));

@@ -11,8 +11,8 @@ pub(crate) fn run(data: &[u8]) {
     let again = Weights::parse(&weights.bytes());
     assert_eq!(again.as_ref(), Ok(&weights));
     for layer in &weights.layers {
-        let (inputs, outputs) = (layer.inputs(), layer.outputs());
-        if layer.multiplications() < MOST && inputs.max(outputs) < MOST {
+        let (inputs, outputs) = (layer.shape.inputs(), layer.shape.outputs());
+        if layer.shape.multiplications() < MOST && inputs.max(outputs) < MOST {
             let _ = weights.network(&layer.name, inputs, outputs);
             let _ = weights.fixed_network(&layer.name, inputs, outputs);
         }

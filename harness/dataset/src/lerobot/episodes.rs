@@ -179,7 +179,8 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
         let number = |name: &str, row: usize| -> Result<usize, DatasetError> {
             let array = column(name)?;
             let values = array.as_primitive_opt::<Int64Type>().ok_or_else(|| wrong(name))?;
-            usize::try_from(values.value(row)).map_err(|_| wrong(name))
+            let value = values.value(row);
+            usize::try_from(value).map_err(|_| damaged(format!("{name}: {value} in row {row} is no count")))
         };
         let list = |name: &str, row: usize| -> Result<Vec<f64>, DatasetError> {
             let array = column(name)?;
