@@ -14,7 +14,7 @@ pub(crate) fn run(data: &[u8]) {
         let (inputs, outputs) = (layer.shape.inputs(), layer.shape.outputs());
         if layer.shape.multiplications() < MOST && inputs.max(outputs) < MOST {
             let _ = weights.network(&layer.name, inputs, outputs);
-            let _ = weights.fixed_network(&layer.name, inputs, outputs);
+            let _ = weights.fixed_network(&layer.name, &[inputs], outputs);
         }
     }
 }

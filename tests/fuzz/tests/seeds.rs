@@ -105,7 +105,7 @@ fn mutations_of_seeds_for_a_while() {
             count += 1;
         }
         let _ = std::fs::remove_file(&current);
-        println!("{}: {count} inputs in {seconds} s", target.name);
+        eprintln!("{}: {count} inputs in {seconds} s", target.name);
     }
 }
 
