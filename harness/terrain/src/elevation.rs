@@ -64,6 +64,40 @@ impl ElevationImage {
         self.values[row * self.cols + col]
     }
 
+    /// The height at a row and a column between samples by the four about it; beyond the outermost ones they go on level. NaN beside
+    /// a hole.
+    #[inline]
+    #[must_use]
+    pub fn between(&self, row: f64, col: f64) -> f64 {
+        let split = |v: f64, n: usize| {
+            let v = v.clamp(0.0, (n - 1) as f64);
+            let low = (v as usize).min(n.saturating_sub(2));
+            (low, (low + 1).min(n - 1), v - low as f64)
+        };
+        let (r0, r1, v) = split(row, self.rows);
+        let (c0, c1, u) = split(col, self.cols);
+        // A sample without weight may be a hole.
+        let part = |r: usize, c: usize, w: f64| if w > 0.0 { w * self.at(r, c) } else { 0.0 };
+        part(r0, c0, (1.0 - v) * (1.0 - u))
+            + part(r0, c1, (1.0 - v) * u)
+            + part(r1, c0, v * (1.0 - u))
+            + part(r1, c1, v * u)
+    }
+
+    /// Turns the order of the rows.
+    pub fn flip_rows(&mut self) {
+        let cols = self.cols;
+        for r in 0..self.rows / 2 {
+            let (north, south) = self.values.split_at_mut((self.rows - 1 - r) * cols);
+            north[r * cols..(r + 1) * cols].swap_with_slice(&mut south[..cols]);
+        }
+    }
+
+    /// Turns the order of the columns.
+    pub fn flip_cols(&mut self) {
+        self.values.chunks_exact_mut(self.cols).for_each(<[f64]>::reverse);
+    }
+
     /// The part of `rows` × `cols` samples whose north-western one is (`row`, `col`).
     ///
     /// # Panics

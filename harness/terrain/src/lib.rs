@@ -1,6 +1,7 @@
 //! Elevation data, a model learned from it, and surfaces drawn from the model.
 
 pub mod bands;
+pub mod crs;
 pub mod data;
 mod decoder;
 pub mod elevation;
@@ -13,6 +14,7 @@ pub mod shape;
 pub mod shaping;
 pub mod stats;
 pub mod tiles;
+mod utm;
 pub mod write;
 
 pub use elevation::ElevationImage;

@@ -1,12 +1,20 @@
-//! Readers of elevation files: BMP, PNG, NumPy arrays and GeoTIFF.
+//! Readers of elevation files: GeoTIFF, ESRI grids (ASCII and binary with a header), SRTM tiles, NumPy arrays and archives, PNG and BMP.
 //!
-//! Whatever is wrong with a file is one line: what, where, what to do. Sizes are checked before memory is taken.
+//! The content decides on the format, not the name. Whatever is wrong with a file is one line: what, where, what to do. Sizes are
+//! checked before memory is taken. [`survey()`] tells all that a file says about its heights; [`read`] returns the heights alone.
 //! [`npy::Array`] and [`picture::Picture`] are the readers for callers that want more of a file than heights, such as the
 //! import of the original's data.
 
+mod ascii_grid;
+mod binary_grid;
+mod finish;
+mod format;
 mod geotiff;
 pub mod npy;
+mod npz;
 pub mod picture;
+mod survey;
+mod suspect;
 
 use std::fs::File;
 use std::io::BufReader;
@@ -15,6 +23,13 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::ElevationImage;
+use finish::{Found, finish};
+use format::Format;
+
+pub use survey::{Options, Place, Said, Survey};
+
+/// What GeoTIFFs are read from.
+type Source = tiff::decoder::Decoder<BufReader<File>>;
 
 /// Most samples that a file may hold: 16 384 × 16 384.
 pub const MAX_SAMPLES: u64 = 1 << 28;
@@ -22,9 +37,10 @@ pub const MAX_SAMPLES: u64 = 1 << 28;
 pub const MAX_BYTES: u64 = 1 << 32;
 
 /// What to do with places that a file marks as not measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Holes {
     /// They are an error: the surface must be whole.
+    #[default]
     Refuse,
     /// They become NaN in the raster.
     Keep,
@@ -46,9 +62,9 @@ pub enum Flaw {
     /// The file can't be opened or read.
     #[error("can't be read: {0}")]
     Unreadable(#[from] std::io::Error),
-    /// The name's ending is none that there is a reader for.
-    #[error("ending {0:?} is not known: must be .bmp, .png, .npy, .tif or .tiff")]
-    Ending(String),
+    /// The content is none that there is a reader for.
+    #[error("{0}")]
+    Format(String),
     /// It holds more than a reader takes.
     #[error("{found} {unit} are more than {limit}: cut it into parts")]
     TooLarge {
@@ -63,8 +79,11 @@ pub enum Flaw {
     #[error("was cut short ({0}): restore the file")]
     Truncated(String),
     /// It is not what its ending says, or damaged.
-    #[error("{0}: it is damaged or another format, restore it or give it its own ending")]
+    #[error("{0}: it is damaged, restore it")]
     Damaged(String),
+    /// It is sound, but stored in a way that is not read; the text says how to convert it.
+    #[error("{0}")]
+    Unsupported(String),
     /// It has another number of dimensions than two, or several bands.
     #[error("holds {0}: must be one two-dimensional band")]
     Rank(String),
@@ -108,71 +127,67 @@ pub enum Flaw {
         /// Column of the first, from the west.
         col: usize,
     },
-    /// Its places are longitudes and latitudes.
+    /// Some heights are values that programs use for places without one, far from all others, and not marked so.
     #[error(
-        "coordinates are degrees (geographic coordinate system): reproject it to one in metres, such as its UTM zone"
+        "{count} samples are {value}, far from all others, which looks like no data without a mark: mark it with gdal_edit.py -a_nodata {value}, and fill the holes"
     )]
-    Degrees,
+    Unmarked {
+        /// The value.
+        value: f64,
+        /// How many there are.
+        count: usize,
+    },
+    /// No place is measured.
+    #[error("all samples are marked as no data: take another file or band")]
+    NoHeights,
+    /// The mark of no data is no number.
+    #[error(
+        "its mark of no data is {0:?}, which is no number: correct it with gdal_edit.py -a_nodata VALUE, or give the value with --no-data"
+    )]
+    Mark(String),
+    /// The unit of heights is not known.
+    #[error("heights are in {0}, a unit that is not known: give the metres that one is with --unit")]
+    HeightUnit(String),
     /// Its coordinate system or pixel size can't be used.
     #[error("{0}")]
     Coordinates(String),
 }
 
-/// Reads an elevation file by the ending of its name. Heights are as the file has them, grey levels of pictures as whole
-/// numbers; lengths of a GeoTIFF in feet become metres.
+/// Reads an elevation file. Heights are in metres where the file says or implies their unit, grey levels of pictures as whole
+/// numbers.
 ///
 /// # Errors
 /// [`ReadError`]: whatever keeps the file from being a surface.
 pub fn read(path: &Path, holes: Holes) -> Result<ElevationImage, ReadError> {
+    survey(path, &Options { holes, ..Options::default() }).map(|survey| survey.heights)
+}
+
+/// Reads an elevation file with what it says of its heights and of their place.
+///
+/// # Errors
+/// [`ReadError`]: whatever keeps the file from being a surface, and what can't be known without a choice of the user's.
+pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
     let inner = || {
         let size = std::fs::metadata(path)?.len();
         if size > MAX_BYTES {
             return Err(Flaw::TooLarge { found: size, limit: MAX_BYTES, unit: "bytes" });
         }
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let raster = match ending.as_str() {
-            "bmp" | "png" => picture::read(open(path)?)?,
-            "npy" => npy::read(open(path)?)?,
-            "tif" | "tiff" => geotiff::read(path)?,
-            _ => return Err(Flaw::Ending(ending)),
+        let found = match Format::of(path, size)? {
+            Format::Picture => picture::read(open(path)?)?,
+            Format::Array => npy::read(open(path)?)?,
+            Format::Archive => npz::read(open(path)?)?,
+            Format::Tiff => geotiff::read(path, options)?,
+            Format::AsciiGrid => ascii_grid::read(path, size)?,
+            Format::BinaryGrid(header) => binary_grid::read(path, &header, size)?,
+            Format::Srtm(tile) => binary_grid::srtm(path, &tile)?,
         };
-        checked(raster, holes)
+        finish(found, options)
     };
     inner().map_err(|flaw| ReadError { path: path.to_owned(), flaw })
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, Flaw> {
     Ok(BufReader::new(vb_files::open(path)?))
-}
-
-/// What a reader found: samples, and those that the file marks as not measured.
-struct Found {
-    raster: ElevationImage,
-    /// Row-major; empty where the format knows no such mark.
-    no_data: Vec<bool>,
-}
-
-/// Refuses or keeps what is no height.
-fn checked(found: Found, holes: Holes) -> Result<ElevationImage, Flaw> {
-    let Found { mut raster, no_data } = found;
-    let cols = raster.cols();
-    if holes == Holes::Refuse {
-        let count = no_data.iter().filter(|hole| **hole).count();
-        if let Some(i) = no_data.iter().position(|hole| *hole) {
-            return Err(Flaw::NoData { count, row: i / cols, col: i % cols });
-        }
-        let odd = |v: &f64| !v.is_finite();
-        if let Some(i) = raster.values().iter().position(odd) {
-            let count = raster.values().iter().filter(|v| odd(v)).count();
-            return Err(Flaw::NotFinite { count, row: i / cols, col: i % cols });
-        }
-    }
-    for (i, v) in raster.values_mut().iter_mut().enumerate() {
-        if !v.is_finite() || no_data.get(i) == Some(&true) {
-            *v = f64::NAN;
-        }
-    }
-    Ok(raster)
 }
 
 /// Refuses sizes that are no surface or too large, before memory is taken.

@@ -1,4 +1,4 @@
-//! NumPy arrays of two dimensions (versions 1 to 3 of the format, NEP 1).
+//! NumPy arrays of two dimensions (versions 1 to 3 of the format, NEP 1), or of three of which one is 1.
 //!
 //! The library that reads the header takes memory for whatever length the file states, twice the time for every
 //! bracket within another, and multiplies the sides of the shape without a bound. So the start of a file is looked at
@@ -11,7 +11,7 @@ use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 use super::{Flaw, Found, check_size, line};
 use crate::ElevationImage;
 
-const WANTED: &str = "f4, f8, u1, u2 or i2";
+const WANTED: &str = "floats or whole numbers of up to 8 bytes (f2 to f8, i1 to i8, u1 to u8)";
 
 /// The first bytes of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -22,7 +22,7 @@ const BRACKETS: usize = 16;
 /// Digits in it at most: the product of numbers that have so many digits together is less than 2⁶⁴.
 const DIGITS: usize = 19;
 
-/// A two-dimensional array whose header was read and whose samples were not, so that a caller can refuse it before
+/// A two-dimensional array, or one of three dimensions of which the first or the last is 1, whose header was read and whose samples were not, so that a caller can refuse it before
 /// memory is taken for them.
 pub struct Array<R: BufRead> {
     /// The number of rows, the first number of the shape.
@@ -38,7 +38,7 @@ impl<R: BufRead + Seek> Array<R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// [`Flaw`]: the source is no array, is cut short in its header, or has another number of dimensions than two.
+    /// [`Flaw`]: the source is no array, is cut short in its header, or has other dimensions.
     pub fn open(mut source: R) -> Result<Self, Flaw> {
         let size = source.seek(SeekFrom::End(0))?;
         source.seek(SeekFrom::Start(0))?;
@@ -48,8 +48,16 @@ impl<R: BufRead + Seek> Array<R> {
             std::io::ErrorKind::UnexpectedEof => Flaw::Truncated(format!("{size} bytes, within its header")),
             _ => Flaw::Damaged(line(&e)),
         })?;
-        let &[rows, cols] = file.shape() else {
-            return Err(Flaw::Rank(format!("an array of {} dimensions", file.shape().len())));
+        let (rows, cols) = match *file.shape() {
+            [rows, cols] | [1, rows, cols] | [rows, cols, 1] => (rows, cols),
+            ref shape => {
+                let sides: Vec<_> = shape.iter().map(u64::to_string).collect();
+                return Err(Flaw::Rank(format!(
+                    "an array of {} dimensions ({})",
+                    shape.len(),
+                    sides.join(" x ")
+                )));
+            }
         };
         let header = file.header().clone();
         let mut source = file.into_inner();
@@ -121,6 +129,12 @@ fn check_header(source: &mut impl std::io::Read) -> Result<(), Flaw> {
 
 /// Reads an array of floats or small integers as heights.
 pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
+    let raster = raster(source)?;
+    Ok(Found::plain("NumPy array", raster))
+}
+
+/// The numbers of an array as they are, first row first.
+pub(super) fn raster(source: impl BufRead + Seek) -> Result<ElevationImage, Flaw> {
     let array = Array::open(source)?;
     check_size(array.rows, array.cols)?;
     let DType::Plain(kind) = array.file.dtype() else {
@@ -128,16 +142,28 @@ pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
     };
     let (rows, cols, fortran) = (array.rows as usize, array.cols as usize, array.is_fortran());
     let values = match (kind.type_char(), kind.size_field()) {
+        (TypeChar::Float, 2) => wide::<half::f16, _>(array)?,
         (TypeChar::Float, 4) => wide::<f32, _>(array)?,
         (TypeChar::Float, 8) => array.samples()?,
         (TypeChar::Uint, 1) => wide::<u8, _>(array)?,
         (TypeChar::Uint, 2) => wide::<u16, _>(array)?,
+        (TypeChar::Uint, 4) => wide::<u32, _>(array)?,
+        (TypeChar::Uint, 8) => array.samples::<u64>()?.into_iter().map(|v| v as f64).collect(),
+        (TypeChar::Int, 1) => wide::<i8, _>(array)?,
         (TypeChar::Int, 2) => wide::<i16, _>(array)?,
+        (TypeChar::Int, 4) => wide::<i32, _>(array)?,
+        (TypeChar::Int, 8) => array.samples::<i64>()?.into_iter().map(|v| v as f64).collect(),
+        (TypeChar::Object, _) => {
+            return Err(Flaw::Type {
+                found: "Python objects".into(),
+                wanted: "numbers: save it with numpy.save(FILE, numpy.asarray(heights, float))",
+            });
+        }
         _ => return Err(Flaw::Type { found: kind.to_string(), wanted: WANTED }),
     };
     let values =
         if fortran { (0..rows * cols).map(|i| values[i % cols * rows + i / cols]).collect() } else { values };
-    Ok(Found { raster: ElevationImage::new(rows, cols, values), no_data: Vec::new() })
+    Ok(ElevationImage::new(rows, cols, values))
 }
 
 fn wide<T: Deserialize + Into<f64>, R: BufRead + Seek>(array: Array<R>) -> Result<Vec<f64>, Flaw> {

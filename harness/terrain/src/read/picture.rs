@@ -1,4 +1,4 @@
-//! Grey pictures: BMP and PNG, 8 or 16 bits.
+//! Grey pictures: BMP and PNG, 8 or 16 bits, also such whose greys are stored as colours.
 
 use std::io::{BufRead, Read as _, Seek, SeekFrom};
 
@@ -60,25 +60,56 @@ impl<'a> Picture<'a> {
     /// [`Flaw`]: some pixels are no greys, or they are damaged or cut short; the latter is found before memory is taken
     /// for the pixels of a bitmap without compression.
     pub fn greys(self) -> Result<Vec<f64>, Flaw> {
+        self.visible().map(|greys| greys.levels)
+    }
+
+    fn visible(self) -> Result<Greys, Flaw> {
         if let Some((size, needed)) = self.cut_short {
             return Err(Flaw::Truncated(format!("{size} bytes, but the image needs {needed}")));
         }
         let found = self.decoder.original_color_type();
         let picture = DynamicImage::from_decoder(self.decoder).map_err(flaw)?;
-        Ok(match &picture {
-            DynamicImage::ImageLuma8(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
-            DynamicImage::ImageLuma16(p) => p.as_raw().iter().map(|v| f64::from(*v)).collect(),
-            // A palette of greys, as many bitmaps have it, comes as colours.
-            DynamicImage::ImageRgb8(p) if p.pixels().all(|p| p.0[0] == p.0[1] && p.0[1] == p.0[2]) => {
-                p.pixels().map(|p| f64::from(p.0[0])).collect()
-            }
-            _ => {
-                return Err(Flaw::Type {
-                    found: format!("colours ({found:?})"),
-                    wanted: "greys of 8 or 16 bits",
-                });
-            }
+        // A palette of greys, as many bitmaps have it, comes as colours, and so do heights of programs that know no greys.
+        let greys = match &picture {
+            DynamicImage::ImageLuma8(p) => Some(Greys::plain(p.as_raw().iter().map(|v| f64::from(*v)))),
+            DynamicImage::ImageLuma16(p) => Some(Greys::plain(p.as_raw().iter().map(|v| f64::from(*v)))),
+            DynamicImage::ImageLumaA8(p) => Greys::of(p.as_raw(), 1, true),
+            DynamicImage::ImageLumaA16(p) => Greys::of(p.as_raw(), 1, true),
+            DynamicImage::ImageRgb8(p) => Greys::of(p.as_raw(), 3, false),
+            DynamicImage::ImageRgb16(p) => Greys::of(p.as_raw(), 3, false),
+            DynamicImage::ImageRgba8(p) => Greys::of(p.as_raw(), 3, true),
+            DynamicImage::ImageRgba16(p) => Greys::of(p.as_raw(), 3, true),
+            _ => None,
+        };
+        greys.ok_or_else(|| Flaw::Type {
+            found: format!("colours ({found:?})"),
+            wanted: "greys of 8 or 16 bits",
         })
+    }
+}
+
+/// The grey levels of a picture.
+struct Greys {
+    levels: Vec<f64>,
+    /// Pixels that can't be seen at all; empty where all can.
+    hidden: Vec<bool>,
+}
+
+impl Greys {
+    fn plain(levels: impl Iterator<Item = f64>) -> Self {
+        Self { levels: levels.collect(), hidden: Vec::new() }
+    }
+
+    /// Greys of pixels of so many colours, which must be equal, and opacity perhaps; `None` if some are not equal.
+    fn of<T: Copy + PartialEq + Into<f64>>(raw: &[T], colours: usize, opacity: bool) -> Option<Self> {
+        let pixels = raw.chunks_exact(colours + usize::from(opacity));
+        if !pixels.clone().all(|p| p[..colours].iter().all(|c| *c == p[0])) {
+            return None;
+        }
+        let levels = pixels.clone().map(|p| p[0].into()).collect();
+        let invisible = |p: &[T]| opacity && p[colours].into() == 0.0;
+        let hidden = if pixels.clone().any(invisible) { pixels.map(invisible).collect() } else { Vec::new() };
+        Some(Self { levels, hidden })
     }
 }
 
@@ -135,8 +166,9 @@ pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
     let picture = Picture::open(source)?;
     let (rows, cols) = (picture.rows, picture.cols);
     check_size(rows, cols)?;
-    let raster = ElevationImage::new(rows as usize, cols as usize, picture.greys()?);
-    Ok(Found { raster, no_data: Vec::new() })
+    let Greys { levels, hidden } = picture.visible()?;
+    let raster = ElevationImage::new(rows as usize, cols as usize, levels);
+    Ok(Found { no_data: hidden, suspects: false, ..Found::plain("picture", raster) })
 }
 
 fn flaw(e: ImageError) -> Flaw {
