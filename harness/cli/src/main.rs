@@ -6,6 +6,7 @@ mod dataset;
 mod dispatch;
 mod error;
 mod film;
+mod geojson;
 mod inspect;
 mod leaderboard;
 mod merge;

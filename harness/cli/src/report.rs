@@ -12,7 +12,7 @@ use vb_world::{Suite, World};
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
 use crate::replay::{Player, Senses, suite_of};
-use crate::{output, suite};
+use crate::{geojson, output, suite};
 
 /// The report's file.
 const PAGE: &str = "index.html";
@@ -65,7 +65,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     };
     let page = args.out.as_ref().map(|dir| dir.join(PAGE));
     let markdown = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
-    let tables = args.csv.iter().chain(&args.parquet).chain(markdown);
+    let tables = args.csv.iter().chain(&args.parquet).chain(&args.geojson).chain(markdown);
     let all = tables.clone().chain(&page).map(PathBuf::as_path);
     output::must_spare(&all.collect::<Vec<_>>(), &args.runs)?;
     for dir in args.out.iter().chain(&args.figures) {
@@ -84,6 +84,10 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     }
     if let Some(path) = &args.parquet {
         output::whole(path, |file| Ok(write_parquet(report.runs(), file, path)?))?;
+        files.push(path.clone());
+    }
+    if let Some(path) = &args.geojson {
+        geojson::write(&report, args.data.suite.as_deref(), path)?;
         files.push(path.clone());
     }
     if let Some(path) = args.markdown.as_ref().filter(|path| path.as_path() != Path::new("-")) {

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::Command;
 
 use vb_suite::generate::GeneratorParams;
-use vb_terrain::read::{Holes, read};
+use vb_terrain::read::{Options, survey};
 use vb_terrain::repair::repair;
-use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes, windows};
+use vb_terrain::stats::{Spectrum, deviation, exponent, percentile, slopes_of_rows, windows};
 use vb_terrain::write::{Kind, shaded};
 use vb_terrain::{Model, Request, fit, fraction};
 use vb_world::Elevation;
@@ -148,6 +148,9 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
 const WINDOW: usize = 32;
 const WAVES: RangeInclusive<usize> = 1..=10;
 
+/// Slopes that are computed of a file at most.
+const MOST_SLOPES: usize = 1 << 24;
+
 /// Tells heights, slopes and the spectrum's exponent of elevation files.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
     let head = ["file", "samples", "resolution", "std", "slope p50", "p90", "p95", "p99", "p99.5", "power"];
@@ -160,16 +163,19 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), CliError> {
             start.into_iter().chain(degrees).chain([law(power)]).collect::<Vec<_>>()
         };
     for path in &args.files {
-        let mut raster = read(path, Holes::Refuse).map_err(CliError::input)?;
+        let options = Options { unit: args.height_unit, resolution: args.resolution, ..Options::default() };
+        let mut raster = survey(path, &options).map_err(CliError::input)?.heights;
         if args.repair {
             repair(&mut raster);
         }
-        let resolution = args.resolution.or(raster.resolution()).unwrap_or(1.0);
-        let heights: Vec<f64> = raster.values().iter().map(|v| v * args.height_unit).collect();
-        let mut own = slopes(&heights, raster.cols(), resolution);
-        let std = deviation(&heights);
+        let resolution = raster.resolution().unwrap_or(1.0);
+        let heights = raster.values();
+        // Of a large file, slopes of every so many-th row and spectra of every so many-th window.
+        let every = heights.len().div_ceil(MOST_SLOPES).max(1);
+        let mut own = slopes_of_rows(heights, raster.cols(), resolution, every);
+        let std = deviation(heights);
         // Each file's power over its variance: a steep file counts as much as a level one.
-        let mut parts: Vec<Vec<f64>> = windows(&heights, raster.cols(), WINDOW).collect();
+        let mut parts: Vec<Vec<f64>> = windows(heights, raster.cols(), WINDOW).step_by(every).collect();
         for v in parts.iter_mut().flatten() {
             *v /= std;
         }

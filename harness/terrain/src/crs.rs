@@ -289,28 +289,25 @@ impl Crs {
         Proj::from_proj_string(&text).ok()
     }
 
-    /// Longitude and latitude (WGS 84, degrees) of a place in this system; `None` where the system or the place has none.
+    /// The way from coordinates of this system to longitudes and latitudes; `None` if the definition is unknown.
     #[must_use]
-    pub fn lon_lat(&self, at: [f64; 2]) -> Option<[f64; 2]> {
-        let to = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").ok()?;
+    pub fn to_globe(&self) -> Option<Globe> {
         let from = self.projection()?;
         // Web Mercator takes latitudes of WGS 84 for those of its sphere: there is no datum to shift.
         let sphere = self.proj.as_deref().is_some_and(|p| p.contains("+b=6378137") || p.contains("webmerc"));
-        let (x, y) = if self.geographic {
-            ((at[0] * self.unit).to_radians(), (at[1] * self.unit).to_radians())
-        } else {
-            (at[0], at[1])
-        };
-        let mut point = (x, y, 0.0);
         let to = if sphere {
-            Proj::from_proj_string("+proj=longlat +a=6378137 +b=6378137 +no_defs").ok()?
+            "+proj=longlat +a=6378137 +b=6378137 +no_defs"
         } else {
-            to
+            "+proj=longlat +datum=WGS84 +no_defs"
         };
-        transform(&from, &to, &mut point).ok()?;
-        let place = [point.0.to_degrees(), point.1.to_degrees()];
-        let real = place.iter().all(|v| v.is_finite()) && place[0].abs() <= 360.0 && place[1].abs() <= 90.0;
-        real.then_some(place)
+        let degrees = self.geographic.then_some(self.unit);
+        Some(Globe { from, to: Proj::from_proj_string(to).ok()?, degrees })
+    }
+
+    /// Longitude and latitude (WGS 84, degrees) of a place in this system; `None` where the system or the place has none.
+    #[must_use]
+    pub fn lon_lat(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        self.to_globe()?.lon_lat(at)
     }
 
     /// Metres on the ground for a unit of the coordinates along x and along y about a place, to a millionth. 1 to some thousandths
@@ -318,20 +315,42 @@ impl Crs {
     #[must_use]
     pub fn ground(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         let step = 100.0 / self.unit;
-        let middle = self.lon_lat(at)?;
+        let globe = self.to_globe()?;
+        let middle = globe.lon_lat(at)?;
         let utm::Ellipsoid { a, f } = utm::Ellipsoid::WGS84;
         let (e2, sin) = (f * (2.0 - f), vb_math::sin(middle[1].to_radians()));
         let w = 1.0 - e2 * sin * sin;
         let (prime, meridian) = (a / w.sqrt(), a * (1.0 - e2) / (w * w.sqrt()));
         let along = |towards: [f64; 2]| {
-            let end = self.lon_lat([at[0] + towards[0], at[1] + towards[1]])?;
-            let start = self.lon_lat([at[0] - towards[0], at[1] - towards[1]])?;
+            let end = globe.lon_lat([at[0] + towards[0], at[1] + towards[1]])?;
+            let start = globe.lon_lat([at[0] - towards[0], at[1] - towards[1]])?;
             let east = (end[0] - start[0]).to_radians() * prime * vb_math::cos(middle[1].to_radians());
             let north = (end[1] - start[1]).to_radians() * meridian;
             let metres = vb_math::hypot(east, north) / (2.0 * step);
             Some((metres * 1e6).round() / 1e6).filter(|m| m.is_finite() && *m > 0.0)
         };
         Some([along([step, 0.0])?, along([0.0, step])?])
+    }
+}
+
+/// The way from the coordinates of a system to the globe.
+pub struct Globe {
+    from: Proj,
+    to: Proj,
+    /// Degrees in a unit, of a geographic system.
+    degrees: Option<f64>,
+}
+
+impl Globe {
+    /// Longitude and latitude (WGS 84, degrees) of a place; `None` where it has none.
+    #[must_use]
+    pub fn lon_lat(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let radians = |v: f64| self.degrees.map_or(v, |unit| (v * unit).to_radians());
+        let mut point = (radians(x), radians(y), 0.0);
+        transform(&self.from, &self.to, &mut point).ok()?;
+        let place = [point.0.to_degrees(), point.1.to_degrees()];
+        let real = place.iter().all(|v| v.is_finite()) && place[0].abs() <= 360.0 && place[1].abs() <= 90.0;
+        real.then_some(place)
     }
 }
 

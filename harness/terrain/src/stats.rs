@@ -7,10 +7,19 @@ use vb_math::fft::{Complex, inverse_2d};
 /// Slopes in degrees of every inner node of a row-major surface by central differences, in no order.
 #[must_use]
 pub fn slopes(heights: &[f64], cols: usize, resolution: f64) -> Vec<f64> {
+    slopes_of_rows(heights, cols, resolution, 1)
+}
+
+/// The same of the nodes of every so many-th row, for surfaces of which all nodes are too many.
+///
+/// # Panics
+/// If `every` is 0.
+#[must_use]
+pub fn slopes_of_rows(heights: &[f64], cols: usize, resolution: f64, every: usize) -> Vec<f64> {
     let rows = heights.len() / cols.max(1);
     let z = |r: usize, c: usize| heights[r * cols + c];
     let mut slopes = Vec::new();
-    for r in 1..rows.saturating_sub(1) {
+    for r in (1..rows.saturating_sub(1)).step_by(every) {
         for c in 1..cols.saturating_sub(1) {
             let dx = (z(r, c + 1) - z(r, c - 1)) / (2.0 * resolution);
             let dy = (z(r + 1, c) - z(r - 1, c)) / (2.0 * resolution);

@@ -19,7 +19,9 @@ mod world;
 pub mod yaml;
 
 pub use check::{Flaw, Part};
-pub use format::{Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo, read_obstacles};
+pub use format::{
+    Georeference, Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo, read_obstacles,
+};
 pub use heightfield::{Facet, Heightfield, Nearby, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;

@@ -2,29 +2,142 @@
 
 use std::path::Path;
 
-use vb_terrain::read::{Holes, read};
+use vb_terrain::read::{Holes, Options, read, survey};
 
 use crate::site::{Site, select};
 
-/// Endings of the formats that are read; the first byte chooses.
-const ENDINGS: [&str; 4] = ["bmp", "png", "npy", "tif"];
+/// Names of the files; the first byte of a case chooses. The content decides on the format, but for the last two: bare samples have
+/// their header beside them, and tiles of SRTM their place in their name.
+const NAMES: [&str; 8] = [
+    "raster.bmp",
+    "raster.png",
+    "raster.npy",
+    "raster.tif",
+    "raster.asc",
+    "raster.npz",
+    "raster.bil",
+    "N44W072.hgt",
+];
+const BINARY: usize = 6;
+const HEADER: &str = "raster.hdr";
+/// Parts a header from samples.
+const END: &[u8] = b"\n\n";
 
 pub(crate) fn run(data: &[u8]) {
     thread_local!(static SITE: Site = Site::new());
     let Some((&kind, content)) = data.split_first() else { return };
-    let name = format!("raster.{}", ENDINGS[usize::from(kind) % ENDINGS.len()]);
     SITE.with(|site| {
-        site.write(Path::new(&name), content);
-        if let Ok(raster) = read(&site.path().join(name), Holes::Keep) {
+        let path = write(site, kind, content);
+        if let Ok(raster) = read(&path, Holes::Keep) {
             assert_eq!(raster.values().len(), raster.rows() * raster.cols());
         }
+        let labels = Options { holes: Holes::Keep, labels: true, ..Options::default() };
+        if let Ok(found) = survey(&path, &labels) {
+            assert!(!found.summary().contains('\n'));
+        }
     });
+}
+
+/// Writes the files of a case, and returns the one of heights.
+fn write(site: &Site, kind: u8, content: &[u8]) -> std::path::PathBuf {
+    let kind = usize::from(kind) % NAMES.len();
+    let mut samples = content;
+    let _ = std::fs::remove_file(site.path().join(HEADER));
+    if kind == BINARY {
+        let end = content.windows(END.len()).position(|w| w == END).unwrap_or(content.len());
+        site.write(Path::new(HEADER), &content[..end]);
+        samples = content.get(end + END.len()..).unwrap_or_default();
+    }
+    site.write(Path::new(NAMES[kind]), samples);
+    site.path().join(NAMES[kind])
 }
 
 pub(crate) fn seeds() -> Vec<Vec<u8>> {
     let png = include_bytes!("../../../examples/site/labels.png");
     let tif = include_bytes!("../../../examples/site/heights.tif");
-    vec![select(0, &bmp()), select(1, png), select(2, &npy()), select(3, tif)]
+    let asc =
+        b"ncols 3\nnrows 2\nxllcorner 10,5\nyllcenter 20\ncellsize 1\nNODATA_value -9999\n1 2 3\n4 -9999 6\n";
+    let mut binary =
+        b"NROWS 2\nNCOLS 2\nNBITS 16\nBYTEORDER M\nULXMAP 8.5\nULYMAP 47.5\nXDIM 0.001\nYDIM 0.001\n\n"
+            .to_vec();
+    binary.extend([0, 1, 0, 2, 0, 3, 0, 4]);
+    vec![
+        select(0, &bmp()),
+        select(1, png),
+        select(2, &npy()),
+        select(3, tif),
+        select(4, asc),
+        select(5, &npz()),
+        select(6, &binary),
+        select(3, &degrees()),
+    ]
+}
+
+/// The array in an archive (ZIP, stored).
+fn npz() -> Vec<u8> {
+    let (name, data) = (b"dem.npy", npy());
+    let crc = !data.iter().fold(!0u32, |mut c, b| {
+        c ^= u32::from(*b);
+        (0..8).for_each(|_| c = if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 });
+        c
+    });
+    let mut common = vec![20, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    common.extend(crc.to_le_bytes());
+    common.extend([(data.len() as u32).to_le_bytes(); 2].concat());
+    common.extend((name.len() as u16).to_le_bytes());
+    common.extend([0, 0]);
+    let mut bytes = [b"PK\x03\x04", &common[..], name, &data].concat();
+    let directory = bytes.len() as u32;
+    bytes.extend([b"PK\x01\x02\x14\0", &common[..], &[0; 12], name].concat());
+    let length = bytes.len() as u32 - directory;
+    bytes.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(directory.to_le_bytes());
+    bytes.extend([0, 0]);
+    bytes
+}
+
+/// A TIFF of 2 × 2 samples of 16 bits in degrees, with differences and GDAL's metadata.
+fn degrees() -> Vec<u8> {
+    let metadata = b"<GDALMetadata><Item name=\"S\" sample=\"0\" role=\"scale\">0.01</Item></GDALMetadata>\0";
+    // Size of a pixel, and the tie point of the first.
+    let data = [0.001f64, 0.001, 0.0, 0.0, 0.0, 0.0, 9.0, 47.0, 0.0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect::<Vec<u8>>();
+    let keys: Vec<u8> =
+        [1u16, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let at = |start: usize| 8 + start as u32;
+    let (scale, tie, geo) = (at(0), at(24), at(data.len()));
+    let text = geo + keys.len() as u32;
+    let strip = text + metadata.len() as u32;
+    let samples: [u8; 8] = [100, 0, 1, 0, 102, 0, 255, 255];
+    let first = strip + samples.len() as u32;
+    let entries: [(u16, u16, u32, u32); 15] = [
+        (256, 3, 1, 2),
+        (257, 3, 1, 2),
+        (258, 3, 1, 16),
+        (259, 3, 1, 1),
+        (262, 3, 1, 1),
+        (273, 4, 1, strip),
+        (277, 3, 1, 1),
+        (278, 3, 1, 2),
+        (279, 4, 1, samples.len() as u32),
+        (317, 3, 1, 2),
+        (339, 3, 1, 2),
+        (33550, 12, 3, scale),
+        (33922, 12, 6, tie),
+        (34735, 3, keys.len() as u32 / 2, geo),
+        (42112, 2, metadata.len() as u32, text),
+    ];
+    let mut bytes = [b"II\x2a\0", &first.to_le_bytes()[..], &data, &keys, metadata, &samples].concat();
+    bytes.extend((entries.len() as u16).to_le_bytes());
+    for (tag, kind, count, value) in entries {
+        bytes.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+        bytes.extend([count.to_le_bytes(), value.to_le_bytes()].concat());
+    }
+    bytes.extend([0; 4]);
+    bytes
 }
 
 /// 2 × 2 grey pixels (BITMAPINFOHEADER, 8 bits a pixel, palette of 256 greys).
@@ -65,9 +178,8 @@ mod tests {
     fn the_seeds_are_rasters() {
         for seed in seeds() {
             let site = Site::new();
-            let name = format!("raster.{}", ENDINGS[usize::from(seed[0])]);
-            site.write(Path::new(&name), &seed[1..]);
-            read(&site.path().join(&name), Holes::Refuse).expect(&name);
+            let path = write(&site, seed[0], &seed[1..]);
+            read(&path, Holes::Keep).unwrap_or_else(|e| panic!("{e}"));
         }
     }
 }

@@ -13,7 +13,7 @@ pub(crate) struct ReportArgs {
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
     /// Directory for the page, index.html
-    #[arg(long, value_name = "DIR", required_unless_present_any = ["figures", "markdown", "csv", "parquet"])]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["figures", "markdown", "csv", "parquet", "geojson"])]
     pub(crate) out: Option<PathBuf>,
     /// Write the results as Markdown, for a paper or a pull request; - for stdout
     #[arg(long, value_name = "FILE")]
@@ -24,6 +24,9 @@ pub(crate) struct ReportArgs {
     /// Write every task of every run as Parquet
     #[arg(long, value_name = "FILE")]
     pub(crate) parquet: Option<PathBuf>,
+    /// Write the trajectories of runs over a real place (suite site) as GeoJSON, for a map
+    #[arg(long, value_name = "FILE")]
+    pub(crate) geojson: Option<PathBuf>,
     /// Directory for figures of a paper as SVG, PDF and PNG, and for tables as LaTeX
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,

@@ -182,7 +182,8 @@ pub(crate) struct CalibrationArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SiteArgs {
-    /// Heights: GeoTIFF, .npy, PNG or BMP, first row in the north
+    /// Heights: GeoTIFF, ESRI grid (.asc, .bil, .flt), SRTM tile (.hgt), NumPy (.npy, .npz), PNG or BMP; the content decides, not the
+    /// ending
     #[arg(value_name = "RASTER")]
     pub(crate) raster: PathBuf,
     /// Directory for the suite
@@ -191,9 +192,21 @@ pub(crate) struct SiteArgs {
     /// Distance between the raster's samples, m; default: what the file says
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) sample_resolution: Option<f64>,
-    /// Metres that one unit of the raster's values is high, such as a grey level of a picture
-    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
-    pub(crate) unit: f64,
+    /// Metres that one unit of the raster's values is high, such as a grey level of a picture; default: the file's unit, or 1
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) unit: Option<f64>,
+    /// Value that marks places without a height; default: what the file says
+    #[arg(long, value_name = "VALUE", value_parser = any_number, allow_hyphen_values = true)]
+    pub(crate) no_data: Option<f64>,
+    /// Take values for heights that look like unmarked no data, such as a lone -9999
+    #[arg(long)]
+    pub(crate) keep_values: bool,
+    /// Take heights that rise by more than a vehicle can drive on, which otherwise means a wrong unit
+    #[arg(long)]
+    pub(crate) any_relief: bool,
+    /// Coordinate reference system of the raster, e.g. EPSG:32632; default: what the file says
+    #[arg(long, value_name = "EPSG:CODE", value_parser = system, allow_hyphen_values = true)]
+    pub(crate) crs: Option<vb_terrain::crs::Crs>,
     /// Middle of the one world that is made, m east and north of the raster's middle; default: 0,0
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) at: Option<[f64; 2]>,
@@ -234,6 +247,16 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     let both = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
     both.ok_or_else(|| format!("{text:?} is not two numbers, such as 120,-35.5"))
+}
+
+/// A number, which may be NaN.
+fn any_number(text: &str) -> Result<f64, String> {
+    text.trim().parse::<f64>().map_err(|_| format!("{text:?} is no number, such as -9999 or nan"))
+}
+
+/// A coordinate reference system.
+fn system(text: &str) -> Result<vb_terrain::crs::Crs, String> {
+    vb_terrain::crs::Crs::parse(text)
 }
 
 /// The name of a density.

@@ -75,15 +75,15 @@ impl From<Level> for vb_world::Elevation {
 
 #[derive(Debug, Args)]
 pub(crate) struct MeasureArgs {
-    /// Elevation files: BMP, PNG, NumPy arrays or GeoTIFF
+    /// Elevation files: GeoTIFF, ESRI grids, SRTM tiles, NumPy arrays, PNG or BMP
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Distance between samples in metres; default: as the file says, else 1
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub(crate) resolution: Option<f64>,
-    /// Metres that one unit of the file's values stands for
-    #[arg(long, value_name = "METRES", default_value = "1", value_parser = positive)]
-    pub(crate) height_unit: f64,
+    /// Metres that one unit of the file's values stands for; default: as the file says, else 1
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub(crate) height_unit: Option<f64>,
     /// Replace isolated pits and spikes first, as before training
     #[arg(long)]
     pub(crate) repair: bool,

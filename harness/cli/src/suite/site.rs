@@ -5,37 +5,71 @@ use std::path::Path;
 use vb_suite::generate::GeneratorParams;
 use vb_suite::site::{Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
-use vb_terrain::read::{Holes, read};
-use vb_world::{Provenance, SuiteMeta};
+use vb_terrain::crs::Crs;
+use vb_terrain::read::{Holes, Options, survey};
+use vb_world::{Georeference, Provenance, SuiteMeta};
 
 use crate::args::SiteArgs;
 use crate::error::CliError;
 use crate::output;
 use crate::suite::{must_be_free, rules, write};
 
+/// Samples farther apart than this many nodes of a world can't have its roughness.
+const COARSE: f64 = 2.0;
+
 pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     must_be_free(&args.out)?;
     let rules_of_site = rules(args.site.as_deref(), SiteParams::parse)?;
     let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
     let file = args.raster.display();
-    let mut heights = raster(&args.raster)?;
-    for z in heights.values_mut() {
-        *z *= args.unit;
+    let options = Options {
+        holes: Holes::Keep,
+        unit: args.unit,
+        no_data: args.no_data,
+        keep: args.keep_values,
+        resolution: args.sample_resolution,
+        crs: args.crs.clone(),
+        labels: false,
+    };
+    let found = survey(&args.raster, &options).map_err(CliError::input)?;
+    output::note(&found.summary());
+    for note in &found.notes {
+        output::note(&format!("note: {note}"));
     }
-    let Some(resolution) = args.sample_resolution.or(heights.resolution()) else {
-        let message =
-            format!("{file}: the file doesn't say how far apart its samples are: give --sample-resolution");
+    let heights = &found.heights;
+    let Some(resolution) = heights.resolution() else {
+        let message = format!(
+            "{file}: the file doesn't say how far apart its samples are: give the distance in metres with --sample-resolution"
+        );
         return Err(CliError::usage(message));
     };
-    let labels = args.labels.as_deref().map(raster).transpose()?;
+    if resolution > COARSE * rules_of_site.resolution {
+        output::note(&format!(
+            "warning: samples {resolution} m apart are too coarse for the roughness of a benchmark world, which has nodes {} m apart: \
+             nothing shorter than {} m is in this world, and it drives smoother than the place",
+            rules_of_site.resolution,
+            2.0 * resolution
+        ));
+    }
+    let labels = args.labels.as_deref().map(|path| labels(path, args.crs.as_ref())).transpose()?;
     let obstacles = args.obstacles.as_deref().map(vb_world::read_obstacles).transpose();
     let obstacles = obstacles.map_err(CliError::input)?;
-    let survey =
-        Survey { heights: &heights, resolution, labels: labels.as_ref(), obstacles: obstacles.as_deref() };
+    let survey = Survey {
+        heights,
+        resolution,
+        labels: labels.as_ref(),
+        obstacles: obstacles.as_deref(),
+        any_relief: args.any_relief,
+    };
     let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
     let failed = |e| CliError::input(format!("{file}: {e}"));
     let site = Site::new(&survey, cut, args.density, &rules_of_site, &params, args.seed).map_err(failed)?;
     let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let place = found.place.as_ref().and_then(|place| {
+        let crs = place.crs.as_ref()?;
+        let origins = site.centres().map(|(world, at)| (world, place.at(at))).collect();
+        Some(Georeference { crs: crs.name.clone(), proj: crs.proj.clone(), metres: place.metres, origins })
+    });
     let meta = SuiteMeta {
         name: name(&args.out),
         version: "1".into(),
@@ -50,17 +84,27 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
                 params.name,
                 args.seed
             ),
+            place,
         },
     };
     let worlds = site.worlds().enumerate().map(|(k, world)| {
         let world = world.map_err(failed)?;
-        output::note(&format!("[{}/{}] {}", k + 1, site.count(), world.id));
+        let (low, high) = world.heightfield.range();
+        let elevation = world.elevation.name();
+        output::note(&format!(
+            "[{}/{}] {}: relief {:.1} m, elevation {elevation}",
+            k + 1,
+            site.count(),
+            world.id,
+            high - low
+        ));
         Ok(world)
     });
     write(&args.out, meta, worlds)
 }
 
-/// A raster whose holes matter only where a world lies.
-fn raster(path: &Path) -> Result<ElevationImage, CliError> {
-    read(path, Holes::Keep).map_err(CliError::input)
+/// Labels of the ground, whose holes matter only where a world lies.
+fn labels(path: &Path, crs: Option<&Crs>) -> Result<ElevationImage, CliError> {
+    let options = Options { holes: Holes::Keep, labels: true, crs: crs.cloned(), ..Options::default() };
+    Ok(survey(path, &options).map_err(CliError::input)?.heights)
 }

@@ -183,6 +183,7 @@ impl Source {
             ),
             provenance: Provenance::Imported {
                 source: format!("Verti-Bench release, {count} of 100 worlds, ground {}", self.ground.name()),
+                place: None,
             },
         }
     }

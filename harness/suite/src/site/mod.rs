@@ -1,5 +1,6 @@
 //! Worlds of a real place, from a raster of its heights.
 
+mod level;
 mod rules;
 mod survey;
 
@@ -7,8 +8,9 @@ use std::collections::BTreeMap;
 
 use vb_math::rng::Stream;
 use vb_terrain::ElevationImage;
-use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
+use vb_world::{Density, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
 
+pub use level::{level, spread};
 pub use rules::{GroundRule, SiteGround, SiteParams};
 
 use crate::generate::{
@@ -29,6 +31,8 @@ pub struct Survey<'a> {
     pub labels: Option<&'a ElevationImage>,
     /// The obstacles, with positions from the middle of the raster; `None` if they are to be drawn.
     pub obstacles: Option<&'a [Obstacle]>,
+    /// Whether a relief that no vehicle drives on is taken as it is; else it is an error, since the unit is wrong by all appearance.
+    pub any_relief: bool,
 }
 
 /// The part of a survey that becomes worlds.
@@ -46,7 +50,7 @@ pub enum Cut {
 pub enum SiteError {
     /// A world doesn't fit into the survey.
     #[error(
-        "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take a smaller `side`, or another place",
+        "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take another place (--at), or rules with a smaller `side` (--site FILE, a copy of tasks/generator/site.yaml)",
         at[0], at[1], extents[0], extents[1]
     )]
     Outside {
@@ -59,7 +63,7 @@ pub enum SiteError {
     },
     /// The survey has room for more worlds than a suite is made of.
     #[error(
-        "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, and {MOST_WORLDS} at most are made: take a larger `side`, cut the survey into several, or make one world of it (--at)",
+        "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, and {MOST_WORLDS} at most are made: take a larger `side` (--site FILE), cut the survey into several, or make one world of it (--at)",
         extents[0], extents[1]
     )]
     TooMany {
@@ -72,7 +76,7 @@ pub enum SiteError {
     },
     /// The grid on which paths are searched is too fine for such a world.
     #[error(
-        "path.grid: {grid} is too fine for worlds of {side} m: take {finest} or more, or a smaller `side`"
+        "path.grid: {grid} is too fine for worlds of {side} m: take {finest} or more (--params FILE), or a smaller `side` (--site FILE)"
     )]
     PathGrid {
         /// The distance between the nodes of the grid, m.
@@ -110,13 +114,50 @@ pub enum SiteError {
         /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
+    /// The heights differ so much that their unit must be wrong.
+    #[error(
+        "heights about ({:.1}, {:.1}) m rise by {relief:.1} m within {side} m (median slope {slope:.0} degrees), which is no ground to drive on: \
+         is the unit right? Give the metres of one unit of the file's values with --unit (centimetres: --unit 0.01, feet: --unit 0.3048, \
+         grey levels: the relief over the number of levels), or take them as they are with --any-relief", at[0], at[1]
+    )]
+    Relief {
+        /// The middle (x, y) of the world, m.
+        at: [f64; 2],
+        /// The side of the world, m.
+        side: f64,
+        /// The highest height less the lowest one, m.
+        relief: f64,
+        /// The median slope, degrees.
+        slope: f64,
+    },
+    /// The starts, obstacles or paths found no place on steep ground.
+    #[error(
+        "{source} (heights rise by {relief:.1} m within {side} m, median slope {slope:.0} degrees: if that is too much, give the right unit with --unit)"
+    )]
+    Steep {
+        /// The reason.
+        source: Box<GenerateError>,
+        /// The side of the world, m.
+        side: f64,
+        /// The highest height less the lowest one, m.
+        relief: f64,
+        /// The median slope, degrees.
+        slope: f64,
+    },
     /// The starts, obstacles or paths found no place.
     #[error(transparent)]
     Generate(#[from] GenerateError),
 }
 
 /// What a site's rules are called, which has other places than the one where a world was to lie.
-const FIELDS: Fields = Fields { elsewhere: ", or take another place (--at)", ..generate::FIELDS };
+const FIELDS: Fields =
+    Fields { elsewhere: " in the rules of --params; or take another place (--at)", ..generate::FIELDS };
+
+/// Slopes above which a world is no ground to drive on, if half of it is steeper, degrees. The relief may not exceed the side of a
+/// world, the same slope from edge to edge; the benchmark's worlds have a median of 23 degrees and a relief of 9 m at most.
+const STEEPEST: f64 = 45.0;
+/// Median slope above which the unit may be the reason that nothing can start, degrees.
+const STEEP: f64 = 20.0;
 
 /// Room between a start and the edge of the world, m.
 const MARGIN: f64 = 4.0;
@@ -131,8 +172,9 @@ pub const MOST_WORLDS: usize = 999;
 #[derive(Clone, Debug)]
 pub struct Site<'a> {
     obstacles: Option<&'a [Obstacle]>,
-    heights: Layout,
-    labels: Option<Layout>,
+    any_relief: bool,
+    heights: Layout<'a>,
+    labels: Option<Layout<'a>>,
     /// The middles of the worlds, m from that of the survey.
     centres: Vec<[f64; 2]>,
     density: Density,
@@ -182,7 +224,8 @@ impl<'a> Site<'a> {
             Ok(Layout::new(l, resolution, resolution))
         });
         let labels = labels.transpose()?;
-        Ok(Self { obstacles: survey.obstacles, heights, labels, centres, density, site, rules, seed })
+        let Survey { obstacles, any_relief, .. } = *survey;
+        Ok(Self { obstacles, any_relief, heights, labels, centres, density, site, rules, seed })
     }
 
     /// The number of the worlds.
@@ -191,15 +234,88 @@ impl<'a> Site<'a> {
         self.centres.len()
     }
 
+    /// The names of the worlds with their middles, m east and north of that of the survey.
+    pub fn centres(&self) -> impl Iterator<Item = (String, [f64; 2])> {
+        self.centres.iter().enumerate().map(|(k, at)| (name(k), *at))
+    }
+
     /// Makes the worlds, one after the other as they are asked for. Each is an error if the survey has a hole there, or leaves no
     /// room for tasks.
     pub fn worlds(&self) -> impl Iterator<Item = Result<World, SiteError>> {
         self.centres.iter().enumerate().map(|(k, &at)| {
-            let id = format!("w{:03}", k + 1);
-            let place = Place { id, at, heights: &self.heights, labels: self.labels.as_ref() };
-            world(&place, self.obstacles, self.density, self.site, self.rules, self.seed)
+            let place = Place { id: name(k), at, heights: &self.heights, labels: self.labels.as_ref() };
+            self.world(&place)
         })
     }
+
+    fn world(&self, place: &Place<'_>) -> Result<World, SiteError> {
+        let Self { obstacles, density, site, rules, seed, .. } = *self;
+        let stream = |part: &str| Stream::new(seed, &["site", &place.id, part]);
+        let heightfield = surface(place, site)?;
+        let slope = level::median_slope(&heightfield);
+        let (low, high) = heightfield.range();
+        let (at, side, relief) = (place.at, site.side, high - low);
+        if !self.any_relief && (relief > side || slope > STEEPEST) {
+            return Err(SiteError::Relief { at, side, relief, slope });
+        }
+        let semantics = ground(place, &heightfield, site, rules, &mut stream("ground"))?;
+        let soft = semantics.classes.iter().filter(|c| c.is_deformable()).count();
+        let terrain = match soft {
+            0 => Terrain::Rigid,
+            n if n == semantics.classes.len() => Terrain::Deformable,
+            _ => Terrain::Mixed,
+        };
+        let mut world = World {
+            elevation: level(&heightfield, rules),
+            terrain,
+            density,
+            scale: 1.0,
+            heightfield,
+            semantics,
+            obstacles: Vec::new(),
+            tasks: Vec::new(),
+            id: place.id.clone(),
+        };
+        let half = 0.5 * site.side;
+        let radius = rules.tasks.radius.min(half - MARGIN).max(0.25 * half);
+        let ratio = half / rules.half();
+        let params =
+            ObstacleParams { extent: rules.obstacles.extent * ratio, ..rules.obstacles.times(ratio * ratio) };
+        if let Some(all) = obstacles {
+            world.obstacles = within(all, place.at, half);
+        }
+        let TaskParams { count, stand, .. } = &rules.tasks;
+        let starts = Starts::new(
+            &world.heightfield,
+            &world.semantics,
+            &world.obstacles,
+            rules.path.clearance,
+            radius,
+            stand,
+        );
+        let no_start = || GenerateError::NoStart {
+            world: world.id.clone(),
+            distance: 2.0 * radius,
+            why: NoStarts::new(*count, starts.room(), &starts.broken, FIELDS),
+        };
+        let found = starts.ends(*count).ok_or_else(no_start);
+        let made = found.and_then(|found| match obstacles {
+            Some(_) => generate::plan_tasks(&mut world, &rules.path, &found.pairs),
+            None => {
+                generate::furnish(&mut world, &params, &rules.path, &found.pairs, &mut stream("obstacles"))
+            }
+        });
+        match made {
+            Ok(()) => Ok(world),
+            Err(e) if slope > STEEP => Err(SiteError::Steep { source: Box::new(e), side, relief, slope }),
+            Err(e) => Err(e.into()),
+        }
+    }
+}
+
+/// The name of a world by its number from 0 on.
+fn name(k: usize) -> String {
+    format!("w{:03}", k + 1)
 }
 
 /// Middles of squares that fit into a rectangle, from the north-west on.
@@ -218,67 +334,8 @@ fn tiles(size: [f64; 2], side: f64) -> Result<Vec<[f64; 2]>, SiteError> {
 struct Place<'a> {
     id: String,
     at: [f64; 2],
-    heights: &'a Layout,
-    labels: Option<&'a Layout>,
-}
-
-fn world(
-    place: &Place<'_>,
-    obstacles: Option<&[Obstacle]>,
-    density: Density,
-    site: &SiteParams,
-    rules: &GeneratorParams,
-    seed: u64,
-) -> Result<World, SiteError> {
-    let stream = |part: &str| Stream::new(seed, &["site", &place.id, part]);
-    let heightfield = surface(place, site)?;
-    let semantics = ground(place, &heightfield, site, rules, &mut stream("ground"))?;
-    let soft = semantics.classes.iter().filter(|c| c.is_deformable()).count();
-    let terrain = match soft {
-        0 => Terrain::Rigid,
-        n if n == semantics.classes.len() => Terrain::Deformable,
-        _ => Terrain::Mixed,
-    };
-    let mut world = World {
-        elevation: level(&heightfield, rules),
-        terrain,
-        density,
-        scale: 1.0,
-        heightfield,
-        semantics,
-        obstacles: Vec::new(),
-        tasks: Vec::new(),
-        id: place.id.clone(),
-    };
-    let half = 0.5 * site.side;
-    let radius = rules.tasks.radius.min(half - MARGIN).max(0.25 * half);
-    let ratio = half / rules.half();
-    let params =
-        ObstacleParams { extent: rules.obstacles.extent * ratio, ..rules.obstacles.times(ratio * ratio) };
-    if let Some(all) = obstacles {
-        world.obstacles = within(all, place.at, half);
-    }
-    let TaskParams { count, stand, .. } = &rules.tasks;
-    let starts = Starts::new(
-        &world.heightfield,
-        &world.semantics,
-        &world.obstacles,
-        rules.path.clearance,
-        radius,
-        stand,
-    );
-    let no_start = || GenerateError::NoStart {
-        world: world.id.clone(),
-        distance: 2.0 * radius,
-        why: NoStarts::new(*count, starts.room(), &starts.broken, FIELDS),
-    };
-    let ends = starts.ends(*count).ok_or_else(no_start)?.pairs;
-    if obstacles.is_some() {
-        generate::plan_tasks(&mut world, &rules.path, &ends)?;
-    } else {
-        generate::furnish(&mut world, &params, &rules.path, &ends, &mut stream("obstacles"))?;
-    }
-    Ok(world)
+    heights: &'a Layout<'a>,
+    labels: Option<&'a Layout<'a>>,
 }
 
 /// The ground, counted from its lowest place.
@@ -379,16 +436,6 @@ fn by_rules(surface: &Heightfield, corner: [f64; 2], site: &SiteParams) -> Terra
 fn slope(surface: &Heightfield, [x, y]: [f64; 2]) -> f64 {
     let [dx, dy] = surface.facet(x, y).gradient;
     vb_math::atan(vb_math::hypot(dx, dy)).to_degrees()
-}
-
-/// The level whose spread of heights is nearest to the surface's, as a ratio.
-fn level(surface: &Heightfield, rules: &GeneratorParams) -> Elevation {
-    let z = surface.heights();
-    let mean = z.iter().sum::<f64>() / z.len() as f64;
-    let std = (z.iter().map(|z| (z - mean) * (z - mean)).sum::<f64>() / z.len() as f64).sqrt();
-    let distance = |level: Elevation| vb_math::ln(std.max(1e-9) / rules.elevation.std.get(level)).abs();
-    let nearest = Elevation::ALL.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    nearest.unwrap_or(Elevation::Low)
 }
 
 /// The obstacles in a world, from its middle.

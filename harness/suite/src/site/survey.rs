@@ -1,29 +1,31 @@
 //! Sampling a raster at the nodes of a world.
 
+use std::borrow::Cow;
+
 use vb_terrain::ElevationImage;
 
 /// A raster laid out in metres: its middle is the origin, x east, y north; a sample stands for the square about it.
 #[derive(Clone, Debug)]
-pub(crate) struct Layout {
-    raster: ElevationImage,
+pub(crate) struct Layout<'a> {
+    raster: Cow<'a, ElevationImage>,
     resolution: f64,
     /// The north-western sample.
     first: [f64; 2],
 }
 
-impl Layout {
+impl<'a> Layout<'a> {
     /// A raster of `resolution` metres, averaged over squares of several samples where they lie closer than every other
     /// node of a grid of `wanted` metres: else what is between the nodes would become noise of the nodes.
-    pub(crate) fn new(raster: &ElevationImage, resolution: f64, wanted: f64) -> Self {
+    pub(crate) fn new(raster: &'a ElevationImage, resolution: f64, wanted: f64) -> Self {
         let half = |n: usize| 0.5 * (n - 1) as f64 * resolution;
         let first = [-half(raster.cols()), half(raster.rows())];
         let n = (wanted / resolution * (1.0 + 1e-9)) as usize;
         if n < 2 {
-            return Self { raster: raster.clone(), resolution, first };
+            return Self { raster: Cow::Borrowed(raster), resolution, first };
         }
         let shift = 0.5 * (n - 1) as f64 * resolution;
         Self {
-            raster: raster.reduced(n),
+            raster: Cow::Owned(raster.reduced(n)),
             resolution: resolution * n as f64,
             first: [first[0] + shift, first[1] - shift],
         }
@@ -38,19 +40,7 @@ impl Layout {
     /// hole.
     pub(crate) fn height(&self, at: [f64; 2]) -> f64 {
         let [row, col] = self.place(at);
-        let split = |v: f64, n: usize| {
-            let v = v.clamp(0.0, (n - 1) as f64);
-            let low = (v as usize).min(n.saturating_sub(2));
-            (low, (low + 1).min(n - 1), v - low as f64)
-        };
-        let (r0, r1, v) = split(row, self.raster.rows());
-        let (c0, c1, u) = split(col, self.raster.cols());
-        // A sample without weight may be a hole.
-        let part = |r: usize, c: usize, w: f64| if w > 0.0 { w * self.raster.at(r, c) } else { 0.0 };
-        part(r0, c0, (1.0 - v) * (1.0 - u))
-            + part(r0, c1, (1.0 - v) * u)
-            + part(r1, c0, v * (1.0 - u))
-            + part(r1, c1, v * u)
+        self.raster.between(row, col)
     }
 
     /// The sample whose square a position is in, or the nearest one.
@@ -84,7 +74,8 @@ mod tests {
     #[test]
     fn a_plane_is_sampled_as_it_is_at_any_resolution() {
         for wanted in [0.2, 0.5, 1.0, 1.7] {
-            let layout = Layout::new(&plane(40, 60), 0.5, wanted);
+            let plane = plane(40, 60);
+            let layout = Layout::new(&plane, 0.5, wanted);
             for at in [[0.0, 0.0], [3.3, -2.1], [-11.0, 7.9]] {
                 let z = 2.0 * at[0] - 3.0 * at[1] + 7.0;
                 assert!((layout.height(at) - z).abs() < 1e-9, "{wanted}: {} {z}", layout.height(at));
@@ -96,14 +87,16 @@ mod tests {
     fn a_hole_is_felt_beside_it_only() {
         let mut values = vec![1.0; 25];
         values[12] = f64::NAN;
-        let layout = Layout::new(&ElevationImage::new(5, 5, values), 1.0, 1.0);
+        let raster = ElevationImage::new(5, 5, values);
+        let layout = Layout::new(&raster, 1.0, 1.0);
         assert!(layout.height([0.0, 0.0]).is_nan() && layout.height([0.4, -0.9]).is_nan());
         assert_eq!((layout.height([1.0, 0.0]), layout.height([2.0, 2.0])), (1.0, 1.0));
     }
 
     #[test]
     fn a_label_holds_for_the_square_about_its_sample() {
-        let layout = Layout::new(&ElevationImage::new(2, 2, vec![1.0, 2.0, 3.0, 4.0]), 10.0, 1.0);
+        let raster = ElevationImage::new(2, 2, vec![1.0, 2.0, 3.0, 4.0]);
+        let layout = Layout::new(&raster, 10.0, 1.0);
         assert_eq!(
             [[-0.1, 0.1], [0.1, 0.1], [-0.1, -0.1], [9.0, -9.0]].map(|p| layout.nearest(p)),
             [1.0, 2.0, 3.0, 4.0]

@@ -33,7 +33,7 @@ fn make(survey: &Survey<'_>, cut: Cut, seed: u64) -> Result<Vec<World>, SiteErro
 }
 
 fn survey(heights: &ElevationImage, resolution: f64) -> Survey<'_> {
-    Survey { heights, resolution, labels: None, obstacles: None }
+    Survey { heights, resolution, labels: None, obstacles: None, any_relief: false }
 }
 
 #[test]

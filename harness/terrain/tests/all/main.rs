@@ -5,3 +5,5 @@
 mod data;
 mod generate;
 mod read;
+mod survey;
+mod tif;

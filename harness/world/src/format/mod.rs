@@ -9,7 +9,7 @@ mod world_files;
 
 pub use error::SuiteError;
 pub(crate) use error::list;
-pub use suite::{Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
+pub use suite::{Georeference, Provenance, Suite, SuiteMeta, SuiteWriter, WorldInfo};
 
 /// Reads a file of obstacles in the form of a world's `obstacles.yaml`.
 ///

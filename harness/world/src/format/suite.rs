@@ -7,13 +7,13 @@ use super::{SCHEMA, text};
 use crate::check::check_id;
 use crate::{Density, Elevation, Terrain, World};
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use vb_files::Hash;
 
 /// The origin of the worlds of a suite.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Provenance {
     /// The worlds were made by a generator: the same generator, seed and parameters make the same bytes again.
@@ -27,6 +27,9 @@ pub enum Provenance {
     Imported {
         /// The data that were imported.
         source: String,
+        /// The place of the worlds on the Earth, if the data say so.
+        #[serde(default)]
+        place: Option<Georeference>,
     },
     /// The worlds were made by hand.
     Authored {
@@ -35,8 +38,45 @@ pub enum Provenance {
     },
 }
 
+/// The place of the worlds of a suite on the Earth.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Georeference {
+    /// The name of the coordinate reference system, such as EPSG:32632.
+    pub crs: String,
+    /// The definition of the system as a string of PROJ; `None` if it is unknown.
+    #[serde(default)]
+    pub proj: Option<String>,
+    /// Metres on the ground for a unit of its coordinates along x (east) and y (north).
+    pub metres: [f64; 2],
+    /// The coordinates of the middle of each world in that system.
+    pub origins: BTreeMap<String, [f64; 2]>,
+}
+
+impl Georeference {
+    /// The coordinates in the system of a place in a world, m east and north of its middle; `None` if the world has no origin.
+    #[must_use]
+    pub fn at(&self, world: &str, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let origin = self.origins.get(world)?;
+        Some([origin[0] + x / self.metres[0], origin[1] + y / self.metres[1]])
+    }
+
+    fn check(&self) -> Result<(), (String, String)> {
+        if !self.metres.iter().all(|m| m.is_finite() && *m > 0.0) {
+            let [x, y] = self.metres;
+            return Err(("provenance.imported.place.metres".into(), format!("[{x}, {y}] must be above 0")));
+        }
+        match self.origins.iter().find(|(_, at)| !at.iter().all(|v| v.is_finite())) {
+            Some((world, _)) => {
+                Err((format!("provenance.imported.place.origins.{world}"), "must be two numbers".into()))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 /// What a suite says about itself.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SuiteMeta {
     /// The short name of the suite.
     pub name: String,
@@ -104,6 +144,9 @@ impl Suite {
         check_schema(&file, &yaml)?;
         let SuiteDocument { name, version, description, provenance, worlds, .. } = text::parse(&file, &yaml)?;
         check_index(&worlds).map_err(|(field, problem)| SuiteError::invalid(&file, field, problem))?;
+        if let Provenance::Imported { place: Some(place), .. } = &provenance {
+            place.check().map_err(|(field, problem)| SuiteError::invalid(&file, field, problem))?;
+        }
         Ok(Self { dir, meta: SuiteMeta { name, version, description, provenance }, worlds })
     }
 
@@ -348,7 +391,24 @@ fn index(suite: &Suite) -> String {
         Provenance::Generated { generator, seed } => {
             format!("generated: {{generator: {}, seed: {seed}}}", text::quoted(generator))
         }
-        Provenance::Imported { source } => format!("imported: {{source: {}}}", text::quoted(source)),
+        Provenance::Imported { source, place: None } => {
+            format!("imported: {{source: {}}}", text::quoted(source))
+        }
+        Provenance::Imported { source, place: Some(place) } => {
+            let Georeference { crs, proj, metres: [x, y], origins } = place;
+            let proj =
+                proj.as_ref().map_or_else(String::new, |p| format!("\n      proj: {}", text::quoted(p)));
+            let origins: String = origins
+                .iter()
+                .map(|(world, [x, y])| format!("\n        {}: [{x:?}, {y:?}]", text::quoted(world)))
+                .collect();
+            let origins = if origins.is_empty() { " {}".to_owned() } else { origins };
+            let crs = text::quoted(crs);
+            format!(
+                "imported:\n    source: {}\n    place:\n      crs: {crs}{proj}\n      metres: [{x:?}, {y:?}]\n      origins:{origins}",
+                text::quoted(source)
+            )
+        }
         Provenance::Authored { by } => format!("authored: {{by: {}}}", text::quoted(by)),
     };
     let [name, version, description] = [name, version, description].map(|s| text::quoted(s));
