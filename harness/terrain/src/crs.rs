@@ -289,6 +289,13 @@ impl Crs {
         Proj::from_proj_string(&text).ok()
     }
 
+    /// Whether its projection is one of maps of the world, whose unit is none on the ground, and not one of surveys.
+    pub(crate) fn is_for_maps(&self) -> bool {
+        let kinds = ["merc", "webmerc", "eqc", "cea", "eqearth", "sinu", "mill", "moll", "robin"];
+        let kind = self.proj.as_deref().and_then(|p| p.split_whitespace().next()?.strip_prefix("+proj="));
+        kind.is_some_and(|kind| kinds.contains(&kind))
+    }
+
     /// The way from coordinates of this system to longitudes and latitudes; `None` if the definition is unknown.
     #[must_use]
     pub fn to_globe(&self) -> Option<Globe> {

@@ -263,12 +263,20 @@ fn lay_out(
         && let Some(ground) = crs.ground(middle)
         && ground.iter().any(|g| (g / unit - 1.0).abs() > TRUE_SCALE)
     {
-        metres = ground;
-        notes.push(format!(
-            "a unit of {} is {} m on the ground here: distances are those on the ground",
-            crs.name,
-            short((ground[0] * ground[1]).sqrt())
-        ));
+        let of = short((ground[0] * ground[1]).sqrt());
+        if crs.is_for_maps() {
+            metres = ground;
+            notes.push(format!(
+                "a unit of {} is {of} m on the ground here: distances are those on the ground",
+                crs.name
+            ));
+        } else {
+            notes.push(format!(
+                "a unit of {} is {of} m on the ground here, but taken for {} m: does the survey lie in the area of this system?",
+                crs.name,
+                short(unit)
+            ));
+        }
     }
     let place = middle.map(|middle| Place { crs, middle, metres });
     if let Some(resolution) = options.resolution {

@@ -103,7 +103,7 @@ fn units_of_heights_and_places_come_from_wherever_the_file_says_them() {
         let found = made(page);
         let want: Vec<f64> = SIX.iter().map(|v| f64::from(*v) * height).collect();
         near(found.heights.values(), &want);
-        // Systems for surveys have a scale of one but for thousandths.
+        // Surveys are taken at their word, even where the place is none of their system.
         let resolution = found.heights.resolution().unwrap();
         assert!((resolution / pixel - 1.0).abs() < 1e-6, "{keys:?} {unit}: {resolution} {pixel}");
     }
@@ -506,8 +506,8 @@ fn ascii_grids_are_read_in_every_dialect() {
     let huge = "ncols 99999999\nnrows 99999999\nxllcorner 0\nyllcorner 0\ncellsize 1\n1\n";
     assert!(matches!(survey(&f.file("a.asc", huge), &keep()).unwrap_err().flaw, Flaw::TooLarge { .. }));
     // Degrees without a word on it: pixels and places that nothing else has.
-    let degrees = "ncols 3\nnrows 2\nxllcorner -105.5\nyllcorner 40.0\ncellsize 0.0008333333333333\n";
-    let found = read(&f.file("a.asc", format!("{degrees}{rows}")));
+    let degrees = "ncols 30\nnrows 20\nxllcorner -105.5\nyllcorner 40.0\ncellsize 0.0008333333333333\n";
+    let found = read(&f.file("a.asc", format!("{degrees}{}", "7 ".repeat(600))));
     assert!(found.notes.iter().any(|n| n.contains("UTM zone 13N")), "{:?}", found.notes);
     // The projection lies beside it.
     f.file(
