@@ -60,7 +60,7 @@ fn what_is_wrong_with_a_survey_is_one_line_that_says_what_to_do() {
     let labels = text(&root().join("examples/site/labels.png"));
     let cases: [(&[&str], i32, &str); 7] = [
         (&["cut.tif"], 3, "cut.tif"),
-        (&["notes.txt"], 3, "must be .bmp, .png, .npy, .tif or .tiff"),
+        (&["notes.txt"], 3, "its content is no elevation file that is read"),
         (&["nowhere.tif"], 3, "nowhere.tif"),
         (&[&labels], 2, "give --sample-resolution"),
         (&[&raster, "--at", "120,0"], 3, "reaches over the edge of the survey, which is 300 m by 260 m"),

@@ -6,7 +6,7 @@ use vb_suite::generate::GeneratorParams;
 use vb_suite::site::{Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_terrain::crs::Crs;
-use vb_terrain::read::{Holes, Options, survey};
+use vb_terrain::read::{Holes, Options, PICTURE, short, survey};
 use vb_world::{Georeference, Provenance, SuiteMeta};
 
 use crate::args::SiteArgs;
@@ -37,18 +37,25 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
         output::note(&format!("note: {note}"));
     }
     let heights = &found.heights;
-    let Some(resolution) = heights.resolution() else {
-        let message = format!(
-            "{file}: the file doesn't say how far apart its samples are: give the distance in metres with --sample-resolution"
-        );
-        return Err(CliError::usage(message));
+    // Grey levels have no height of their own.
+    let levels = found.format == PICTURE && args.unit.is_none();
+    let resolution = match heights.resolution() {
+        Some(resolution) if !levels => resolution,
+        resolution => {
+            let distance = "how far apart its samples are: give --sample-resolution, in metres";
+            let distance = resolution.is_none().then_some(distance);
+            let unit = levels.then_some("how high a grey level is: give --unit, in metres");
+            let missing: Vec<_> = distance.into_iter().chain(unit).collect();
+            return Err(CliError::usage(format!("{file}: the file doesn't say {}", missing.join(", nor "))));
+        }
     };
     if resolution > COARSE * rules_of_site.resolution {
         output::note(&format!(
-            "warning: samples {resolution} m apart are too coarse for the roughness of a benchmark world, which has nodes {} m apart: \
+            "warning: samples {} m apart are too coarse for the roughness of a benchmark world, which has nodes {} m apart: \
              nothing shorter than {} m is in this world, and it drives smoother than the place",
+            short(resolution),
             rules_of_site.resolution,
-            2.0 * resolution
+            short(2.0 * resolution)
         ));
     }
     let labels = args.labels.as_deref().map(|path| labels(path, args.crs.as_ref())).transpose()?;

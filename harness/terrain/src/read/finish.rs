@@ -333,6 +333,15 @@ fn projected(
     let zone = Zone::of(middle[0], middle[1], system.ellipsoid())
         .filter(|_| origin.iter().chain(&last).all(|v| v.is_finite()));
     let Some(zone) = zone else {
+        if [origin[1], last[1]].iter().any(|lat| lat.abs() > 90.5) {
+            return Err(Flaw::Coordinates(format!(
+                "its coordinates are degrees ({}), but reach from latitude {} to {}: its place is wrong, or its coordinate system, which \
+                 can be given with --crs",
+                system.name,
+                short(last[1]),
+                short(origin[1])
+            )));
+        }
         return Err(Flaw::Coordinates(format!(
             "lies about latitude {}, where no zone of UTM is: reproject it with gdalwarp -t_srs EPSG:CODE -r bilinear IN OUT.tif",
             short(middle[1])

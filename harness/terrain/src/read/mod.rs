@@ -26,13 +26,15 @@ use crate::ElevationImage;
 use finish::{Found, finish};
 use format::Format;
 
-pub use survey::{Options, Place, Said, Survey};
+pub use survey::{Options, Place, Said, Survey, short};
 
 /// What GeoTIFFs are read from.
 type Source = tiff::decoder::Decoder<BufReader<File>>;
 
 /// Most samples that a file may hold: 16 384 × 16 384.
 pub const MAX_SAMPLES: u64 = 1 << 28;
+/// The format of [`Survey`]s of pictures, whose values are grey levels and no heights.
+pub const PICTURE: &str = "picture";
 /// Longest file that is read, bytes.
 pub const MAX_BYTES: u64 = 1 << 32;
 
@@ -85,7 +87,7 @@ pub enum Flaw {
     #[error("{0}")]
     Unsupported(String),
     /// It has another number of dimensions than two, or several bands.
-    #[error("holds {0}: must be one two-dimensional band")]
+    #[error("holds {0}")]
     Rank(String),
     /// Its samples are of a type that heights are not stored in.
     #[error("samples are {found}: must be {wanted}")]

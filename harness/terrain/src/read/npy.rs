@@ -53,7 +53,7 @@ impl<R: BufRead + Seek> Array<R> {
             ref shape => {
                 let sides: Vec<_> = shape.iter().map(u64::to_string).collect();
                 return Err(Flaw::Rank(format!(
-                    "an array of {} dimensions ({})",
+                    "an array of {} dimensions ({}): must be of two",
                     shape.len(),
                     sides.join(" x ")
                 )));

@@ -168,7 +168,7 @@ pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
     check_size(rows, cols)?;
     let Greys { levels, hidden } = picture.visible()?;
     let raster = ElevationImage::new(rows as usize, cols as usize, levels);
-    Ok(Found { no_data: hidden, suspects: false, ..Found::plain("picture", raster) })
+    Ok(Found { no_data: hidden, suspects: false, ..Found::plain(super::PICTURE, raster) })
 }
 
 fn flaw(e: ImageError) -> Flaw {

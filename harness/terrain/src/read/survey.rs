@@ -129,7 +129,8 @@ impl Survey {
 }
 
 /// A number with six significant digits at most.
-pub(super) fn short(v: f64) -> String {
+#[must_use]
+pub fn short(v: f64) -> String {
     let text = format!("{v:.5e}");
     text.parse::<f64>().map_or(text, |v| v.to_string())
 }

@@ -163,20 +163,26 @@ impl Layout {
     ) -> Result<Vec<f64>, Flaw> {
         let [rows, cols] = self.chunk();
         let (across, down) = (self.cols.div_ceil(cols), self.rows.div_ceil(rows));
-        let mut values = vec![0.0; self.rows * self.cols];
+        let all = self.rows * self.cols;
+        if self.lengths.iter().all(|length| *length == 0) {
+            return Err(Flaw::NoHeights);
+        }
+        // Memory is taken once there is something to put into it.
+        let mut values = Vec::new();
         let (first, step) = if self.planar { (0, 1) } else { (band, self.bands) };
         for k in 0..across * down {
             let (row, col) = (k / across * rows, k % across * cols);
             let (height, width) = (rows.min(self.rows - row), cols.min(self.cols - col));
             let chunk = if self.planar { band * across * down + k } else { k };
             if self.lengths[chunk] == 0 {
-                absent.resize(values.len(), false);
+                absent.resize(all, false);
                 for r in row..row + height {
                     absent[r * self.cols + col..][..width].fill(true);
                 }
                 continue;
             }
             let bytes = self.unpack(tiff, chunk, height)?;
+            values.resize(all, 0.0);
             let stride = self.stride();
             for r in 0..height {
                 let line = &bytes[r * stride..(r + 1) * stride];
@@ -186,6 +192,7 @@ impl Layout {
                 }
             }
         }
+        values.resize(all, 0.0);
         Ok(values)
     }
 
@@ -201,6 +208,9 @@ impl Layout {
         source.seek(SeekFrom::Start(self.offsets[chunk]))?;
         let mut packed = Turned { inner: source.take(length), reversed: self.reversed };
         let mut bytes = Vec::new();
+        let short_of = |found: usize| {
+            Flaw::Truncated(format!("strip or tile {chunk} has {found} bytes, but {wanted} are needed"))
+        };
         let damaged =
             |e: &dyn std::fmt::Display| Flaw::Damaged(format!("strip or tile {chunk}: {}", line(e)));
         match self.compression {
@@ -210,6 +220,10 @@ impl Layout {
             LZW => {
                 let mut input = Vec::new();
                 packed.read_to_end(&mut input)?;
+                // A code of nine bits or more stands for 4096 bytes at most.
+                if wanted > 4096 * (input.len() + 1) {
+                    return Err(short_of(input.len()));
+                }
                 bytes = vec![0; wanted];
                 let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
                 let (mut used, mut made) = (0, 0);
@@ -240,10 +254,7 @@ impl Layout {
             }
         }
         if bytes.len() < wanted {
-            return Err(Flaw::Truncated(format!(
-                "strip or tile {chunk} has {} bytes, but {wanted} are needed",
-                bytes.len()
-            )));
+            return Err(short_of(bytes.len()));
         }
         match self.predictor {
             2 => bytes.chunks_exact_mut(stride).for_each(|row| self.add_up(row)),
@@ -419,7 +430,7 @@ mod tests {
         ];
         assert_eq!(pack_bits(&packed, 24), plain);
         assert_eq!(pack_bits(&packed, 7), plain[..7]);
-        assert_eq!(pack_bits(&[0xfe], 7), []);
+        assert!(pack_bits(&[0xfe], 7).is_empty());
         assert_eq!(pack_bits(&[5, 1], 7), [1]);
     }
 }

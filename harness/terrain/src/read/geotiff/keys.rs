@@ -26,7 +26,10 @@ const LINEAR_UNITS: u16 = 3076;
 const LINEAR_UNIT_SIZE: u16 = 3077;
 const VERTICAL_SYSTEM: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;
-const CITATIONS: [u16; 4] = [3073, 2049, 1026, 4097];
+const CITATION: u16 = 1026;
+const GEOGRAPHIC_CITATION: u16 = 2049;
+const PROJECTED_CITATION: u16 = 3073;
+const PROJECTION_METHOD: u16 = 3075;
 
 /// A code that the user of the file defines.
 const USER_DEFINED: u16 = 32767;
@@ -87,18 +90,26 @@ impl Keys {
             _ if self.short(GEOGRAPHIC_SYSTEM).is_some() => false,
             _ => return Ok(None),
         };
-        let citation = CITATIONS.into_iter().find_map(|key| self.text(key)).filter(|t| !t.is_empty());
+        let own = if projected { PROJECTED_CITATION } else { GEOGRAPHIC_CITATION };
+        let citation = [own, CITATION].into_iter().find_map(|key| self.text(key)).filter(|t| !t.is_empty());
         let code = coded(if projected { PROJECTED_SYSTEM } else { GEOGRAPHIC_SYSTEM });
         let known = code.and_then(Crs::epsg).filter(|crs| crs.geographic != projected);
         let unit = if projected { self.linear_unit()? } else { self.angular_unit()? };
         let name = match (code, citation) {
             (Some(code), _) => format!("EPSG:{code}"),
             (None, Some(text)) => text.split(['|', '\n']).next().unwrap_or(text).chars().take(80).collect(),
-            (None, None) => "a system of its own".to_owned(),
+            (None, None) => "a system without a name".to_owned(),
         };
-        if projected && unit.is_none() && known.is_none() {
+        if projected && known.is_none() {
+            let mercator = if self.short(PROJECTION_METHOD) == Some(7) {
+                "; it is one of Mercator's, whose metres are too long away from its standard parallel"
+            } else {
+                ""
+            };
+            let metres = if unit.is_none() { ", metres are assumed" } else { "" };
             notes.push(format!(
-                "the unit of the coordinates ({name}) is unknown to this program: metres are assumed"
+                "its projection ({name}) is not known to this program{metres}: distances are taken at its word{mercator}; another system can be \
+                 given with --crs"
             ));
         }
         Ok(Some(match known {
