@@ -3,9 +3,10 @@
 use super::{Findings, Rule};
 use crate::statistics::WorldStatistics;
 use vb_suite::generate::GeneratorParams;
+use vb_suite::site::spread;
 use vb_world::{Density, Elevation, Part, World};
 
-/// How far the spread of heights may be from that of its level, as a factor. Worlds of the original stay within 1.35 of
+/// How far the spread of heights, by which the slopes are as they are, may be from that of its level, as a factor. Worlds of the original stay within 1.35 of
 /// their level's mean (docs/worlds.md), and neighbouring levels lie 1.7 to 1.9 apart.
 const SPREAD: f64 = 1.6;
 
@@ -14,7 +15,7 @@ const AREA: f64 = 128.0 * 128.0;
 
 pub(super) fn check(world: &World, rules: &GeneratorParams, findings: &mut Findings<'_>) {
     let figures = WorldStatistics::of(world);
-    let std = figures.height_std;
+    let std = spread(&world.heightfield);
     // A level may have the relief of the paper's recipe, or one that is calibrated by mobility.
     let paper = GeneratorParams::paper().elevation.std.get(world.elevation);
     let own = rules.elevation.std.get(world.elevation);
@@ -26,8 +27,8 @@ pub(super) fn check(world: &World, rules: &GeneratorParams, findings: &mut Findi
     if too_flat || too_steep {
         let word = if too_flat { "flat" } else { "rugged" };
         let problem = format!(
-            "{} is odd for heights that spread by {std:.3} m (usual for it: {usual} m): too {word}; name another level or scale \
-             the heights",
+            "{} is odd for slopes like those of heights that spread by {std:.3} m (usual for it: {usual} m): too {word}; name another \
+             level or scale the heights",
             world.elevation.name()
         );
         findings.warn(Rule::Labels, Part::World, "elevation", &problem);

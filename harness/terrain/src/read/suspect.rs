@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(find(&[1.0, -32768.0]), Some(-32768.0));
         assert_eq!(find(&[-2000.0, 8028.0, -9999.0]), Some(-9999.0));
         assert_eq!(find(&[600.0, 65535.0, 900.0]), Some(65535.0));
-        assert_eq!(find(&[0.0, 65535.0, 40_000.0]), None);
+        assert_eq!(find(&[0.0, 20_000.0, 45_000.0, 65535.0]), None);
         // Sea floor, the sea beside a hill, and whole numbers of millimetres are heights.
         assert_eq!(find(&[-10_500.0, -9999.0, -9_400.0]), None);
         assert_eq!(find(&[0.0, 12.0, 300.0]), None);
