@@ -242,7 +242,14 @@ fn lay_out(
     options: &Options,
     notes: &mut Vec<String>,
 ) -> Result<(ElevationImage, Option<Place>), Flaw> {
-    let Some(lay) = lay else { return Ok((raster.with_resolution(options.resolution), None)) };
+    let Some(lay) = lay else {
+        if options.crs.is_some() {
+            notes.push(
+                "the file doesn't say where it lies: the coordinate reference system that was given is of no use".into(),
+            );
+        }
+        return Ok((raster.with_resolution(options.resolution), None));
+    };
     let (rows, cols) = (raster.rows(), raster.cols());
     let to = |right: f64, down: f64, o: [f64; 2]| {
         [o[0] + right * lay.right[0] + down * lay.down[0], o[1] + right * lay.right[1] + down * lay.down[1]]

@@ -92,7 +92,10 @@ impl Survey {
     /// One line: heights, samples, orientation, unit and coordinate system.
     #[must_use]
     pub fn summary(&self) -> String {
+        // Nobody has said how high a grey level is.
+        let levels = self.format == super::PICTURE && self.unit_said != Said::Caller;
         let mut line = match self.range() {
+            Some([low, high]) if levels => format!("grey levels {low} to {high}"),
             Some([low, high]) => format!("heights {low:.1} to {high:.1} m"),
             None => "no heights".to_owned(),
         };
@@ -113,7 +116,11 @@ impl Survey {
             Said::Assumed("") => " (assumed)".to_owned(),
             Said::Assumed(why) => format!(" (assumed: {why})"),
         };
-        let _ = write!(line, ", unit {name}{said}");
+        if levels {
+            line.push_str(", unit unknown");
+        } else {
+            let _ = write!(line, ", unit {name}{said}");
+        }
         match &self.place {
             Some(Place { crs: Some(crs), .. }) => {
                 let _ = write!(line, ", {}", crs.name);

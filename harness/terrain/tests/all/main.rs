@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod data;
+mod formats;
 mod generate;
 mod read;
 mod survey;
