@@ -191,6 +191,45 @@ fn starts_and_goals_stand_on_ground_that_is_not_too_steep() {
 }
 
 #[test]
+fn heights_in_a_wrong_unit_are_refused_with_the_option_that_gives_it() {
+    let centimetres = raster(300, 300, 1.0, |x, y| 100.0 * hills(x, y) + 3000.0 * vb_math::sin(x / 3.0));
+    let error = make(&survey(&centimetres, 1.0), Cut::At([0.0; 2]), 1).unwrap_err();
+    assert!(matches!(error, SiteError::Relief { .. }), "{error}");
+    let text = error.to_string();
+    assert!(
+        text.contains("--unit 0.01") && text.contains("--any-relief") && !text.contains("tasks."),
+        "{text}"
+    );
+    // Whoever wants it may have it, as far as anything can start there.
+    let wanted = Survey { any_relief: true, ..survey(&centimetres, 1.0) };
+    let error = make(&wanted, Cut::At([0.0; 2]), 1).unwrap_err();
+    assert!(matches!(error, SiteError::Steep { .. }) && error.to_string().contains("--unit"), "{error}");
+}
+
+#[test]
+fn the_level_follows_from_slopes_without_the_mean_plane() {
+    let plain = raster(140, 140, 1.0, |x, y| 0.05 * x + 0.03 * y + 0.1 * vb_math::sin(x / 9.0));
+    let world = make(&survey(&plain, 1.0), Cut::At([0.0; 2]), 1).unwrap().remove(0);
+    let (low, high) = world.heightfield.range();
+    assert!(high - low > 9.0, "more relief than any world of vb-100");
+    assert_eq!(world.elevation, vb_world::Elevation::Low);
+}
+
+/// The worlds that come with the harness are what they are called, but for three whose slopes lie where both levels have worlds.
+#[test]
+fn the_levels_are_those_of_the_benchmark() {
+    let tasks = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
+    for (name, others) in [("vb-100", 3), ("smoke", 0)] {
+        let suite = vb_world::Suite::open(tasks.join(name)).unwrap();
+        let rules = GeneratorParams::default();
+        let level = |id: &str| vb_suite::site::level(&suite.load_world(id).unwrap().heightfield, &rules);
+        let differ: Vec<_> =
+            suite.worlds().iter().filter(|w| level(&w.id) != w.elevation).map(|w| &w.id).collect();
+        assert!(differ.len() <= others, "{name}: {differ:?}");
+    }
+}
+
+#[test]
 fn what_is_drawn_follows_from_the_seed() {
     let heights = raster(140, 140, 1.0, hills);
     let of = |seed| make(&survey(&heights, 1.0), Cut::At([0.0; 2]), seed).unwrap();

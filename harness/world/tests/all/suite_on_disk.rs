@@ -3,8 +3,8 @@
 
 use std::path::Path;
 use vb_world::{
-    Density, Elevation, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SoilLevel,
-    SoilLevels, Suite, SuiteMeta, Task, Terrain, TerrainClass, World,
+    Density, Elevation, Georeference, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics,
+    SoilLevel, SoilLevels, Suite, SuiteMeta, Task, Terrain, TerrainClass, World,
 };
 
 /// A small world of odd size (5 × 9 nodes at 2 m) with every kind of obstacle and awkward numbers.
@@ -89,6 +89,26 @@ fn edit(dir: &Path, file: &str, from: &str, to: &str) {
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(from), "{file} has no {from:?}:\n{text}");
     std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+}
+
+#[test]
+fn the_place_of_a_suite_reads_back_and_is_checked() {
+    let place = Georeference {
+        crs: "EPSG:32632".into(),
+        proj: Some("+proj=utm +zone=32 +datum=WGS84 +units=m +no_defs".into()),
+        metres: [1.0, 0.5],
+        origins: [("w001".to_owned(), [500_150.25, 5_699_850.0])].into(),
+    };
+    assert_eq!(place.at("w001", [10.0, -10.0]), Some([500_160.25, 5_699_830.0]));
+    assert_eq!(place.at("w002", [0.0, 0.0]), None);
+    let provenance = Provenance::Imported { source: "a \"survey\"".into(), place: Some(place) };
+    let meta = SuiteMeta { provenance, ..meta() };
+    let dir = tempfile::tempdir().unwrap();
+    Suite::write(dir.path(), &meta, &[world("w001")]).unwrap();
+    assert_eq!(Suite::open(dir.path()).unwrap().meta(), &meta);
+    edit(dir.path(), "suite.yaml", "metres: [1.0, 0.5]", "metres: [1.0, 0.0]");
+    let error = Suite::open(dir.path()).unwrap_err().to_string();
+    assert!(error.contains("provenance.imported.place.metres"), "{error}");
 }
 
 #[test]
