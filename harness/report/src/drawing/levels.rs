@@ -10,6 +10,12 @@ use super::series::{colour, marker};
 use crate::Report;
 use crate::figures::{Estimate, Measure, Split};
 
+/// How far below the axis the baseline of the levels' names is: between the axis and the names stand the markers of the runs, where
+/// they cover neither bars nor whiskers.
+pub(crate) const NAMES: f64 = 24.0;
+/// How far below the axis the middle of a marker is.
+const MARKERS: f64 = 7.0;
+
 /// What stands beside the plot of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Beside {
@@ -26,11 +32,11 @@ pub(crate) fn levels(report: &Report) -> Vec<Drawing> {
         for split in Split::ALL {
             let area = Frame {
                 width: 360.0,
-                height: 190.0,
+                height: 197.0,
                 left: 46.0,
                 right: 8.0,
                 top: 12.0,
-                bottom: 26.0,
+                bottom: NAMES + 9.0,
                 ..level_frame(split, top(report, measure))
             };
             let mut body = String::new();
@@ -95,7 +101,7 @@ pub(crate) fn panel(
             let _ = write!(
                 s,
                 "<text class=\"level\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{level}</text>",
-                f.height - f.bottom + 17.0
+                f.height - f.bottom + NAMES
             );
         }
         for (r, own) in report.figures.iter().enumerate() {
@@ -123,16 +129,30 @@ pub(crate) fn panel(
             let y = f.sy(measure.shown(e.mean));
             let _ = write!(
                 s,
-                "<g><title>{name}, {level}: {} {}{told}; {} tasks in {} worlds</title>\
-                 <rect class=\"f{c} bar\" x=\"{left:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"1.5\"/>",
+                "<g><title>{name}, {level}: {} {}{told}; {} tasks in {} worlds</title>",
                 shown(e.mean),
                 measure.unit(),
                 figures.tasks,
                 figures.worlds,
-                right - left,
-                (f.sy(0.0) - y).max(0.8),
-                c = colour(r),
             );
+            if measure.shown(e.mean) > 0.0 {
+                let height = (f.sy(0.0) - y).max(0.8);
+                let _ = write!(
+                    s,
+                    "<rect class=\"f{} bar\" x=\"{left:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{height:.1}\" rx=\"1.5\"/>",
+                    colour(r),
+                    f.sy(0.0) - height,
+                    right - left,
+                );
+            } else if e.interval.is_none() {
+                // A bar of no height is none, and without a whisker nothing would say that the value is 0.
+                let _ = write!(
+                    s,
+                    "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">0</text>",
+                    f.sx(centre),
+                    f.sy(0.0) - 3.0
+                );
+            }
             if let Some(i) = e.interval {
                 let (low, high) = (f.sy(measure.shown(i.low)), f.sy(measure.shown(i.high)));
                 let (x, cap) = (0.5 * (left + right), (0.22 * (right - left)).min(5.0));
@@ -146,7 +166,13 @@ pub(crate) fn panel(
                 );
             }
             if runs > 1 {
-                marker(s, r, [0.5 * (left + right), f.sy(0.0) - 6.0], (0.34 * (right - left)).min(4.2), "");
+                marker(
+                    s,
+                    r,
+                    [0.5 * (left + right), f.sy(0.0) + MARKERS],
+                    (0.34 * (right - left)).min(4.2),
+                    "",
+                );
             }
             s.push_str("</g>");
         }

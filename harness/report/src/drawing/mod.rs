@@ -15,7 +15,7 @@ pub(crate) mod series;
 pub(crate) use causes::causes;
 pub(crate) use distribution::{Quantity, Scale, distribution};
 pub(crate) use forest::forest;
-pub(crate) use levels::{Beside, level_frame, levels, panel, top};
+pub(crate) use levels::{Beside, NAMES, level_frame, levels, panel, top};
 pub(crate) use profile::profile;
 pub(crate) use robustness::robustness;
 

@@ -87,7 +87,7 @@ impl WorldMap<'_> {
         let (x, y) = (8.0, upper + height - 8.0);
         let _ = write!(
             s,
-            "<rect class=\"plate\" x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"20\"/><path class=\"bar\" d=\"M{x} {:.2}v4h{:.2}v-4\"/>\
+            "<rect class=\"plate\" x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"20\"/><path class=\"scale\" d=\"M{x} {:.2}v4h{:.2}v-4\"/>\
              <text class=\"tick\" x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"middle\">{} m</text>",
             x - 4.0,
             y - 16.0,

@@ -8,7 +8,7 @@ use vb_page::plot::Frame;
 
 use crate::Report;
 use crate::drawing::{
-    Beside, Drawing, Quantity, Scale, TEXT, causes, distribution, forest, level_frame, panel, profile,
+    Beside, Drawing, NAMES, Quantity, Scale, TEXT, causes, distribution, forest, level_frame, panel, profile,
     robustness, top,
 };
 use crate::figures::{Measure, Split};
@@ -121,7 +121,7 @@ impl Report {
     /// The paper's figure: the panels of a row share their axis, those of a column their levels.
     fn paper_results(&self, paper: &Paper) -> Figure {
         let mut sheet = self.sheet(paper, paper.page_in);
-        let (left, gap, rows, between) = (54.0, 12.0, 94.0, 14.0);
+        let (left, gap, rows, between) = (54.0, 12.0, 94.0, 17.0);
         if self.runs.runs.len() > 1 {
             sheet.legend(&self.paper_labels(), left);
         }
@@ -158,14 +158,14 @@ impl Report {
                 panel(&mut sheet.body, self, measure, split, &f, beside);
             }
         }
-        sheet.y += (rows + between) * Measure::ALL.len() as f64 + 8.0;
+        sheet.y += (rows + between) * Measure::ALL.len() as f64 + NAMES - 9.0;
         sheet.finish(
             self.figure_title("Success, time, roll and pitch by elevation, terrain and obstacle density"),
         )
     }
 
     fn paper_comparison(&self, paper: &Paper) -> Option<Figure> {
-        let (c, ranking) = self.comparison.as_ref().zip(self.ranking.as_ref())?;
+        let (c, ranking) = self.comparison.as_ref().zip(self.order.as_ref())?;
         let mut sheet = self.sheet(paper, paper.page_in);
         let columns = sheet.columns(COLUMN, 2);
         let wide = sheet.share(columns);
