@@ -279,6 +279,20 @@ impl Rules {
         vb_files::sha256(&canonical)
     }
 
+    /// Whether each trial ends at the same time under both rules, and as a success under both or none: they differ in nothing but the
+    /// rollover rule and what they are called.
+    #[must_use]
+    pub fn end_alike(&self, other: &Self) -> bool {
+        let named = |rules: &Self| Self {
+            schema: self.schema,
+            name: String::new(),
+            description: String::new(),
+            rollover: None,
+            ..rules.clone()
+        };
+        named(self) == named(other)
+    }
+
     /// The time limit at a scale of the world, s.
     #[must_use]
     pub fn time_limit(&self, scale: f64) -> f64 {

@@ -8,7 +8,7 @@ use vb_record::{Sample, TraceMeta};
 use vb_world::{Task, World};
 
 use crate::metrics::{Accumulator, displacement};
-use crate::{Fault, Metrics, Outcome, RollTime, Rules, StuckRule, SuccessRule, ThreeWay};
+use crate::{Fault, Metrics, Outcome, RollTime, RolloverRule, Rules, StuckRule, SuccessRule, ThreeWay};
 
 /// The place of a trial, in metres of the world as simulated, that is after scaling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +69,29 @@ pub struct TaskScore {
 
 /// Times are sums of steps: what is due at 10 s must not wait for the next sample over the last bits of a sum.
 const TIME_TOLERANCE: f64 = 1e-6;
+
+/// How the reason of a trial begins that the rule `overturned` ended.
+pub(crate) const TIPPED: &str = "tipped over by";
+/// What stands in a reason between the angles of a rollover and how the vehicle was stuck.
+const BETWEEN: &str = "; ";
+
+/// The verdict on a trial that ended because the vehicle was stuck, with how.
+fn stuck_or_rolled(angles: Option<String>, how: &str) -> Verdict {
+    match angles {
+        Some(angles) => Verdict { outcome: Outcome::Rollover, reason: format!("{angles}{BETWEEN}{how}") },
+        None => Verdict { outcome: Outcome::Stuck, reason: how.to_owned() },
+    }
+}
+
+/// The verdict on a trial that ended because the vehicle was stuck or rolled over, with this reason, if other angles (in words) make it a
+/// rollover.
+pub(crate) fn judged_again(outcome: Outcome, reason: &str, angles: Option<String>) -> Verdict {
+    let how = match outcome {
+        Outcome::Rollover => reason.split_once(BETWEEN).map_or(reason, |(_, how)| how),
+        _ => reason,
+    };
+    stuck_or_rolled(angles, how)
+}
 
 /// Judges and measures one trial.
 ///
@@ -173,13 +196,9 @@ impl Scorer {
             );
         }
         if let Some(tilt) = self.overturned(sample) {
-            return verdict(Outcome::Rollover, format!("tipped over by {tilt:.1}° at {t:.2} s"));
+            return verdict(Outcome::Rollover, format!("{TIPPED} {tilt:.1}° at {t:.2} s"));
         }
-        let how = stuck?;
-        match self.rolled_over() {
-            Some(angles) => verdict(Outcome::Rollover, format!("{angles}; {how}")),
-            None => verdict(Outcome::Stuck, how),
-        }
+        Some(stuck_or_rolled(self.rolled_over(), &stuck?))
     }
 
     /// The distance from the goal if that is near enough, m.
@@ -243,17 +262,25 @@ impl Scorer {
     fn rolled_over(&self) -> Option<String> {
         let rule = self.rules.rollover?;
         let last = self.sums.last()?;
-        let (roll, pitch, when) = match rule.when {
-            RollTime::End => (degrees(last.roll), degrees(last.pitch), "at the end"),
-            RollTime::AnyTime => {
-                let (roll, pitch) = self.sums.angle_maxima();
-                (roll, pitch, "at most")
-            }
+        let (roll, pitch) = match rule.when {
+            RollTime::End => (degrees(last.roll), degrees(last.pitch)),
+            RollTime::AnyTime => self.sums.angle_maxima(),
         };
-        if roll.abs() > rule.roll_limit_deg {
+        rule.exceeded(roll, pitch)
+    }
+}
+
+impl RolloverRule {
+    /// The angle at the time that counts, degrees, which makes a failed trial a rollover, in words.
+    pub(crate) fn exceeded(&self, roll: f64, pitch: f64) -> Option<String> {
+        let when = match self.when {
+            RollTime::End => "at the end",
+            RollTime::AnyTime => "at most",
+        };
+        if roll.abs() > self.roll_limit_deg {
             return Some(format!("roll {roll:.1}° {when}"));
         }
-        rule.pitch_limit_deg.filter(|limit| pitch.abs() > *limit).map(|_| format!("pitch {pitch:.1}° {when}"))
+        self.pitch_limit_deg.filter(|limit| pitch.abs() > *limit).map(|_| format!("pitch {pitch:.1}° {when}"))
     }
 }
 

@@ -162,9 +162,11 @@ fn coarse_traces_say_their_resolution_and_come_close() {
 }
 
 #[test]
-fn without_traces_there_is_nothing_to_score() {
+fn without_traces_failures_can_be_classified_and_no_more() {
     let bench = Bench::new();
     run(&bench, "r", &["--trace", "none"]);
-    let e = bench.run(&["score", "r"]).error(3);
+    let told = score(&bench, &["r"]);
+    assert_eq!(of(&told, "summary")[0]["summary"], bench.json("r/summary.json"));
+    let e = bench.run(&["score", "r", "--rules", "release"]).error(3);
     assert!(e.contains("r") && e.contains("--trace"), "{e}");
 }

@@ -13,8 +13,8 @@ use vb_record::{
     TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
-    Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry, TaskRecord,
-    TaskScore, ThreeWay, rescore,
+    Conditions, Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry,
+    TaskRecord, TaskScore, ThreeWay, rescore,
 };
 use vb_world::{Density, Elevation, Terrain};
 
@@ -40,8 +40,8 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             sandbox: None,
         },
         params: BTreeMap::new(),
-        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".into() },
-        soils: DataHeader { name: "default".into(), hash: "dd".into() },
+        vehicle: Conditions::standard().vehicle.clone(),
+        soils: Conditions::standard().soils.clone(),
         perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
         scale: 1.0,
         seed: 0,
@@ -69,6 +69,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         outcome: score.outcome,
         three_way: score.three_way,
         flags: BTreeMap::new(),
+        departures: Vec::new(),
         reason: score.reason,
         cause: None,
         evidence: String::new(),
@@ -243,6 +244,62 @@ fn thinned_traces_say_their_resolution_and_keep_the_verdicts_of_the_same_rules()
     assert!((thin.roll_mean_deg - full.roll_mean_deg).abs() < 0.05 * full.roll_mean_deg);
 }
 
+/// Rules with another rollover rule classify failures by the angles in the records, whatever of the traces is kept.
+#[test]
+fn another_rollover_rule_needs_no_traces() {
+    let paper = Rules::paper();
+    let with = |rollover: &str| {
+        let (head, rest) = Rules::BUILTIN[0].1.split_once("rollover:").unwrap();
+        let tail = rest.split_once("out_of_bounds:").unwrap().1;
+        let text = format!("{head}{rollover}out_of_bounds:{tail}");
+        Rules::from_yaml("other", &text.replace("name: paper", "name: other")).unwrap()
+    };
+    // The vehicle leans by 40° after 1 s, then by 10°, and creeps until it is stuck; its pitch is 20°.
+    let leans = |time: f64| Sample {
+        time,
+        x: -60.0 + 0.05 * time,
+        roll: vb_math::angle::radians(if (1.0..1.5).contains(&time) { 40.0 } else { 10.0 }),
+        pitch: vb_math::angle::radians(20.0),
+        ..Sample::default()
+    };
+    for mode in [TraceMode::TenHz, TraceMode::None, TraceMode::Full] {
+        let tmp = tempfile::tempdir().unwrap();
+        let store = RunStore::create(tmp.path(), &header(&paper, mode, 3)).unwrap();
+        let records = vec![
+            drive(&store, &paper, mode, "w/a", None, leans),
+            drive(&store, &paper, mode, "w/b", Some(3.0), leans),
+            run(&store, &paper, mode, "w/c", 5.0, None),
+        ];
+        let outcomes = [Outcome::Stuck, Outcome::PlannerError, Outcome::Success];
+        assert_eq!(records.iter().map(|r| r.outcome).collect::<Vec<_>>(), outcomes);
+        let again = |rollover: &str| {
+            let again = rescore(tmp.path(), &with(rollover)).unwrap();
+            assert!(again.summary.undecided.is_empty() && again.exact, "{mode:?}");
+            assert_eq!(again.records[0].departures, ["rules other"]);
+            again.records
+        };
+        let any = again("rollover: {when: any_time, roll_limit_deg: 30.0}\n");
+        assert_eq!((any[0].outcome, any[0].three_way), (Outcome::Rollover, ThreeWay::Rollover), "{mode:?}");
+        assert_eq!(any[0].reason, format!("roll 40.0° at most; {}", records[0].reason));
+        assert_eq!((any[1].outcome, any[1].three_way), (Outcome::PlannerError, ThreeWay::Rollover));
+        assert_eq!((any[2].outcome, any[2].time_s), (Outcome::Success, records[2].time_s));
+        assert_eq!((any[0].time_s, any[0].metrics), (records[0].time_s, records[0].metrics));
+        let end = again("rollover: {when: end, roll_limit_deg: 5.0}\n");
+        assert_eq!((end[0].outcome, end[1].three_way), (Outcome::Rollover, ThreeWay::Rollover));
+        assert_eq!(end[0].reason, format!("roll 10.0° at the end; {}", records[0].reason));
+        let none = again("");
+        assert_eq!((none[0].outcome, &none[0].reason), (Outcome::Stuck, &records[0].reason));
+        // A run that was driven with this rule has the same records but for the names of rules, and comes back to those.
+        let tmp = tempfile::tempdir().unwrap();
+        let own = with("rollover: {when: any_time, roll_limit_deg: 30.0}\n");
+        let store = RunStore::create(tmp.path(), &header(&own, mode, 1)).unwrap();
+        let rolled = drive(&store, &own, mode, "w/a", None, leans);
+        assert_eq!((rolled.outcome, &rolled.reason), (Outcome::Rollover, &any[0].reason));
+        let back = rescore(tmp.path(), &paper).unwrap();
+        assert_eq!((back.records[0].outcome, &back.records[0].reason), (Outcome::Stuck, &records[0].reason));
+    }
+}
+
 /// The vehicle stops so that it has moved less than 1 m in 10 s at a time that full samples see and thinned ones miss by a
 /// hair. Its task keeps its verdict, but it is measured by the same samples as all others, so that it weighs no more.
 #[test]
@@ -284,8 +341,9 @@ fn thinned_traces_pool_the_means_of_the_run() {
 #[test]
 fn without_traces_a_run_can_not_be_scored_again_and_the_message_says_what_to_do() {
     let tmp = tempfile::tempdir().unwrap();
-    make_run(tmp.path(), &Rules::paper(), TraceMode::None);
-    let e = rescore(tmp.path(), &Rules::paper()).unwrap_err();
+    let records = make_run(tmp.path(), &Rules::paper(), TraceMode::None);
+    assert_eq!(rescore(tmp.path(), &Rules::paper()).unwrap().records, records, "its own rules need none");
+    let e = rescore(tmp.path(), &Rules::resolve("release").unwrap()).unwrap_err();
     assert!(matches!(e, RescoreError::NoTraces(_)) && e.to_string().contains("--trace full"), "{e}");
 }
 
