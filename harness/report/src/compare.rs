@@ -115,6 +115,12 @@ fn common<'a>(a: &'a Run, b: &'a Run) -> impl Iterator<Item = (&'a Row, &'a Row)
     })
 }
 
+/// The number of worlds in which two runs have common tasks.
+pub(crate) fn common_worlds(runs: &Runs, a: usize, b: usize) -> usize {
+    let worlds = common(&runs.runs[a], &runs.runs[b]).map(|(row, _)| row.world);
+    worlds.collect::<std::collections::BTreeSet<u32>>().len()
+}
+
 /// A measure of one task in one run, if it has it there.
 fn value(measure: Measure, row: &Row) -> Option<f64> {
     // Of angles a task's own mean: long tasks count no more than short ones.

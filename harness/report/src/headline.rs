@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use vb_page::{grouped, number, p_value};
 
-use crate::compare::Difference;
+use crate::compare::{Difference, common_worlds};
 use crate::figures::Measure;
 use crate::runs::one_line;
 use crate::verdict::Verdict;
@@ -12,20 +12,30 @@ use crate::{Comparison, Report};
 
 /// Names that are told one by one.
 const NAMES: usize = 4;
+/// The suite with the most worlds that comes with the harness, and how many it has.
+const LARGE_SUITE: (&str, usize) = ("vb-100", 100);
+/// From so many worlds on, a difference that isn't significant is put down to chance, not to the number of worlds.
+const MANY_WORLDS: usize = 50;
 
 impl Report {
-    /// Who does most tasks, how much more than the best of those that are worse for certain, and from whom it can't be told:
-    /// `tnt does most: 65.2 % of 1 000 tasks, which is 22.7 points more than mppi (p < 0.001); it can't be told from tal.` Where the
+    /// Which planner has the highest success rate, how much more than the best of those that are worse for certain, and over which its lead
+    /// isn't certain, with the cause and the remedy: `tnt has the highest success rate: 65.2 % of 1 000 tasks, 22.7 points more than mppi
+    /// (p < 0.001); its lead over tal is not certain: it may be chance (p = 0.31 after correction for 3 pairs).` Where the
     /// runs have not all done the same tasks, it says of which tasks a figure is. None if there is but one run. It holds names of
     /// planners as they are, on one line.
     #[must_use]
     pub fn headline(&self) -> Option<String> {
-        let (c, ranking) = (self.comparison.as_ref()?, self.ranking.as_ref()?);
+        if let Some(why) = &self.unranked {
+            return Some(format!(
+                "Not ranked: the runs differ in {why}, so their results can't be compared (run all planners with the same settings)."
+            ));
+        }
+        let (c, ranking) = (self.comparison.as_ref()?, self.ranking()?);
         let first = ranking.places.first()?.run;
         let all = &self.figures[first].all;
         let rate = all.mean(Measure::Success)?;
         if rate.mean == 0.0 {
-            return Some("No planner does any of the tasks.".into());
+            return Some("No planner solves any of the tasks.".into());
         }
         let between = |run: usize| c.between(first, run, Measure::Success);
         let is = |run: usize, v: Verdict| between(run).and_then(|d| d.verdict) == Some(v);
@@ -45,9 +55,9 @@ impl Report {
         let common = |run: usize| c.pair(first, run).map_or(0, |pair| pair.common);
         let shares_all = |run: usize| self.figures[run].all.tasks == all.tasks && common(run) == all.tasks;
         let one_set = others().all(shares_all);
-        let (does, it) = if best.len() == 1 { ("does", "it") } else { ("do", "they") };
+        let (has, its) = if best.len() == 1 { ("has", "its") } else { ("have", "their") };
         let mut s = format!(
-            "{} {does} most: {} % of {}",
+            "{} {has} the highest success rate: {} % of {}",
             self.names(&best),
             number(100.0 * rate.mean, 1),
             if one_set { tasks(all.tasks) } else { self.own_tasks(&best) }
@@ -56,12 +66,13 @@ impl Report {
             let more = d.difference.map_or(0.0, |e| 100.0 * e.mean);
             let p = d.adjusted.map_or_else(String::new, told_p);
             let which = match best.len() {
-                1 => "which is".to_owned(),
+                1 => String::new(),
                 _ if one_set => "each".to_owned(),
                 // On other tasks another would have another difference.
                 _ => self.names(&[first]),
             };
-            let _ = write!(s, ", {which} {} points more than {}", number(more, 1), self.names(&[run]));
+            let which = if which.is_empty() { which } else { which + " " };
+            let _ = write!(s, ", {which}{} points more than {}", number(more, 1), self.names(&[run]));
             if !shares_all(run) {
                 let _ = write!(s, " on the {} that both have done", tasks(common(run)));
             }
@@ -71,9 +82,9 @@ impl Report {
             let joint = if below.is_some() { ";" } else { ", but" };
             let _ = write!(
                 s,
-                "{joint} {it} can't be told from {}{}",
+                "{joint} {its} lead over {} is not certain: {}",
                 self.names(&ties),
-                too_few(c, first, &ties)
+                self.uncertain(c, first, &ties)
             );
         }
         s.push('.');
@@ -122,23 +133,53 @@ fn told_p(p: f64) -> String {
     if text.starts_with('<') { format!("p {text}") } else { format!("p = {text}") }
 }
 
-/// Why runs can't be told from the first, if it is for the number of worlds with each of them, or for want of common tasks.
-fn too_few(c: &Comparison, first: usize, ties: &[usize]) -> String {
-    if ties.iter().all(|run| c.pair(first, *run).is_some_and(|pair| pair.common == 0)) {
-        return ": they have no common tasks".to_owned();
-    }
-    let found: Option<Vec<(usize, Difference)>> = ties
-        .iter()
-        .map(|run| {
-            let d = c.between(first, *run, Measure::Success)?;
-            let Some(Verdict::TooFewWorlds { needed }) = d.verdict else { return None };
-            Some((needed, d))
-        })
-        .collect();
-    match found.as_deref() {
-        Some([(_, d)]) => format!(": {}", d.told()),
-        Some([(needed, _), ..]) => format!(": too few worlds differ ({needed} needed)"),
-        _ => String::new(),
+/// Numbers as a range: `5`, `5 to 7`.
+fn range(numbers: impl Iterator<Item = usize> + Clone) -> String {
+    let (least, most) = (numbers.clone().min().unwrap_or(0), numbers.max().unwrap_or(0));
+    if least == most { least.to_string() } else { format!("{least} to {most}") }
+}
+
+impl Report {
+    /// Why the lead over some runs isn't certain: too few worlds, and which suite has more; or chance.
+    fn uncertain(&self, c: &Comparison, first: usize, ties: &[usize]) -> String {
+        let found: Vec<(usize, Difference)> =
+            ties.iter().filter_map(|run| Some((*run, c.between(first, *run, Measure::Success)?))).collect();
+        let found: Vec<(usize, Difference)> =
+            found.into_iter().filter(|(_, d)| d.verdict.is_some()).collect();
+        if found.is_empty() {
+            return "they have no common tasks".to_owned();
+        }
+        let pairs = c.pairs.iter().filter(|p| p.common > 0).count();
+        let corrected =
+            if pairs > 1 { format!(" after correction for {pairs} pairs") } else { String::new() };
+        let p = found.iter().filter_map(|(_, d)| d.adjusted).fold(1.0, f64::min);
+        let p = match found.len() {
+            1 => format!("{}{corrected}", told_p(p)),
+            _ => format!("p of {} and more{corrected}", p_value(p)),
+        };
+        let needed = found.iter().filter_map(|(_, d)| match d.verdict {
+            Some(Verdict::TooFewWorlds { needed }) => Some(needed),
+            _ => None,
+        });
+        let needed = needed.max();
+        let worlds = found.iter().map(|(run, _)| common_worlds(&self.runs, first, *run)).min().unwrap_or(0);
+        if needed.is_none() && worlds >= MANY_WORLDS {
+            return format!("it may be chance ({p})");
+        }
+        let are = if worlds == 1 { "world is" } else { "worlds are" };
+        let differ = range(found.iter().map(|(_, d)| d.worlds));
+        let why = match needed {
+            Some(needed) => {
+                format!("{differ} {}, {needed} must", if differ == "1" { "differs" } else { "differ" })
+            }
+            None => p,
+        };
+        let remedy = match self.runs.runs[first].header.suite.name.as_str() {
+            _ if worlds >= LARGE_SUITE.1 => String::new(),
+            name if name == LARGE_SUITE.0 => format!("; run all {} worlds of {name}", LARGE_SUITE.1),
+            _ => format!("; run the {} worlds of {}", LARGE_SUITE.1, LARGE_SUITE.0),
+        };
+        format!("{} {are} too few ({why}{remedy})", grouped(worlds as u64))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Figures and comparison for programs.
 
 use serde_json::{Map, Value, json};
-use vb_score::{Cause, Flag, Outcome, Ride};
+use vb_score::{Cause, Conditions, Flag, Outcome, Ride};
 
 use crate::Report;
 use crate::compare::Difference;
@@ -67,7 +67,7 @@ fn place(p: &Place) -> Value {
 }
 
 impl Report {
-    /// All figures and the comparison as JSON: `runs`, `pairs`, `ranking` and `headline` (docs/reports.md).
+    /// All figures and the comparison as JSON: `runs`, `pairs`, `ranking`, `unranked` and `headline` (docs/reports.md).
     #[must_use]
     pub fn statistics(&self) -> Value {
         let runs: Vec<Value> = self
@@ -78,7 +78,8 @@ impl Report {
             .map(|(run, f)| {
                 let mut all = json!({
                     "label": run.label, "path": run.dir.display().to_string(), "missing": run.missing(),
-                    "host_errors": run.host_errors(), "all": figures(&f.all),
+                    "host_errors": run.host_errors(),
+                    "departures": Conditions::of(&run.header).departures(), "all": figures(&f.all),
                 });
                 for (name, levels) in ["elevation", "terrain", "density"].into_iter().zip(&f.splits) {
                     // In the order of Split::ALL; levels without tasks are left out.
@@ -99,7 +100,8 @@ impl Report {
                    "only_second": p.only_b, "differences": differences})
         }).collect();
         let ranking: Vec<Value> =
-            self.ranking.iter().flat_map(|ranking| &ranking.places).map(place).collect();
-        json!({"level": 1.0 - LEVEL, "runs": runs, "pairs": pairs, "ranking": ranking, "headline": self.headline()})
+            self.ranking().iter().flat_map(|ranking| &ranking.places).map(place).collect();
+        json!({"level": 1.0 - LEVEL, "runs": runs, "pairs": pairs, "ranking": ranking, "unranked": self.unranked,
+            "headline": self.headline()})
     }
 }

@@ -100,6 +100,9 @@ impl Report {
             "% Verti-Bench in Rust, {}. Needs \\usepackage{{booktabs}}.",
             one_line(&self.runs.scope(), 200)
         );
+        for note in self.settings_notes() {
+            let _ = writeln!(s, "% {note}");
+        }
         notes.iter().for_each(|note| {
             let _ = writeln!(s, "% {note}");
         });
@@ -108,7 +111,7 @@ impl Report {
 
     /// Whether a run has the best mean of all and is better than each other for certain, by the deciding test.
     fn is_best(&self, run: usize, measure: Measure) -> bool {
-        let Some(c) = &self.comparison else { return false };
+        let Some(c) = self.comparison.as_ref().filter(|_| self.unranked.is_none()) else { return false };
         let mean = |k: usize| self.figures[k].all.mean(measure).map(|e| e.mean);
         let Some(own) = mean(run) else { return false };
         (0..self.figures.len()).filter(|k| *k != run).all(|other| {
@@ -124,11 +127,11 @@ impl Report {
             "Time: of successful tasks; angles: over all samples of all tasks.",
             "Rollover: outcome by the rules of the run; tilt: of all tasks, |roll| or |pitch| at any time; strict: docs/scoring.md.",
         ]);
-        let rows: Vec<(usize, Option<String>)> = match &self.ranking {
+        let rows: Vec<(usize, Option<String>)> = match self.ranking() {
             Some(r) => r.places.iter().map(|p| (p.run, Some(p.told().replace('–', "--")))).collect(),
-            None => vec![(0, None)],
+            None => (0..self.figures.len()).map(|run| (run, None)).collect(),
         };
-        let ranked = self.ranking.is_some();
+        let ranked = self.ranking().is_some();
         if ranked {
             s.push_str(
                 "% Rank: one more than the number of planners that succeed in more tasks for certain; a range has the possible ranks.\n\
@@ -164,7 +167,7 @@ impl Report {
     }
 
     fn latex_comparison(&self) -> Option<String> {
-        let (c, ranking) = self.comparison.as_ref().zip(self.ranking.as_ref())?;
+        let (c, ranking) = self.comparison.as_ref().zip(self.order.as_ref())?;
         let mut s = self.latex_notes(&[
             "Differences X - Y on the tasks that both have done; of time where both succeed. In brackets: 95 % intervals, bootstrap",
             "over worlds. p: sign-flip test over worlds with Holm's correction over all pairs, for each measure by itself.",

@@ -79,6 +79,9 @@ impl Report {
         let mut s = self.headline().map_or_else(String::new, |told| format!("{}\n\n", text(&told)));
         self.markdown_results(&mut s);
         s.push_str("\nIn brackets: 95 % intervals, bootstrap over worlds. Time: of successes; angles: over all samples.\n");
+        for note in self.settings_notes() {
+            let _ = writeln!(s, "\n{}", text(&note));
+        }
         for run in self.runs.runs.iter().filter(|r| r.missing() > 0) {
             let _ = writeln!(
                 s,
@@ -90,7 +93,7 @@ impl Report {
         }
         self.markdown_causes(&mut s);
         self.markdown_robustness(&mut s);
-        if let (Some(c), Some(ranking)) = (&self.comparison, &self.ranking) {
+        if let (Some(c), Some(ranking)) = (&self.comparison, &self.order) {
             if self.runs.runs.len() > 2 {
                 self.markdown_matrix(&mut s, c, ranking);
             }
@@ -118,7 +121,7 @@ impl Report {
 
     /// A line for each run: by rank if there are several, with what ended its tasks.
     pub(crate) fn markdown_results(&self, s: &mut String) {
-        let ranked = self.ranking.is_some();
+        let ranked = self.ranking().is_some();
         let (head, line) = if ranked { ("| rank ", "|--:") } else { ("", "") };
         let _ = write!(
             s,
@@ -128,9 +131,10 @@ impl Report {
             Flag::ALL.map(|flag| text(flag.title())).join(" | "),
             "--:|".repeat(Flag::ALL.len()),
         );
-        let places = self.ranking.as_ref().map_or(&[][..], |r| &r.places);
-        let order: Vec<(usize, Option<&Place>)> =
-            if ranked { places.iter().map(|p| (p.run, Some(p))).collect() } else { vec![(0, None)] };
+        let order: Vec<(usize, Option<&Place>)> = match self.ranking() {
+            Some(ranking) => ranking.places.iter().map(|p| (p.run, Some(p))).collect(),
+            None => (0..self.figures.len()).map(|run| (run, None)).collect(),
+        };
         for (k, place) in order {
             let (run, f) = (&self.runs.runs[k], &self.figures[k]);
             let n = |o| f.all.count(o);

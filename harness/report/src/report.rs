@@ -8,7 +8,8 @@ use crate::figures::RunFigures;
 use crate::page;
 use crate::ranking::Ranking;
 use crate::robustness::Robustness;
-use crate::runs::{Runs, one_line};
+use crate::runs::{Run, Runs, one_line};
+use vb_score::Conditions;
 
 /// What lies beside a page, which leads to it.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +28,10 @@ pub struct Report {
     pub(crate) runs: Runs,
     pub(crate) figures: Vec<RunFigures>,
     pub(crate) comparison: Option<Comparison>,
-    pub(crate) ranking: Option<Ranking>,
+    /// The runs in the order in which comparisons have them.
+    pub(crate) order: Option<Ranking>,
+    /// Why the runs aren't ranked.
+    pub(crate) unranked: Option<String>,
     pub(crate) robustness: Option<Robustness>,
     /// What it is called, if not by its runs.
     pub(crate) title: Option<String>,
@@ -39,9 +43,10 @@ impl Report {
     pub fn new(runs: Runs) -> Self {
         let figures: Vec<RunFigures> = runs.runs.iter().map(|run| RunFigures::new(&runs, run)).collect();
         let comparison = Comparison::new(&runs);
-        let ranking = comparison.as_ref().map(|c| Ranking::new(&figures, c));
+        let order = comparison.as_ref().map(|c| Ranking::new(&figures, c));
+        let unranked = runs.unranked();
         let robustness = Robustness::new(&runs);
-        Self { runs, figures, comparison, ranking, robustness, title: None }
+        Self { runs, figures, comparison, order, unranked, robustness, title: None }
     }
 
     /// The same with a title: that of its page, and above its figures.
@@ -78,16 +83,37 @@ impl Report {
         self.comparison.as_ref()
     }
 
-    /// Who wins; none if there is but one run.
+    /// Who wins; none if there is but one run, or if the runs can't be ranked ([`Self::unranked`]).
     #[must_use]
     pub fn ranking(&self) -> Option<&Ranking> {
-        self.ranking.as_ref()
+        self.order.as_ref().filter(|_| self.unranked.is_none())
+    }
+
+    /// Why the runs aren't ranked: the conditions in which they differ. None if they are ranked, or if there is but one run.
+    #[must_use]
+    pub fn unranked(&self) -> Option<&str> {
+        self.unranked.as_deref()
     }
 
     /// How the planners bear what they perceive; none if none was run under several perception profiles.
     #[must_use]
     pub fn robustness(&self) -> Option<&Robustness> {
         self.robustness.as_ref()
+    }
+
+    /// A sentence on each run whose settings aren't the benchmark's.
+    pub(crate) fn settings_notes(&self) -> Vec<String> {
+        let note = |run: &Run| {
+            let departures = Conditions::of(&run.header).departures();
+            (!departures.is_empty()).then(|| {
+                format!(
+                    "{}: not the benchmark's settings ({}); comparable only with runs of the same settings.",
+                    run.label,
+                    one_line(&departures.join(", "), 240)
+                )
+            })
+        };
+        self.runs.runs.iter().filter_map(note).collect()
     }
 
     /// The page: one file that needs nothing else, no network either.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use vb_record::{RunHeader, RunReader};
-use vb_score::{Cause, Flag, Outcome, Ride, TaskRecord};
+use vb_score::{Cause, Conditions, Flag, Outcome, Ride, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::ReportError;
@@ -348,6 +348,21 @@ impl Runs {
         let alike = self.runs.iter().all(|r| r.header.scope() == first.scope());
         let scope = if alike { first.scope() } else { first.suite.name.clone() };
         one_line(&scope, 240)
+    }
+
+    /// Why the runs can't be ranked: the conditions in which they differ, with the value of each run. None if they can.
+    #[must_use]
+    pub fn unranked(&self) -> Option<String> {
+        let all: Vec<Conditions> = self.runs.iter().map(|r| Conditions::of(&r.header)).collect();
+        let told: Vec<String> = Conditions::differences(&all)
+            .into_iter()
+            .map(|(name, mut values)| {
+                values.dedup();
+                let values = values.iter().map(|v| one_line(v, 80)).collect::<Vec<_>>();
+                format!("{name} ({})", one_line(&values.join(", "), 240))
+            })
+            .collect();
+        (!told.is_empty()).then(|| told.join(" and in "))
     }
 
     /// Settings in which the runs differ, by name with each run's value: whoever compares them should know.

@@ -38,6 +38,11 @@ pub struct SweepRow {
     pub summary: Summary,
 }
 
+/// A number of things.
+fn counted(n: usize, thing: &str) -> String {
+    format!("{} {thing}{}", grouped(n as u64), if n == 1 { "" } else { "s" })
+}
+
 impl SweepRow {
     /// What a planner can be compared with others under: vehicle and perception profile.
     #[must_use]
@@ -78,7 +83,7 @@ impl Setting {
     }
 
     fn ranking(&self) -> Ranking {
-        self.report.ranking().cloned().unwrap_or_else(Ranking::alone)
+        self.report.order.clone().unwrap_or_else(Ranking::alone)
     }
 }
 
@@ -226,11 +231,11 @@ impl Sweep {
         }
         let _ = write!(
             head,
-            "</h1><p class=\"meta\">{} runs of {} planners in {} settings; <a href=\"runs.csv\">all runs as CSV</a>; Verti-Bench in Rust \
+            "</h1><p class=\"meta\">{} of {} in {}; <a href=\"runs.csv\">all runs as CSV</a>; Verti-Bench in Rust \
              {}</p><nav><a href=\"#success\">Success</a>",
-            grouped(self.rows.len() as u64),
-            self.planners.len(),
-            self.settings.len(),
+            counted(self.rows.len(), "run"),
+            counted(self.planners.len(), "planner"),
+            counted(self.settings.len(), "setting"),
             env!("CARGO_PKG_VERSION"),
         );
         for (k, setting) in self.settings.iter().enumerate() {

@@ -76,7 +76,7 @@ impl Difference {
     pub(crate) fn short(&self) -> String {
         match self.verdict {
             Some(Verdict::TooFewWorlds { .. }) => "too few worlds".into(),
-            Some(Verdict::Uncorrected { .. }) => "not as one of many".into(),
+            Some(Verdict::Uncorrected { .. }) => "not significant".into(),
             _ => self.told(),
         }
     }
@@ -100,8 +100,10 @@ impl Difference {
                 let differ = if self.worlds == 1 { "differs" } else { "differ" };
                 format!("too few worlds ({} {differ}, {needed} needed)", self.worlds)
             }
-            Some(Verdict::Uncorrected { pairs }) => format!("not as one of {pairs} pairs"),
-            Some(Verdict::Undecided) => "not told apart".into(),
+            Some(Verdict::Uncorrected { pairs }) => {
+                format!("not significant after correction for {pairs} pairs")
+            }
+            Some(Verdict::Undecided) => "not significant".into(),
         }
     }
 }

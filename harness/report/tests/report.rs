@@ -248,8 +248,8 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     assert_eq!((other.difference.unwrap().mean, other.verdict), (-0.5, Some(Verdict::Worse)));
     // Two worlds differ; with all others decided, six would be needed, before them seven: 3 · 2⁻⁶ = 0.047.
     assert_eq!(c.between(1, 2, Measure::Success).unwrap().verdict, Some(Verdict::TooFewWorlds { needed: 7 }));
-    let told = "good does most: 75.0 % of 36 tasks, which is 50.0 points more than bad (p = 0.012); it can't be told from near: too \
-                few worlds (2 differ, 7 needed).";
+    let told = "good has the highest success rate: 75.0 % of 36 tasks, 50.0 points more than bad (p = 0.012); its lead over near is not \
+                certain: 9 worlds are too few (2 differ, 7 must; run the 100 worlds of vb-100).";
     assert_eq!(report.headline().as_deref(), Some(told));
     let page = report.page(&Beside::default());
     let markdown = report.markdown();
@@ -274,16 +274,17 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
     assert!((success["p_adjusted"].as_f64().unwrap() - 6.0 / 512.0).abs() < 1e-12);
 
     // In three worlds nothing can be certain.
-    let told = "good does most: 75.0 % of 12 tasks, but it can't be told from near and bad: too few worlds differ (7 needed).";
+    let told = "good has the highest success rate: 75.0 % of 12 tasks, but its lead over near and bad is not certain: 3 worlds are too \
+                few (1 to 3 differ, 7 must; run the 100 worlds of vb-100).";
     let report = runs(3);
     assert_eq!(report.headline().as_deref(), Some(told));
     assert!(report.ranking().unwrap().places.iter().all(|p| (p.rank, p.last) == (1, 3)));
     let dirs = [run("x", 2, &|_, _| false), run("y", 2, &|_, _| false)];
     let report = Report::new(Runs::read(&dirs).unwrap());
-    assert_eq!(report.headline().as_deref(), Some("No planner does any of the tasks."));
+    assert_eq!(report.headline().as_deref(), Some("No planner solves any of the tasks."));
     let dirs = [run("x", 7, &bad), run("y", 7, &bad), run("z", 7, &|_, _| false)];
     let report = Report::new(Runs::read(&dirs).unwrap());
-    let told = "x and y do most: 25.0 % of 28 tasks, each 25.0 points more than z (p = 0.047).";
+    let told = "x and y have the highest success rate: 25.0 % of 28 tasks, each 25.0 points more than z (p = 0.047).";
     assert_eq!(report.headline().as_deref(), Some(told));
 }
 
@@ -307,18 +308,68 @@ fn the_sentence_says_of_which_tasks_it_is_where_runs_have_not_done_the_same() {
     };
     assert_eq!(
         headline(&[("x", 0..9, 3), ("y", 0..7, 1)]),
-        "x does most: 75.0 % of the 36 tasks that it has done, which is 50.0 points more than y on the 28 tasks that both have done \
+        "x has the highest success rate: 75.0 % of the 36 tasks that it has done, 50.0 points more than y on the 28 tasks that both have done \
          (p = 0.016)."
     );
     assert_eq!(
         headline(&[("x", 0..9, 3), ("y", 0..8, 3), ("z", 0..7, 1)]),
-        "x and y do most: 75.0 % of the tasks that each has done (36 and 32), x 50.0 points more than z on the 28 tasks that both have \
+        "x and y have the highest success rate: 75.0 % of the tasks that each has done (36 and 32), x 50.0 points more than z on the 28 tasks that both have \
          done (p = 0.047)."
     );
     assert_eq!(
         headline(&[("x", 0..3, 3), ("y", 3..9, 1)]),
-        "x does most: 75.0 % of the 12 tasks that it has done, but it can't be told from y: they have no common tasks."
+        "x has the highest success rate: 75.0 % of the 12 tasks that it has done, but its lead over y is not certain: they have no common tasks."
     );
+}
+
+/// A step of 5 ms, another vehicle, another scale and changed rules: whoever reads the report learns it, and nobody is ranked.
+#[test]
+fn runs_with_other_settings_are_not_ranked_and_the_report_says_why() {
+    let dir = tempfile::tempdir().unwrap();
+    let usual = write(&dir.path().join("usual"), &header("a", 36), tasks(9, |_, t| t < 3));
+    let changes: [(&str, fn(&mut vb_record::RunHeader), &str); 4] = [
+        ("step", |h| h.time_step = 0.005, "time step (1 ms, 5 ms)"),
+        ("scale", |h| h.scale = 0.1, "scale (1, 0.1)"),
+        ("vehicle", |h| h.vehicle.hash = "12345678ff".into(), "(file 12345678))"),
+        ("rules", |h| h.rules.name = "mine".into(), "rules (paper, mine)"),
+    ];
+    for (name, change, why) in changes {
+        let mut other = header("b", 36);
+        change(&mut other);
+        let other = write(&dir.path().join(name), &other, tasks(9, |_, t| t < 1));
+        let report = Report::new(Runs::read(&[usual.clone(), other.clone()]).unwrap());
+        assert!(
+            report.ranking().is_none() && report.unranked().unwrap().contains(why),
+            "{:?}",
+            report.unranked()
+        );
+        let headline = report.headline().unwrap();
+        assert!(
+            headline.starts_with("Not ranked: the runs differ in ") && headline.contains(why),
+            "{headline}"
+        );
+        let (page, markdown) = (report.page(&Beside::default()), report.markdown());
+        assert!(
+            !page.contains("Who wins") && page.contains("b: not the benchmark&#39;s settings ("),
+            "{name}"
+        );
+        assert!(
+            !markdown.contains("| rank |") && markdown.contains("b: not the benchmark's settings ("),
+            "{markdown}"
+        );
+        assert!(markdown.contains("| a | 36 ") && markdown.contains("| b | 36 "), "{markdown}");
+        let latex = report.latex();
+        let results = &latex.iter().find(|(name, _)| *name == "results").unwrap().1;
+        assert!(!results.contains("rank") && !results.contains("\\textbf"), "{results}");
+        assert!(results.contains("% b: not the benchmark's settings ("), "{results}");
+        let statistics = report.statistics();
+        assert!(statistics["ranking"].as_array().unwrap().is_empty() && statistics["unranked"].is_string());
+        // Alone, too, the page says it.
+        let alone = Report::new(Runs::read(&[other]).unwrap());
+        assert!(alone.page(&Beside::default()).contains("not the benchmark&#39;s settings ("), "{name}");
+    }
+    let report = Report::new(Runs::read(&[usual]).unwrap());
+    assert!(!report.page(&Beside::default()).contains("not the benchmark"));
 }
 
 #[test]

@@ -78,7 +78,10 @@ fn its_text_is_the_table_of_a_run_within_the_width_a_table_a_setting() {
     assert!(lines[3].is_empty() && lines[4].starts_with("gator, oracle  tasks"));
     assert!(sweep.table(Some(50)).lines().all(|line| line.chars().count() <= 50));
     assert_eq!(sweep.headlines().len(), 1, "nobody wins alone");
-    assert!(sweep.headlines()[0].starts_with("hmmwv, oracle: =<b> does most: 100.0 % of 64 tasks"));
+    assert!(
+        sweep.headlines()[0]
+            .starts_with("hmmwv, oracle: =<b> has the highest success rate: 100.0 % of 64 tasks")
+    );
 }
 
 #[test]

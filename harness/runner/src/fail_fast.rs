@@ -126,6 +126,7 @@ mod tests {
             outcome: Outcome::PlannerError,
             three_way: ThreeWay::Stuck,
             flags: std::collections::BTreeMap::new(),
+            departures: Vec::new(),
             reason: "its own words".into(),
             cause: None,
             evidence: String::new(),

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use vb_host::{Metadata, Plugin};
-use vb_record::{LogMode, TraceMode};
-use vb_score::{Rules, StartRule};
+use vb_record::{DataHeader, LogMode, TraceMode};
+use vb_score::{Conditions, Rules, StartRule};
 use vb_sdk::Param;
 use vb_sdk::metadata::Need;
 use vb_sense::rays::Scene;
@@ -72,6 +72,8 @@ pub struct Setting {
     pub scale: f64,
     /// The seed of all that is random.
     pub seed: u64,
+    /// The settings that aren't the benchmark's, in words ([`Conditions::departures`]).
+    pub departures: Vec<String>,
 }
 
 /// What a driver asks for.
@@ -140,11 +142,20 @@ impl Setting {
             start: start(rules.start, scale),
             ..SimOptions::default()
         };
+        let conditions = Conditions {
+            vehicle: DataHeader { name: vehicle.spec.name.clone(), hash: vehicle.hash.clone() },
+            scale,
+            time_step,
+            soils: DataHeader { name: soils.set.name.clone(), hash: soils.hash.clone() },
+            soil_resolution: soils.resolution,
+            ..Conditions::standard().clone()
+        };
+        let departures = conditions.under(rules).departures();
         let model = VehicleModel::new(vehicle.spec.clone())?;
         let shape = static_shape(&model, options)?;
         let vehicle = planner_vehicle(model.spec(), &shape, scale);
         let (soils, rules, perception) = (soils.set.clone(), rules.clone(), perception.clone());
-        Ok(Self { model, vehicle, soils, rules, options, perception, scale, seed })
+        Ok(Self { model, vehicle, soils, rules, options, perception, scale, seed, departures })
     }
 
     /// The sensors of a task's vehicle, and what its driver is told.
@@ -222,6 +233,7 @@ impl Setting {
             rules: &self.rules,
             trace: keep.trace,
             logs: keep.logs,
+            departures: &self.departures,
         }
     }
 

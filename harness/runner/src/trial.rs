@@ -42,6 +42,8 @@ pub struct Trial<'a> {
     pub trace: TraceMode,
     /// Whether the record keeps the planner's log.
     pub logs: LogMode,
+    /// The settings that aren't the benchmark's, in words.
+    pub departures: &'a [String],
 }
 
 /// The result of a trial.
@@ -203,6 +205,7 @@ impl Trial<'_> {
             outcome: score.outcome,
             three_way: score.three_way,
             flags: BTreeMap::new(),
+            departures: self.departures.to_vec(),
             reason: score.reason,
             cause: diagnosis.as_ref().map(|d| d.cause),
             evidence: diagnosis.map(|d| d.evidence).unwrap_or_default(),

@@ -7,6 +7,7 @@
 //! no outcome, are measured at every step of the simulation.
 
 pub mod cause;
+mod conditions;
 mod flag;
 mod measures;
 mod metrics;
@@ -21,6 +22,7 @@ mod summary;
 mod table;
 
 pub use cause::Cause;
+pub use conditions::Conditions;
 pub use flag::{Flag, TILT_LIMIT_DEG};
 pub use measures::{Measured, Reader};
 pub use metrics::Metrics;

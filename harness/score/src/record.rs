@@ -121,6 +121,10 @@ pub struct TaskRecord {
     /// What is true or false of the trial beside its outcome ([`TaskRecord::judge`]); what isn't known is left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub flags: BTreeMap<Flag, bool>,
+    /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be
+    /// compared with results without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub departures: Vec<String>,
     /// The reason for the outcome, in words.
     pub reason: String,
     /// What the vehicle was up against, if it rolled over or got stuck. Records before version 0.2 have none.

@@ -7,7 +7,7 @@ use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
-use crate::{Cause, Flag, FuelUse, Outcome, Ride, Rules, TaskRecord, ThreeWay};
+use crate::{Cause, Conditions, Flag, FuelUse, Outcome, Ride, Rules, TaskRecord, ThreeWay};
 
 /// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;
@@ -40,6 +40,10 @@ pub struct Summary {
     pub rules: String,
     /// The hash of the rules applied.
     pub rules_hash: String,
+    /// The settings that aren't the benchmark's ([`Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be compared
+    /// with results without them.
+    #[serde(default)]
+    pub departures: Vec<String>,
     /// The selector that chose the tasks; `None` if all were chosen.
     #[serde(default)]
     pub selector: Option<String>,
@@ -156,6 +160,7 @@ impl Summary {
             seed: header.seed,
             rules: rules.name.clone(),
             rules_hash: rules.hash(),
+            departures: Conditions::of(header).under(rules).departures(),
             selector: header.selector.clone(),
             suite_tasks: header.suite.tasks,
             planned: header.tasks,

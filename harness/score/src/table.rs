@@ -50,6 +50,13 @@ impl Summary {
         let suite =
             suite_with_selection(&self.suite, self.planned, self.suite_tasks, self.selector.as_deref());
         let _ = writeln!(out, "{planner} on {suite}; rules: {}", self.rules);
+        if !self.departures.is_empty() {
+            let _ = writeln!(
+                out,
+                "not the benchmark's settings: {}; comparable only with runs of the same settings",
+                self.departures.join(", ")
+            );
+        }
         if !self.undecided.is_empty() {
             // What could be decided is a biased choice, failures first: without the bounds it would mislead.
             let n = self.undecided.len() as u64;

@@ -16,7 +16,7 @@ use crate::{Comparison, Report};
 const PAIRS: usize = 6;
 
 pub(super) fn comparison(s: &mut String, report: &Report) {
-    let (Some(c), Some(ranking)) = (&report.comparison, &report.ranking) else { return };
+    let (Some(c), Some(ranking)) = (&report.comparison, &report.order) else { return };
     legend(s, report);
     s.push_str("<div class=\"plots\">");
     let forests = Measure::ALL.into_iter().filter_map(|m| forest(report, c, ranking, m, PAGE_FIGURE));

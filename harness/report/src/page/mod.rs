@@ -38,7 +38,7 @@ pub(crate) fn page(report: &Report, beside: &Beside) -> String {
         hash = escape(&first.suite.hash),
     );
     let mut sections: Vec<(&str, &str)> = Vec::new();
-    if report.ranking.is_some() {
+    if report.ranking().is_some() {
         sections.push(("ranking", "Who wins"));
     }
     sections.extend([("overview", "Overview"), ("figure", "Figure")]);

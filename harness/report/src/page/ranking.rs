@@ -26,7 +26,7 @@ pub(super) fn headline(s: &mut String, report: &Report) {
 }
 
 pub(super) fn ranking(s: &mut String, report: &Report) {
-    let (Some(c), Some(ranking)) = (&report.comparison, &report.ranking) else { return };
+    let (Some(c), Some(ranking)) = (&report.comparison, report.ranking()) else { return };
     let looks: Vec<usize> = (0..report.runs.runs.len()).collect();
     table(s, report, ranking, &looks);
     s.push_str(
@@ -52,7 +52,7 @@ fn letter(position: usize) -> String {
 pub(crate) fn table(s: &mut String, report: &Report, ranking: &Ranking, looks: &[usize]) {
     s.push_str(
         "<div class=\"scroll\"><table class=\"sortable ranking\"><thead><tr><th></th><th class=\"n\">rank</th><th>planner</th><th \
-         class=\"n\">success % (95 %)</th><th class=\"fixed\"></th><th>not told from</th><th class=\"n\">tasks</th><th class=\"n\">time, s</th><th \
+         class=\"n\">success % (95 %)</th><th class=\"fixed\"></th><th>not significant against</th><th class=\"n\">tasks</th><th class=\"n\">time, s</th><th \
          class=\"n\">|roll|, °</th><th class=\"n\">|pitch|, °</th></tr></thead><tbody>",
     );
     let position = |run: usize| ranking.places.iter().position(|p| p.run == run).unwrap_or(0);
@@ -184,7 +184,7 @@ fn key(s: &mut String) {
     s.push_str(
         "<p class=\"key cells\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain</span><span><i \
          class=\"cell worse strong\"></i><i class=\"cell worse\"></i>worse for certain</span><span><i class=\"cell open rather-better\"></i><i \
-         class=\"cell open rather-worse\"></i>not told apart</span><span class=\"few-key\">too few worlds</span></p><p class=\"about\">Strong \
+         class=\"cell open rather-worse\"></i>not significant</span><span class=\"few-key\">too few worlds</span></p><p class=\"about\">Strong \
          colours: at least half of the greatest difference. A click on a cell lists the tasks that the row does and the column doesn't.</p>",
     );
 }

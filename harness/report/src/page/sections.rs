@@ -39,6 +39,7 @@ pub(super) fn notes(s: &mut String, report: &Report) {
             notes.push(format!("{name}: a command, whose results are not ranked."));
         }
     }
+    notes.extend(report.settings_notes().iter().map(|note| escape(note)));
     for (what, values) in report.runs.differences() {
         let values: Vec<String> = values.iter().map(|v| escape(&crate::runs::one_line(v, 120))).collect();
         notes.push(format!("The runs differ in {what}: {}.", values.join("; ")));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode,
 };
-use vb_score::{Cause, FuelUse, Metrics, Outcome, TaskRecord};
+use vb_score::{Cause, Conditions, FuelUse, Metrics, Outcome, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 /// Text of a planner that would like to be markup.
@@ -36,15 +36,19 @@ pub fn header(name: &str, tasks: u64) -> RunHeader {
             sandbox: None,
         },
         params: BTreeMap::new(),
-        vehicle: DataHeader { name: "hmmwv".into(), hash: "cc".repeat(32) },
-        soils: DataHeader { name: "default".into(), hash: "dd".repeat(32) },
+        vehicle: Conditions::standard().vehicle.clone(),
+        soils: Conditions::standard().soils.clone(),
         perception: DataHeader { name: "oracle".into(), hash: "ee".into() },
         scale: 1.0,
         seed: 0,
         time_step: 0.001,
         soil_resolution: 0.1,
         sample_period: 0.01,
-        rules: RulesHeader { name: "paper".into(), hash: "ee".into(), profile: serde_json::json!({}) },
+        rules: RulesHeader {
+            name: "paper".into(),
+            hash: Conditions::standard().rules.hash.clone(),
+            profile: serde_json::json!({}),
+        },
         limits: BTreeMap::from([("memory_bytes".into(), 1 << 28)]),
         trace: TraceMode::TenHz,
         logs: LogMode::default(),
@@ -64,6 +68,7 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
         outcome,
         three_way: outcome.three_way(false),
         flags: std::collections::BTreeMap::new(),
+        departures: Vec::new(),
         reason: "because".into(),
         cause: (!success).then_some(if t.is_multiple_of(3) {
             Cause::HighCentred

@@ -54,6 +54,7 @@ pub(super) mod tests {
             outcome,
             three_way: ThreeWay::Stuck,
             flags: std::collections::BTreeMap::new(),
+            departures: Vec::new(),
             reason: "because".into(),
             cause: None,
             evidence: String::new(),
