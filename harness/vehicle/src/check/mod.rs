@@ -1,5 +1,6 @@
 //! Reading a vehicle file and refusing what no vehicle can be.
 
+mod control;
 mod load;
 mod powertrain;
 mod suspension;
@@ -29,6 +30,11 @@ impl VehicleSpec {
     /// # Errors
     /// [`VehicleError::Invalid`].
     pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
+        if let Some(foreign) = foreign(text) {
+            let reason =
+                format!("{foreign}, which can't be read (vehicles are YAML files: docs/custom-vehicle.md)");
+            return Err(VehicleError::Invalid { file: file.to_owned(), field: "format".to_owned(), reason });
+        }
         let spec: Self = vb_world::yaml::parse(text).map_err(|e| VehicleError::Invalid {
             file: file.to_owned(),
             field: e.field,
@@ -37,6 +43,16 @@ impl VehicleSpec {
         Check { file }.vehicle(&spec)?;
         Ok(spec)
     }
+}
+
+/// What the file of another program's vehicle is, if it is one.
+fn foreign(text: &str) -> Option<&'static str> {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with('<') {
+        return Some("an XML file, such as URDF, SDF or MJCF");
+    }
+    let chrono = text.starts_with('{') && text.contains("\"Name\"") && text.contains("\"Type\"");
+    chrono.then_some("a JSON file of Project Chrono")
 }
 
 /// The largest number that a vehicle file may have, in whatever unit: a spring of 1e9 N/m gives a micrometre under a tonne. Squares
@@ -117,10 +133,13 @@ impl Check<'_> {
         }
         let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, VehicleError>>()?;
         self.carries(v, &axles)?;
+        self.can_steer(v, &axles)?;
         self.steering(v)?;
         self.tyres(v)?;
         self.tracks(v)?;
-        self.powertrain(v)
+        self.powertrain(v)?;
+        self.can_brake(v)?;
+        self.can_drive(v)
     }
 
     fn chassis(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
@@ -184,6 +203,17 @@ mod tests {
     #[test]
     fn the_shipped_vehicle_is_valid() {
         VehicleSpec::parse(HMMWV, "hmmwv.yaml").unwrap();
+    }
+
+    #[test]
+    fn files_of_other_programs_are_called_what_they_are() {
+        for (text, what) in [
+            ("<?xml version=\"1.0\"?>\n<robot name=\"husky\"/>", "XML file"),
+            ("{\n \"Name\": \"HMMWV\", \"Type\": \"Vehicle\"}", "Project Chrono"),
+        ] {
+            let e = VehicleSpec::parse(text, "car").unwrap_err().to_string();
+            assert!(e.starts_with("car: format: ") && e.contains(what) && !e.contains('\n'), "{e}");
+        }
     }
 
     #[test]
