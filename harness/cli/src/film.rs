@@ -9,6 +9,7 @@ use vb_replay::Replay;
 
 use crate::args::{CameraName, FilmArgs, JobsArgs, MessageFormat};
 use crate::error::CliError;
+use crate::output;
 
 impl From<CameraName> for Camera {
     fn from(name: CameraName) -> Self {
@@ -59,6 +60,20 @@ pub(crate) fn check(args: &FilmArgs) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Of a long work that is told in lines: how many tenths of it have been told.
+#[derive(Default)]
+struct Tenths(usize);
+
+impl Tenths {
+    /// Whether another tenth is reached after so many of all parts.
+    fn reached(&mut self, done: usize, all: usize) -> bool {
+        let tenths = 10 * done / all.max(1);
+        let further = tenths > self.0;
+        self.0 = tenths;
+        further
+    }
+}
+
 /// Writes the video, the picture or both.
 pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> Result<(), CliError> {
     let style =
@@ -68,17 +83,20 @@ pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> 
         let film = Film::new(replay, style(size)).map_err(failed)?;
         let course = Course { from: args.from, to: args.to, speed: args.speed.unwrap_or(1.0), fps };
         let schedule = Schedule::new(course, film.end()).map_err(failed)?;
-        let bar = if format == MessageFormat::Human && std::io::stderr().is_terminal() {
-            ProgressBar::new(schedule.times.len() as u64)
-        } else {
-            ProgressBar::hidden()
-        };
+        let frames = schedule.times.len();
+        let (human, terminal) = (format == MessageFormat::Human, std::io::stderr().is_terminal());
+        let bar = if human && terminal { ProgressBar::new(frames as u64) } else { ProgressBar::hidden() };
+        let mut tenths = Tenths::default();
         if let Ok(look) = ProgressStyle::with_template("{wide_bar} {pos}/{len} frames, {eta} left") {
             bar.set_style(look);
         }
         let threads = JobsArgs::default().get();
-        let written =
-            write_video(&film, &schedule, path, threads, &mut |drawn| bar.set_position(drawn as u64));
+        let written = write_video(&film, &schedule, path, threads, &mut |drawn| {
+            bar.set_position(drawn as u64);
+            if human && !terminal && tenths.reached(drawn, frames) {
+                output::note(&format!("{}: {drawn} of {frames} frames", path.display()));
+            }
+        });
         bar.finish_and_clear();
         written.map_err(failed)?;
     }
@@ -88,4 +106,17 @@ pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> 
         write_picture(&film, args.at.unwrap_or(film.end()), path).map_err(failed)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_work_is_told_ten_times() {
+        let mut tenths = Tenths::default();
+        let told: Vec<usize> = (1..=733).filter(|done| tenths.reached(*done, 733)).collect();
+        assert_eq!((told.len(), told[0], told[9]), (10, 74, 733));
+        assert!(Tenths::default().reached(1, 1) && !Tenths::default().reached(0, 0));
+    }
 }

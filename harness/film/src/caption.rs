@@ -15,6 +15,8 @@ const SIZES: [f64; 2] = [10.0, 26.0];
 pub(crate) struct Said<'a> {
     /// What the run is called.
     pub(crate) label: &'a str,
+    /// The colour of the run.
+    pub(crate) colour: [u8; 3],
     /// s
     pub(crate) time: f64,
     /// m/s
@@ -43,8 +45,14 @@ fn cut(text: &str, weight: Weight, width: f64) -> String {
     format!("{}…", kept.trim_end())
 }
 
-/// Draws lines of text, each bold or not and of a class, on a dark ground in a corner of a panel.
-fn lines(lines: &[(String, Weight, &str)], size: Size, top: bool) -> Result<Overlay, FigureError> {
+/// Draws lines of text, each bold or not and of a class, on a dark ground in a corner of a panel, with a strip of this colour at its left
+/// edge.
+fn lines(
+    lines: &[(String, Weight, &str)],
+    size: Size,
+    top: bool,
+    strip: Option<[u8; 3]>,
+) -> Result<Overlay, FigureError> {
     let [width, height] = [size.width, size.height].map(f64::from);
     let em = (height / LINES).clamp(SIZES[0], SIZES[1]).round();
     let (edge, pad, lead) = ((0.6 * em).round(), 0.5 * em, 1.35 * em);
@@ -58,6 +66,13 @@ fn lines(lines: &[(String, Weight, &str)], size: Size, top: bool) -> Result<Over
         "<rect class=\"ground\" x=\"{edge}\" y=\"{y:.2}\" width=\"{w:.2}\" height=\"{h:.2}\" rx=\"{:.2}\"/>",
         0.3 * em
     );
+    if let Some([r, g, b]) = strip {
+        let _ = write!(
+            body,
+            "<rect fill=\"rgb({r},{g},{b})\" x=\"{edge}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{h:.2}\"/>",
+            0.3 * em
+        );
+    }
     for (k, (text, _, class)) in texts.iter().enumerate() {
         let (x, y) = (edge + pad, y + 0.5 * pad + lead * (k as f64 + 0.78));
         let _ = write!(body, "<text class=\"{class}\" x=\"{x:.2}\" y=\"{y:.2}\">{}</text>", escape(text));
@@ -84,12 +99,12 @@ pub(crate) fn of_run(said: &Said<'_>, size: Size) -> Result<Overlay, FigureError
             (text, Weight::Regular, "")
         }
     };
-    lines(&[(said.label.to_owned(), Weight::Bold, "name"), second], size, false)
+    lines(&[(said.label.to_owned(), Weight::Bold, "name"), second], size, false, Some(said.colour))
 }
 
 /// The caption of the film, in the upper corner of its first panel.
 pub(crate) fn of_film(title: &str, size: Size) -> Result<Overlay, FigureError> {
-    lines(&[(title.to_owned(), Weight::Regular, "")], size, true)
+    lines(&[(title.to_owned(), Weight::Regular, "")], size, true, None)
 }
 
 #[cfg(test)]
@@ -108,6 +123,7 @@ mod tests {
     fn captions_fit_into_the_smallest_panel_and_foreign_text_is_text() {
         let said = Said {
             label: "<b>&\u{1}",
+            colour: [208, 122, 29],
             time: 1.0,
             speed: 2.0,
             roll: 3.0,

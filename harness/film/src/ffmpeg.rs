@@ -12,12 +12,13 @@ use crate::{FilmError, VideoFormat};
 /// The program, which is looked for on the PATH.
 const PROGRAM: &str = "ffmpeg";
 
-/// Options for the encoder of a format: a quality that shows no blocks on rough ground, and colours that every player reads.
+/// Options for the encoder of a format: a quality that shows no blocks on rough ground, and colours that every player reads. Encoding by
+/// the preset `medium` takes four times as long, longer than drawing the frames, and makes files two thirds as large.
 fn options(format: VideoFormat) -> &'static [&'static str] {
     match format {
         VideoFormat::WebM => &["-c:v", "libvpx-vp9", "-crf", "33", "-b:v", "0", "-row-mt", "1", "-f", "webm"],
         VideoFormat::Gif | VideoFormat::Mp4 => {
-            &["-c:v", "libx264", "-crf", "21", "-preset", "medium", "-movflags", "+faststart", "-f", "mp4"]
+            &["-c:v", "libx264", "-crf", "21", "-preset", "superfast", "-movflags", "+faststart", "-f", "mp4"]
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vb_figure::Overlay;
 use vb_render::{Painter, Size};
-use vb_replay::Replay;
+use vb_replay::{RUN_COLOURS, Replay};
 use vb_vehicle::VehicleModel;
 
 use crate::layout::Layout;
@@ -46,7 +46,7 @@ impl Film {
         let layout = Layout::new(replay.runs.len(), style.size)?;
         let mut painters: Vec<(&vb_vehicle::VehicleSpec, Arc<Painter>)> = Vec::new();
         let mut panels = Vec::new();
-        for run in &replay.runs {
+        for (k, run) in replay.runs.iter().enumerate() {
             let wrong = |reason| FilmError::Run { run: run.label.clone(), task: task.clone(), reason };
             if run.motion.frames.is_empty() {
                 return Err(wrong("its trace has no samples (run the task again with --trace 10hz or full)"));
@@ -67,7 +67,14 @@ impl Film {
                     painter
                 }
             };
-            panels.push(Panel::new(run, &replay.world, painter, spec.length, style.camera));
+            panels.push(Panel::new(
+                run,
+                &replay.world,
+                painter,
+                spec.length,
+                style.camera,
+                RUN_COLOURS[k % RUN_COLOURS.len()],
+            ));
         }
         let title = if style.captions {
             let mut text = format!("{} {task}", replay.suite);
@@ -80,7 +87,7 @@ impl Film {
             None
         };
         let stage = Stage {
-            goal: replay.task.goal,
+            goal: if replay.has_goal { replay.task.goal } else { [f64::NAN; 2] },
             goal_radius: replay.goal_radius.unwrap_or(0.0),
             path: replay.task.path.clone(),
         };

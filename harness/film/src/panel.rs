@@ -41,6 +41,8 @@ pub(crate) struct Panel {
     trail: Vec<[f64; 3]>,
     ruts: Ruts,
     view: View,
+    /// That of the run.
+    colour: [u8; 3],
 }
 
 /// Between which states a moment lies: the one before it, the one after it, and how far it is from the one to the other, in [0, 1].
@@ -67,6 +69,7 @@ impl Panel {
         painter: Arc<Painter>,
         length: f64,
         from: Camera,
+        colour: [u8; 3],
     ) -> Self {
         let motion = &run.motion;
         let wheels = motion.wheels;
@@ -112,6 +115,7 @@ impl Panel {
             states,
             sights,
             view,
+            colour,
         }
     }
 
@@ -181,6 +185,7 @@ impl Panel {
             path: &stage.path,
             trail: &trail,
             change: (!self.ruts.is_empty()).then_some(&change),
+            colour: Some(self.colour),
         };
         self.painter.picture(view, size, &moment)
     }
@@ -193,6 +198,7 @@ impl Panel {
         let velocity = between.point(|k| self.states[k].velocity);
         Said {
             label: &self.label,
+            colour: self.colour,
             time: time.min(self.end()),
             speed: hypot(hypot(velocity.x, velocity.y), velocity.z),
             roll: degrees(roll),

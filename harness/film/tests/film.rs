@@ -81,6 +81,7 @@ fn blank() -> TaskRecord {
         outcome: Outcome::Success,
         three_way: Outcome::Success.three_way(false),
         flags: std::collections::BTreeMap::new(),
+        departures: Vec::new(),
         reason: String::new(),
         cause: None,
         evidence: String::new(),
@@ -108,6 +109,7 @@ fn replay(runs: Vec<ReplayRun>) -> Replay {
         world: Arc::new(world()),
         task: Task { id: "t00".into(), start, goal: [12.0, 0.0], path: vec![[-10.0, 0.0], [12.0, 0.0]] },
         suite: "a suite".into(),
+        has_goal: true,
         goal_radius: Some(5.0),
         runs,
     }
@@ -166,6 +168,7 @@ fn a_frame_is_the_painter_s_picture_of_the_moment() {
         path: &[[-10.0, 0.0], [12.0, 0.0]],
         trail: &trail,
         change: Some(&|_, _| None),
+        colour: Some(vb_replay::RUN_COLOURS[0]),
     };
     let wanted = painter.picture(View::Top { window: None }, SIZE, &moment).unwrap();
     let frame = film.frame(time).unwrap();
@@ -189,7 +192,10 @@ fn runs_stand_beside_each_other_and_stay_as_they_ended() {
     let alone = |run| film(vec![run], Style { size, ..style(Camera::Chase) }).frame(1.3).unwrap();
     let frame = both.frame(1.3).unwrap();
     assert!(part(&frame, [0, 0], size) == alone(fast));
-    assert!(part(&frame, [101, 0], size) == alone(slow));
+    // The second has its own place and colour, whoever is the first.
+    let other = film(vec![run("other", 3.0, Outcome::Success), slow.clone()], style(Camera::Chase));
+    let second = part(&frame, [101, 0], size);
+    assert!(second == part(&other.frame(1.3).unwrap(), [101, 0], size) && second != alone(slow));
     assert!(both.frame(both.end()).unwrap() == both.frame(77.0).unwrap());
 }
 

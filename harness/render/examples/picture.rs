@@ -62,6 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         path: &task.path,
         trail: &trail,
         change: Some(&change),
+        colour: None,
     };
     let painter = Painter::new(&world, &model);
     let views = [

@@ -2,15 +2,16 @@
 
 use crate::camera::Lens;
 use crate::canvas::{Canvas, GROUND, Seen, Strip, seen};
+use crate::eight::{EIGHT, Samples};
 use crate::light::{BEYOND, FOG, HAZE, Shadow, ZENITH};
 use crate::painter::Change;
 use crate::texture::{Texture, shaded, whole};
 use vb_math::rng::Stream;
 
 /// The share of its own colour that a mark on the ground has.
-const OPACITY: f32 = 0.85;
+pub(crate) const OPACITY: f32 = 0.85;
 /// Samples of one surface whose distances differ by more than this share belong to different parts of it.
-const APART: f32 = 1.06;
+pub(crate) const APART: f32 = 1.06;
 
 /// Noise on squares that repeats itself, by which one sees the ground move by. There is one for the finest squares, and
 /// one for each of the sides that are twice as long, with the means of the former.
@@ -28,7 +29,7 @@ const LEVELS: usize = 5;
 /// Squares of coarser noise are so many times as long.
 const COARSE: usize = 8;
 /// The greatest change of the brightness by all noise together.
-const ROUGHNESS: f32 = 0.16;
+pub(crate) const ROUGHNESS: f32 = 0.16;
 /// The distance beyond which the ground is smooth, m in a world of full size.
 const SMOOTH: f32 = 90.0;
 
@@ -62,16 +63,22 @@ impl Grain {
         Self { levels }
     }
 
+    /// The values of the level at which a pixel covers so many finest squares, the level's number, and the logarithm to base 2 of the
+    /// number of its squares along a side.
+    #[inline]
+    pub(crate) fn level(&self, covered: f32) -> (&[u8], u32, u32) {
+        // The exponent of two, from the number's own bits.
+        let level = ((covered.max(1.0).to_bits() >> 23) - 127).min(LEVELS as u32 - 1);
+        (&self.levels[level as usize], level, GRAINS.trailing_zeros() - level)
+    }
+
     /// The change of the brightness at a place in 256ths of finest squares, where a pixel covers so many squares: linear
     /// between the squares' middles.
     #[inline]
     fn at(&self, x: f32, y: f32, covered: f32) -> f32 {
-        // The exponent of two, from the number's own bits.
-        let level = ((covered.max(1.0).to_bits() >> 23) - 127).min(LEVELS as u32 - 1);
-        let values = &self.levels[level as usize];
+        let (values, level, shift) = self.level(covered);
         let (x, y) = (whole(x) >> level, whole(y) >> level);
         let (u, v) = (x & 255, y & 255);
-        let shift = GRAINS.trailing_zeros() - level;
         let mask = (1 << shift) - 1;
         let (left, right) = (x >> 8 & mask, ((x >> 8) + 1) & mask);
         let (lower, upper) = ((y >> 8 & mask) << shift, (((y >> 8) + 1) & mask) << shift);
@@ -95,24 +102,24 @@ pub(crate) struct Look<'a> {
 }
 
 /// The same with what is the same for all pixels.
-struct Developer<'a> {
-    look: &'a Look<'a>,
+pub(crate) struct Developer<'a> {
+    pub(crate) look: &'a Look<'a>,
     /// 256ths of finest squares of noise a metre, finest squares that a pixel covers at a distance of 1 m, one over the distance at
     /// which noise ends, all for metres of the world as it is.
-    fine: f32,
-    footprint: f32,
-    smooth: f32,
+    pub(crate) fine: f32,
+    pub(crate) footprint: f32,
+    pub(crate) smooth: f32,
     /// The square of the distance at which half of what is seen is air, m².
-    fog: f32,
+    pub(crate) fog: f32,
 }
 
 /// The direction from the eye to what a pixel shows, of depth 1, or in a view of parallel rays its place beside the eye.
-type Ray = [f32; 3];
+pub(crate) type Ray = [f32; 3];
 
 impl Look<'_> {
     /// The picture of a canvas with `per` × `per` samples a pixel, 1 or 2: red, green and blue of each pixel, row by row
-    /// from the top.
-    pub(crate) fn develop(&self, canvas: &Canvas, per: usize) -> Vec<u8> {
+    /// from the top. Ground is coloured eight pixels at a time, or each pixel by itself, which is the same but for rounding.
+    pub(crate) fn develop(&self, canvas: &Canvas, per: usize, together: bool) -> Vec<u8> {
         let camera = &canvas.camera;
         let [width, height] = camera.samples.map(|n| n / per);
         let (scale, pinhole) = match camera.lens {
@@ -132,6 +139,7 @@ impl Look<'_> {
             smooth: 1.0 / (SMOOTH * self.unit),
             fog: (FOG as f32 * self.unit) * (FOG as f32 * self.unit),
         };
+        let next = right.map(|r| step * r);
         let mut out = vec![0; 3 * width * height];
         let mut strip = Strip { near: Vec::new(), paint: Vec::new() };
         let mut lines = out.chunks_exact_mut(3 * width).enumerate();
@@ -141,10 +149,45 @@ impl Look<'_> {
                 let first_row = row * per - rows.start;
                 let v = (0.5 * height as f32 - row as f32 - 0.5) * step;
                 let line = [0, 1, 2].map(|k| base[k] + v * up[k]);
+                // The column in pixels, whole numbers at their left edges.
+                let place_at = |across: f32| {
+                    let u = (across - 0.5 * width as f32) * step;
+                    Place { eye, ray: [0, 1, 2].map(|k| line[k] + u * right[k]), forward, pinhole }
+                };
+                let place = |col: usize| place_at(col as f32 + 0.5);
+                let (mut pairs, mut eight) = (None, None);
                 for (col, pixel) in line_out.chunks_exact_mut(3).enumerate() {
-                    let u = (col as f32 + 0.5 - 0.5 * width as f32) * step;
-                    let ray = [0, 1, 2].map(|k| line[k] + u * right[k]);
-                    let place = Place { eye, ray, forward, pinhole };
+                    if col % (2 * EIGHT) == 0 && together && per == 2 && pinhole && col + 2 * EIGHT <= width {
+                        let upper = 2 * (first_row * width + col);
+                        let samples = Samples::of_pairs(&strip, upper, upper + 2 * width);
+                        let across = col as f32 + 1.0;
+                        pairs =
+                            samples.map(|s| developer.pairs(&s, &place_at(across), next.map(|n| 2.0 * n)));
+                    } else if col % (2 * EIGHT) == 0 {
+                        pairs = None;
+                    }
+                    if let Some(colours) = &pairs {
+                        for (p, c) in pixel.iter_mut().zip(colours[col % (2 * EIGHT)]) {
+                            *p = whole(c) as u8;
+                        }
+                        continue;
+                    }
+                    if col % EIGHT == 0 && together && per == 2 && col + EIGHT <= width {
+                        let upper = 2 * (first_row * width + col);
+                        let samples = Samples::of(&strip, upper, upper + 2 * width, pinhole);
+                        eight = samples.map(|s| (developer.eight(&s, &place(col), next, 1.0), s));
+                    } else if col % EIGHT == 0 {
+                        eight = None;
+                    }
+                    if let Some((colours, samples)) = &eight
+                        && samples.is_ground(col % EIGHT)
+                    {
+                        for (p, c) in pixel.iter_mut().zip(colours[col % EIGHT]) {
+                            *p = whole(c) as u8;
+                        }
+                        continue;
+                    }
+                    let place = place(col);
                     let first = (first_row * width + col) * per;
                     let colour = if per == 1 {
                         developer.colour(strip.paint[first], strip.near[first], &place)
@@ -238,18 +281,18 @@ impl Developer<'_> {
 }
 
 /// The brightness of soil that a wheel has lowered (negative) or heaped up, m in a world of full size.
-fn trodden(change: f32) -> f32 {
+pub(crate) fn trodden(change: f32) -> f32 {
     // From nothing to the full effect over two centimetres.
     let some = (change.abs() / 0.02).min(1.0);
     if change < 0.0 { 1.0 - some * (0.22 + (-1.8 * change).min(0.3)) } else { 1.0 + some * 0.1 }
 }
 
 /// A pixel's line of sight.
-struct Place {
-    eye: [f32; 3],
-    ray: Ray,
-    forward: [f32; 3],
-    pinhole: bool,
+pub(crate) struct Place {
+    pub(crate) eye: [f32; 3],
+    pub(crate) ray: Ray,
+    pub(crate) forward: [f32; 3],
+    pub(crate) pinhole: bool,
 }
 
 impl Place {

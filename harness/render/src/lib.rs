@@ -12,6 +12,7 @@
 mod camera;
 mod canvas;
 mod develop;
+mod eight;
 mod error;
 mod ground;
 mod light;

@@ -103,6 +103,12 @@ impl Shadow {
         f64::from(self.reach)
     }
 
+    /// The middle of the solids along x and y, half their breadth across the sun's rays, and how far the shadow reaches, m.
+    #[inline]
+    pub(crate) fn bounds(&self) -> ([f32; 2], f32, f32) {
+        ([self.centre[0], self.centre[1]], self.radius, self.reach)
+    }
+
     /// The share of the sun that a point of the ground does not see, 0 to 1.
     #[inline]
     pub(crate) fn at(&self, p: [f32; 3]) -> f32 {

@@ -42,8 +42,8 @@ impl Marks<'_> {
     }
 
     /// The trail driven so far.
-    pub(crate) fn trail(&self, canvas: &mut Canvas, points: &[[f64; 3]]) {
-        self.band(canvas, points.iter().map(|p| [p[0], p[1]]), self.width(1), TRAIL);
+    pub(crate) fn trail(&self, canvas: &mut Canvas, points: &[[f64; 3]], colour: Option<Colour>) {
+        self.band(canvas, points.iter().map(|p| [p[0], p[1]]), self.width(1), colour.unwrap_or(TRAIL));
     }
 
     /// The ring around the goal.
@@ -123,7 +123,7 @@ impl Marks<'_> {
     }
 
     /// An arrow in the place of a vehicle that is too small to be seen from above.
-    pub(crate) fn arrow(&self, canvas: &mut Canvas, at: &V3, heading: f64, size: f64) {
+    pub(crate) fn arrow(&self, canvas: &mut Canvas, at: &V3, heading: f64, size: f64, own: Option<Colour>) {
         let (s, c) = sin_cos(heading);
         let high = V3::new(0.0, 0.0, 0.9);
         let arrow = |grow: f64, lift: f64, colour: Colour| {
@@ -134,7 +134,7 @@ impl Marks<'_> {
             let (tip, left, right, tail) = (p(0.6, 0.0), p(-0.5, 0.4), p(-0.5, -0.4), p(-0.25, 0.0));
             [[tip, left, tail], [tip, tail, right]].map(|corners| Face { corners, colour })
         };
-        for face in arrow(1.5, 0.5, [255; 3]).into_iter().chain(arrow(1.0, 1.0, VEHICLE)) {
+        for face in arrow(1.5, 0.5, [255; 3]).into_iter().chain(arrow(1.0, 1.0, own.unwrap_or(VEHICLE))) {
             face.draw_as_beacon(canvas);
         }
     }

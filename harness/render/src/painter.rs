@@ -77,6 +77,9 @@ pub struct Moment<'a> {
     pub trail: &'a [[f64; 3]],
     /// The change of the ground by ruts and heaps, which darken and brighten it, if it is known.
     pub change: Option<&'a Change<'a>>,
+    /// The colour of the vehicle's bodywork and of the trail, red, green and blue in sRGB: that of the run, where several are shown. If
+    /// it is left out, they are blue.
+    pub colour: Option<[u8; 3]>,
 }
 
 /// Draws pictures of one world with one vehicle in it. It can be shared by threads.
@@ -149,6 +152,17 @@ impl Painter {
     /// vertical or not finite, and [`RenderError::Pose`] if the vehicle's position or attitude
     /// is not finite.
     pub fn picture(&self, view: View, size: Size, moment: &Moment<'_>) -> Result<Vec<u8>, RenderError> {
+        self.drawn(view, size, moment, true)
+    }
+
+    /// The picture, with its ground coloured eight pixels at a time or one by one.
+    fn drawn(
+        &self,
+        view: View,
+        size: Size,
+        moment: &Moment<'_>,
+        together: bool,
+    ) -> Result<Vec<u8>, RenderError> {
         size.check()?;
         if let View::Top { window: Some(side) } = view
             && !(side.is_finite() && side > 0.0)
@@ -181,7 +195,7 @@ impl Painter {
                 face.draw(&mut canvas);
             }
         }
-        let vehicle = self.vehicle.faces(state, moment.turned);
+        let vehicle = self.vehicle.faces(state, moment.turned, moment.colour);
         for face in &vehicle {
             face.draw(&mut canvas);
         }
@@ -192,13 +206,13 @@ impl Painter {
         let marks = Marks { field, unit, pixel };
         marks.beacon(&mut canvas, moment.goal);
         marks.path(&mut canvas, moment.path);
-        marks.trail(&mut canvas, moment.trail);
+        marks.trail(&mut canvas, moment.trail, moment.colour);
         marks.ring(&mut canvas, moment.goal, moment.goal_radius);
         if let Some(pixel) = pixel.filter(|p| length < SMALL * p) {
             let nose = state.attitude * V3::x();
             // Above all that is there.
             let at = V3::new(state.position.x, state.position.y, camera.eye.z - 0.95);
-            marks.arrow(&mut canvas, &at, atan2(nose.y, nose.x), SMALL * pixel);
+            marks.arrow(&mut canvas, &at, atan2(nose.y, nose.x), SMALL * pixel, moment.colour);
         }
         let (centre, radius) = Vehicle::sphere(&vehicle);
         let drop = centre.z - self.range[0];
@@ -210,6 +224,61 @@ impl Painter {
             shadow: &shadow,
             change: moment.change,
         };
-        Ok(look.develop(&canvas, SAMPLES))
+        Ok(look.develop(&canvas, SAMPLES, together))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vb_math::rng::Stream;
+    use vb_sim::Gear;
+    use vb_vehicle::VehicleSpec;
+    use vb_world::{Heightfield, TerrainClass};
+
+    #[test]
+    fn ground_coloured_together_looks_like_ground_coloured_one_by_one() {
+        let text = include_str!("../../../tasks/vehicles/hmmwv.yaml");
+        let model = VehicleModel::new(VehicleSpec::parse(text, "hmmwv").unwrap()).unwrap();
+        let mut stream = Stream::new(7, &["hills"]);
+        let heights = (0..65 * 65).map(|_| stream.uniform(0.0, 0.6)).collect();
+        let world = World::uniform("w", Heightfield::new(65, 65, 1.0, heights), TerrainClass::Mud, 0.5);
+        let painter = Painter::new(&Arc::new(world), &model);
+        let state = VehicleState {
+            time: 1.0,
+            position: V3::new(-5.0, 2.0, 1.2),
+            attitude: UnitQuaternion::from_axis_angle(&V3::z_axis(), 0.3),
+            velocity: V3::zeros(),
+            angular_velocity: V3::zeros(),
+            wheels: Vec::new(),
+            steering: 0.0,
+            gear: Gear::Forward,
+            engine_speed: 0.0,
+        };
+        // A rut of 10 cm about a line, a path and a trail over it.
+        let change = |_: f64, y: f64| ((y - 2.0).abs() < 0.4).then_some(-0.1);
+        let moment = Moment {
+            state: &state,
+            turned: &[],
+            goal: [20.0, 5.0],
+            goal_radius: 3.0,
+            path: &[[-10.0, 0.0], [10.0, 4.0]],
+            trail: &[[-15.0, 2.0, 0.5], [-5.0, 2.0, 0.5]],
+            change: Some(&change),
+            colour: None,
+        };
+        let size = Size { width: 203, height: 120 };
+        for view in [View::Chase, View::Top { window: None }, View::Top { window: Some(20.0) }] {
+            let [a, b] = [true, false].map(|together| painter.drawn(view, size, &moment, together).unwrap());
+            let off = |most: u8| a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > most).count();
+            let mean = a.iter().zip(&b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64;
+            if view == View::Chase {
+                // Every second place is looked up, so the edge of a rut is a pixel wide, and the finest noise is smoother.
+                assert!(mean < 2.0 && off(40) < a.len() / 200, "{mean}, {} far off", off(40));
+            } else {
+                // Rounding alone.
+                assert!(mean < 0.5 && off(2) < a.len() / 100 && off(40) == 0, "{view:?}: {mean}, {}", off(2));
+            }
+        }
     }
 }

@@ -103,6 +103,20 @@ impl Texture {
         }
     }
 
+    /// Half the extents of the world, m, 256ths of a texel's side a metre, and in the whole world.
+    #[inline]
+    pub(crate) fn scale(&self) -> ([f32; 2], [f32; 2], [f32; 2]) {
+        (self.half, self.density, self.most)
+    }
+
+    /// The texels at the corners of a square: south-west, south-east, north-west, north-east.
+    #[inline]
+    pub(crate) fn square(&self, col: usize, row: usize) -> [u32; 4] {
+        let k = row * self.cols + col;
+        let (south, north) = (&self.texels[k..k + 2], &self.texels[k + self.cols..k + self.cols + 2]);
+        [south[0], south[1], north[0], north[1]]
+    }
+
     /// The colour at a point, 0 to 255 each, and whether the ground yields there; beyond the edge, those at the edge.
     #[inline]
     pub(crate) fn at(&self, x: f32, y: f32) -> ([f32; 3], bool) {
@@ -113,9 +127,8 @@ impl Texture {
             (k, (at - (k << 8)) as u32)
         };
         let ((col, u), (row, v)) = (cell(x, 0, self.cols), cell(y, 1, self.rows));
-        let k = row * self.cols + col;
-        let (south, north) = (&self.texels[k..k + 2], &self.texels[k + self.cols..k + self.cols + 2]);
-        let c = mix(mix(south[0], south[1], u), mix(north[0], north[1], u), v);
+        let [sw, se, nw, ne] = self.square(col, row);
+        let c = mix(mix(sw, se, u), mix(nw, ne, u), v);
         let byte = |shift: u32| (c >> shift & 255) as i32 as f32;
         ([byte(16), byte(8), byte(0)], c >> 31 != 0)
     }

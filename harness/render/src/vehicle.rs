@@ -68,10 +68,15 @@ impl Vehicle {
     }
 
     /// The faces in the world. `turned` are the angles by which the wheels have turned, rad; those that are not given
-    /// are 0.
-    pub(crate) fn faces(&self, state: &VehicleState, turned_by: &[f64]) -> Vec<Face> {
+    /// are 0. The largest part of the body has this colour, if there is one.
+    pub(crate) fn faces(&self, state: &VehicleState, turned_by: &[f64], colour: Option<Colour>) -> Vec<Face> {
         let spec = self.model.spec();
         let mut out = self.body.clone();
+        if let Some(colour) = colour {
+            for face in out.iter_mut().filter(|f| f.colour == BODY) {
+                face.colour = colour;
+            }
+        }
         let mut rollers: [Vec<Roller>; 2] = [Vec::new(), Vec::new()];
         for (a, (axle, solved)) in spec.axles.iter().zip(self.model.axles()).enumerate() {
             let travel = |w: usize| state.wheels.get(w).map_or(0.0, |w| w.deflection);

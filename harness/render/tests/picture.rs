@@ -35,7 +35,16 @@ fn state(x: f64, y: f64, z: f64, yaw: f64) -> VehicleState {
 }
 
 fn moment(state: &VehicleState) -> Moment<'_> {
-    Moment { state, turned: &[], goal: [f64::NAN; 2], goal_radius: 0.0, path: &[], trail: &[], change: None }
+    Moment {
+        state,
+        turned: &[],
+        goal: [f64::NAN; 2],
+        goal_radius: 0.0,
+        path: &[],
+        trail: &[],
+        change: None,
+        colour: None,
+    }
 }
 
 fn square(side: u32) -> Size {

@@ -58,8 +58,18 @@ fn colour(rgb: [u8; 3], alpha: f64) -> Color {
     Color { r, g, b, a: alpha }
 }
 
-const RUN_COLOURS: [[u8; 3]; 6] =
-    [[42, 111, 179], [208, 122, 29], [44, 140, 90], [128, 87, 184], [192, 65, 43], [22, 138, 146]];
+/// The colours of runs that are shown together, in their order, red, green and blue in sRGB: those of the page
+/// (`web/src/data.js`). Further runs begin with the first again.
+pub const RUN_COLOURS: [[u8; 3]; 8] = [
+    [42, 111, 179],
+    [208, 122, 29],
+    [44, 140, 90],
+    [128, 87, 184],
+    [192, 65, 43],
+    [22, 138, 146],
+    [138, 102, 54],
+    [185, 72, 136],
+];
 
 /// Writes the replay. Time is that of the simulation, as if it had begun at the epoch. Topics: `/world` (ground, obstacles,
 /// global path, start and goal), `/tf` (chassis and wheels), and of each run, `/runN` its vehicle (`vehicle`), odometry
@@ -257,6 +267,9 @@ fn world_scene(replay: &Replay, stamp: Timestamp) -> SceneUpdate {
     for (trunk, mesh) in obstacles(world) {
         things.triangles.push(triangles(&mesh, colour(if trunk { [92, 70, 48] } else { [96, 94, 92] }, 1.0)));
     }
+    if !replay.has_goal {
+        return SceneUpdate { deletions: Vec::new(), entities: vec![terrain, things] };
+    }
     let mut path = entity("global path", WORLD, stamp);
     let points = replay.task.path.iter().map(|p| above(world, p[0], p[1])).collect();
     path.lines.push(line(points, 0.2, colour([255, 255, 255], 0.8)));
@@ -325,4 +338,17 @@ fn plan_scene(replay: &Replay, lines: &Lines<'_>, stamp: Timestamp) -> SceneUpda
         id: lines.name.into(),
     };
     SceneUpdate { deletions: vec![deletion], entities: vec![own] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RUN_COLOURS;
+
+    #[test]
+    fn runs_have_the_same_colours_on_the_page() {
+        let hex: Vec<String> =
+            RUN_COLOURS.iter().map(|[r, g, b]| format!("'#{r:02x}{g:02x}{b:02x}'")).collect();
+        let page = include_str!("../web/src/data.js");
+        assert!(page.contains(&format!("COLOURS = [{}]", hex.join(", "))), "{hex:?}");
+    }
 }

@@ -19,7 +19,7 @@ mod sensors_file;
 
 pub use debug::PlannerSeries;
 pub use error::ReplayError;
-pub use foxglove_file::write_mcap;
+pub use foxglove_file::{RUN_COLOURS, write_mcap};
 pub use motion::{Motion, Repeat, Rut, Setting, WheelContact, WheelFrame, attitude};
 pub use page::{Link, Links, SCRIPT_FILE, live_page, page, script};
 pub use scene::{Replay, ReplayRun, live_scene};

@@ -68,7 +68,10 @@ fn ffmpeg_gets_every_pixel_and_what_it_says_is_told() {
     args.extend(["--from", "1", "--to", "2", "--fps", "10", "--speed", "0.5"]);
     let film = || vb_tests::Done::of(bench.command(&args).env("PATH", &path));
     program(&bench, FFMPEG);
-    let _ = film().ok();
+    let done = film();
+    // No terminal: a line for each tenth.
+    assert!(done.stderr.contains("v.mp4: 21 of 21 frames"), "{}", done.stderr);
+    let _ = done.ok();
     // Both ends of a second at half the speed: 21 frames of red, green and blue.
     let bytes = fs::read_to_string(bench.path("v.mp4")).expect("the video");
     assert_eq!(bytes.trim(), (21 * 160 * 90 * 3).to_string());
