@@ -38,7 +38,9 @@ pub fn clip(
         sensed: Sensed::default(),
     };
     let suite = dataset.header().name.clone();
-    Replay { world: world.clone(), task, suite, goal_radius: None, runs: vec![run] }
+    // Whoever drives a task has a goal; an exploration has no task.
+    let has_goal = !info.task.is_empty() || info.goal != [info.start[0], info.start[1]];
+    Replay { world: world.clone(), task, suite, has_goal, goal_radius: None, runs: vec![run] }
 }
 
 /// The frames as samples.
@@ -107,6 +109,7 @@ fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
         outcome,
         three_way: outcome.three_way(false),
         flags: std::collections::BTreeMap::new(),
+        departures: Vec::new(),
         reason: info.reason.clone(),
         cause: Cause::ALL.iter().copied().find(|c| c.name() == info.cause),
         evidence: String::new(),

@@ -139,7 +139,8 @@ pub fn merge(
     writer.finish()
 }
 
-/// Splits a dataset by its worlds, so that no world is in two parts. Which world goes where depends on the seed alone.
+/// Splits a dataset by the worlds in which its episodes are, so that no world is in two parts. Which world goes where depends on the seed
+/// alone.
 ///
 /// # Errors
 /// Returns an error if the parts make no sense, one has no episode, or something can't be read or written. Then none is there.
@@ -153,18 +154,20 @@ pub fn split(
     Part::check(parts)?;
     dataset.must_not_hold(out)?;
     let suite = dataset.worlds()?;
-    let mut worlds: Vec<&str> = suite.worlds().iter().map(|w| w.id.as_str()).collect();
+    // A world in which nobody drove would be a part of nothing.
+    let driven: BTreeSet<&str> = dataset.infos().map(|(info, _)| info.world.as_str()).collect();
+    let mut worlds: Vec<&str> =
+        suite.worlds().iter().map(|w| w.id.as_str()).filter(|id| driven.contains(id)).collect();
     Stream::new(seed, &["split"]).shuffle(&mut worlds);
     let shares = Part::deal(parts, &worlds);
-    let driven: BTreeSet<&str> = dataset.infos().map(|(info, _)| info.world.as_str()).collect();
-    for (part, own) in parts.iter().zip(&shares) {
-        if !own.iter().any(|world| driven.contains(world)) {
-            return Err(DatasetError::Empty(format!(
-                "the part {} of {} worlds has none (give it a larger fraction)",
-                part.name,
-                own.len()
-            )));
-        }
+    if let Some((part, _)) = parts.iter().zip(&shares).find(|(_, own)| own.is_empty()) {
+        return Err(DatasetError::Empty(format!(
+            "for the part {}: the episodes are in {} worlds, and each of the {} parts needs one (drive in more worlds, or make fewer \
+             parts)",
+            part.name,
+            worlds.len(),
+            parts.len()
+        )));
     }
     let folders = parts.iter().map(|part| NewFolder::new(&out.join(&part.name)));
     let folders = folders.collect::<Result<Vec<_>, _>>()?;

@@ -62,6 +62,16 @@ pub enum DatasetError {
         /// The folder.
         dir: PathBuf,
     },
+    /// The dataset is one of LeRobot's, but not one of ours.
+    #[error(
+        "{}: a LeRobot dataset, but not one of Verti-Bench: dataset.json, which has vehicle, worlds and units, is missing (give the folder \
+         that `vb-harness dataset` wrote)",
+        .dir.display()
+    )]
+    Foreign {
+        /// The folder.
+        dir: PathBuf,
+    },
     /// There is no dataset.
     #[error("{}: no dataset is here: dataset.json is missing (give the folder that `vb-harness dataset` wrote)", .dir.display())]
     Missing {

@@ -26,8 +26,8 @@ use crate::writer::DatasetWriter;
 /// The outcome of an episode that its driver ended before the rules did.
 pub const ENDED: &str = "ended";
 
-/// Episodes of exploration in a row on the same world, so that few worlds are in memory.
-const IN_A_ROW: usize = 8;
+/// Worlds that are kept in memory, beside those that threads use: episodes of exploration go from one world to the next.
+const IN_MEMORY: usize = 24;
 /// Starts that are tried where the simulation fails.
 const STARTS: u64 = 20;
 
@@ -138,7 +138,7 @@ impl Sites<'_> {
         let hash = worlds.world_info(world)?.sha256.clone();
         let site = Site { ground: Arc::new(Ground::new(place.world.clone())), place, hash };
         loaded.push_back(site.clone());
-        if loaded.len() > jobs + 2 {
+        if loaded.len() > jobs + IN_MEMORY {
             loaded.pop_front();
         }
         Ok(site)
@@ -237,7 +237,8 @@ impl Making<'_> {
         index: usize,
     ) -> Result<Option<Episode>, DatasetError> {
         let worlds = self.worlds.worlds();
-        let world = &worlds[(index / IN_A_ROW) % worlds.len()].id;
+        // One after the other, so that all have as many episodes but for one.
+        let world = &worlds[index % worlds.len()].id;
         let site = sites.site(world)?;
         let id = format!("e{index:06}");
         for attempt in 0..STARTS {

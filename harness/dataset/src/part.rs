@@ -42,18 +42,35 @@ impl Part {
         Ok(())
     }
 
-    /// The worlds of each part, in order.
+    /// The worlds of each part, in order: at least one if there are as many worlds as parts.
     pub(crate) fn deal<'w, 's>(parts: &[Self], worlds: &'w [&'s str]) -> Vec<&'w [&'s str]> {
         let whole: f64 = parts.iter().map(|p| p.fraction).sum();
         let (mut from, mut sum) = (0, 0.0);
         let share = |part: &Self| {
             sum += part.fraction;
             let to = (worlds.len() as f64 * sum / whole).round() as usize;
-            let own = &worlds[from..to];
+            let own = to - from;
             from = to;
             own
         };
-        parts.iter().map(share).collect()
+        let mut counts: Vec<usize> = parts.iter().map(share).collect();
+        // What rounding leaves without a world takes one from the largest.
+        for k in 0..counts.len() {
+            let largest = (0..counts.len()).max_by_key(|k| counts[*k]).unwrap_or(k);
+            if counts[k] == 0 && counts[largest] > 1 {
+                counts[k] += 1;
+                counts[largest] -= 1;
+            }
+        }
+        let mut rest = worlds;
+        counts
+            .into_iter()
+            .map(|count| {
+                let (own, others) = rest.split_at(count);
+                rest = others;
+                own
+            })
+            .collect()
     }
 }
 
@@ -98,5 +115,14 @@ mod tests {
         let dealt = Part::deal(&parts(&[("a", 0.33), ("b", 0.33), ("c", 0.33)]), &worlds);
         assert_eq!(dealt.concat(), worlds);
         assert_eq!(dealt.iter().map(|own| own.len()).collect::<Vec<_>>(), [2, 3, 2]);
+        // A tenth of three or four worlds is none, but a part needs one.
+        let usual = parts(&[("train", 0.8), ("validation", 0.1), ("test", 0.1)]);
+        for (worlds, counts) in
+            [(&worlds[..3], [1, 1, 1]), (&worlds[..4], [2, 1, 1]), (&worlds[..2], [2, 0, 0])]
+        {
+            let dealt = Part::deal(&usual, worlds);
+            assert_eq!(dealt.concat(), worlds);
+            assert_eq!(dealt.iter().map(|own| own.len()).collect::<Vec<_>>(), counts);
+        }
     }
 }

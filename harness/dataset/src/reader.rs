@@ -20,7 +20,12 @@ pub(crate) const WORLDS: &str = "suite";
 pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
     let path = dir.join(HEADER);
     if !path.is_file() {
-        return Err(DatasetError::Missing { dir: dir.to_owned() });
+        let dir = dir.to_owned();
+        return Err(if dir.join("meta/info.json").is_file() {
+            DatasetError::Foreign { dir }
+        } else {
+            DatasetError::Missing { dir }
+        });
     }
     let text = vb_files::read_text(&path, vb_files::DOCUMENT).map_err(DatasetError::io("read", &path))?;
     let damaged = |e: serde_json::Error| DatasetError::damaged(&path, &e.to_string());

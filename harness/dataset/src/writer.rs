@@ -286,7 +286,19 @@ impl DatasetWriter {
             self.batch.task_index.push(whole(task));
         }
         let stats = self.features.iter().zip(&episode.columns);
-        let stats = stats.map(|(f, values)| (f.name.to_owned(), Stats::of(f, values))).collect();
+        let stats = stats.map(|(f, values)| (f.name.to_owned(), Stats::of(f, values)));
+        // Of LeRobot's own columns, too, which all of its sets have.
+        let first = self.batch.len() - episode.frames;
+        let whole = |column: &[i64]| Stats::of_numbers(column[first..].iter().map(|v| *v as f64));
+        let timestamp = Stats::of_numbers(self.batch.timestamp[first..].iter().map(|v| f64::from(*v)));
+        let own = [
+            ("timestamp", timestamp),
+            ("frame_index", whole(&self.batch.frame_index)),
+            ("episode_index", whole(&self.batch.episode_index)),
+            ("index", whole(&self.batch.index)),
+            ("task_index", whole(&self.batch.task_index)),
+        ];
+        let stats = stats.chain(own.map(|(name, stats)| (name.to_owned(), stats))).collect();
         let place = Place { file: self.file, from, to: from + episode.frames };
         self.rows.push(Row { index, place, info: episode.info.clone(), stats });
         if self.rows.len() == self.per_file {

@@ -290,7 +290,10 @@ fn parts_that_make_no_sense_or_have_nothing_leave_nothing_behind() {
     assert!(matches!(e, DatasetError::Within { .. }), "{e}");
     Dataset::open_whole(a.dir()).unwrap();
     // There is one world, so that one of the two has none.
-    refused(&[("a", 0.9), ("b", 0.1)], "the part b of 0 worlds has none");
+    refused(
+        &[("a", 0.9), ("b", 0.1)],
+        "for the part b: the episodes are in 1 worlds, and each of the 2 parts needs one",
+    );
     assert_eq!(split(&a, &parts(&[("all", 1.0)]), 0, &out, &[]).unwrap()[0].episodes, 2);
     Dataset::open_whole(&out.join("all")).unwrap();
 }

@@ -47,6 +47,8 @@ pub struct Replay {
     pub task: Task,
     /// Name of the suite.
     pub suite: String,
+    /// Whether the task has a goal: an exploration has none, and its task's goal is where it began.
+    pub has_goal: bool,
     /// Distance from the goal in the plane within which the task is a success by the first run's rules, m, if they have one.
     pub goal_radius: Option<f64>,
     /// The runs, at least one; the first is the one that is followed.
@@ -181,7 +183,7 @@ impl Replay {
             "stones": bodies(false),
             "trunks": bodies(true),
             "start": [task.start.x, task.start.y, task.start.yaw],
-            "goal": task.goal,
+            "goal": self.has_goal.then_some(task.goal),
             "radius": self.goal_radius,
             "path": task.path.iter().map(point).collect::<Vec<_>>(),
             "runs": self.runs.iter().map(|r| run(r, world)).collect::<Vec<_>>(),
@@ -212,7 +214,8 @@ pub fn live_scene(
 ) -> Value {
     let (world, task) = (world.clone(), task.clone());
     let (goal_radius, unit) = (Some(goal_radius), unit_of_length(&world));
-    let mut scene = Replay { world, task, suite: suite.to_owned(), goal_radius, runs: Vec::new() }.json();
+    let mut scene =
+        Replay { world, task, suite: suite.to_owned(), has_goal: true, goal_radius, runs: Vec::new() }.json();
     scene["vehicle"] = vehicle(spec, unit);
     scene
 }

@@ -184,6 +184,7 @@ impl Drive {
             outcome: Outcome::Stuck,
             three_way: Outcome::Stuck.three_way(false),
             flags: std::collections::BTreeMap::new(),
+            departures: Vec::new(),
             reason: format!("it sank {label}"),
             cause: Some(Cause::SpinningOnSoil),
             evidence: format!("it dug {label}"),
@@ -213,6 +214,7 @@ impl Drive {
             world: self.world.clone(),
             task: self.task.clone(),
             suite: label.into(),
+            has_goal: true,
             goal_radius: Some(10.0),
             runs: vec![ReplayRun {
                 label: label.into(),

@@ -217,7 +217,10 @@ fn datasets_are_split_by_world_and_joined() {
     let worlds = |list: &[(String, String, i64)]| -> std::collections::BTreeSet<String> {
         list.iter().map(|e| e.1.clone()).collect()
     };
-    assert_eq!(worlds(&all).len(), 2);
+    assert_eq!(worlds(&all).len(), 6);
+    // Eight episodes are dealt to three worlds, one after the other.
+    let names: Vec<String> = episodes(&bench, "a").into_iter().map(|e| e.1).collect();
+    assert_eq!(names, ["w001", "w002", "w003", "w001", "w002", "w003", "w001", "w002"]);
     bench.ok(&["dataset", "split", "ab", "--parts", "train=0.5,rest=0.5", "--out", "parts", "--seed", "3"]);
     let (train, rest) = (episodes(&bench, "parts/train"), episodes(&bench, "parts/rest"));
     assert_eq!(train.len() + rest.len(), 16);

@@ -24,6 +24,7 @@ pub(crate) enum DatasetCommand {
     /// Write episodes of a dataset as MCAP files, which Foxglove shows
     Mcap(DatasetMcapArgs),
     /// Check whether a dataset is what it should be: hashes, gaps, ranges, totals, worlds
+    #[command(alias = "check")]
     Validate(DatasetValidateArgs),
     /// Put several datasets into one
     Merge(MergeArgs),
@@ -35,7 +36,7 @@ pub(crate) enum DatasetCommand {
 pub(crate) struct TeleopArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Tasks to choose from, e.g. w001-w004,elevation=high; default: all
+    /// Tasks to choose from, e.g. w001-w004,w007 (either) or elevation=high:terrain=rigid (both); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     /// Port of this machine; 0 for any
@@ -202,9 +203,10 @@ pub(crate) struct SceneArgs {
     /// Suite of training worlds, as `vb-harness suite generate --training` makes them; default: they are made
     #[arg(long, value_name = "DIR", conflicts_with_all = ["worlds", "world_seed"])]
     pub(crate) suite: Option<PathBuf>,
-    /// Number of training worlds that are made; 90 have every choice of relief, ground and obstacles alike
-    #[arg(long, value_name = "N", default_value_t = 90, value_parser = clap::value_parser!(u32).range(1..=999))]
-    pub(crate) worlds: u32,
+    /// Number of training worlds that are made; 90 cover all combinations of relief, terrain and obstacles equally; default: 90, but for
+    /// explore one for each four episodes, 10 to 90
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
+    pub(crate) worlds: Option<u32>,
     /// Seed of the training worlds that are made, from 7000 to 7999
     #[arg(long, value_name = "N", default_value_t = 7100)]
     pub(crate) world_seed: u64,
@@ -220,7 +222,7 @@ pub(crate) struct SceneArgs {
     /// What the driver is told and how wrong it is: oracle, onboard, degraded, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
     pub(crate) perception: String,
-    /// Factor on every length of the world: 1, 1/6, 1/10; default: the scale that the vehicle is made for
+    /// Factor on every length of the world, 0.01 to 10, e.g. 1/6; default: the scale that the vehicle is made for
     #[arg(long, value_name = "FACTOR", value_parser = scale)]
     pub(crate) scale: Option<f64>,
     /// Frames a second
@@ -272,13 +274,13 @@ pub(crate) struct DatasetDriveArgs {
     /// Parameter of the planner, if there is but one; may be repeated
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) params: Vec<(String, String)>,
-    /// Tasks to drive, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    /// Tasks to drive, e.g. w001/t03, w001-w004,w007 (either) or elevation=high:terrain=rigid (both); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     /// Which drives become episodes
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     pub(crate) keep: Keeping,
-    /// Rules: paper, release, dev, exploration, or a file
+    /// Rules: paper, release, dev, exploration, training, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
     pub(crate) rules: String,
 }

@@ -20,7 +20,7 @@ use vb_score::Rules;
 use crate::args::{DatasetCommand, DatasetDriveArgs, ExploreArgs, Keeping, MessageFormat};
 use crate::error::CliError;
 use crate::{output, planner, run, suite};
-use scene::Scene;
+use scene::{ALL_WORLDS, Scene};
 
 impl DatasetCommand {
     /// Does what it says.
@@ -47,7 +47,7 @@ fn explore(args: &ExploreArgs) -> Result<(), CliError> {
         Some(n) => (Amount::Episodes(n as usize), Total::Episodes(n as usize)),
         None => (Amount::Frames(frames.ceil() as usize), Total::Frames(frames.ceil() as usize)),
     };
-    let scene = Scene::new(&args.scene, rules)?;
+    let scene = Scene::of_worlds(&args.scene, rules, worlds_for(args))?;
     let layout = scene.layout(true, false);
     let header = Header { exploration: Some(exploration.clone()), ..scene.header(Kind::Explore, layout) };
     let mut writer = scene.writer(header)?;
@@ -58,6 +58,18 @@ fn explore(args: &ExploreArgs) -> Result<(), CliError> {
         .explore(&mut writer, &exploration, amount, &mut |p| told.progress(p))
         .map_err(|e| failure(&e))?;
     finish(writer, done, &args.scene.out, args.scene.format.get())
+}
+
+/// The number of training worlds for an exploration: only as many as it has use for, since each takes seconds to make.
+fn worlds_for(args: &ExploreArgs) -> u32 {
+    /// Episodes in a world.
+    const EPISODES: f64 = 4.0;
+    /// About how long an episode of the HMMWV lasts, s.
+    const LENGTH_S: f64 = 18.0;
+    /// Enough for the parts of a split.
+    const LEAST: u32 = 10;
+    let episodes = args.episodes.map_or(args.hours * 3600.0 / LENGTH_S, f64::from);
+    ((episodes / EPISODES).ceil().min(f64::from(ALL_WORLDS)) as u32).max(LEAST)
 }
 
 fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {

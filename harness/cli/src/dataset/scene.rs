@@ -18,6 +18,8 @@ use crate::{places, run, suite};
 const TIME_STEP: f64 = 0.001;
 /// The side of the cells in which soil remembers ruts, m.
 const SOIL_RESOLUTION: f64 = 0.1;
+/// Training worlds that cover all combinations of relief, terrain and obstacles equally.
+pub(super) const ALL_WORLDS: u32 = 90;
 /// Options that change nothing of what a dataset has, and whether a value follows them.
 const ELSEWHERE: [(&str, bool); 5] =
     [("--out", true), ("--jobs", true), ("--resume", false), ("--json", false), ("--message-format", true)];
@@ -33,12 +35,17 @@ pub(super) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     pub(super) fn new(args: &'a SceneArgs, rules: Rules) -> Result<Self, CliError> {
+        Self::of_worlds(args, rules, ALL_WORLDS)
+    }
+
+    /// The same with so many training worlds, unless the user says how many.
+    pub(super) fn of_worlds(args: &'a SceneArgs, rules: Rules, worlds: u32) -> Result<Self, CliError> {
         let vehicle = places::catalog().vehicle(&args.vehicle)?;
         let soils = places::catalog().soils(&args.soils, SOIL_RESOLUTION)?;
         let perception = places::catalog().perception(&args.perception)?;
         let worlds = match &args.suite {
             Some(dir) => suite::open(Some(dir))?,
-            None => suite::training(args.world_seed, args.worlds)?,
+            None => suite::training(args.world_seed, args.worlds.unwrap_or(worlds))?,
         };
         let mut others = Vec::new();
         for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {

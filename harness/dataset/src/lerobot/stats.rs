@@ -23,18 +23,25 @@ impl Stats {
         let frames = values.len() / feature.width().max(1);
         let mut stats = Self { count: [frames as u64], ..Self::default() };
         for k in 0..width {
-            let of = || (k..values.len()).step_by(width).map(|i| values.number(i));
-            let count = (values.len() / width) as f64;
-            if count == 0.0 {
-                stats.push(0.0, 0.0, 0.0, 0.0);
-                continue;
-            }
-            let mean = of().sum::<f64>() / count;
-            let variance = of().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
-            let min = of().fold(f64::INFINITY, f64::min);
-            let max = of().fold(f64::NEG_INFINITY, f64::max);
-            stats.push(min, max, mean, variance.sqrt());
+            let own = Self::of_numbers((k..values.len()).step_by(width).map(|i| values.number(i)));
+            stats.push(own.min[0], own.max[0], own.mean[0], own.std[0]);
         }
+        stats
+    }
+
+    /// The statistics over these numbers, one of each frame; zeros where there are none.
+    pub(crate) fn of_numbers(numbers: impl Iterator<Item = f64> + Clone) -> Self {
+        let count = numbers.clone().count();
+        let mut stats = Self { count: [count as u64], ..Self::default() };
+        if count == 0 {
+            stats.push(0.0, 0.0, 0.0, 0.0);
+            return stats;
+        }
+        let mean = numbers.clone().sum::<f64>() / count as f64;
+        let variance = numbers.clone().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count as f64;
+        let min = numbers.clone().fold(f64::INFINITY, f64::min);
+        let max = numbers.fold(f64::NEG_INFINITY, f64::max);
+        stats.push(min, max, mean, variance.sqrt());
         stats
     }
 

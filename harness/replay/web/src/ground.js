@@ -188,21 +188,24 @@ export function world(data, unit) {
 
   const path = new THREE.Group();
   const [sx, sy, yaw] = data.start;
-  if (data.path.length > 1) {
+  if (data.goal && data.path.length > 1) {
     path.add(band(dense(data.path, 0.5 * unit), 0.22 * unit, 0.1 * unit, height, null, { color: 0xffffff, transparent: true, opacity: 0.75 }));
   }
   const ring = (x, y, radius, width, colour) => {
     const points = Array.from({ length: 97 }, (_, k) => [x + radius * Math.cos((k * Math.PI) / 48), y + radius * Math.sin((k * Math.PI) / 48)]);
     return band(points, width, 0.06 * unit, height, null, { color: colour });
   };
-  path.add(ring(data.goal[0], data.goal[1], data.radius ?? unit, 0.35 * unit, 0xffd23f));
-  const wall = new THREE.Mesh(
-    new THREE.CylinderGeometry(data.radius ?? unit, data.radius ?? unit, 4 * unit, 96, 1, true),
-    new THREE.MeshBasicMaterial({ color: 0xffd23f, transparent: true, opacity: 0.13, side: THREE.DoubleSide, depthWrite: false }),
-  );
-  wall.rotation.x = Math.PI / 2;
-  wall.position.set(data.goal[0], data.goal[1], height(...data.goal) + 1.4 * unit);
-  path.add(wall, ring(sx, sy, 1.2 * unit, 0.2 * unit, 0xffffff));
+  if (data.goal) {
+    path.add(ring(data.goal[0], data.goal[1], data.radius ?? unit, 0.35 * unit, 0xffd23f));
+    const wall = new THREE.Mesh(
+      new THREE.CylinderGeometry(data.radius ?? unit, data.radius ?? unit, 4 * unit, 96, 1, true),
+      new THREE.MeshBasicMaterial({ color: 0xffd23f, transparent: true, opacity: 0.13, side: THREE.DoubleSide, depthWrite: false }),
+    );
+    wall.rotation.x = Math.PI / 2;
+    wall.position.set(data.goal[0], data.goal[1], height(...data.goal) + 1.4 * unit);
+    path.add(wall);
+  }
+  path.add(ring(sx, sy, 1.2 * unit, 0.2 * unit, 0xffffff));
   const ahead = [1.2, 3.2].map((d) => [sx + d * unit * Math.cos(yaw), sy + d * unit * Math.sin(yaw)]);
   path.add(band(dense(ahead, 0.5 * unit), 0.3 * unit, 0.07 * unit, height, null, { color: 0xffffff }));
   group.add(path);

@@ -57,7 +57,7 @@ export function tellTask(data, follow) {
 // With what a run was driven, and why it ended.
 export function tellRun(run) {
   $('facts').replaceChildren(...run.facts.flatMap(([term, text]) => [make('dt', term), make('dd', text)]));
-  if (!run.exact) $('facts').append(make('dt', 'shown'), make('dd', 'as sampled, without ruts, loads and slip: the simulation could not be repeated'));
+  if (!run.exact) $('facts').append(make('dt', 'shown'), make('dd', 'the recorded samples, which have no ruts, loads and slip'));
 }
 
 // How the run that is followed ended, once it has.
