@@ -8,7 +8,7 @@ use vb_render::{Moment, Size, View};
 use vb_runner::Episode;
 use vb_score::{Outcome, TaskRecord};
 use vb_sdk::path::{Follower, Path};
-use vb_sdk::policy::{Actuator, Observer, Row};
+use vb_sdk::policy::{Actuator, Dimension, Observer, Row};
 use vb_sdk::{Observation, Point2};
 use vb_sim::{SimError, VehicleState};
 
@@ -82,6 +82,8 @@ struct Running {
     way: Vec<[f32; 3]>,
     /// How far each wheel has turned until now, rad, for pictures.
     turned: Vec<f64>,
+    /// Actions until now that were out of range and were limited to it.
+    clipped: u64,
     record: Option<Box<TaskRecord>>,
 }
 
@@ -203,6 +205,7 @@ impl Env {
             path: &path,
             trail: &trail,
             change: Some(&|x, y| sim.soil_change(x, y)),
+            colour: None,
         };
         Ok(self.arena.painter(&running.start).picture(view, size, &moment)?)
     }
@@ -321,12 +324,15 @@ impl Running {
             observer,
             observation,
             follower,
+            clipped: 0,
             record,
         })
     }
 
     fn step(&mut self, arena: &Arena, action: &[f64]) -> Step {
         self.actions.extend_from_slice(action);
+        let outside = |(value, range): (&f64, &Dimension)| *value < range.low || *value > range.high;
+        self.clipped += u64::from(action.iter().zip(arena.action().dimensions()).any(outside));
         let command = self.actuator.command(action, &self.observation);
         let taken = self.episode.command(&command);
         let contact_steps = self.episode.simulation().contact_steps();
@@ -380,7 +386,9 @@ impl Running {
     /// Puts the record away.
     fn end(&mut self, arena: &Arena, error: Option<SimError>) -> Outcome {
         let trial = arena.trial(&self.start, &self.brief);
-        let record = trial.result_of(&self.episode, error.as_ref()).record;
+        let mut record = trial.result_of(&self.episode, error.as_ref()).record;
+        // The actuator has limited them before the episode saw them.
+        record.clamped += self.clipped;
         self.record.insert(Box::new(record)).outcome
     }
 }

@@ -40,6 +40,35 @@ impl Driver for Planner {
 }
 
 #[test]
+fn actions_out_of_range_are_counted_in_the_record() {
+    let arena = arena(options());
+    for (action, share) in [([3.0, 5.0], 1), ([1.0, -1.0], 0)] {
+        let mut env = Env::new(arena.clone(), 0);
+        env.reset(&on("w001/t00")).unwrap();
+        while env.record().is_none() {
+            env.step(&action).unwrap();
+        }
+        let record = env.record().unwrap();
+        assert_eq!(record.clamped, share * record.planner_steps, "{action:?}");
+    }
+}
+
+#[test]
+fn settings_that_are_not_the_benchmark_s_are_in_the_record() {
+    let record = |options: Options| {
+        let mut env = Env::new(arena(options), 0);
+        env.reset(&on("w001/t00")).unwrap();
+        while env.record().is_none() {
+            env.step(&[1.0, -1.0]).unwrap();
+        }
+        env.record().unwrap().departures.clone()
+    };
+    assert!(record(options()).is_empty());
+    let other = Options { time_step: 0.005, rules: "release".into(), ..options() };
+    assert_eq!(record(other), ["time step 5 ms", "rules release"]);
+}
+
+#[test]
 fn a_policy_has_the_same_record_here_as_in_the_benchmark() {
     for perception in ["oracle", "degraded"] {
         let mut options = options();
