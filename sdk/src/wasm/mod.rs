@@ -11,16 +11,9 @@ use crate::{LogLevel, Planner};
 use bindings::exports::vertibench::planner::guest;
 use bindings::vertibench::planner::{host, types};
 
+#[rustfmt::skip]
 #[allow(missing_docs, unreachable_pub, clippy::all, clippy::undocumented_unsafe_blocks)]
-pub mod bindings {
-    //! Generated from `wit/v0_2/planner.wit`.
-    wit_bindgen::generate!({
-        world: "planner-plugin",
-        path: "wit/v0_2",
-        pub_export_macro: true,
-        export_macro_name: "export",
-    });
-}
+pub mod bindings;
 pub use bindings::export;
 
 pub(crate) fn log(level: LogLevel, message: &str) {

@@ -3,6 +3,7 @@
 //!
 //! `cargo xtask abi` runs it. A test holds that the files in the repository are those that it writes.
 
+mod bindings;
 mod c_header;
 mod c_layout;
 mod docs;
@@ -32,6 +33,7 @@ fn outputs() -> Result<Vec<(&'static str, String)>, String> {
         ("sdk/src/types.rs", rust_types::write(&model)),
         ("sdk/src/c/layout.rs", c_layout::write(&model)?),
         ("sdk/src/wasm/convert.rs", wasm::guest(&model)?),
+        ("sdk/src/wasm/bindings.rs", bindings::write(&root().join(NEWEST))?),
         ("harness/host/src/wasm/v0_2/convert.rs", wasm::host(&model)?),
         ("sdk/python/src/vertibench_planner/_data.py", python::write(&model)?),
         ("docs/abi.md", between_marks("docs/abi.md", &[("data", docs::tables(&model)?)])?),
