@@ -125,8 +125,8 @@ impl Task {
             .param(key)
             .ok_or_else(|| PlannerError(format!("parameter `{key}` is not declared in export_planner!")))?;
         value.trim().parse().map_err(|_| {
-            let wanted = std::any::type_name::<T>();
-            PlannerError(format!("parameter `{key}`: `{value}` is not a value of type {wanted}"))
+            let wanted = kind_of(std::any::type_name::<T>());
+            PlannerError(format!("parameter `{key}`: `{value}` is not {wanted}"))
         })
     }
 
@@ -155,6 +155,17 @@ impl Task {
     }
 }
 
+/// What values of a type are, in words.
+fn kind_of(type_name: &str) -> String {
+    match type_name {
+        "f64" | "f32" => "a number".to_owned(),
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number that is not below 0".to_owned(),
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".to_owned(),
+        "bool" => "true or false".to_owned(),
+        other => format!("a value of type {other}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,7 +188,11 @@ mod tests {
             let message = task(value).param_f64(key).unwrap_err().to_string();
             assert!(message.contains(&format!("`{key}`")), "{message}");
         }
-        assert!(task("fast").param_f64("speed").unwrap_err().to_string().contains("`fast`"));
+        let said = |wrong: Result<String, PlannerError>| wrong.unwrap_err().to_string();
+        let number = task("fast").param_f64("speed").map(|v| v.to_string());
+        assert_eq!(said(number), "parameter `speed`: `fast` is not a number");
+        let whole = task("1.5").param_as::<u32>("speed").map(|v| v.to_string());
+        assert_eq!(said(whole), "parameter `speed`: `1.5` is not a whole number that is not below 0");
         for value in ["0", "-2"] {
             let message = task(value).param_positive("speed").unwrap_err().to_string();
             assert_eq!(message, format!("parameter `speed`: {value} is not above 0"));

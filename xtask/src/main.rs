@@ -46,7 +46,8 @@ Tasks:
                         Make the Python package as wheel and source distribution [default DIR: target/wheels];
                         --kernels: with the kernels for GPUs that `kernel` has put there;
                         --portable: for Linux with glibc 2.17 on, by zig; --target: portable, for another processor;
-                        --check: install the wheel in a fresh environment, and see that it works
+                        --check: install the wheel in a fresh environment, and see that it works; the first build takes
+                        minutes, and downloads its crates on the way
   targets [TRIPLE]...   See whether everything compiles for Linux, macOS and Windows on both kinds of processors, or for
                         some systems, and say which were skipped and why; zig is installed from PyPI
   targets --emulate     See whether an emulated AArch64 and emulated x86-64 processors compute the same bits as this machine
@@ -87,10 +88,32 @@ Environment:
   VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas, pyarrow and minari, if they aren't installed
   VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
+/// What the usage says of a task; none if there is no such task.
+fn task_usage(task: &str) -> Option<String> {
+    let (tasks, _) = USAGE.split_once("\n\nEnvironment:")?;
+    let (_, tasks) = tasks.split_once("Tasks:\n")?;
+    let mut own = Vec::new();
+    let mut within = false;
+    for line in tasks.lines() {
+        // A task begins two columns from the left; what belongs to it is further in.
+        if !line.starts_with("   ") {
+            within = line.split_whitespace().next() == Some(task);
+        }
+        if within {
+            own.push(line);
+        }
+    }
+    (!own.is_empty()).then(|| format!("Usage: cargo xtask {task} [OPTIONS]\n\n{}", own.join("\n")))
+}
+
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args[..] {
+        [task, .., "--help" | "-h"] => {
+            step(&task_usage(task).unwrap_or_else(|| USAGE.to_owned()));
+            Ok(())
+        }
         ["demo"] => demo(),
         ["test"] => test::test(),
         ["lint"] => test::lint(),
@@ -208,4 +231,19 @@ fn demo() -> Result<(), Failure> {
 
 fn abi() -> Result<(), Failure> {
     cargo(&["run", "--quiet", "--package", "vb-abi"])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::task_usage;
+
+    #[test]
+    fn each_task_tells_its_own_usage() {
+        let wheel = task_usage("wheel").unwrap();
+        assert!(wheel.starts_with("Usage: cargo xtask wheel [OPTIONS]\n\n  wheel [--portable]"), "{wheel}");
+        assert!(wheel.contains("--kernels:") && !wheel.contains("targets"), "{wheel}");
+        // Both lines of a task with two forms.
+        assert_eq!(task_usage("plugins").unwrap().matches("  plugins ").count(), 2);
+        assert!(task_usage("nothing").is_none() && task_usage("VB_TORCH=1").is_none());
+    }
 }

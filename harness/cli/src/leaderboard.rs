@@ -16,6 +16,9 @@ use crate::output;
 use crate::replay::{Player, Senses, suite_of};
 use crate::submission::failed;
 
+/// The file that makes a folder a submission.
+const MANIFEST: &str = "submission.json";
+
 impl LeaderboardCommand {
     /// Does what it says.
     pub(crate) fn run(&self) -> Result<(), CliError> {
@@ -32,6 +35,7 @@ enum Message<'a> {
 }
 
 pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
+    must_hold_submissions(&args.entries)?;
     let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown { site: &args.out })
         .map_err(failed)?;
     let entries = site.boards.iter().map(|b| b.entries.len()).sum();
@@ -40,13 +44,31 @@ pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
             output::json(&Message::Leaderboard { boards: site.boards.len(), entries, files: &site.files });
         }
         MessageFormat::Human => {
-            output::note(&format!("{entries} entries on {} boards", site.boards.len()));
+            let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+            output::note(&format!(
+                "{} on {}",
+                count(entries, "entry", "entries"),
+                count(site.boards.len(), "board", "boards")
+            ));
             for file in &site.files {
                 output::note(&format!("wrote {}", file.display()));
             }
         }
     }
     Ok(())
+}
+
+/// Refuses a submission where the folder of submissions is wanted.
+fn must_hold_submissions(dir: &Path) -> Result<(), CliError> {
+    if !dir.join(MANIFEST).is_file() {
+        return Ok(());
+    }
+    let real = std::fs::canonicalize(dir).unwrap_or_else(|_| dir.to_owned());
+    let parent = real.parent().map_or_else(|| "its parent".to_owned(), |p| p.display().to_string());
+    Err(CliError::usage(format!(
+        "{} is itself a submission, not a directory with a folder for each (give the directory that it lies in: {parent})",
+        dir.display()
+    )))
 }
 
 /// Suites and replays by what comes with the harness. The site stands without them, where a suite isn't at hand for instance.
@@ -94,4 +116,21 @@ fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeS
         made.insert(task.clone());
     }
     Ok(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_submission_is_not_a_folder_of_submissions() {
+        let dir = tempfile::tempdir().unwrap();
+        let own = dir.path().join("fox");
+        std::fs::create_dir(&own).unwrap();
+        std::fs::write(own.join(MANIFEST), "{}").unwrap();
+        must_hold_submissions(dir.path()).unwrap();
+        let e = must_hold_submissions(&own).unwrap_err().to_string();
+        let parent = std::fs::canonicalize(dir.path()).unwrap();
+        assert!(e.contains("is itself a submission") && e.contains(&parent.display().to_string()), "{e}");
+    }
 }

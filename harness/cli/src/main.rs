@@ -73,9 +73,78 @@ fn failed(e: &error::CliError) -> ExitCode {
 
 /// What is wrong with the command line, without the paragraphs on usage: an error is one line.
 fn usage(e: &clap::Error) -> error::CliError {
-    let text = e.render().to_string();
-    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    usage_of(&e.render().to_string(), &given)
+}
+
+/// The error that clap tells so of these arguments, with what people may have meant.
+fn usage_of(text: &str, given: &[String]) -> error::CliError {
+    let text = text.strip_prefix("error: ").unwrap_or(text);
     let what = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
     let what = text[..what.unwrap_or(text.len())].lines().map(str::trim).filter(|l| !l.is_empty());
-    error::CliError::usage(format!("{} (see --help)", what.collect::<Vec<_>>().join(" ")))
+    // No option takes such a value: the tip would lead astray.
+    let what = what.filter(|line| !line.starts_with("tip: to pass '"));
+    let what = what
+        .collect::<Vec<_>>()
+        .join(" ")
+        .replace("invalid digit found in string", "want a whole number that is not below 0")
+        .replace("number too large to fit in target type", "the number is too large")
+        .replace("cannot parse integer from empty string", "want a whole number that is not below 0");
+    let hint =
+        meant(text, given).map_or_else(|| "see --help".to_owned(), |meant| format!("{meant}; see --help"));
+    error::CliError::usage(format!("{what} ({hint})"))
+}
+
+/// What an argument that clap doesn't know may stand for.
+fn meant(text: &str, given: &[String]) -> Option<String> {
+    let argument = text
+        .strip_prefix("unexpected argument '")
+        .or_else(|| text.strip_prefix("unrecognized subcommand '"))?
+        .split_once('\'')?
+        .0;
+    let planner = |name: &str| {
+        let ends = [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
+        ends.then(|| format!("a planner is given by --plugin {name}"))
+    };
+    if let Some(meant) = planner(argument) {
+        return Some(meant);
+    }
+    let words: Vec<&str> = given.iter().map(String::as_str).filter(|word| !word.starts_with('-')).collect();
+    match (words.first(), words.get(1)) {
+        (Some(&"tasks"), second) if second != Some(&"list") => {
+            Some(format!("tasks are listed by: vb-harness tasks list {}", given[1..].join(" ")))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the program says of these arguments.
+    fn said(line: &str) -> String {
+        let given: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        let all = std::iter::once("vb-harness".to_owned()).chain(given.clone());
+        let e = args::Cli::documented().try_get_matches_from(all).unwrap_err();
+        usage_of(&e.render().to_string(), &given).to_string()
+    }
+
+    #[test]
+    fn mistakes_are_told_with_what_may_be_meant() {
+        for (line, wanted) in [
+            ("run pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
+            ("pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
+            ("tasks --suite smoke", "(tasks are listed by: vb-harness tasks list --suite smoke; see --help)"),
+            (
+                "--plugin a.wasm --seed 1.5",
+                "'--seed <N>': want a whole number that is not below 0 (see --help)",
+            ),
+            ("sweep run sp.yaml --tasks w001", "unexpected argument '--tasks' found (see --help)"),
+        ] {
+            let said = said(line);
+            assert!(said.ends_with(wanted), "{line}: {said}");
+            assert!(!said.contains("to pass '"), "{said}");
+        }
+    }
 }

@@ -38,18 +38,21 @@ fn plugin_in(dirs: &[PathBuf], wanted: PathBuf) -> PathBuf {
 
 /// The first `runs/NAME-N` that isn't there.
 pub(crate) fn new_run_dir(name: &str) -> PathBuf {
-    let safe: String = name
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' })
-        .collect();
     let mut n = 1;
-    loop {
-        let dir = Path::new("runs").join(format!("{safe}-{n}"));
-        if !dir.exists() {
-            return dir;
-        }
+    while run_dir(name, n).exists() {
         n += 1;
     }
+    run_dir(name, n)
+}
+
+/// The last of `runs/NAME-1`, `runs/NAME-2`, … that is there.
+pub(crate) fn last_run_dir(name: &str) -> Option<PathBuf> {
+    (1..).map(|n| run_dir(name, n)).take_while(|dir| dir.exists()).last()
+}
+
+fn run_dir(name: &str, n: u32) -> PathBuf {
+    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
+    Path::new("runs").join(format!("{}-{n}", name.chars().map(safe).collect::<String>()))
 }
 
 #[cfg(test)]

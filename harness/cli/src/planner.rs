@@ -50,10 +50,37 @@ pub(crate) fn load_quietly(
 /// Why a plugin can't be used. Of a bare file name it is said where else it was looked for.
 pub(crate) fn unusable(e: &LoadError) -> CliError {
     let elsewhere = match e {
-        LoadError::NotFound { path } if places::is_bare(path) => elsewhere(&vb_catalog::planner_dirs()),
+        LoadError::NotFound { path } if places::is_bare(path) => {
+            let dirs = vb_catalog::planner_dirs();
+            let near = [PathBuf::from(".")]
+                .into_iter()
+                .chain(dirs.iter().cloned())
+                .find_map(|dir| meant(path, &dir));
+            near.unwrap_or_else(|| elsewhere(&dirs))
+        }
         _ => String::new(),
     };
     CliError::input(format!("{e}{elsewhere} ({})", e.code()))
+}
+
+/// The file of a folder whose name is that of a planner without its ending, or differs in case alone.
+fn meant(wanted: &Path, dir: &Path) -> Option<String> {
+    let wanted = wanted.to_str()?.to_lowercase();
+    let mut names: Vec<String> = std::fs::read_dir(dir)
+        .ok()?
+        .flatten()
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    let is_planner = |name: &str| [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
+    let plain = |name: &str| {
+        let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+        stem.strip_prefix("lib").unwrap_or(stem).to_lowercase()
+    };
+    let fits = |name: &&String| is_planner(name) && (name.to_lowercase() == wanted || plain(name) == wanted);
+    // WASM first: results of it may be ranked.
+    let found = names.iter().filter(fits).min_by_key(|name| !name.ends_with(".wasm"))?;
+    Some(format!("; did you mean {found}?"))
 }
 
 /// Where a planner was looked for beside the working directory, and how it gets there.
@@ -128,6 +155,19 @@ mod tests {
         for text in ["planners/pid.wasm", "no-such-program-here x", "sh", "sh 'x", ""] {
             assert_eq!(words(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_planner_s_name_without_its_ending_is_told_with_it() {
+        let dir = tempfile::tempdir().unwrap();
+        for file in ["pid.wasm", "libpid.so", "libtnt.so", "pid.txt"] {
+            std::fs::write(dir.path().join(file), "").unwrap();
+        }
+        let said = |name: &str| meant(Path::new(name), dir.path());
+        assert_eq!(said("pid").as_deref(), Some("; did you mean pid.wasm?"));
+        assert_eq!(said("PID.wasm").as_deref(), Some("; did you mean pid.wasm?"));
+        assert_eq!(said("tnt").as_deref(), Some("; did you mean libtnt.so?"));
+        assert_eq!(said("mppi"), None);
     }
 
     #[test]

@@ -301,7 +301,14 @@ impl Player {
             });
         }
         let goal_radius = self.parts[0].rules.as_ref().map(|rules| rules.goal_radius(scale));
-        Ok(Some(Replay { world, task: found, suite: self.suite.meta().name.clone(), goal_radius, runs }))
+        Ok(Some(Replay {
+            world,
+            task: found,
+            suite: self.suite.meta().name.clone(),
+            has_goal: true,
+            goal_radius,
+            runs,
+        }))
     }
 }
 

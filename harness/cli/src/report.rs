@@ -51,24 +51,43 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Where the page goes: into the folder that was named, or, if nothing else is asked for, into one in the run, or in the working directory
+/// if there are several.
+fn page_dir(args: &ReportArgs) -> Option<PathBuf> {
+    let other = [&args.figures, &args.markdown, &args.csv, &args.parquet].into_iter().any(Option::is_some);
+    args.out.clone().or_else(|| match &args.runs[..] {
+        _ if other => None,
+        [run] => Some(run.join("report")),
+        _ => Some(PathBuf::from("report")),
+    })
+}
+
 /// Writes what is asked for, and returns it with the names of the files.
 pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError> {
+    let page_dir = page_dir(args);
     if args.figures.as_deref() == Some(Path::new("-")) {
         return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
     }
-    if args.maps.is_some() && args.out.is_none() && args.figures.is_none() {
+    if args.replays.is_some() && page_dir.is_none() {
+        return Err(CliError::usage("--replays: replays are linked from the page (add --out DIR)"));
+    }
+    if args.maps.is_some() && page_dir.is_none() && args.figures.is_none() {
         return Err(CliError::usage("--maps: maps are pages or figures (add --out DIR or --figures DIR)"));
     }
     let figures_in = match &args.figures {
         Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
         None => None,
     };
-    let page = args.out.as_ref().map(|dir| dir.join(PAGE));
+    let page = page_dir.as_ref().map(|dir| dir.join(PAGE));
     let markdown = args.markdown.iter().filter(|path| path.as_path() != Path::new("-"));
     let tables = args.csv.iter().chain(&args.parquet).chain(&args.geojson).chain(markdown);
     let all = tables.clone().chain(&page).map(PathBuf::as_path);
     output::must_spare(&all.collect::<Vec<_>>(), &args.runs)?;
-    for dir in args.out.iter().chain(&args.figures) {
+    // A folder that isn't there yet is made only where there is a run.
+    if args.out.is_none() && page_dir.is_some() {
+        args.runs.iter().try_for_each(|run| vb_record::RunReader::open(run).map(drop))?;
+    }
+    for dir in page_dir.iter().chain(&args.figures) {
         // What can't be written is said before all runs are read, not after.
         let failed = |e| CliError::output(format!("cannot make the directory {}: {e}", dir.display()));
         std::fs::create_dir_all(dir).map_err(failed)?;
@@ -94,7 +113,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
         output::write(path, report.markdown())?;
         files.push(path.clone());
     }
-    if let Some(out) = &args.out {
+    if let Some(out) = &page_dir {
         // Only what lies beside the page can be linked wherever it is copied to.
         let beside = files.iter().filter(|f| f.parent() == Some(out)).filter_map(|f| f.file_name()?.to_str());
         let beside: Vec<String> = beside.map(str::to_owned).collect();

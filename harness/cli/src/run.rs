@@ -38,7 +38,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
 /// What one does next, as commands: look at all of it, and at the first task that failed.
 fn next(out: &Path, trace: TraceMode) {
     let own = output::word(out);
-    output::note(&format!("next:    vb-harness report {own} --out {}", output::word(&out.join("report"))));
+    output::note(&format!("next:    vb-harness report {own}"));
     if trace == TraceMode::None {
         return;
     }
@@ -118,6 +118,9 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = places::catalog().vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
+    if let Some(warning) = scale_warning(&vehicle.spec, scale) {
+        output::note(&warning);
+    }
     let soils = places::catalog().soils(&args.soils, args.soil_resolution)?;
     let perception = places::catalog().perception(&args.perception)?;
     let mut limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
@@ -133,7 +136,16 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
     let plugin = planner::load(&args.plugin, &limits, args.planner.require_sandbox)
         .map_err(|e| planner::unusable(&e))?;
-    let mut out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&plugin.metadata().name));
+    let name = &plugin.metadata().name;
+    let mut out = match &args.out {
+        Some(out) => out.clone(),
+        None if args.resume => places::last_run_dir(name).ok_or_else(|| {
+            CliError::usage(format!(
+                "--resume: there is no run runs/{name}-N here (name its directory by --out)"
+            ))
+        })?,
+        None => places::new_run_dir(name),
+    };
     let (mut tasks, mut resume, mut shard) = (tasks, args.resume, None);
     if let Some(part) = args.shard {
         shard = Some(ShardHeader { index: part.index(), of: part.of(), tasks: tasks.len() as u64 });
@@ -167,6 +179,27 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
         harness_commit: env!("VB_COMMIT").to_owned(),
     })
+}
+
+/// A line for users who drive a vehicle in worlds of another scale than it is made for.
+fn scale_warning(vehicle: &vb_vehicle::VehicleSpec, scale: f64) -> Option<String> {
+    let made_for = vehicle.scale;
+    ((scale - made_for).abs() > 1e-9).then(|| {
+        let shown = |scale: f64| if scale < 1.0 { format!("1/{}", rounded(1.0 / scale)) } else { rounded(scale) };
+        format!(
+            "warning: the vehicle {} is made for worlds of scale {}, and these have scale {}: it is {} times too large for them (leave \
+             --scale out, or choose another --vehicle)",
+            vehicle.name,
+            shown(made_for),
+            shown(scale),
+            rounded(made_for / scale)
+        )
+    })
+}
+
+/// A number with two digits behind the point at most.
+fn rounded(v: f64) -> String {
+    ((100.0 * v).round() / 100.0).to_string()
 }
 
 /// The limits in a file: every field may be left out.
@@ -227,6 +260,8 @@ pub(crate) fn run_error(e: RunError) -> CliError {
 mod tests {
     use std::time::Duration;
 
+    use vb_vehicle::VehicleSpec;
+
     use super::*;
 
     #[test]
@@ -236,5 +271,16 @@ mod tests {
         assert_eq!(at(253_402_300_799), "9999-12-31T23:59:59Z");
         assert_eq!(at(253_402_300_800), "unknown");
         assert_eq!(rfc3339(SystemTime::UNIX_EPOCH - Duration::from_secs(1)), "unknown");
+    }
+
+    #[test]
+    fn a_vehicle_in_a_world_of_another_scale_is_warned_of() {
+        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/vehicles");
+        let vehicle = |name: &str| VehicleSpec::load(&file.join(format!("{name}.yaml"))).unwrap();
+        let (full, small) = (vehicle("hmmwv"), vehicle("verti4wheeler"));
+        assert_eq!((scale_warning(&full, 1.0), scale_warning(&small, small.scale)), (None, None));
+        let told = scale_warning(&full, 0.1).unwrap();
+        assert!(told.contains("hmmwv is made for worlds of scale 1, and these have scale 1/10"), "{told}");
+        assert!(told.contains("it is 10 times too large"), "{told}");
     }
 }

@@ -173,6 +173,20 @@ pub enum ParamError {
         /// The parameters that it has.
         known: String,
     },
+    /// A parameter is of another kind than its default.
+    #[error("--param {key}: \"{value}\" is not {kind}{help}; its default is {default}")]
+    Kind {
+        /// The name of the parameter.
+        key: String,
+        /// The value that was given.
+        value: String,
+        /// What a value must be, in words.
+        kind: &'static str,
+        /// What the parameter means, in brackets with a space before it; empty if the planner doesn't say it.
+        help: String,
+        /// The default.
+        default: String,
+    },
     /// A parameter is given twice.
     #[error("--param {key}: given twice; give it once")]
     Twice {

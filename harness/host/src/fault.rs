@@ -265,7 +265,9 @@ impl FaultCause {
             }
             Self::Trap { .. } => "look at the functions named; run --debug shows more of them",
             Self::Panic { message } => hint::panic(message),
-            Self::Error { .. } | Self::InitFailed { .. } => "the text is the planner's own; ask its author",
+            Self::Error { .. } | Self::InitFailed { .. } => {
+                "the planner's own code reported this error: see there, or run check --plugin on it"
+            }
             Self::BadCommand { .. } => "start from a command that is all zero, and set its fields",
             Self::InvalidOutput { .. } => "look for a division by zero",
             Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (run --limits)",

@@ -164,7 +164,8 @@ impl Plugin {
     /// All declared parameters with the user's values or the defaults, for [`Task::params`].
     ///
     /// # Errors
-    /// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice.
+    /// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice, or a value of another kind than the
+    /// default.
     pub fn params(&self, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
         resolve_params(self.metadata(), given)
     }
@@ -187,13 +188,51 @@ impl Plugin {
     }
 }
 
+/// What a parameter's values are, as its default says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Number,
+    Truth,
+}
+
+impl Kind {
+    /// The kind of a default; none for texts, which may be anything.
+    fn of(default: &str) -> Option<Self> {
+        [Self::Number, Self::Truth].into_iter().find(|kind| kind.has(default))
+    }
+
+    fn has(self, value: &str) -> bool {
+        match self {
+            Self::Number => value.trim().parse::<f64>().is_ok_and(f64::is_finite),
+            Self::Truth => matches!(value.trim(), "true" | "false"),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Number => "a number",
+            Self::Truth => "true or false",
+        }
+    }
+}
+
 /// All declared parameters with the user's values or the defaults.
 ///
 /// # Errors
-/// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice.
+/// Returns an error if the user gives a parameter that the planner doesn't declare, or one twice, or if the default is a number, or a truth
+/// value, and the user's value is none.
 pub fn resolve_params(metadata: &Metadata, given: &[(String, String)]) -> Result<Vec<Param>, ParamError> {
-    for (i, (key, _)) in given.iter().enumerate() {
-        if !metadata.params.iter().any(|p| p.key == *key) {
+    for (i, (key, value)) in given.iter().enumerate() {
+        let declared = metadata.params.iter().find(|p| p.key == *key);
+        if let Some(p) = declared
+            && let Some(kind) = Kind::of(&p.default)
+            && !kind.has(value)
+        {
+            let help = if p.help.is_empty() { String::new() } else { format!(" ({})", p.help) };
+            let (key, value, default) = (key.clone(), value.clone(), p.default.clone());
+            return Err(ParamError::Kind { key, value, kind: kind.name(), help, default });
+        }
+        if declared.is_none() {
             let known: Vec<&str> = metadata.params.iter().map(|p| p.key.as_str()).collect();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
             return Err(ParamError::Unknown { key: key.clone(), planner: metadata.name.clone(), known });

@@ -63,6 +63,9 @@ pub enum SelectorError {
     },
 }
 
+/// How conditions are joined, for messages.
+const JOINED: &str = " (a colon joins conditions that must all hold, as in elevation=high:terrain=rigid, a comma alternatives)";
+
 /// A parsed selector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selector {
@@ -110,6 +113,28 @@ impl Selector {
     pub fn parse(text: &str) -> Result<Self, SelectorError> {
         let items = text.split(',').map(|item| Item::parse(item.trim())).collect::<Result<_, _>>()?;
         Ok(Self { items })
+    }
+
+    /// A sentence for users who may have meant both of two conditions where the selector takes either: it has items on different things,
+    /// of which one is a level. `chosen` is the number of tasks that it chooses, of `all`.
+    #[must_use]
+    pub fn note(&self, chosen: usize, all: usize) -> Option<String> {
+        let keys = |item: &Item| {
+            item.conditions.iter().map(Condition::key).collect::<std::collections::BTreeSet<_>>()
+        };
+        let levels = |item: &Item| item.conditions.iter().any(|c| c.key() != "worlds");
+        let (a, b) = self.items.iter().enumerate().find_map(|(k, a)| {
+            let other =
+                self.items[k + 1..].iter().find(|b| keys(b) != keys(a) && (levels(a) || levels(b)))?;
+            Some((a, other))
+        })?;
+        let items: Vec<&str> = self.items.iter().map(|item| item.text.as_str()).collect();
+        Some(format!(
+            "{chosen} of {all} tasks (any of {}; for both write {}:{})",
+            items.join(", "),
+            a.text,
+            b.text
+        ))
     }
 
     /// The tasks that the selector chooses, in the order of the suite, none twice.
@@ -234,6 +259,16 @@ impl Item {
 }
 
 impl Condition {
+    /// What it is about.
+    fn key(&self) -> &'static str {
+        match self {
+            Self::Elevation(_) => "elevation",
+            Self::Terrain(_) => "terrain",
+            Self::Density(_) => "density",
+            Self::Names { .. } => "worlds",
+        }
+    }
+
     fn parse(item: &str, text: &str) -> Result<Self, SelectorError> {
         let syntax = |problem: String| SelectorError::Syntax { item: item.into(), problem };
         let Some((key, value)) = text.split_once('=') else {
@@ -241,14 +276,15 @@ impl Condition {
             let names = |text: &str| {
                 Names::parse(text).ok_or_else(|| {
                     syntax(format!(
-                        "{text:?} names nothing: write w001, w001-w010, w001/t03, w*/t00 or elevation=high"
+                        "{text:?} names nothing: write w001, w001-w010, w001/t03, w*/t00 or elevation=high{JOINED}"
                     ))
                 })
             };
             return Ok(Self::Names { worlds: names(worlds)?, tasks: names(tasks)? });
         };
         let (key, value) = (key.trim(), value.trim());
-        let unknown = |all: [&str; 3]| syntax(format!("{value:?} is no {key}: use {}", all.join(", ")));
+        let unknown =
+            |all: [&str; 3]| syntax(format!("{value:?} is no {key}: use {}{JOINED}", all.join(", ")));
         match key {
             "elevation" => Elevation::ALL
                 .into_iter()
@@ -265,7 +301,7 @@ impl Condition {
                 .find(|v| v.name() == value)
                 .map(Self::Density)
                 .ok_or_else(|| unknown(Density::ALL.map(Density::name))),
-            _ => Err(syntax(format!("{key:?} is no key: use elevation, terrain or density"))),
+            _ => Err(syntax(format!("{key:?} is no key: use elevation, terrain or density{JOINED}"))),
         }
     }
 }

@@ -78,7 +78,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Show a task of one or more runs in three dimensions in the browser, or film it
     Replay(ReplayArgs),
-    /// Make, check, merge and split datasets for those who learn from data
+    /// Make, validate, merge and split datasets for those who learn from data
     #[command(subcommand)]
     Dataset(DatasetCommand),
     /// Make a submission of a planner, or of a finished run: a small folder that others can verify
@@ -97,13 +97,13 @@ pub(crate) enum Command {
     /// Start a planner's project, and describe planners that are not written in Rust
     #[command(subcommand)]
     Plugin(PluginCommand),
-    /// List, show, check, import and generate suites
+    /// List, show, validate, import and generate suites
     #[command(subcommand)]
     Suite(SuiteCommand),
     /// List tasks
     #[command(subcommand)]
     Tasks(TasksCommand),
-    /// List, show, check and test vehicles
+    /// List, show, validate and test vehicles
     #[command(subcommand)]
     Vehicle(VehicleCommand),
     /// Train terrain models on elevation data, draw surfaces from them, measure elevation
@@ -220,7 +220,8 @@ mod tests {
         assert_eq!(format!("{short:?}"), format!("{long:?}"));
         assert!(with(&[]).is_err() && with(&["run"]).is_err());
         assert!(with(&["score", "runs/a"]).unwrap().run.is_none());
-        assert!(with(&["--plugin", "a.wasm", "--resume"]).is_err());
+        assert!(with(&["--plugin", "a.wasm", "--resume"]).unwrap().run.unwrap().out.is_none());
+        assert!(with(&["vehicle", "check", "a.yaml"]).is_ok() && with(&["suite", "check", "smoke"]).is_ok());
     }
 
     #[test]

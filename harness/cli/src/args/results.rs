@@ -12,8 +12,8 @@ pub(crate) struct ReportArgs {
     /// Directories of runs of one suite; several are compared task by task
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
-    /// Directory for the page, index.html
-    #[arg(long, value_name = "DIR", required_unless_present_any = ["figures", "markdown", "csv", "parquet", "geojson"])]
+    /// Directory for the page, index.html; default, if no other output is asked for: RUN/report of a single run, else report
+    #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Write the results as Markdown, for a paper or a pull request; - for stdout
     #[arg(long, value_name = "FILE")]
@@ -43,7 +43,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "PT", default_value_t = 8.0, value_parser = positive)]
     pub(crate) figure_font: f64,
     /// Make replays of these tasks, e.g. w001/t03 or elevation=high, and link them from the page
-    #[arg(long, value_name = "SELECTOR", requires = "out")]
+    #[arg(long, value_name = "SELECTOR")]
     pub(crate) replays: Option<String>,
     /// Make maps of the worlds of these tasks, e.g. w001 or elevation=high, with all ways and where and why they ended: as pages
     /// for --out, as figures for --figures

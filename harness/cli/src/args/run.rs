@@ -20,7 +20,7 @@ pub(crate) struct RunArgs {
     /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-100
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Tasks to run, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    /// Tasks to run, e.g. w001/t03, w001-w004,w007 (either) or elevation=high:terrain=rigid (both); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     #[command(flatten)]
@@ -28,8 +28,8 @@ pub(crate) struct RunArgs {
     /// Directory for the results; default: runs/PLANNER-N
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Go on with the run in --out
-    #[arg(long, requires = "out")]
+    /// Go on with the run in --out; default: the last of runs/PLANNER-N
+    #[arg(long)]
     pub(crate) resume: bool,
     /// Drive one of several parts of the tasks, e.g. 3/8 for the third of eight, into a folder of its own in --out; auto takes the
     /// numbers from Slurm's, Kubernetes' or AWS Batch's array. The same command goes on where it was stopped; merge joins all parts
@@ -39,7 +39,7 @@ pub(crate) struct RunArgs {
     /// simulation fails in the first 20
     #[arg(long)]
     pub(crate) keep_going: bool,
-    /// Seed of the planner's randomness
+    /// Seed of the planner's randomness and of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     /// Samples to keep: none, 10hz, or full, which allows exact re-scoring
@@ -48,7 +48,7 @@ pub(crate) struct RunArgs {
     /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none
     #[arg(long, value_name = "all|failed|none", default_value = "failed", value_parser = log_mode)]
     pub(crate) logs: LogMode,
-    /// Rules: paper, release, dev, exploration, or a file
+    /// Rules: paper, release, dev, exploration, training, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
     pub(crate) rules: String,
     /// Vehicle: a name, or a file
@@ -66,7 +66,7 @@ pub(crate) struct RunArgs {
     /// Step of the simulation in milliseconds, for studies of convergence; scores are comparable at 1 only
     #[arg(long, value_name = "MS", default_value = "1", value_parser = time_step)]
     pub(crate) time_step: f64,
-    /// Factor on every length of the world: 1, 1/6, 1/10; default: the scale that the vehicle is made for
+    /// Factor on every length of the world, 0.01 to 10, e.g. 1/6; default: the scale that the vehicle is made for
     #[arg(long, value_name = "FACTOR", value_parser = scale)]
     pub(crate) scale: Option<f64>,
     /// Fuel of a WASM planner for one step (about one unit an instruction), whatever --limits says
@@ -133,7 +133,7 @@ pub(crate) struct ScoreArgs {
     /// Directory of the run
     #[arg(value_name = "RUN")]
     pub(crate) run: PathBuf,
-    /// Rules: paper, release, dev, exploration, or a file; default: those of the run
+    /// Rules: paper, release, dev, exploration, training, or a file; default: those of the run
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) rules: Option<String>,
     #[command(flatten)]

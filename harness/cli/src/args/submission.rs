@@ -67,10 +67,10 @@ pub(crate) struct VerifyArgs {
     /// Suite of the submission: a directory; default: the one of its name that comes with the harness
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Vehicle of the submission: a file; default: the one of its name that comes with the harness
+    /// Vehicle of the submission: a name, or a file; default: the one of its name that comes with the harness
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) vehicle: Option<String>,
-    /// Soils of the submission: a file; default: those of their name that come with the harness
+    /// Soils of the submission: a name, or a file; default: those of their name that come with the harness
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) soils: Option<String>,
     /// Perception profile of the submission, a name or a file; default: by its name

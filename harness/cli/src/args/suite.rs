@@ -14,6 +14,7 @@ pub(crate) enum SuiteCommand {
     /// Show what a suite holds, in figures and as a page with a map of every world
     Show(ShowArgs),
     /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
+    #[command(alias = "check")]
     Validate(ValidateArgs),
     /// Collect from runs who has done which tasks, as proof that they can be done
     Prove(ProveArgs),
@@ -296,7 +297,7 @@ pub(crate) struct TasksArgs {
     /// The suite: a directory, or the name of one that comes with the harness; default: vb-100
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Which tasks, e.g. w001/t03 or w001-w004,elevation=high; default: all
+    /// Which tasks, e.g. w001/t03, w001-w004,w007 (either) or elevation=high:terrain=rigid (both); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     #[command(flatten)]

@@ -13,6 +13,7 @@ pub(crate) enum VehicleCommand {
     /// Show what a vehicle is made of, and draw it
     Show(VehicleShowArgs),
     /// Read a vehicle file and check every value
+    #[command(alias = "check")]
     Validate(VehicleArgs),
     /// Drive a vehicle through standard events and hold it against theory, published figures and Project Chrono
     Test(VehicleTestArgs),

@@ -7,8 +7,10 @@ mod site;
 mod testbed;
 mod validate;
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
+use std::sync::Mutex;
 
 use serde::Serialize;
 use vb_catalog::CatalogError;
@@ -17,7 +19,8 @@ use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEE
 use vb_suite::import::Source;
 use vb_suite::rules::ParamsError;
 use vb_world::{
-    Density, Elevation, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World, WorldInfo,
+    Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
+    WorldInfo,
 };
 
 use crate::args::{
@@ -74,7 +77,16 @@ fn is_another(wanted: &Path, found: &Path) -> bool {
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
 pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, CliError> {
-    vb_catalog::select(suite, selector).map_err(CliError::usage)
+    let chosen = vb_catalog::select(suite, selector).map_err(CliError::usage)?;
+    let note = selector.and_then(|text| Selector::parse(text).ok()?.note(chosen.len(), suite.task_count()));
+    // Once, however often a command looks tasks up.
+    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    if let Some(note) = note
+        && TOLD.lock().is_ok_and(|mut told| told.insert(note.clone()))
+    {
+        output::note(&format!("note: {note}"));
+    }
+    Ok(chosen)
 }
 
 /// An error of writing a suite: the worlds are ours, the directory is the user's.

@@ -105,3 +105,22 @@ fn what_does_not_exist_is_named_with_what_does() {
         assert!(message.contains(expected), "{text}: {message}\nlacks {expected}");
     }
 }
+
+#[test]
+fn either_of_two_kinds_of_conditions_is_noted_with_how_both_are_written() {
+    let note = |text: &str| Selector::parse(text).unwrap().note(70, 100);
+    assert_eq!(
+        note("elevation=high,terrain=rigid").as_deref(),
+        Some(
+            "70 of 100 tasks (any of elevation=high, terrain=rigid; for both write elevation=high:terrain=rigid)"
+        )
+    );
+    assert!(note("w001-w004,elevation=high").unwrap().contains("write w001-w004:elevation=high"));
+    for plain in
+        ["w001,w002/t00", "elevation=high", "elevation=high,elevation=low", "elevation=high:terrain=rigid"]
+    {
+        assert_eq!(note(plain), None, "{plain}");
+    }
+    let e = Selector::parse("elevation=high&terrain=rigid").unwrap_err().to_string();
+    assert!(e.contains("a colon joins conditions that must all hold"), "{e}");
+}
