@@ -297,3 +297,22 @@ fn parts_that_make_no_sense_or_have_nothing_leave_nothing_behind() {
     assert_eq!(split(&a, &parts(&[("all", 1.0)]), 0, &out, &[]).unwrap()[0].episodes, 2);
     Dataset::open_whole(&out.join("all")).unwrap();
 }
+
+#[test]
+fn statistics_have_the_index_columns_of_lerobot() {
+    let place = Place::new();
+    let a = place.made("a", &[0, 1]);
+    let text = fs::read_to_string(a.dir().join("meta/stats.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for name in ["timestamp", "frame_index", "episode_index", "index", "task_index"] {
+        assert_eq!(stats[name]["min"][0], 0.0, "{name}");
+    }
+    // Frames are numbered from 0 to n − 1: mean (n − 1) / 2, variance (n² − 1) / 12.
+    let index = &stats["index"];
+    let n = index["count"][0].as_f64().unwrap();
+    let near =
+        |what: &str, wanted: f64| (index[what][0].as_f64().unwrap() - wanted).abs() < 1e-9 * wanted.max(1.0);
+    assert!(n > 1.0 && near("max", n - 1.0) && near("mean", 0.5 * (n - 1.0)), "{index}");
+    assert!(near("std", ((n * n - 1.0) / 12.0).sqrt()), "{index}");
+    assert_eq!(stats["episode_index"]["max"][0], 1.0);
+}
