@@ -275,7 +275,7 @@ fn planners_are_ranked_with_ties_and_a_sentence_says_who_wins() {
 
     // In three worlds nothing can be certain.
     let told = "good has the highest success rate: 75.0 % of 12 tasks, but its lead over near and bad is not certain: 3 worlds are too \
-                few (1 to 3 differ, 7 must; run the 100 worlds of vb-100).";
+                few (2 to 3 differ, 7 must; run the 100 worlds of vb-100).";
     let report = runs(3);
     assert_eq!(report.headline().as_deref(), Some(told));
     assert!(report.ranking().unwrap().places.iter().all(|p| (p.rank, p.last) == (1, 3)));

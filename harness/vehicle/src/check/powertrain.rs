@@ -209,7 +209,8 @@ mod tests {
     fn every_kind_of_engine_and_differential_can_be_written() {
         let v = with_engine("{type: simple, torque: 200.0, power: 14000.0, max_speed: 366.5}").unwrap();
         assert_eq!(v.powertrain.engine.inertia(), 0.0);
-        let v = with_engine("{type: electric, torque: [[0.0, 1.6], [503.7, 0.0]], inertia: 1.0e-4}").unwrap();
+        let v =
+            with_engine("{type: electric, torque: [[0.0, 160.0], [503.7, 0.0]], inertia: 1.0e-4}").unwrap();
         assert!(matches!(v.powertrain.engine, Engine::Electric { regeneration: 0.0, .. }));
         for (text, expected) in [
             ("{type: open}", Differential::Open {}),
