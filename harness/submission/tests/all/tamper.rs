@@ -314,7 +314,7 @@ fn a_forged_result_survives_only_if_it_is_not_drawn() {
 }
 
 #[test]
-fn findings_without_end_are_counted_and_a_hundred_of_them_kept() {
+fn lines_without_end_are_not_read_and_a_hundred_findings_are_kept() {
     let b = bench();
     b.copy("honest", "newlines");
     let lines = 1_000_000;
@@ -323,6 +323,6 @@ fn findings_without_end_are_counted_and_a_hundred_of_them_kept() {
     let verdict = b.verify("newlines", None).unwrap();
     assert!(!verdict.verified);
     assert_eq!(verdict.findings.len(), 100);
-    // Each empty line, and what else its file then lacks.
-    assert!(verdict.more_findings >= lines as u64 - 100, "{}", verdict.more_findings);
+    // Of four tasks a hundred and four lines are looked at; that there are more is one finding, and what the file lacks are others.
+    assert!((5..100).contains(&verdict.more_findings), "{}", verdict.more_findings);
 }
