@@ -54,7 +54,9 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
 /// Where the page goes: into the folder that was named, or, if nothing else is asked for, into one in the run, or in the working directory
 /// if there are several.
 fn page_dir(args: &ReportArgs) -> Option<PathBuf> {
-    let other = [&args.figures, &args.markdown, &args.csv, &args.parquet].into_iter().any(Option::is_some);
+    let other = [&args.figures, &args.markdown, &args.csv, &args.parquet, &args.geojson]
+        .into_iter()
+        .any(Option::is_some);
     args.out.clone().or_else(|| match &args.runs[..] {
         _ if other => None,
         [run] => Some(run.join("report")),
