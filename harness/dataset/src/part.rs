@@ -57,7 +57,7 @@ impl Part {
         // What rounding leaves without a world takes one from the largest.
         for k in 0..counts.len() {
             let largest = (0..counts.len()).max_by_key(|k| counts[*k]).unwrap_or(k);
-            if counts[k] == 0 && counts[largest] > 1 {
+            if counts[k] == 0 && counts[largest] > 1 && worlds.len() >= parts.len() {
                 counts[k] += 1;
                 counts[largest] -= 1;
             }

@@ -88,7 +88,7 @@ fn npz() -> Vec<u8> {
     common.extend([0, 0]);
     let mut bytes = [b"PK\x03\x04", &common[..], name, &data].concat();
     let directory = bytes.len() as u32;
-    bytes.extend([b"PK\x01\x02\x14\0", &common[..], &[0; 12], name].concat());
+    bytes.extend([b"PK\x01\x02\x14\0", &common[..], &[0; 14], name].concat());
     let length = bytes.len() as u32 - directory;
     bytes.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
     bytes.extend(length.to_le_bytes());

@@ -98,7 +98,7 @@ class Place:
     label: str  #: of the run
     rank: int  #: one more than the number of runs that succeed more for certain
     rank_last: int  #: the last rank that is possible: all runs less those that succeed less for certain
-    ties: tuple[str, ...]  #: labels of the runs that it can't be told from
+    ties: tuple[str, ...]  #: labels of the runs from which it does not differ significantly
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,9 @@ class Comparison:
 
     runs: tuple[RunFigures, ...]
     pairs: tuple[Pair, ...]  #: all with all
-    ranking: tuple[Place, ...]  #: by rank, then by success rate; empty for one run
+    ranking: tuple[Place, ...]  #: by rank, then by success rate; empty for one run, and for runs that can't be ranked
     headline: str | None  #: who wins, in a sentence; None for one run
+    unranked: str | None = None  #: why the runs can't be ranked, e.g. since their time steps differ
 
     def runs_frame(self, frame: str = "pandas") -> Any:
         """A row for each run (see `vertibench.results` for the kinds of frames): label, path, tasks, and of each measure
@@ -126,7 +127,7 @@ class Comparison:
         return _frame(rows, frame)
 
     def ranking_frame(self, frame: str = "pandas") -> Any:
-        """A row for each run, the best first: rank, the last rank that is possible, and whom it can't be told from."""
+        """A row for each run, the best first: rank, the last rank that is possible, and from which others it does not differ significantly."""
         return _frame([asdict(p) | {"ties": ", ".join(p.ties)} for p in self.ranking], frame)
 
     def pairs_frame(self, frame: str = "pandas") -> Any:
@@ -220,7 +221,7 @@ def _read(told: dict[str, Any]) -> Comparison:
         Place(runs[p["run"]].label, p["rank"], p["rank_last"], tuple(runs[k].label for k in p["ties"]))
         for p in told["ranking"]
     )
-    return Comparison(runs, pairs, ranking, told["headline"])
+    return Comparison(runs, pairs, ranking, told["headline"], told.get("unranked"))
 
 
 def _figures(f: dict[str, Any]) -> Figures:
