@@ -187,8 +187,8 @@ fn scale_warning(vehicle: &vb_vehicle::VehicleSpec, scale: f64) -> Option<String
     ((scale - made_for).abs() > 1e-9).then(|| {
         let shown = |scale: f64| if scale < 1.0 { format!("1/{}", rounded(1.0 / scale)) } else { rounded(scale) };
         format!(
-            "warning: the vehicle {} is made for worlds of scale {}, and these have scale {}: it is {} times too large for them (leave \
-             --scale out, or choose another --vehicle)",
+            "warning: the vehicle {} is made for worlds of scale {}, and these have scale {}: it has {} times the size of \
+             one that is made for them (leave --scale out, or choose another --vehicle)",
             vehicle.name,
             shown(made_for),
             shown(scale),
@@ -281,6 +281,6 @@ mod tests {
         assert_eq!((scale_warning(&full, 1.0), scale_warning(&small, small.scale)), (None, None));
         let told = scale_warning(&full, 0.1).unwrap();
         assert!(told.contains("hmmwv is made for worlds of scale 1, and these have scale 1/10"), "{told}");
-        assert!(told.contains("it is 10 times too large"), "{told}");
+        assert!(told.contains("it has 10 times the size of one"), "{told}");
     }
 }

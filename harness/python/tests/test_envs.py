@@ -221,6 +221,24 @@ def _one_step_on(state, made_of):
     return env.vehicle["time"], env.vehicle["position"].tolist()
 
 
+def test_the_environment_of_a_dataset_is_recovered_by_minari(explored, tmp_path, monkeypatch):
+    minari = pytest.importorskip("minari", reason="Minari is not installed")
+    for module in ("h5py", "pyarrow"):
+        pytest.importorskip(module, reason=f"{module} is not installed")
+    from vertibench import datasets
+
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    dataset = datasets.open(explored)
+    datasets.to_minari(dataset, "explored-v0")
+    made = minari.load_dataset("explored-v0")
+    env = made.recover_environment()
+    _, info = env.reset(seed=0)
+    env.step(made[0].actions[0])
+    assert info["task"] in env.unwrapped.tasks and env.action_space.shape == made.action_space.shape
+    assert env.unwrapped.vehicle["time"] == pytest.approx(1 / dataset.info.hz)
+    env.close()
+
+
 def test_truth_is_told_apart_from_what_is_observed(make):
     env = make(observation=["pose"], perception="degraded").unwrapped
     env.reset(seed=0, options={"task": "w002/t00"})

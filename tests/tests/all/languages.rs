@@ -82,20 +82,15 @@ fn c_drives_as_rust_does_but_for_the_last_bits() {
 }
 
 #[test]
-fn what_a_planner_in_another_language_refuses_is_told_in_its_words() {
-    let _turn = turn();
+fn a_parameter_of_a_planner_in_another_language_is_checked_before_the_run() {
     for name in ["pursuit-c", "pursuit-js", "pursuit-python"] {
         let Some(file) = example(name) else { continue };
         let bench = Bench::new();
-        bench.ok(&["--plugin", text(&file), "--tasks", "w001/t00", "--param", "speed=fast", "--out", "r"]);
-        let record = &bench.records("r")["w001/t00"];
-        assert_eq!(record["outcome"], "planner_error", "{name}");
-        let reason = record["reason"].as_str().expect("a reason");
-        assert!(
-            reason.contains(" on w001/t00, init: returned an error: parameter speed "),
-            "{name}: {reason}"
-        );
-        assert!(reason.contains("must be a number"), "{name}: {reason}");
+        let args = ["--plugin", text(&file), "--tasks", "w001/t00", "--param", "speed=fast", "--out", "r"];
+        let told = bench.run(&args).error(USAGE);
+        let expected = "--param speed: \"fast\" is not a number (target speed, m/s); its default is 4.0";
+        assert!(told.contains(expected), "{name}: {told}");
+        assert!(!bench.path("r").exists(), "{name}");
     }
 }
 

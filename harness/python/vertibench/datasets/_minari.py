@@ -81,7 +81,7 @@ def to_minari(
     make = minari.create_dataset_from_buffers
     if "jpeg_encoding" not in inspect.signature(make).parameters:
         settings.pop("jpeg_encoding")
-    settings.setdefault("env", _env_spec(dataset))
+    settings.setdefault("env", _environment(dataset))
     observations = gymnasium.spaces.Dict(spaces)
     actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
     path = Path(get_dataset_path(dataset_id))
@@ -100,9 +100,9 @@ def to_minari(
         raise
 
 
-def _env_spec(dataset: Dataset) -> Any:
-    """The environment over the dataset's worlds with its vehicle, which Minari's `recover_environment` makes. The worlds are where the
-    dataset lies now."""
+def _environment(dataset: Dataset) -> Any:
+    """Stands for the environment over the dataset's worlds with its vehicle, which Minari's `recover_environment` makes: it has the
+    specification, and loads nothing. The worlds are where the dataset lies now."""
     import gymnasium
 
     from ..registration import NAME, register
@@ -119,9 +119,10 @@ def _env_spec(dataset: Dataset) -> Any:
         "control_hz": float(info.hz),
         "action": "pedals",
     }
-    spec = copy.deepcopy(gymnasium.spec(NAME))
-    spec.kwargs = options
-    return spec
+    named = gymnasium.Env()
+    named.spec = copy.deepcopy(gymnasium.spec(NAME))
+    named.spec.kwargs = options
+    return named
 
 
 def _missing(e: ImportError) -> DatasetError:
