@@ -8,6 +8,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use serde_json::Value;
 use vb_tests::{Bench, Done, PluginKind, plugin, root};
 
+/// Exit code of a mistake on the command line, docs/results.md.
+const USAGE: i32 = 2;
 /// Three tasks on easy ground, which pure pursuit solves, and three on rough ground.
 const TASKS: &str = "w001/t00-t02,w002/t03,w006/t03,w009/t00";
 
