@@ -79,7 +79,7 @@ fn report(dir: &std::path::Path) -> Report {
     let run = |k: usize| {
         let name = format!("planner-{k}");
         let tasks = (0..9).flat_map(|w| (0..4).map(move |t| (w, t)));
-        let success = |w: usize, t: usize| !(k == 0 && w % 3 == 2) && (w + t) % (k + 2) != 0;
+        let success = |w: usize, t: usize| !((k == 0 && w % 3 == 2) || (w + t).is_multiple_of(k + 2));
         write(&dir.join(&name), &header(&name, 36), tasks.map(|(w, t)| record(w, t, success(w, t))))
     };
     Report::new(Runs::read(&[run(0), run(1), run(2)]).unwrap())

@@ -327,7 +327,8 @@ fn the_sentence_says_of_which_tasks_it_is_where_runs_have_not_done_the_same() {
 fn runs_with_other_settings_are_not_ranked_and_the_report_says_why() {
     let dir = tempfile::tempdir().unwrap();
     let usual = write(&dir.path().join("usual"), &header("a", 36), tasks(9, |_, t| t < 3));
-    let changes: [(&str, fn(&mut vb_record::RunHeader), &str); 4] = [
+    type Change = fn(&mut vb_record::RunHeader);
+    let changes: [(&str, Change, &str); 4] = [
         ("step", |h| h.time_step = 0.005, "time step (1 ms, 5 ms)"),
         ("scale", |h| h.scale = 0.1, "scale (1, 0.1)"),
         ("vehicle", |h| h.vehicle.hash = "12345678ff".into(), "(file 12345678))"),

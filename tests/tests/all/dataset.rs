@@ -368,7 +368,7 @@ fn a_dataset_is_looked_at_and_its_examples_lead_to_replays() {
     );
     assert_eq!(sums, serde_json::json!([8, 8, 8]));
     assert_eq!(browser.eval("document.querySelectorAll('#distributions svg').length"), 8);
-    assert!(browser.screenshot().content() > 0.1, "a page without content");
+    assert!(browser.screenshot().content() > 0.03, "a page without content");
     let links =
         browser.eval("[...document.querySelectorAll('#episodes a')].map(a => a.getAttribute('href'))");
     let links = links.as_array().expect("a list");

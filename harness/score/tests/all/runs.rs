@@ -265,7 +265,7 @@ fn another_rollover_rule_needs_no_traces() {
     for mode in [TraceMode::TenHz, TraceMode::None, TraceMode::Full] {
         let tmp = tempfile::tempdir().unwrap();
         let store = RunStore::create(tmp.path(), &header(&paper, mode, 3)).unwrap();
-        let records = vec![
+        let records = [
             drive(&store, &paper, mode, "w/a", None, leans),
             drive(&store, &paper, mode, "w/b", Some(3.0), leans),
             run(&store, &paper, mode, "w/c", 5.0, None),
