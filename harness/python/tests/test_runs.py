@@ -138,7 +138,9 @@ def test_what_is_no_harness_is_refused(stand_in, tmp_path, monkeypatch):
 
 
 INTERRUPTED = """
-import os, sys, vertibench
+import os, signal, sys, vertibench
+# A shell starts what runs in its background with Ctrl-C ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 def watch(p):
     if p.done == 2:
         print("two", flush=True)
