@@ -306,7 +306,8 @@ fn lay_out(
         return Ok((raster.with_resolution(Some(x)), place));
     }
     let side = x.min(y);
-    let size = |n: usize, own: f64| ((n - 1) as f64 * own / side * (1.0 + 1e-12)).floor() as u64 + 1;
+    let size =
+        |n: usize, own: f64| (((n - 1) as f64 * own / side * (1.0 + 1e-12)).floor() as u64).saturating_add(1);
     let (rows_out, cols_out) = (size(rows, y), size(cols, x));
     check_size(rows_out, cols_out)?;
     notes.push(format!(
@@ -380,7 +381,9 @@ fn projected(
     }
     let corners = [origin, [last[0], origin[1]], last, [origin[0], last[1]]].map(|p| zone.project(p));
     let reach = |i: usize, centre: f64| corners.iter().map(|p| (p[i] - centre).abs()).fold(0.0, f64::max);
-    let size = |i: usize, centre: f64| 2 * (reach(i, centre) / side).floor() as u64 + 1;
+    let size = |i: usize, centre: f64| {
+        ((reach(i, centre) / side).floor() as u64).saturating_mul(2).saturating_add(1)
+    };
     let (rows_out, cols_out) = (size(1, north), size(0, east));
     check_size(rows_out, cols_out)?;
     if rows_out * cols_out > 16 * (rows as u64 * cols as u64) + (1 << 20) {

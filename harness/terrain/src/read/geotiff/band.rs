@@ -352,7 +352,7 @@ fn pack_bits(input: &[u8], wanted: usize) -> Vec<u8> {
             -128 => (0, tail),
             n => {
                 let Some(byte) = tail.first() else { break };
-                bytes.resize(bytes.len() + 1 - isize::from(n) as usize, *byte);
+                bytes.resize(bytes.len() + 1 + usize::from(n.unsigned_abs()), *byte);
                 (1, tail)
             }
         };
