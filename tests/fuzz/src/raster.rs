@@ -58,7 +58,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     let asc =
         b"ncols 3\nnrows 2\nxllcorner 10,5\nyllcenter 20\ncellsize 1\nNODATA_value -9999\n1 2 3\n4 -9999 6\n";
     let mut binary =
-        b"NROWS 2\nNCOLS 2\nNBITS 16\nBYTEORDER M\nULXMAP 8.5\nULYMAP 47.5\nXDIM 0.001\nYDIM 0.001\n\n"
+        b"NROWS 2\nNCOLS 2\nNBITS 16\nBYTEORDER M\nULXMAP 500000.5\nULYMAP 5260000.5\nXDIM 1\nYDIM 1\n\n"
             .to_vec();
     binary.extend([0, 1, 0, 2, 0, 3, 0, 4]);
     vec![
@@ -97,7 +97,7 @@ fn npz() -> Vec<u8> {
     bytes
 }
 
-/// A TIFF of 2 × 2 samples of 16 bits in degrees, with differences and GDAL's metadata.
+/// A TIFF of 4 × 4 samples of 16 bits in degrees, with differences and GDAL's metadata.
 fn degrees() -> Vec<u8> {
     let metadata = b"<GDALMetadata><Item name=\"S\" sample=\"0\" role=\"scale\">0.01</Item></GDALMetadata>\0";
     // Size of a pixel, and the tie point of the first.
@@ -111,17 +111,17 @@ fn degrees() -> Vec<u8> {
     let (scale, tie, geo) = (at(0), at(24), at(data.len()));
     let text = geo + keys.len() as u32;
     let strip = text + metadata.len() as u32;
-    let samples: [u8; 8] = [100, 0, 1, 0, 102, 0, 255, 255];
+    let samples = [100, 0, 1, 0, 2, 0, 255, 255].repeat(4);
     let first = strip + samples.len() as u32;
     let entries: [(u16, u16, u32, u32); 15] = [
-        (256, 3, 1, 2),
-        (257, 3, 1, 2),
+        (256, 3, 1, 4),
+        (257, 3, 1, 4),
         (258, 3, 1, 16),
         (259, 3, 1, 1),
         (262, 3, 1, 1),
         (273, 4, 1, strip),
         (277, 3, 1, 1),
-        (278, 3, 1, 2),
+        (278, 3, 1, 4),
         (279, 4, 1, samples.len() as u32),
         (317, 3, 1, 2),
         (339, 3, 1, 2),
