@@ -42,6 +42,11 @@ impl DriveLog {
             return Err(EnvError::State(format!("it has {size} bytes, and at most {most} are read")));
         }
         let body = bytes.strip_prefix(MAGIC).ok_or_else(|| EnvError::State("it is no state".into()))?;
-        rmp_serde::from_slice(body).map_err(|e| EnvError::State(e.to_string()))
+        let log: Self = rmp_serde::from_slice(body).map_err(|e| EnvError::State(e.to_string()))?;
+        // The decoder doesn't mind what comes behind.
+        if log.to_bytes() != bytes {
+            return Err(EnvError::State("it has bytes that no state has".into()));
+        }
+        Ok(log)
     }
 }

@@ -380,7 +380,9 @@ def test_pictures_of_all(make):
 
 
 _SCRIPT = """
-import numpy as np, os, sys, time
+import numpy as np, os, signal, sys, time
+# A shell starts what runs in its background with Ctrl-C ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from vertibench.envs import NavigationVectorEnv
 env = NavigationVectorEnv(64, suite="smoke", tasks="w001-w003", observation=["state"])
 env.reset(seed=0)
