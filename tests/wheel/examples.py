@@ -1,4 +1,4 @@
-"""Runs the examples of README and docs with the installed package, so that none is told that doesn't work.
+"""Runs the code blocks of README and docs with the installed package.
 
 Each block of code between fences of `console`, `sh`, `python`, `yaml`, `rust` or `toml` is run or checked; `text` is what programs print,
 and isn't. The blocks of a page share an empty folder and run in order. Of a `console` block the lines that begin with `$ ` are run, by
@@ -12,7 +12,7 @@ in which `then` parts several:
     <!-- example: file: NAME -->                   it is the content of this file, which later blocks use
     <!-- example: part of: FILE -->                it is in this file of the repository, which is tested
 
-`python3 tests/wheel/smoke.py` calls it, and `python3 tests/wheel/examples.py --list` tells what is done with each block.
+`python3 tests/wheel/smoke.py` calls it, and `python3 tests/wheel/examples.py --list` prints what is done with each block.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ pub(crate) fn check(args: &FilmArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Of a long work that is told in lines: how many tenths of it have been told.
+/// Progress of a long task in tenths: the number that has been printed.
 #[derive(Default)]
 struct Tenths(usize);
 

@@ -95,7 +95,7 @@ fn usage_of(text: &str, given: &[String]) -> error::CliError {
     error::CliError::usage(format!("{what} ({hint})"))
 }
 
-/// What an argument that clap doesn't know may stand for.
+/// A suggestion for an unknown argument.
 fn meant(text: &str, given: &[String]) -> Option<String> {
     let argument = text
         .strip_prefix("unexpected argument '")
@@ -122,7 +122,7 @@ fn meant(text: &str, given: &[String]) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// What the program says of these arguments.
+    /// The error message for these arguments.
     fn said(line: &str) -> String {
         let given: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         let all = std::iter::once("vb-harness".to_owned()).chain(given.clone());

@@ -93,7 +93,7 @@ impl Manual {
             && self.stages == other.stages
             && self.places.len() == other.places.len()
             && self.places.iter().all(|p| {
-                // Counts begin anew once a window is full.
+                // Counts are reset when a window is full.
                 p.stage < self.stages.len()
                     && p.successes <= p.episodes
                     && p.episodes < self.rule.window.max(1)

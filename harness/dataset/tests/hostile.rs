@@ -1,4 +1,4 @@
-//! What a stranger writes into a dataset is refused with field and value, or is a finding.
+//! Invalid values in an untrusted dataset are refused with field and value, or reported as findings.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 

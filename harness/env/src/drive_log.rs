@@ -1,16 +1,16 @@
-//! How a state of an environment was reached, as bytes: small, and without any state of the simulation, so that nothing that a
-//! stranger writes into it can bring the simulation into a state that it can't reach by driving.
+//! Serialized form of an environment's state: the task, its seed and all actions. It holds no state of the simulation, so untrusted
+//! bytes can't bring the simulation into a state that is not reachable by driving.
 
 use serde::{Deserialize, Serialize};
 
 use crate::EnvError;
 
-/// What comes first, so that other bytes are told apart at once. The last character is the version.
+/// Magic number; the last character is the version of the format.
 const MAGIC: &[u8] = b"vbstate1";
-/// The most bytes that are read: an hour of actions at 100 Hz is less.
+/// Limit on the size, bytes. An hour of actions at 100 Hz is less.
 const MAX_BYTES: usize = 16 << 20;
 
-/// How a state was reached.
+/// The episode up to a state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DriveLog {
@@ -43,7 +43,7 @@ impl DriveLog {
         }
         let body = bytes.strip_prefix(MAGIC).ok_or_else(|| EnvError::State("it is no state".into()))?;
         let log: Self = rmp_serde::from_slice(body).map_err(|e| EnvError::State(e.to_string()))?;
-        // The decoder doesn't mind what comes behind.
+        // The decoder ignores trailing bytes.
         if log.to_bytes() != bytes {
             return Err(EnvError::State("it has bytes that no state has".into()));
         }

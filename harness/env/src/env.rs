@@ -238,8 +238,8 @@ impl Env {
         Ok(())
     }
 
-    /// Goes back to a snapshot that another process wrote ([`Snapshot::to_bytes`]): begins its task and drives there again, which
-    /// takes as long as the drive took.
+    /// Restores a serialized snapshot ([`Snapshot::to_bytes`]): resets to its task and replays its actions, which takes as long as
+    /// simulating them did.
     ///
     /// # Errors
     /// Returns an error, and changes nothing, if the bytes are no snapshot, or one of an environment that was made with other
@@ -266,7 +266,7 @@ impl Env {
 }
 
 impl Snapshot {
-    /// The snapshot for another process, or for later: how it was reached, by which [`Env::restore_from`] drives there again.
+    /// Serializes the snapshot as task, seed and actions, which [`Env::restore_from`] replays.
     ///
     /// # Errors
     /// Returns an error if there is no episode.

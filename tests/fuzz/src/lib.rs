@@ -8,6 +8,7 @@ mod dataset;
 mod import;
 mod limits;
 mod manifest;
+mod mutation;
 mod plugin;
 mod protocol;
 mod raster;
@@ -19,6 +20,7 @@ mod suite;
 mod tables;
 mod weights;
 
+pub use mutation::{mutate, next};
 use vb_score::Rules;
 use vb_sim::SoilSet;
 use vb_suite::generate::GeneratorParams;

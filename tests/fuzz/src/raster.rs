@@ -1,5 +1,6 @@
 //! Elevation files of users.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use vb_terrain::read::{Holes, Options, read, survey};
@@ -75,26 +76,11 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
 
 /// The array in an archive (ZIP, stored).
 fn npz() -> Vec<u8> {
-    let (name, data) = (b"dem.npy", npy());
-    let crc = !data.iter().fold(!0u32, |mut c, b| {
-        c ^= u32::from(*b);
-        (0..8).for_each(|_| c = if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 });
-        c
-    });
-    let mut common = vec![20, 0, 0, 0, 0, 0, 0, 0, 0, 0];
-    common.extend(crc.to_le_bytes());
-    common.extend([(data.len() as u32).to_le_bytes(); 2].concat());
-    common.extend((name.len() as u16).to_le_bytes());
-    common.extend([0, 0]);
-    let mut bytes = [b"PK\x03\x04", &common[..], name, &data].concat();
-    let directory = bytes.len() as u32;
-    bytes.extend([b"PK\x01\x02\x14\0", &common[..], &[0; 14], name].concat());
-    let length = bytes.len() as u32 - directory;
-    bytes.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
-    bytes.extend(length.to_le_bytes());
-    bytes.extend(directory.to_le_bytes());
-    bytes.extend([0, 0]);
-    bytes
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    archive.start_file("dem.npy", stored).expect("the archive is in memory");
+    archive.write_all(&npy()).expect("the archive is in memory");
+    archive.finish().expect("the archive is in memory").into_inner()
 }
 
 /// A TIFF of 4 × 4 samples of 16 bits in degrees, with differences and GDAL's metadata.

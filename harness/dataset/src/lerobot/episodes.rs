@@ -19,7 +19,7 @@ use super::Stats;
 use crate::episode::EpisodeInfo;
 use crate::error::DatasetError;
 
-/// A file at most: ours tell of 256 episodes, in some hundred columns.
+/// Limits of a metadata file. Files written here have at most 256 episodes and about a hundred columns.
 const BOUNDS: ParquetBounds =
     ParquetBounds { file: 128 << 20, values: 1 << 25, bytes: 256 << 20, dictionary: 2 << 20 };
 /// Episodes that are decoded at a time: each can have every text of the file.
@@ -49,7 +49,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// What is wrong with a row that should tell of the episode `number`, with frames from `first` on, in the data file `file`.
+    /// The first error of the row of episode `number`, whose frames must begin at `first` and lie in data file `file`.
     pub(crate) fn flaw(&self, number: usize, first: usize, file: usize) -> Option<String> {
         let Place { from, to, .. } = self.place;
         if self.index != number || from != first || to <= from {

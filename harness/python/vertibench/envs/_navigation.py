@@ -17,8 +17,8 @@ from ._render import Camera
 class State:
     """An environment as it was at some time: `NavigationEnv.state` gives it, `NavigationEnv.set_state` takes it back.
 
-    It never changes. A pickled one holds how the state was reached: the task, its seed and all actions, a few kB. An environment that
-    takes it back drives there again, as fast as it simulates, and then has the same state to the last bit."""
+    Immutable. Pickled, it holds the task, its seed and all actions (a few kB); `set_state` then replays them, at the speed of the
+    simulation, and has the same state bit for bit."""
 
     __slots__ = ("_bytes", "_snapshot")
 
@@ -37,7 +37,7 @@ class State:
 
 
 def _unpickled(how: bytes) -> State:
-    """The state that was reached in this way; whether it can be reached is seen where it is taken back."""
+    """A State from serialized bytes, which `set_state` checks."""
     if not isinstance(how, bytes):
         raise OptionError(f"a pickled State holds bytes, not {type(how).__name__}")
     state = State.__new__(State)
