@@ -8,6 +8,7 @@ use vb_sim::{Controls, Gear, Simulation, VehicleState};
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 use crate::feature::{Feature, Frame, Ground, Values};
+use crate::values::shown;
 
 /// The greatest length, coordinate or time that an episode may have, m or s.
 const FARTHEST: f64 = 1e9;
@@ -65,7 +66,7 @@ impl EpisodeInfo {
         };
         let within = |field: &str, values: &[f64], low: f64, high: f64| {
             let odd = values.iter().find(|v| !(low..=high).contains(*v))?;
-            Some(format!("{field}: {odd:e} must lie in {low:e} to {high:e}"))
+            Some(format!("{field}: {} must lie in {} to {}", shown(*odd), shown(low), shown(high)))
         };
         let outcomes: Vec<&str> =
             vb_score::Outcome::ALL.iter().map(|o| o.name()).chain([crate::make::ENDED]).collect();

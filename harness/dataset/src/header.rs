@@ -9,6 +9,7 @@ use vb_vehicle::SCALES;
 
 use crate::explore::Exploration;
 use crate::feature::Layout;
+use crate::values::shown;
 
 /// The version of the layout of `dataset.json` and of the columns.
 pub const DATASET_SCHEMA: u32 = 1;
@@ -126,7 +127,8 @@ impl Header {
     pub fn flaw(&self) -> Option<String> {
         let real = |field: &str, value: f64, allowed: &std::ops::RangeInclusive<f64>| {
             let (low, high) = (allowed.start(), allowed.end());
-            (!allowed.contains(&value)).then(|| format!("{field}: {value:e} must lie in {low} to {high}"))
+            (!allowed.contains(&value))
+                .then(|| format!("{field}: {} must lie in {low} to {high}", shown(value)))
         };
         let whole = |field: &str, value: usize, low: usize, high: usize| {
             (!(low..=high).contains(&value)).then(|| format!("{field}: {value} must lie in {low} to {high}"))

@@ -21,6 +21,7 @@ mod playback;
 mod reader;
 mod sums;
 mod validate;
+mod values;
 mod worlds;
 mod writer;
 

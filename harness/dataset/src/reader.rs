@@ -10,6 +10,7 @@ use crate::feature::{Feature, Values};
 use crate::header::{DATASET_SCHEMA, Header};
 use crate::lerobot::{Batch, Row, data_path, episodes_path, read_data, read_episodes};
 use crate::sums::{Flaw, SUMS, Sums, hash_file, must_be_whole};
+use crate::values;
 
 /// The file that says what a dataset follows from.
 pub(crate) const HEADER: &str = "dataset.json";
@@ -212,6 +213,10 @@ impl Dataset {
         let (from, to) = (row.place.from.wrapping_sub(first), row.place.to.wrapping_sub(first));
         if from > to || to > batch.len() {
             let detail = format!("it has no frames {} to {}", row.place.from, row.place.to);
+            return Err(DatasetError::damaged(&path, &detail));
+        }
+        if let Some(flaw) = values::flaw(&self.features, &batch.columns, from..to) {
+            let detail = format!("episode {}: {flaw}", row.index);
             return Err(DatasetError::damaged(&path, &detail));
         }
         let columns = self.features.iter().zip(&batch.columns);

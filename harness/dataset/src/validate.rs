@@ -3,18 +3,15 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use vb_world::{Suite, TerrainClass};
+use vb_world::Suite;
 
 use crate::error::DatasetError;
-use crate::feature::Values;
 use crate::lerobot::{Batch, Place, data_path, read_data};
 use crate::make::keep_apart;
 use crate::reader::{Dataset, finished_header};
 use crate::sums::{SUMS, Sums};
+use crate::values;
 
-/// The greatest number that a frame may have, whatever its unit: no quantity of a vehicle, from the load of a wheel (N) to the
-/// speed of its engine (rad/s), comes near it.
-const MOST: f64 = 1e9;
 /// Findings that are told at most.
 const FINDINGS: usize = 50;
 
@@ -152,7 +149,6 @@ fn frames(
 ) -> Option<String> {
     let hz = f64::from(dataset.header().hz);
     let whole = |v: usize| i64::try_from(v).unwrap_or(i64::MAX);
-    let last = rows.end - 1;
     for (k, row) in rows.clone().enumerate() {
         if batch.index[row] != whole(place.from + k) {
             return Some(format!("frame {k}: index {} is not {}", batch.index[row], place.from + k));
@@ -170,59 +166,5 @@ fn frames(
             return Some(format!("timestamp {} of frame {k} is not {time}", batch.timestamp[row]));
         }
     }
-    for (feature, values) in dataset.features().iter().zip(&batch.columns) {
-        let width = feature.width();
-        let own = || rows.start * width..rows.end * width;
-        if let Values::F32(v) = values
-            && let Some(k) = own().find(|k| !v[*k].is_finite())
-        {
-            return Some(format!("{} of frame {} is not finite", feature.name, k / width - rows.start));
-        }
-        let within = |entry: usize, low: f64, high: f64| {
-            let at = rows.clone().find(|row| {
-                let v = values.number(row * width + entry);
-                v < low || v > high
-            })?;
-            let (name, v) = (&feature.names[entry], values.number(at * width + entry));
-            Some(format!(
-                "{} {name}: {v:e} of frame {} must lie in {low} to {high}",
-                feature.name,
-                at - rows.start
-            ))
-        };
-        let flaw = match feature.name {
-            "action" | "action.applied" => {
-                let unit = [(-1.0, 1.0), (0.0, 1.0), (0.0, 1.0), (-1.0, 1.0)];
-                unit.into_iter().enumerate().find_map(|(entry, (low, high))| within(entry, low, high))
-            }
-            "observation.state" | "truth.state" => {
-                let turn = std::f64::consts::PI + 1e-3;
-                (3..6).find_map(|entry| within(entry, -turn, turn))
-            }
-            "next.done" => {
-                let done = |row: &usize| values.number(*row) != f64::from(u8::from(*row == last));
-                let frame = rows.clone().find(done);
-                // The last frames before a failure are the end of their episode too.
-                frame.map(|row| format!("next.done of frame {} is wrong", row - rows.start))
-            }
-            "truth.ground" => {
-                let known = TerrainClass::ALL.len() as f64;
-                let odd = rows.clone().find(|row| !(0.0..known).contains(&values.number(*row)));
-                odd.map(|row| {
-                    let (v, at) = (values.number(row), row - rows.start);
-                    format!("{}: {v:e} of frame {at} is no kind of ground", feature.name)
-                })
-            }
-            _ => None,
-        };
-        let flaw = flaw.or_else(|| {
-            let odd = own().find(|k| values.number(*k).abs() > MOST)?;
-            let (v, at) = (values.number(odd), odd / width - rows.start);
-            Some(format!("{}: {v:e} of frame {at} must lie in {:e} to {MOST:e}", feature.name, -MOST))
-        });
-        if flaw.is_some() {
-            return flaw;
-        }
-    }
-    None
+    values::flaw(dataset.features(), &batch.columns, rows)
 }

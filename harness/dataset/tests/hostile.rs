@@ -3,61 +3,27 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod common;
+#[path = "common/place.rs"]
+mod place;
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float32Array, Int64Array, RecordBatch};
-use common::{header, suite};
+use common::header;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use vb_dataset::{Dataset, DatasetWriter, Dtype, Episode, EpisodeInfo, Layout, Values, merge, validate};
-use vb_world::Suite;
-
-const LAYOUT: Layout = Layout { wheels: 4, speed: true, goal: false, truth: false, crops: 0 };
-
-/// An episode of two frames at rest.
-fn episode(suite: &Suite) -> Episode {
-    let world = &suite.worlds()[0];
-    let columns = LAYOUT.features().into_iter().map(|f| {
-        let n = 2 * f.width();
-        match f.dtype {
-            Dtype::F32 => Values::F32(vec![0.0; n]),
-            Dtype::I64 => Values::I64(vec![0; n]),
-            Dtype::U8 => Values::U8(vec![0; n]),
-            Dtype::Bool => Values::Bool((0..n).map(|k| f.name == "next.done" && k == 1).collect()),
-        }
-    });
-    let info = EpisodeInfo {
-        world: world.id.clone(),
-        world_hash: world.sha256.clone(),
-        outcome: "rollover".into(),
-        terrain: "rigid".into(),
-        state_hash: "0".repeat(16),
-        ..EpisodeInfo::default()
-    };
-    Episode { info, frames: 2, columns: columns.collect() }
-}
-
-struct Place {
-    dir: tempfile::TempDir,
-    suite: Suite,
-}
+use place::{LAYOUT, Place, episode};
+use vb_dataset::{Dataset, DatasetWriter, Dtype, Episode, EpisodeInfo, Values, merge, validate};
 
 impl Place {
-    fn new() -> Self {
-        let dir = tempfile::tempdir().unwrap();
-        let suite = suite(&dir.path().join("suite"));
-        Self { dir, suite }
-    }
-
     /// A dataset of one episode, changed before it is written: all its hashes are right.
     fn made(&self, name: &str, change: impl FnOnce(&mut Episode)) -> PathBuf {
-        let out = self.dir.path().join(name);
+        let out = self.path(name);
         let mut writer =
             DatasetWriter::create(&out, header("made", LAYOUT, &self.suite), &self.suite, 10).unwrap();
-        let mut own = episode(&self.suite);
+        let mut own = episode(&self.suite, 0);
         change(&mut own);
         writer.add(&own).unwrap();
         writer.finish().unwrap();
@@ -101,7 +67,16 @@ fn numbers_that_no_vehicle_has_are_findings() {
     assert!(tried >= 30, "{tried}");
     let action = LAYOUT.features().iter().position(|f| f.name == "action").unwrap();
     let out = place.made("steering", |e| e.columns[action] = Values::F32(vec![1.5; 8]));
-    assert_eq!(findings(&out), "episode 0: action steering: 1.5e0 of frame 0 must lie in -1 to 1");
+    let told = "episode 0: action steering: 1.5 of frame 0 must lie in -1 to 1";
+    assert_eq!(findings(&out), told);
+    // Nobody who reads the episodes gets them, and no dataset is made of them.
+    let good = place.made("good", |e| e.info.state_hash = "1".repeat(16));
+    let [good, odd] = [good, out].map(|dir| Dataset::open(&dir).unwrap());
+    assert!(odd.episodes().next().unwrap().unwrap_err().to_string().contains(told));
+    let merged = place.path("merged");
+    let refused = merge(&[good, odd], &merged, None, Vec::new()).unwrap_err().to_string();
+    assert!(refused.contains(told) && refused.contains("steering/data/"), "{refused}");
+    assert!(!merged.exists());
     let ground = LAYOUT.features().iter().position(|f| f.name == "truth.ground").unwrap();
     let out = place.made("ground", |e| e.columns[ground] = Values::I64(vec![i64::MAX; 2]));
     assert!(findings(&out).contains("truth.ground: "), "{}", findings(&out));
@@ -135,7 +110,7 @@ fn what_is_said_of_an_episode_is_known_or_possible() {
         ("density: \"x\"", |i| i.density = "x".into()),
         ("ground: \"x\"", |i| i.ground = "x".into()),
         ("time_s: 1e308", |i| i.time_s = 1e308),
-        ("distance_m: -1e0", |i| i.distance_m = -1.0),
+        ("distance_m: -1", |i| i.distance_m = -1.0),
         ("start: 1e308", |i| i.start[2] = 1e308),
         ("goal: -1e308", |i| i.goal[0] = -1e308),
         ("a text of 5000 bytes", |i| i.instruction = "x".repeat(5000)),
@@ -212,9 +187,9 @@ fn a_header_with_numbers_that_no_dataset_has_is_refused_by_every_reader() {
         ("/layout/crops", serde_json::json!(1_000_000_000), "layout.crops: 1000000000 must lie in 0 to 128"),
         ("/hz", serde_json::json!(0), "hz: 0 must lie in 1 to 100"),
         ("/hz", serde_json::json!(4_000_000_000_u32), "hz: 4000000000 must"),
-        ("/scale", serde_json::json!(0), "scale: 0e0 must lie in 0.01 to 10"),
+        ("/scale", serde_json::json!(0), "scale: 0 must lie in 0.01 to 10"),
         ("/scale", serde_json::json!(-1e308), "scale: -1e308 must"),
-        ("/time_step", serde_json::json!(0.0), "time_step: 0e0 must"),
+        ("/time_step", serde_json::json!(0.0), "time_step: 0 must"),
     ]
     .into_iter()
     .enumerate()
@@ -235,5 +210,5 @@ fn a_header_with_numbers_that_no_dataset_has_is_refused_by_every_reader() {
         e.columns[0] = Values::F32(vec![0.5; 30]);
     }))
     .unwrap();
-    merge(&[good, other], &place.dir.path().join("merged"), None, Vec::new()).unwrap();
+    merge(&[good, other], &place.path("merged"), None, Vec::new()).unwrap();
 }

@@ -3,59 +3,21 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod common;
+#[path = "common/place.rs"]
+mod place;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use common::{header, suite};
-use vb_dataset::{
-    Dataset, DatasetError, DatasetWriter, Dtype, Episode, EpisodeInfo, Header, Layout, Part, Values, merge,
-    split,
-};
+use common::header;
+use place::{LAYOUT, Place, episode};
+use vb_dataset::{Dataset, DatasetError, DatasetWriter, Header, Part, merge, split};
 use vb_record::StoreError;
-use vb_world::Suite;
 
-const LAYOUT: Layout = Layout { wheels: 4, speed: true, goal: false, truth: false, crops: 0 };
 /// So many frames an episode might have that each has a data file of its own.
 const FRAMES: usize = usize::MAX;
 
-/// An episode whose trajectory is told apart by a number.
-fn episode(suite: &Suite, k: u64) -> Episode {
-    let columns = LAYOUT.features();
-    let columns = columns.iter().map(|f| match f.dtype {
-        Dtype::F32 => Values::F32(vec![k as f32; 2 * f.width()]),
-        Dtype::I64 => Values::I64(vec![0; 2 * f.width()]),
-        Dtype::U8 => Values::U8(vec![0; 2 * f.width()]),
-        Dtype::Bool => Values::Bool(vec![false; 2 * f.width()]),
-    });
-    let world = &suite.worlds()[0];
-    let info = EpisodeInfo {
-        drive: k,
-        world: world.id.clone(),
-        world_hash: world.sha256.clone(),
-        outcome: "rollover".into(),
-        state_hash: format!("{k:016x}"),
-        ..EpisodeInfo::default()
-    };
-    Episode { info, frames: 2, columns: columns.collect() }
-}
-
-struct Place {
-    dir: tempfile::TempDir,
-    suite: Suite,
-}
-
 impl Place {
-    fn new() -> Self {
-        let dir = tempfile::tempdir().unwrap();
-        let suite = suite(&dir.path().join("suite"));
-        Self { dir, suite }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.dir.path().join(name)
-    }
-
     fn header(&self) -> Header {
         header("made", LAYOUT, &self.suite)
     }

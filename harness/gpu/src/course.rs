@@ -29,7 +29,7 @@ pub enum CourseError {
     #[error(transparent)]
     Run(#[from] vb_runner::RunError),
     #[error(
-        "time_step: {0} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
+        "time_step: {0:?} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
     )]
     TimeStep(f64),
 }

@@ -41,8 +41,9 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
             Ok(())
         }
         n => Err(CliError::not_verified(format!(
-            "{}: {n} findings (take the dataset from its source again, or make it again by the command in its README.md)",
-            args.dataset.display()
+            "{}: {n} {} (take the dataset from its source again, or make it again by the command in its README.md)",
+            args.dataset.display(),
+            if n == 1 { "finding" } else { "findings" }
         ))),
     }
 }
