@@ -212,7 +212,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     if json {
         output::json(&Message::Verification { verdict: &verdict, out: &out });
     } else {
-        output::text(&told(&verdict));
+        output::text(&told(&verdict, args.sample));
         output::note(&format!("verdict: {}", out.display()));
     }
     if verdict.verified {
@@ -226,8 +226,8 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     Err(CliError::not_verified(format!("{} does not verify: {first}{more}", args.submission.display())))
 }
 
-/// A verdict for people.
-fn told(verdict: &Verification) -> String {
+/// A verdict for people, with the number of tasks that were to be drawn, if not all.
+fn told(verdict: &Verification, drawn: Option<u32>) -> String {
     let mut by_check: BTreeMap<&str, usize> = BTreeMap::new();
     for f in &verdict.findings {
         *by_check.entry(&f.check).or_default() += 1;
@@ -243,7 +243,11 @@ fn told(verdict: &Verification) -> String {
         .collect();
     if let (Some(sample), Some(row)) = (&verdict.sample, rows.last_mut()) {
         let seed = sample.seed.map_or_else(String::new, |s| format!(", seed {s}"));
-        row.push(format!("{} of {} tasks{seed}", sample.tasks.len(), sample.of));
+        let more = match drawn {
+            Some(n) if (n as usize) < sample.tasks.len() => format!(" ({n} drawn, and those with traces)"),
+            _ => String::new(),
+        };
+        row.push(format!("{} of {} tasks{more}{seed}", sample.tasks.len(), sample.of));
     }
     let mut text = output::columns(&rows);
     for f in &verdict.findings {

@@ -157,6 +157,11 @@ def test_parameters_without_a_help_text_say_how_to_declare_them():
     assert (kind, error["message"]) == ("error", wanted)
 
 
+def in_step(planner):
+    """Where this file has the planner's step."""
+    return f" (step in test_planner.py:{planner.step.__code__.co_firstlineno})"
+
+
 @pytest.mark.parametrize("answer", [None, {"steering": 0.0}, (0.0, 1.0, 0.0)])
 def test_a_step_that_returns_no_command_is_told_so(answer):
     class Mute(Probe):
@@ -164,8 +169,8 @@ def test_a_step_that_returns_no_command_is_told_so(answer):
             return answer
 
     kind, error = talk(Mute, ("init", TASK), ("step", OBSERVATION))[-1]
-    wanted = f"TypeError: step returned {answer!r}; return a Command, as Command(steering, throttle, brake)"
-    assert (kind, error["message"]) == ("error", wanted)
+    told = f"TypeError: step returned {answer!r}; return a Command, as Command(steering, throttle, brake)"
+    assert (kind, error["message"]) == ("error", told + in_step(Mute))
 
 
 def test_a_field_of_a_command_that_is_no_number_is_named():
@@ -177,9 +182,10 @@ def test_a_field_of_a_command_that_is_no_number_is_named():
     later = [("step", dict(OBSERVATION, time=t)) for t in (1.0, 2.0)]
     replies = talk(Words, ("init", TASK), ("step", OBSERVATION), *later)
     told = "ValueError: the command's gear is 'sideways'; it must be one of forward, neutral, reverse"
-    assert replies.pop()[1]["message"] == told
-    assert replies[-2][1]["message"] == "TypeError: the command's steering is 'left'; it must be a number"
-    assert replies[-1][1]["message"] == "TypeError: the command's debug[\"cost\"] is 'high'; it must be numbers"
+    place = in_step(Words)
+    assert replies.pop()[1]["message"] == told + place
+    assert replies[-2][1]["message"] == "TypeError: the command's steering is 'left'; it must be a number" + place
+    assert replies[-1][1]["message"] == "TypeError: the command's debug[\"cost\"] is 'high'; it must be numbers" + place
 
 
 PRINTS = """

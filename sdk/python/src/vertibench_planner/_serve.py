@@ -111,14 +111,17 @@ def serve(planner, reader, writer):
             # All of it for the log, the last line for the record.
             traceback.print_exc()
             sys.stderr.flush()
-            send("error", {"kind": "error", "message": f"{type(error).__name__}: {error}{_place(error)}"})
+            send("error", {"kind": "error", "message": f"{type(error).__name__}: {error}{_place(error, current)}"})
 
 
-def _place(error):
-    """Where an author finds the cause: the innermost line that isn't of this package, if there is one."""
+def _place(error, planner):
+    """The innermost line of the planner that raised an error. One in a command that `step` has returned has none: then where `step` is."""
     here = os.path.dirname(__file__)
     frames = [f for f in traceback.extract_tb(error.__traceback__) if os.path.dirname(f.filename) != here]
-    return f" ({os.path.basename(frames[-1].filename)}:{frames[-1].lineno})" if frames else ""
+    if frames:
+        return f" ({os.path.basename(frames[-1].filename)}:{frames[-1].lineno})"
+    code = getattr(getattr(planner, "step", None), "__code__", None)
+    return f" (step in {os.path.basename(code.co_filename)}:{code.co_firstlineno})" if code else ""
 
 
 def _introduction(planner):
