@@ -49,12 +49,13 @@ impl VideoFormat {
         }
     }
 
-    /// The number of frames a second if nobody says it, and the size of a frame: a GIF is for pages, and each of its pixels costs.
+    /// The number of frames a second if nobody says it, and the size of a frame: a GIF is for pages, and each of its pixels costs. A
+    /// repeated drive has 50 samples a second, so that each frame of a video at 25 is one of them.
     #[must_use]
     pub fn usual(self) -> (f64, Size) {
         match self {
             Self::Gif => (20.0, Size { width: 640, height: 360 }),
-            Self::Mp4 | Self::WebM => (30.0, Size { width: 1280, height: 720 }),
+            Self::Mp4 | Self::WebM => (25.0, Size { width: 1280, height: 720 }),
         }
     }
 

@@ -109,7 +109,7 @@ pub(crate) struct FilmArgs {
     /// For --video: how fast it plays, e.g. 4 for four times as fast as it was driven; default: 1
     #[arg(long, value_name = "FACTOR", value_parser = positive, requires = "video")]
     pub(crate) speed: Option<f64>,
-    /// For --video: frames a second; default: 20 for .gif, else 30
+    /// For --video: frames a second; default: 20 for .gif, else 25
     #[arg(long, value_name = "N", value_parser = positive, requires = "video")]
     pub(crate) fps: Option<f64>,
     /// Leave out what is written over the pictures: planner, time, speed, outcome
