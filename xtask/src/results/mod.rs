@@ -3,6 +3,7 @@
 mod published;
 mod table;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -11,6 +12,20 @@ use serde_json::Value;
 use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
+/// What kind of planner an entry is: the paper's classes, and planners that are no part of its comparison.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Class {
+    Classical,
+}
+
+impl Class {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Classical => "classical",
+        }
+    }
+}
+
 /// A planner with its parameters: a row of each table.
 pub(super) struct Entry {
     /// The name of its plugin, by which published figures are found, too.
@@ -18,16 +33,35 @@ pub(super) struct Entry {
     /// The name of the row.
     pub(super) label: &'static str,
     pub(super) params: &'static [&'static str],
+    pub(super) class: Class,
+}
+
+/// An entry with what it did on a course.
+pub(super) struct Row<'a> {
+    pub(super) entry: &'a Entry,
+    /// The run's summary.json.
+    pub(super) summary: Value,
+    /// The first and the last place among the rows that the run may have: a difference that isn't significant is a tie.
+    pub(super) rank: Option<[u64; 2]>,
+    /// The fraction of successes among the tasks that the suite's proof says can be done with the course's vehicle.
+    pub(super) of_solvable: Option<f64>,
+}
+
+impl Row<'_> {
+    /// The figures over all tasks.
+    pub(super) fn all(&self) -> &Value {
+        &self.summary["all"]
+    }
 }
 
 /// The rows, in their order.
 const ENTRIES: &[Entry] = &[
-    Entry { plugin: "pid", label: "PID", params: &[] },
-    Entry { plugin: "pid", label: "PID, 3 m/s", params: &["speed=3"] },
-    Entry { plugin: "eh", label: "EH", params: &[] },
-    Entry { plugin: "eh", label: "EH, 3 m/s", params: &["speed=3"] },
-    Entry { plugin: "mppi", label: "MPPI", params: &[] },
-    Entry { plugin: "mppi", label: "MPPI, 3 m/s", params: &["speed=3"] },
+    Entry { plugin: "pid", label: "PID", params: &[], class: Class::Classical },
+    Entry { plugin: "pid", label: "PID, 3 m/s", params: &["speed=3"], class: Class::Classical },
+    Entry { plugin: "eh", label: "EH", params: &[], class: Class::Classical },
+    Entry { plugin: "eh", label: "EH, 3 m/s", params: &["speed=3"], class: Class::Classical },
+    Entry { plugin: "mppi", label: "MPPI", params: &[], class: Class::Classical },
+    Entry { plugin: "mppi", label: "MPPI, 3 m/s", params: &["speed=3"], class: Class::Classical },
 ];
 
 /// A suite that is driven with a vehicle: two tables, one of results and one of causes.
@@ -68,7 +102,7 @@ const COURSES: &[Course] = &[
 ];
 
 /// Makes a table of the rows of a course.
-type Make = fn(&[(&Entry, Value)]) -> String;
+type Make = fn(&[Row<'_>]) -> String;
 
 /// The tables of a course: what their names end in, and what makes them.
 const KINDS: [(&str, Make); 3] =
@@ -97,10 +131,19 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
             remove(&folder.join(course.name))?;
         }
         let suite = suite(course, &folder)?;
+        let solvable = solvable(course)?;
         let mut rows = Vec::new();
+        let mut runs = Vec::new();
         for entry in ENTRIES {
             let out = folder.join(course.name).join(run_name(entry));
-            rows.push((entry, drive(entry, course, &suite, &out)?));
+            let summary = drive(entry, course, &suite, &out)?;
+            let of_solvable =
+                solvable.as_ref().map(|tasks| success_among(&out, tasks)).transpose()?.flatten();
+            rows.push(Row { entry, summary, rank: None, of_solvable });
+            runs.push(out);
+        }
+        for (row, rank) in rows.iter_mut().zip(ranking(&runs, &folder)?) {
+            row.rank = rank;
         }
         for (kind, make) in KINDS {
             tables.push((format!("{} {kind}", course.name), make(&rows)));
@@ -164,6 +207,62 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
         return Err(Failure::new(format!("{}: vb-harness: {}: {last}", out.display(), done.status)));
     }
     read(&file)
+}
+
+/// The tasks that the suite's proof says can be done with the course's vehicle; none where it says nothing of it.
+fn solvable(course: &Course) -> Result<Option<BTreeSet<String>>, Failure> {
+    let file = root().join("tasks").join(course.suite).join("proof.json");
+    if !file.exists() {
+        return Ok(None);
+    }
+    let proof = read(&file)?;
+    let tasks =
+        proof["tasks"].as_object().filter(|_| proof["conditions"]["vehicle"]["name"] == course.vehicle);
+    Ok(tasks.map(|tasks| tasks.keys().cloned().collect()))
+}
+
+/// The fraction of successes among those tasks of a run that are in `tasks`.
+fn success_among(run: &Path, tasks: &BTreeSet<String>) -> Result<Option<f64>, Failure> {
+    let file = run.join("tasks.jsonl");
+    let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", file.display()));
+    let text = std::fs::read_to_string(&file).map_err(|e| wrong(&e))?;
+    let (mut driven, mut done) = (0_u32, 0_u32);
+    for line in text.lines() {
+        let record: Value = serde_json::from_str(line).map_err(|e| wrong(&e))?;
+        if record["task"].as_str().is_some_and(|task| tasks.contains(task)) {
+            driven += 1;
+            done += u32::from(record["outcome"] == "success");
+        }
+    }
+    Ok((driven > 0).then(|| f64::from(done) / f64::from(driven)))
+}
+
+/// The first and the last place of each of several runs, as `vb-harness report` ranks them.
+fn ranking(runs: &[PathBuf], folder: &Path) -> Result<Vec<Option<[u64; 2]>>, Failure> {
+    let mut report = Command::new(built("vb-harness"));
+    report.arg("report").args(runs).args(["--message-format", "json", "--markdown"]);
+    let done = report
+        .arg(folder.join("report.md"))
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|e| Failure::new(format!("can't run vb-harness: {e}")))?;
+    let text = String::from_utf8_lossy(&done.stdout);
+    let statistics = text
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+        .find(|message| message["event"] == "statistics")
+        .ok_or_else(|| Failure::new(format!("vb-harness report: {}", done.status)))?;
+    let places = statistics["ranking"].as_array().into_iter().flatten();
+    let mut ranks = vec![None; runs.len()];
+    for place in places {
+        let [run, first, last] = ["run", "rank", "rank_last"].map(|key| place[key].as_u64());
+        if let (Some(run), Some(first), Some(last)) = (run, first, last)
+            && let Some(rank) = ranks.get_mut(run as usize)
+        {
+            *rank = Some([first, last]);
+        }
+    }
+    Ok(ranks)
 }
 
 fn read(file: &Path) -> Result<Value, Failure> {
