@@ -193,6 +193,8 @@ def test_texts_are_no_markup(driven, tmp_path):
     page = vertibench.show(tmp_path / "r", "w001/t00", replay=False)._repr_html_()
     assert "<script" not in page and "<img" not in page and "&lt;script&gt;" in page
     xml.fromstring(re.search(r"<svg.*</svg>", page, re.S)[0])
+    (tmp_path / "r/tasks.jsonl").write_text(json.dumps(records[0]) + "\n")
+    assert vertibench.show(tmp_path / "r", replay=False)._repr_html_() == page, "the only task needs no name"
 
 
 def test_what_cannot_be_shown_is_told(driven, tmp_path, monkeypatch):
@@ -211,6 +213,7 @@ def test_what_cannot_be_shown_is_told(driven, tmp_path, monkeypatch):
         (lambda: run.show("w003/t00", suite=other), "its task w003/t00 is another than that of"),
         *((lambda s=s: vertibench.show_task("smoke", "w001/t00", scale=s), "scale is ") for s in (0, -1, float("nan"), "1/6")),
         (lambda: vertibench.show([], "w001/t00"), "no run is given"),
+        (lambda: run.show(), "finished tasks (name the task, e.g. show(run, 'w0"),
         (lambda: vertibench.show(tmp_path, "w001/t00"), "run.json is missing"),
     ]
     for do, told in cases:

@@ -72,7 +72,7 @@ class Shown:
 
 def show(
     run: Run | str | PathLike[str] | Sequence[Run | str | PathLike[str]],
-    task: str,
+    task: str | None = None,
     *,
     replay: bool = True,
     suite: str | PathLike[str] | None = None,
@@ -80,7 +80,7 @@ def show(
 ) -> Shown:
     """Shows a task of a run, e.g. `show(run, "w012/t03")`: the map with global path, start, goal and what was driven,
     coloured by speed, and below it the replay in three dimensions. Of several runs of the same suite each trajectory has a
-    colour, and the replay follows the first.
+    colour, and the replay follows the first. The task may be left out if the first run has one alone.
 
     `replay=False` leaves the replay out, which is about a megabyte; `height` is its height in pixels. `suite` is the folder
     of the suite, if it is neither where it was nor the one of its name that comes with the harness.
@@ -100,6 +100,7 @@ def show(
             raise RunError(
                 other.path, f"its world has another scale than that of {runs[0].path}", "show them one by one"
             )
+    task = _only_task(runs[0]) if task is None else task
     traces = [r.trace(task) for r in runs]
     folder = suite_of(runs[0], suite)
     scene = read_task(folder, task, float(runs[0].of("scale") or 1))
@@ -123,6 +124,14 @@ def show_task(suite: str | PathLike[str], task: str, *, scale: float = 1.0) -> S
         raise VertibenchError("show_task", f"scale is {scale!r}", "give a number above 0")
     scene = read_task(suite_folder(suite), task, scale)
     return Shown(task, f"of {scene.suite}", svg(scene), None)
+
+
+def _only_task(run: Run) -> str:
+    tasks = run.tasks
+    if len(tasks) != 1:
+        example = f"e.g. show(run, {tasks[0]!r})" if tasks else "once it has finished one"
+        raise RunError(run.path, f"the run has {len(tasks)} finished tasks", f"name the task, {example}")
+    return tasks[0]
 
 
 def _replay(runs: Sequence[Run], task: str, folder: Path) -> str:

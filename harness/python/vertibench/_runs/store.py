@@ -50,7 +50,9 @@ class Run:
         return str(self.path)
 
     def __repr__(self) -> str:
-        return f"<Run {self.path}: {self.planner} on {self.of('suite', 'name')}, {self.header.get('tasks')} tasks>"
+        count = self.header.get("tasks")
+        tasks = "1 task" if count == 1 else f"{count} tasks"
+        return f"<Run {self.path}: {self.planner} on {self.of('suite', 'name')}, {tasks}>"
 
     @property
     def planner(self) -> str:
@@ -125,7 +127,7 @@ class Run:
 
         return trace(self, task, frame)
 
-    def show(self, task: str, **options: Any) -> Shown:
+    def show(self, task: str | None = None, **options: Any) -> Shown:
         """See `vertibench.show`."""
         from .show import show
 
