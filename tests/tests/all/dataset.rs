@@ -77,7 +77,7 @@ fn what_was_changed_or_cut_off_is_found() {
         let done = bench.run(&["dataset", "validate", "d"]);
         assert!(done.stdout.contains(says), "{says} is not in {}", done.stdout);
         let e = done.error(NOT_VERIFIED);
-        assert!(e.contains("findings"), "{e}");
+        assert!(e.contains(" finding"), "{e}");
     };
     fs::write(&data, &whole[..whole.len() / 2]).expect("written");
     findings("file-000.parquet: it is not as it was written");

@@ -60,9 +60,9 @@ fn without_maps_of_the_world_ibex_drives_by_what_it_sees() {
     let bench = Bench::new();
     let drive = |profile: &str, kind: PluginKind| {
         let (plugin, out) = (plugin("ibex", kind), format!("{profile}-{kind:?}"));
-        let run = ["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001/t00"];
+        let run = ["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001/t01"];
         bench.ok(&[&run[..], &["--perception", profile, "--out", &out]].concat());
-        bench.records(&out).remove("w001/t00").expect("the task is recorded")
+        bench.records(&out).remove("w001/t01").expect("the task is recorded")
     };
     for profile in ["onboard", "degraded"] {
         let (wasm, native) = (drive(profile, PluginKind::Wasm), drive(profile, PluginKind::Native));

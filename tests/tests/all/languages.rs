@@ -77,7 +77,8 @@ fn c_drives_as_rust_does_but_for_the_last_bits() {
     assert_eq!(c.len(), rust.len());
     for task in ["w001/t00", "w001/t01", "w001/t02"] {
         assert_eq!((&c[task]["outcome"], &rust[task]["outcome"]), (&"success".into(), &"success".into()));
-        assert_eq!(c[task]["time_s"], rust[task]["time_s"], "{task}");
+        let [c, rust] = [&c, &rust].map(|run| run[task]["time_s"].as_f64().expect("a time"));
+        assert!((c - rust).abs() < 0.05, "{task}: {c} s for {rust} s");
     }
     // And again: the same bits as before.
     assert_eq!(drive(&bench, &file, "again"), c);

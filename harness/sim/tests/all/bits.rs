@@ -10,18 +10,18 @@ use vb_world::Suite;
 
 /// A vehicle, a world of `tasks/smoke`, and what the drive left. A snapshot: it changes with the simulator, and with nothing else.
 const DRIVES: [(&str, &str, u64); 12] = [
-    ("hmmwv", "w001", 0xe5df_956e_c730_1ee7),
-    ("hmmwv", "w003", 0x59f1_6783_b542_dcab),
-    ("hmmwv-released", "w006", 0x8efc_1ee1_a5be_f224),
-    ("gator", "w002", 0x5897_fe87_0340_6fef),
-    ("feda", "w005", 0x611d_e8cc_db2b_9b17),
-    ("m113", "w003", 0x2771_ebc8_d963_c495),
-    ("m113", "w007", 0xdbcc_34f2_ef75_055d),
-    ("man5t", "w004", 0x2f4c_e78a_1c4c_b422),
-    ("man7t", "w008", 0xeae3_03b7_081b_e091),
-    ("man10t", "w009", 0xcb72_3431_e5d0_0454),
-    ("artcar", "w010", 0x0a31_a805_7379_ed5a),
-    ("verti4wheeler", "w003", 0x63d8_4b82_6117_57a9),
+    ("hmmwv", "w001", 0xd746_46e1_b491_0cb6),
+    ("hmmwv", "w003", 0x0ce1_d607_e0e3_fe3c),
+    ("hmmwv-released", "w006", 0xda48_aee5_227e_3acf),
+    ("gator", "w002", 0x958c_5ff1_1fa1_0b94),
+    ("feda", "w005", 0x8251_7638_246a_0350),
+    ("m113", "w003", 0x2910_4866_08da_9f81),
+    ("m113", "w007", 0xdf27_b75a_a221_72ea),
+    ("man5t", "w004", 0xf085_354a_68e7_3ed1),
+    ("man7t", "w008", 0xb3ce_248a_04c6_6656),
+    ("man10t", "w009", 0x0b7b_d02c_a902_c7bc),
+    ("artcar", "w010", 0xb1e6_c22a_5c25_4625),
+    ("verti4wheeler", "w003", 0x617e_e0b6_dadc_01a8),
 ];
 
 #[test]

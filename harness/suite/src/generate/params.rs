@@ -523,8 +523,8 @@ mod tests {
             ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
             ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
             ("resolution: 1.0", "resolution: .nan", "grid.resolution: NaN must lie in"),
-            ("medium: 0.5694", "medium: steep", "elevation.std.medium: \"steep\""),
-            ("medium: 0.5694", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
+            ("medium: 0.555", "medium: steep", "elevation.std.medium: \"steep\""),
+            ("medium: 0.555", "medium: -0.3", "elevation.std.medium: -0.3 must lie in 0.001 to 100"),
             ("model: rocks", "model: ''", "elevation.model: is empty"),
             ("tilt: 20.0", "tilt: -1.0", "tasks.stand.tilt: -1 must lie in 0 to 90"),
             (
