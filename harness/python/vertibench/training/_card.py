@@ -91,7 +91,8 @@ def _baseline(config: Config, folder: Path) -> Run:
 
 def _where(config: Config) -> dict[str, Any]:
     envs = NavigationVectorEnv(1, **config.held_out())
-    where = {"suite": envs._setup.arena.suite, "tasks": config["held_out.tasks"], "vehicle": config["vehicle"]}
+    where = {"suite": envs._setup.arena.suite, "tasks": config["held_out.tasks"]}
+    where |= {name: config[name] for name in ("vehicle", "perception")}
     envs.close()
     return where
 

@@ -29,6 +29,7 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "held_out.seed": (7000, 7999),
     "held_out.tasks": None,
     "vehicle": None,
+    "perception": None,
     "reward": None,
     "rules": None,
     "time_step": (1e-4, 5e-3),
@@ -135,6 +136,7 @@ class Config:
         """The options of environments in which policies of this configuration drive."""
         return {
             "vehicle": self["vehicle"],
+            "perception": self["perception"],
             "reward": self["reward"],
             "observation": self["observation"],
             "sight": self.sight(),

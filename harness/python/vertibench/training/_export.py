@@ -45,6 +45,7 @@ def weights_of(method: Method, config: Config, state: dict[str, Any]) -> Weights
         "action": f"{config['action']} {slowest:g} {fastest:g}",
         "control_hz": "10",
         "vehicle": config["vehicle"],
+        "perception": config["perception"],
         "curriculum": config["planners"][state["planner"]],
         "worlds": f"{config['worlds.count']} of seed {config['worlds.seed']}",
         "steps": str(state["steps"]),
