@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
-/// What kind of planner an entry is: the paper's classes, and planners that are no part of its comparison.
+/// Planner class, as in the paper.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Class {
     Classical,
@@ -43,7 +43,7 @@ pub(super) struct Row<'a> {
     pub(super) summary: Value,
     /// The first and the last place among the rows that the run may have: a difference that isn't significant is a tie.
     pub(super) rank: Option<[u64; 2]>,
-    /// The fraction of successes among the tasks that the suite's proof says can be done with the course's vehicle.
+    /// Success rate over the tasks proven solvable with the course's vehicle (the suite's `proof.json`).
     pub(super) of_solvable: Option<f64>,
 }
 
@@ -209,7 +209,7 @@ fn drive(entry: &Entry, course: &Course, suite: &Path, out: &Path) -> Result<Val
     read(&file)
 }
 
-/// The tasks that the suite's proof says can be done with the course's vehicle; none where it says nothing of it.
+/// The tasks proven solvable with the course's vehicle; `None` without a proof for that vehicle.
 fn solvable(course: &Course) -> Result<Option<BTreeSet<String>>, Failure> {
     let file = root().join("tasks").join(course.suite).join("proof.json");
     if !file.exists() {
