@@ -6,7 +6,7 @@ use vb_suite::generate::GeneratorParams;
 use vb_suite::site::{Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_terrain::crs::Crs;
-use vb_terrain::read::{Holes, Options, PICTURE, short, survey};
+use vb_terrain::read::{Holes, Options, PICTURE, Said, short, survey};
 use vb_world::{Georeference, Provenance, SuiteMeta};
 
 use crate::args::SiteArgs;
@@ -38,7 +38,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     }
     let heights = &found.heights;
     // Grey levels have no height of their own.
-    let levels = found.format == PICTURE && args.unit.is_none();
+    let levels = found.format == PICTURE && matches!(found.unit_said, Said::Assumed(_));
     let resolution = match heights.resolution() {
         Some(resolution) if !levels => resolution,
         resolution => {

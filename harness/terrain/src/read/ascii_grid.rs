@@ -193,7 +193,7 @@ pub(super) fn projection(path: &Path) -> Result<(Option<Crs>, Option<Length>), F
 }
 
 /// The system of a well-known text (OGC 01-009), as far as its name and units go.
-fn well_known(text: &str) -> (Option<Crs>, Option<Length>) {
+pub(super) fn well_known(text: &str) -> (Option<Crs>, Option<Length>) {
     let upper = text.to_ascii_uppercase();
     let start = ["PROJCS[", "PROJCRS[", "GEOGCS[", "GEOGCRS[", "GEODCRS["]
         .into_iter()

@@ -13,6 +13,7 @@ mod geotiff;
 pub mod npy;
 mod npz;
 pub mod picture;
+mod sidecar;
 mod survey;
 mod suspect;
 
@@ -174,7 +175,7 @@ pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
         if size > MAX_BYTES {
             return Err(Flaw::TooLarge { found: size, limit: MAX_BYTES, unit: "bytes" });
         }
-        let found = match Format::of(path, size)? {
+        let mut found = match Format::of(path, size)? {
             Format::Picture => picture::read(open(path)?)?,
             Format::Array => npy::read(open(path)?)?,
             Format::Archive => npz::read(open(path)?)?,
@@ -183,6 +184,7 @@ pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
             Format::BinaryGrid(header) => binary_grid::read(path, &header, size)?,
             Format::Srtm(tile) => binary_grid::srtm(path, &tile)?,
         };
+        sidecar::apply(path, &mut found, options)?;
         finish(found, options)
     };
     inner().map_err(|flaw| ReadError { path: path.to_owned(), flaw })

@@ -93,7 +93,7 @@ impl Survey {
     #[must_use]
     pub fn summary(&self) -> String {
         // Nobody has said how high a grey level is.
-        let levels = self.format == super::PICTURE && self.unit_said != Said::Caller;
+        let levels = self.format == super::PICTURE && matches!(self.unit_said, Said::Assumed(_));
         let mut line = match self.range() {
             Some([low, high]) if levels => format!("grey levels {low} to {high}"),
             Some([low, high]) => format!("heights {low:.1} to {high:.1} m"),

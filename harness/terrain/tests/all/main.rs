@@ -6,5 +6,6 @@ mod data;
 mod formats;
 mod generate;
 mod read;
+mod sidecar;
 mod survey;
 mod tif;

@@ -78,9 +78,7 @@ fn doubles(tiff: &mut Source, image: &Image, tag: Tag) -> Result<Option<Vec<f64>
 
 /// Reads the page of heights with its mask.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Found, Flaw> {
-    let mut limits = tiff::decoder::Limits::default();
-    limits.decoding_buffer_size = 8 * MAX_SAMPLES as usize;
-    let mut tiff = Decoder::new(open(path)?).map_err(flaw)?.with_limits(limits);
+    let mut tiff = decoder(path)?;
     let pages = pages(&mut tiff)?;
     let mut notes = Vec::new();
     let image = chosen(&pages, &mut notes)?;
@@ -133,6 +131,29 @@ pub(super) fn read(path: &Path, options: &Options) -> Result<Found, Flaw> {
     let raster = ElevationImage::new(image.rows as usize, image.cols as usize, values);
     let scale = [metadata.scale, metadata.offset];
     Ok(Found { no_data, scale, unit, lay, crs, notes, ..Found::plain("GeoTIFF", raster) })
+}
+
+/// Reads an external mask (GDAL's `.msk`): one value per sample of the heights, 0 where there is none.
+pub(super) fn mask(path: &Path, [rows, cols]: [usize; 2]) -> Result<Vec<f64>, Flaw> {
+    let inner = || {
+        let mut tiff = decoder(path)?;
+        let pages = pages(&mut tiff)?;
+        let page = pages.iter().find(|p| !p.reduced).ok_or(Flaw::Damaged("it has no page of samples".into()))?;
+        if (page.rows, page.cols) != (rows as u64, cols as u64) {
+            return Err(Flaw::Damaged(format!(
+                "has {} x {} samples, but the heights have {cols} x {rows}",
+                page.cols, page.rows
+            )));
+        }
+        Layout::read(&mut tiff, page)?.band(&mut tiff, 0, &mut Vec::new())
+    };
+    inner().map_err(|flaw| Flaw::Unsupported(format!("its mask {}: {flaw}", path.display())))
+}
+
+fn decoder(path: &Path) -> Result<Source, Flaw> {
+    let mut limits = tiff::decoder::Limits::default();
+    limits.decoding_buffer_size = 8 * MAX_SAMPLES as usize;
+    Ok(Decoder::new(open(path)?).map_err(flaw)?.with_limits(limits))
 }
 
 /// All pages of the file, in order.
@@ -211,7 +232,7 @@ fn mark(text: &str) -> Result<Option<f64>, Flaw> {
 }
 
 /// Whether a sample is the mark of no data: GDAL writes it in full precision whatever the samples are, others in a few digits.
-fn is_mark(v: f64, mark: f64, single: bool) -> bool {
+pub(super) fn is_mark(v: f64, mark: f64, single: bool) -> bool {
     // Nothing else is as large as the ends of the floats.
     let end = mark.abs() > 1e37 && v.abs() > 1e37 && v.signum() == mark.signum();
     v == mark || (single && v == f64::from(mark as f32)) || (v.is_nan() && mark.is_nan()) || end
