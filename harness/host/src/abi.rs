@@ -8,15 +8,13 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum AbiVersion {
-    /// The first version, `sdk/wit/v0_1`.
-    V0_1,
-    /// One list of fields, sensors, and a reverse gear, `sdk/wit/v0_2`.
+    /// The first version, `sdk/wit/v0_2`.
     V0_2,
 }
 
 impl AbiVersion {
     /// The window: all versions that are hosted, oldest first.
-    pub const SUPPORTED: &'static [Self] = &[Self::V0_1, Self::V0_2];
+    pub const SUPPORTED: &'static [Self] = &[Self::V0_2];
     /// The version that new planners are built for.
     pub const NEWEST: Self = Self::V0_2;
 
@@ -24,7 +22,6 @@ impl AbiVersion {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::V0_1 => "0.1",
             Self::V0_2 => "0.2",
         }
     }
@@ -32,7 +29,6 @@ impl AbiVersion {
     /// The interface with functions that a WASM planner of this version may import.
     pub(crate) const fn host_interface(self) -> &'static str {
         match self {
-            Self::V0_1 => "vertibench:planner/host@0.1.0",
             Self::V0_2 => "vertibench:planner/host@0.2.0",
         }
     }
@@ -43,7 +39,7 @@ impl AbiVersion {
         Self::SUPPORTED.iter().copied().find(|version| version.name() == name)
     }
 
-    /// The names of the window as a text, e.g. `0.1, 0.2`.
+    /// The names of the window as a text, e.g. `1.0, 1.1`.
     #[must_use]
     pub fn window() -> String {
         Self::SUPPORTED.iter().map(|version| version.name()).collect::<Vec<_>>().join(", ")

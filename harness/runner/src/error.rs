@@ -46,17 +46,6 @@ pub enum RunError {
         /// What it asks for, and what there is.
         source: SenseError,
     },
-    /// The planner speaks a version of the interface in which all maps are there, and the perception profile has not all.
-    #[error(
-        "planner {planner} speaks version 0.1 of the interface, in which every task has all maps; the perception profile {profile} \
-         leaves some out (use the profile oracle, or rebuild the planner)"
-    )]
-    NoMaps {
-        /// The name of the planner.
-        planner: String,
-        /// The name of the profile.
-        profile: String,
-    },
     /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
     Thread(std::io::Error),

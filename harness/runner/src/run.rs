@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
-use vb_host::{AbiVersion, Limits, Metadata, Plugin};
+use vb_host::{Limits, Metadata, Plugin};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
     ShardHeader, SuiteHeader, TraceMode,
@@ -282,16 +282,11 @@ fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
 /// Checks whether a planner can drive under a profile.
 ///
 /// # Errors
-/// Returns an error if it asks for what the profile doesn't offer, or is too old for a profile without all maps.
+/// Returns an error if it asks for what the profile doesn't offer.
 pub fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
     let metadata = plugin.metadata();
-    let planner = || metadata.name.clone();
     vb_sense::check_needs(profile, &profile.sensors_of(metadata))
-        .map_err(|source| RunError::Perception { planner: planner(), source })?;
-    if plugin.abi() == AbiVersion::V0_1 && !profile.gives_all_maps() {
-        return Err(RunError::NoMaps { planner: planner(), profile: profile.name().to_owned() });
-    }
-    Ok(())
+        .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })
 }
 
 /// Checks whether a planner's control period is a whole number of steps of the simulation, each `step` seconds long.

@@ -13,7 +13,6 @@ pub mod protocol;
 pub mod sandbox;
 #[cfg(unix)]
 mod serve;
-pub mod v0_1;
 
 #[cfg(unix)]
 pub use serve::serve;

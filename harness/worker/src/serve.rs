@@ -8,7 +8,8 @@ use std::process::ExitCode;
 use serde::Serialize;
 use vb_sdk::LogLevel;
 
-use crate::library::{self, Library, Planner};
+use crate::calls::Functions;
+use crate::library::{self, Planner};
 use crate::protocol::{
     self, Empty, Failure, FailureKind, FrameError, Greeting, Introduction, LogLine, PROTOCOL, Reply, Request,
     WireLevel,
@@ -78,19 +79,19 @@ fn run() -> io::Result<()> {
     Ok(())
 }
 
-fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
+fn open(greeting: &Greeting) -> Result<(Functions, Introduction), Failure> {
     let unloadable = |message: String| Failure { kind: FailureKind::Unloadable, message };
     let Some(wanted) = &greeting.library else {
         return Err(unloadable("the harness named no library".into()));
     };
-    let (Some(abi), PROTOCOL) = (library::Abi::find(&greeting.abi), greeting.protocol) else {
+    if (greeting.abi.as_str(), greeting.protocol) != (vb_sdk::ABI_VERSION, PROTOCOL) {
         return Err(unloadable(format!(
-            "the worker speaks protocol {PROTOCOL} and ABI {} at most, the harness {} and {}",
+            "the worker speaks protocol {PROTOCOL} and ABI {}, the harness {} and {}",
             vb_sdk::ABI_VERSION,
             greeting.protocol,
             greeting.abi
         )));
-    };
+    }
     let path = Path::new(&wanted.path);
     let identity = library::Identity::of(path).map_err(|e| unloadable(format!("can't read it: {e}")))?;
     if identity.sha256 != wanted.sha256 {
@@ -103,7 +104,7 @@ fn open(greeting: &Greeting) -> Result<(Library, Introduction), Failure> {
         let message = format!("this system can't confine it by {}", missing.join(" and "));
         return Err(Failure { kind: FailureKind::Sandbox, message });
     }
-    let library = library::open(path, abi)?;
+    let library = library::open(path)?;
     if !identity.is_still(path) {
         return Err(unloadable("its file changed while it was opened".into()));
     }

@@ -47,8 +47,8 @@ fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
         ("torn.wasm", b"\0asm\x0d\0\x01\0\0\xff".to_vec(), &["truncated or damaged", "build it again"]),
         ("half.wasm", half(&wasm), &["truncated or damaged", "build it again"]),
         ("half.so", half(&native), &["truncated or damaged", "build it again"]),
-        ("aged.wasm", aged(&wasm), &["planner ABI 9.7", "supports 0.1, 0.2", "Rebuild"]),
-        ("aged.so", aged(&native), &["planner ABI 9.7", "supports 0.1, 0.2", "Rebuild"]),
+        ("aged.wasm", aged(&wasm), &["planner ABI 9.7", "supports 0.2", "Rebuild"]),
+        ("aged.so", aged(&native), &["planner ABI 9.7", "supports 0.2", "Rebuild"]),
         ("bent.wasm", bent(&wasm), &["control-period", "soo"]),
         ("bent.so", bent(&native), &["control-period", "soo"]),
     ];

@@ -1,4 +1,4 @@
-//! Plugins that were built for a released version of the planner interface drive as those built today.
+//! Stored plugins, which are never rebuilt within a version of the planner interface, drive like those built today.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ fn text(path: &Path) -> &str {
 }
 
 fn golden(name: &str) -> PathBuf {
-    root().join("tests/golden/abi-0.1").join(name)
+    root().join("tests/golden/abi-0.2").join(name)
 }
 
 /// Both are the same planner on the same vehicle, so they come to the same verdict after as many steps. The last bits

@@ -44,7 +44,7 @@ fn what_a_profile_does_not_offer_is_said_before_anything_is_driven() {
         text_of.replacen("rate_hz: 100", "rate_hz: 20", 1).replace("name: onboard", "name: slow"),
     );
     bench.write("wrong.yaml", text_of.replace("max_range_m: 90", "max_range_m: 0.1"));
-    let (watch, old) = (plugin("watch", PluginKind::Wasm), root().join("tests/golden/abi-0.1/pursuit.wasm"));
+    let watch = plugin("watch", PluginKind::Wasm);
     let pid = pid();
     for (planner, profile, says) in [
         (&watch, "blind.yaml", &["watch", "needs gnss", "blind", "it offers pose"][..]),
@@ -52,7 +52,6 @@ fn what_a_profile_does_not_offer_is_said_before_anything_is_driven() {
         (&watch, "wrong.yaml", &["wrong.yaml", "lidar.max_range_m"]),
         (&watch, "nowhere.yaml", &["nowhere.yaml"]),
         (&pid, "weather", &["there is no perception profile weather", "onboard"]),
-        (&old, "onboard", &["speaks version 0.1", "onboard leaves some out", "use the profile oracle"]),
     ] {
         let error =
             bench.run(&["--plugin", text(planner), "--perception", profile, "--out", "r"]).error(INPUT);

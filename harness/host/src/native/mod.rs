@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command as OsCommand, ExitCode};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use serde::Serialize;
@@ -18,7 +18,6 @@ use vb_worker::protocol::{
     Asked, Empty, Failure, FailureKind, FrameError, Greeting, Introduction, Library, PROTOCOL, Reply, Request,
 };
 use vb_worker::sandbox::{self, OUT_OF_MEMORY, STACK_OVERFLOW, SandboxReport, system_call_name};
-use vb_worker::v0_1;
 
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, ProcessEnd};
@@ -79,8 +78,6 @@ struct Shared {
     kind: Kind,
     /// What its processes are greeted with.
     abi: AbiVersion,
-    /// The version that a command has said it speaks.
-    spoken: OnceLock<AbiVersion>,
     memory_bytes: u64,
     max_message: usize,
     /// How long a process may take until it has introduced itself.
@@ -157,12 +154,11 @@ impl ProcessPlugin {
     ) -> Result<(Self, AbiVersion, Metadata), LoadError> {
         let text: Vec<_> = words.iter().map(|w| w.to_string_lossy()).collect();
         let path = PathBuf::from(text.join(" "));
-        // It learns of the newest version and may answer with any of the window.
+        // It is told the newest version and may answer with any version of the window.
         let plugin = Self::new(Kind::Command { words: words.to_vec() }, AbiVersion::NEWEST, limits);
         match plugin.spawn() {
             Ok((process, introduction)) => {
                 let (abi, metadata) = metadata(&path, introduction)?;
-                plugin.0.spoken.get_or_init(|| abi);
                 plugin.put_back(process);
                 Ok((plugin, abi, metadata))
             }
@@ -188,17 +184,11 @@ impl ProcessPlugin {
         Self(Arc::new(Shared {
             kind,
             abi,
-            spoken: OnceLock::new(),
             hello,
             memory_bytes: limits.memory_bytes as u64,
             max_message: limits.output_bytes.saturating_add(MESSAGE),
             idle: Mutex::default(),
         }))
-    }
-
-    /// The version that a command speaks.
-    fn spoken(&self) -> AbiVersion {
-        self.0.spoken.get().copied().unwrap_or(self.0.abi)
     }
 
     /// A process that has introduced itself.
@@ -352,28 +342,12 @@ pub(crate) struct ProcessSession {
 }
 
 impl ProcessSession {
-    /// The version in which the process is spoken to: the harness's own worker translates by itself.
-    fn terms(&self) -> AbiVersion {
-        match self.plugin.0.kind {
-            Kind::Worker { .. } => AbiVersion::NEWEST,
-            Kind::Command { .. } => self.plugin.spoken(),
-        }
-    }
-
     fn init(&mut self, task: &Task) -> Result<Reply, FaultCause> {
-        match self.terms() {
-            AbiVersion::V0_1 => self.ask(&v0_1::wire::Request::Init(Box::new((&v0_1::task(task)).into()))),
-            AbiVersion::V0_2 => self.ask(&Asked::Init(task)),
-        }
+        self.ask(&Asked::Init(task))
     }
 
     pub(crate) fn step(&mut self, observation: &Observation) -> Result<Command, FaultCause> {
-        let reply = match self.terms() {
-            AbiVersion::V0_1 => {
-                self.ask(&v0_1::wire::Request::Step((&v0_1::observation(observation)).into()))
-            }
-            AbiVersion::V0_2 => self.ask(&Asked::Step(observation)),
-        };
+        let reply = self.ask(&Asked::Step(observation));
         match reply? {
             Reply::Command(command) => Ok(command),
             other => Err(self.fail(unexpected(other.name(), "command"))),

@@ -7,7 +7,6 @@ mod engine;
 mod guest_world;
 mod interface;
 mod session;
-mod v0_1;
 mod v0_2;
 mod wasi;
 
@@ -86,7 +85,7 @@ impl WasmPlugin {
         session::add_host_functions(&mut linker, file.abi).map_err(unloadable)?;
         wasi::add_to_linker(&mut linker, &component, &engine).map_err(unloadable)?;
         let pre = linker.instantiate_pre(&component).map_err(unloadable)?;
-        let pre = Pre::new(file.abi, pre).map_err(not_a_plugin)?;
+        let pre = Pre::new(pre).map_err(not_a_plugin)?;
         Ok(Self { engine, pre })
     }
 

@@ -5,8 +5,7 @@ use wasmtime::component::{Linker, WasmStr};
 use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, WasmBacktrace};
 
 use super::guest_world::Wasi;
-use super::interface::{Brief, Planner, Pre};
-// The levels of all versions are the same.
+use super::interface::{Planner, Pre};
 use super::v0_2::bindings::vertibench::planner::types;
 use super::{engine, is_of_the_system};
 use crate::abi::AbiVersion;
@@ -208,7 +207,7 @@ impl WasmSession {
             store.set_epoch_deadline(ticks);
             store.epoch_deadline_trap();
         }
-        let task = Brief::new(pre, task);
+        let task = types::Task::from(task);
         let budget = Budget::new(limits.fuel_init, limits.fuel_per_task);
         let mut init = || {
             store.set_fuel(budget.fuel)?;
@@ -235,8 +234,8 @@ impl WasmSession {
         if let Some(ticks) = self.deadline {
             store.set_epoch_deadline(ticks);
         }
-        let sight = self.planner.sight(observation);
-        let result = store.set_fuel(budget.fuel).and_then(|()| self.planner.step(&mut *store, &sight));
+        let observation = types::Observation::from(observation);
+        let result = store.set_fuel(budget.fuel).and_then(|()| self.planner.step(&mut *store, &observation));
         store.data_mut().flush_output();
         let used = budget.fuel - store.get_fuel().unwrap_or(0);
         self.fuel.last_step = used;

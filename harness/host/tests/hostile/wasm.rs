@@ -10,7 +10,7 @@ pub const OK: &str = "(call $ok_planner)";
 pub const GO: &str = "(call $ok_command (f64.const 0.25) (f64.const 0.5) (f64.const 0))";
 
 /// A function that is exported under a name of the canonical ABI.
-const POST_STEP: &str = r#"(export "cabi_post_vertibench:planner/guest@0.1.0#[method]planner.step")"#;
+const POST_STEP: &str = r#"(export "cabi_post_vertibench:planner/guest@0.2.0#[method]planner.step")"#;
 
 /// A planner that fails with these bodies of its functions.
 fn bodies(
@@ -48,11 +48,10 @@ fn with(name: &'static str, item: &str, end: (Ends, FaultCode, &'static str)) ->
     changed(name, ("(func $spin", &format!("{item} (func $spin")), end)
 }
 
-/// A planner of version 0.2 of the interface, whose step puts this into the byte of the command's gear.
+/// A planner whose step puts this into the byte of the command's gear.
 fn gear(name: &'static str, value: u8, says: &'static str) -> Case {
     let step = format!("(drop {GO}) (i32.store8 (i32.const 2080) (i32.const {value})) (i32.const 2048)");
-    let text = planner_wat(OK, &step).replace("@0.1.0", "@0.2.0");
-    let module = core_module(&text, &METADATA.replace("abi: 0.1", "abi: 0.2"));
+    let module = core_module(&planner_wat(OK, &step), METADATA);
     case(name, Source::File(module), Step, InvalidOutput, says)
 }
 
@@ -71,8 +70,8 @@ fn series(name: [u32; 2], values: [u32; 2]) -> String {
         .map(|(i, word)| format!("(i32.store (i32.const {}) (i32.const {word})) ", 3000 + 4 * i))
         .collect();
     format!(
-        "(drop {GO}) {stores} (i32.store (i32.const 2080) (i32.const 3000))
-         (i32.store (i32.const 2084) (i32.const 1)) (i32.const 2048)"
+        "(drop {GO}) {stores} (i32.store (i32.const 2084) (i32.const 3000))
+         (i32.store (i32.const 2088) (i32.const 1)) (i32.const 2048)"
     )
 }
 
@@ -210,8 +209,8 @@ fn too_much() -> Vec<Case> {
         step(
             "a flood of debug data",
             &format!(
-                "(drop {GO}) (i32.store (i32.const 2080) (i32.const 4096))
-                 (i32.store (i32.const 2084) (i32.const 100000)) (drop (memory.grow (i32.const 40))) (i32.const 2048)"
+                "(drop {GO}) (i32.store (i32.const 2084) (i32.const 4096))
+                 (i32.store (i32.const 2088) (i32.const 100000)) (drop (memory.grow (i32.const 40))) (i32.const 2048)"
             ),
             InvalidOutput,
             "1048576",

@@ -20,10 +20,6 @@ fn judge(m: &Metadata, abi: AbiVersion) -> Check {
             "correct it in export_planner!, or in planner.yaml",
         );
     }
-    if abi != AbiVersion::NEWEST {
-        let detail = format!("{who}: the newest is {}", AbiVersion::NEWEST);
-        return Check::warn(NAME, detail, "it runs, but build it anew before its version leaves the window");
-    }
     let lacks = lacks(m);
     if !lacks.is_empty() {
         let detail = format!("{who}: it lacks {}", lacks.join(", "));
@@ -92,13 +88,6 @@ mod tests {
         change(&mut m);
         let check = judge(&m, AbiVersion::NEWEST);
         (check.verdict, check.detail)
-    }
-
-    #[test]
-    fn an_older_version_runs_and_draws_a_warning() {
-        let check = judge(&Metadata { abi: "0.1".into(), ..sound() }, AbiVersion::V0_1);
-        assert_eq!(check.verdict, Verdict::Warn);
-        assert_eq!(check.detail, "fox 1.0.0, ABI 0.1: the newest is 0.2");
     }
 
     #[test]

@@ -1,9 +1,0 @@
-//! Version 0.1 of the interface.
-
-pub(super) mod convert;
-
-#[allow(missing_docs, unreachable_pub, clippy::all)]
-pub(super) mod bindings {
-    //! The types generated from the interface's text.
-    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_1" });
-}
