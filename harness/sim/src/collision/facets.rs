@@ -22,6 +22,8 @@ const MARGIN: f64 = 0.06;
 /// Inclination of a wheel to a facet over which its contact moves from the middle of its width to its edge, rad: less than
 /// what a hard tyre's deflection takes, and enough that it doesn't jump.
 const UPRIGHT: f64 = 0.02;
+/// What is added to a distance that decides whether a triangle can be touched, for rounding, m.
+const ROUNDING: f64 = 1e-6;
 /// How far beyond an edge the ground is looked at to see whether it falls away there, over the wheel's radius.
 const BEYOND: f64 = 0.02;
 
@@ -163,8 +165,32 @@ impl Wheel<'_> {
         self.touches_edge(corners, &normal, ground)
     }
 
+    /// Whether planes across or along the axle show that a triangle is farther than a contact reaches, which is how most triangles near a
+    /// wheel lie. Then there is no contact at an edge, and no need to look for one.
+    fn is_out_of_reach(&self, corners: &[V3; 3]) -> bool {
+        let core = &self.shape.core;
+        let farthest = self.shape.margin + self.reach + ROUNDING;
+        let from = corners.map(|c| c - self.hub);
+        let aside = from.map(|f| f.dot(&self.axis));
+        let beside = |sign: f64| aside.iter().all(|a| sign * a > core.half_height + farthest);
+        if beside(1.0) || beside(-1.0) {
+            return true;
+        }
+        let across: [V3; 3] = std::array::from_fn(|k| from[k] - self.axis * aside[k]);
+        let towards = across[0] + across[1] + across[2];
+        let radius = core.radius + farthest;
+        let limit = radius * radius * towards.norm_squared();
+        across.iter().all(|c| {
+            let along = c.dot(&towards);
+            along > 0.0 && along * along > limit
+        })
+    }
+
     /// The contact with an edge or a corner of a triangle beside the wheel's lowest point.
     fn touches_edge(&self, corners: &[V3; 3], facet: &V3, ground: &Heightfield) -> Option<Contact> {
+        if self.is_out_of_reach(corners) {
+            return None;
+        }
         let (point, normal, depth) = match self.treads(corners) {
             Some(found) => found,
             None => self.shoulders(corners)?,
