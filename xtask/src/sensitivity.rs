@@ -49,6 +49,12 @@ const fn vehicle(
 const BOUNDS: &[Bound] = &[
     vehicle("hull friction", "0.3", &[("\n  friction: 0.4", "\n  friction: 0.3")]),
     vehicle("hull friction", "0.5", &[("\n  friction: 0.4", "\n  friction: 0.5")]),
+    vehicle("hull friction", "1.0", &[("\n  friction: 0.4", "\n  friction: 1.0")]),
+    vehicle(
+        "axle differentials",
+        "open",
+        &[("differential: {type: limited_slip, bias: 4.0, preload: 50.0}", "differential: {type: open}")],
+    ),
     vehicle("torque bias", "2", &[("bias: 4.0", "bias: 2.0")]),
     vehicle("torque bias", "5", &[("bias: 4.0", "bias: 5.0")]),
     vehicle("preload", "0 N m", &[("preload: 50.0", "preload: 0.0")]),

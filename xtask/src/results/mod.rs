@@ -123,7 +123,8 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
             known.join(", ")
         )));
     }
-    crate::build_all()?;
+    crate::build_harness()?;
+    crate::plugins::build_as_wasm(&default_plugin_dir())?;
     let folder = target_dir().join("results");
     let mut tables = Vec::new();
     for course in COURSES.iter().filter(|c| names.is_empty() || names.contains(&c.name)) {

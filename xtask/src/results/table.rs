@@ -137,7 +137,7 @@ fn table(rows: &[Row<'_>], wanted: fn(&Column) -> bool) -> String {
         let cells = COLUMNS.iter().filter(|c| wanted(c)).map(cell);
         line(&std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>())
     };
-    let mut text = row("", &|c| c.header.to_owned()).replacen("|  |", "| |", 1);
+    let mut text = row("planner", &|c| c.header.to_owned());
     text += &row("---", &|_| "---".to_owned()).replace(' ', "");
     for r in rows {
         text += &row(r.entry.label, &|c| (c.ours)(r));
@@ -161,7 +161,7 @@ pub(super) fn causes(rows: &[Row<'_>]) -> String {
     let mut causes: Vec<(&str, u64)> = counts.into_iter().collect();
     causes.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let names = causes.iter().map(|(cause, _)| cause.replace('_', " "));
-    let mut text = line(&std::iter::once(String::new()).chain(names).collect::<Vec<_>>());
+    let mut text = line(&std::iter::once("planner".to_owned()).chain(names).collect::<Vec<_>>());
     text += &line(&vec!["---".to_owned(); causes.len() + 1]).replace(' ', "");
     for r in rows {
         let shares = causes.iter().map(|(cause, _)| share(r, &r.all()["causes"][cause]));
@@ -232,7 +232,7 @@ mod tests {
             "{text}"
         );
         let text = causes(&rows);
-        assert_eq!(text.lines().next(), Some("|  | high centred | rollover at speed |"));
+        assert_eq!(text.lines().next(), Some("| planner | high centred | rollover at speed |"));
         assert_eq!(text.lines().last(), Some("| PID, 3 m/s | 62.5 | 12.5 |"));
         assert_eq!(text.lines().nth(1), Some("|---|---|---|"));
     }
