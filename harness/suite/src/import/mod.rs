@@ -1,7 +1,7 @@
-//! Import of the original's released data: bitmaps, YAML, NumPy labels (docs/worlds.md).
+//! Import of the original's released data: bitmaps, YAML, NumPy labels (docs/making-suites.md).
 //!
 //! The files leave open what a vehicle drives on, as the original's simulator does not build what they describe;
-//! [`Ground`] chooses. Paths come from our global planner either way. `docs/worlds.md` has the whole mapping.
+//! [`Ground`] chooses. Paths come from our global planner either way. `docs/making-suites.md` has the whole mapping.
 
 mod config;
 mod files;

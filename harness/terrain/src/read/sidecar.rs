@@ -51,7 +51,8 @@ struct Metadata {
 
 impl Metadata {
     fn apply(&self, text: &str, found: &mut Found, options: &Options) -> Result<(), Flaw> {
-        let document = Document::parse(text).map_err(|e| self.damaged(&format!("is no XML ({})", line(&e))))?;
+        let document =
+            Document::parse(text).map_err(|e| self.damaged(&format!("is no XML ({})", line(&e))))?;
         let root = document.root_element();
         if !root.has_tag_name("PAMDataset") {
             return Ok(());
@@ -92,7 +93,11 @@ impl Metadata {
             return Err(Flaw::Unsupported(format!(
                 "has scale {} and offset {}, but {} states {} and {}: remove the wrong one (gdal_edit.py -unsetscale, -unsetoffset, or delete the \
                  metadata file)",
-                short(found.scale[0]), short(found.scale[1]), self.name, short(scale[0]), short(scale[1])
+                short(found.scale[0]),
+                short(found.scale[1]),
+                self.name,
+                short(scale[0]),
+                short(scale[1])
             )));
         }
         found.scale = scale;
@@ -135,7 +140,8 @@ impl Metadata {
 
     /// GDAL's geotransform: x = a + b column + c row, y = d + e column + f row, of the corner of a pixel.
     fn lay(&self, text: &str) -> Result<Lay, Flaw> {
-        let numbers: Option<Vec<f64>> = text.split(',').map(|t| number(t).filter(|v| v.is_finite())).collect();
+        let numbers: Option<Vec<f64>> =
+            text.split(',').map(|t| number(t).filter(|v| v.is_finite())).collect();
         match numbers.as_deref() {
             Some([a, b, c, d, e, f]) => Ok(Lay {
                 origin: Some([a + 0.5 * (b + c), d + 0.5 * (e + f)]),

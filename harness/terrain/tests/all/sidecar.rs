@@ -67,7 +67,10 @@ fn statements_that_contradict_each_other_are_errors() {
         f.file("a.tif.aux.xml", metadata(band));
         survey(&tif, &keep()).map_err(|e| e.to_string())
     };
-    near(told("<Scale>0.5</Scale><UnitType>metre</UnitType>").unwrap().heights.values(), &[0.0, 50.0, 100.0, 150.0]);
+    near(
+        told("<Scale>0.5</Scale><UnitType>metre</UnitType>").unwrap().heights.values(),
+        &[0.0, 50.0, 100.0, 150.0],
+    );
     for (band, word) in [
         ("<Scale>0.1</Scale>", "has scale 0.5 and offset 0"),
         ("<UnitType>ft</UnitType>", "heights are in m, but"),

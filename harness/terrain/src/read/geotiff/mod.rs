@@ -138,7 +138,8 @@ pub(super) fn mask(path: &Path, [rows, cols]: [usize; 2]) -> Result<Vec<f64>, Fl
     let inner = || {
         let mut tiff = decoder(path)?;
         let pages = pages(&mut tiff)?;
-        let page = pages.iter().find(|p| !p.reduced).ok_or(Flaw::Damaged("it has no page of samples".into()))?;
+        let page =
+            pages.iter().find(|p| !p.reduced).ok_or(Flaw::Damaged("it has no page of samples".into()))?;
         if (page.rows, page.cols) != (rows as u64, cols as u64) {
             return Err(Flaw::Damaged(format!(
                 "has {} x {} samples, but the heights have {cols} x {rows}",
