@@ -1,16 +1,22 @@
-"""Verti-Bench in Rust, for Python.
+"""Verti-Bench in Rust, for Python: a simulation benchmark for off-road navigation.
 
 >>> import vertibench
->>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00")   # the program vb-harness drives
->>> run.results()                                                    # a frame, a row a task
+>>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00")   # runs a planner with vb-harness
+>>> run.results()                                                    # data frame with one row per task
 >>> run.summary().success_rate                                       # with its 95 % interval
 >>> run.show("w003/t00")                                             # map, trajectory and replay, in a notebook
 >>> vertibench.compare(run, "runs/pid-1")                            # paired differences with intervals
 
-`vertibench.envs` has environments for reinforcement learning, `vertibench.training` trains policies in them, and
-`vertibench.datasets` reads datasets to learn from. `vertibench.scale` drives the parts of a run on many machines,
-`vertibench.gpu` fleets of vehicles on a GPU. Errors are `VertibenchError`s: one line that says where, what, and what to do.
-Nothing is imported before it is used; results as pandas or polars need these packages.
+Submodules:
+
+- `vertibench.envs`: environments for reinforcement learning
+- `vertibench.training`: training of policies in these environments
+- `vertibench.datasets`: reader for datasets
+- `vertibench.scale`: runs on many machines
+- `vertibench.gpu`: simulation of vehicle fleets on a GPU
+
+All errors are `VertibenchError`s with a one-line message: where, what, what to do. Modules and names are imported at
+their first use. Results as pandas or polars data frames need these packages.
 """
 
 from __future__ import annotations
@@ -66,7 +72,7 @@ if TYPE_CHECKING:
     from ._runs.summary import Summary as Summary
     from ._runs.summary import summary as summary
 
-#: Where each name comes from; a module is imported when a name of it is first used (PEP 562).
+#: Module of each public name; it is imported when one of its names is first used (PEP 562).
 _FROM = {
     "_errors": (
         "ActionError",
@@ -101,7 +107,7 @@ _FROM = {
 }
 _MODULES = {name: module for module, names in _FROM.items() for name in names}
 
-#: Parts of the package, which are imported likewise.
+#: Submodules, which are imported in the same way.
 _PARTS = ("datasets", "envs", "gpu", "scale", "training")
 
 __all__ = [*_PARTS, *sorted(_MODULES)]

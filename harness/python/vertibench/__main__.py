@@ -1,4 +1,4 @@
-"""`vertibench` and `python -m vertibench`: the program `vb-harness` with the tasks and planners of this package."""
+"""`vertibench` and `python -m vertibench`: the program `vb-harness` with this package's tasks and planners."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._program import environment, harness_path
 
 
 def main() -> int:
-    """Becomes the program, with the same arguments; where no process can do that, its exit code."""
+    """Replaces this process with the program, with the same arguments; where this is impossible, returns its exit code."""
     try:
         program = str(harness_path())
         variables = environment()
@@ -21,7 +21,7 @@ def main() -> int:
     command = [program, *sys.argv[1:]]
     try:
         if os.name == "posix":
-            # Signals and exit codes are the program's own then.
+            # Signals and exit codes are then the program's own.
             os.execve(program, command, variables)
         return subprocess.run(command, env=variables, check=False).returncode
     except OSError as e:

@@ -1,4 +1,4 @@
-"""How the commands of this package end."""
+"""Shared parts of the package's command lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from ._errors import VertibenchError
 
 
 def ended(do: Callable[[], int | None], stopped: str = "stopped") -> int:
-    """Does something; its errors become a line and an exit code. `stopped` is said after Ctrl-C."""
+    """Calls the function and returns its exit code; an error becomes one line and an exit code. `stopped` is printed after
+    Ctrl-C.
+    """
     try:
         return int(do() or 0)
     except VertibenchError as e:
@@ -26,7 +28,7 @@ def ended(do: Callable[[], int | None], stopped: str = "stopped") -> int:
 
 
 def whole_number(text: str) -> int:
-    """An argument that is a whole number of 1 at least."""
+    """Parses an argument that must be a whole number of at least 1."""
     try:
         number = int(text)
     except ValueError:
@@ -37,7 +39,7 @@ def whole_number(text: str) -> int:
 
 
 def above_zero(text: str) -> float:
-    """An argument that is a finite number above 0."""
+    """Parses an argument that must be a finite number above 0."""
     try:
         number = float(text)
     except ValueError:

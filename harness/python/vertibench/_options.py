@@ -1,4 +1,4 @@
-"""Values of options, checked before they go to Rust: what is wrong is told by the option's name."""
+"""Validates arguments before they are passed to Rust; errors name the argument."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._errors import OptionError
 
 
 def whole(name: str, value: Any, least: int = 1, most: int | None = None) -> int:
-    """A whole number within these bounds."""
+    """Returns the value as an int within the bounds; raises `OptionError` otherwise."""
     try:
         count = int(value)
         if count != value or count < least or (most is not None and count > most):
@@ -22,7 +22,7 @@ def whole(name: str, value: Any, least: int = 1, most: int | None = None) -> int
 
 
 def number(name: str, value: Any) -> float:
-    """A number."""
+    """Returns the value as a float; raises `OptionError` otherwise."""
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -30,7 +30,7 @@ def number(name: str, value: Any) -> float:
 
 
 def seed(name: str, value: Any) -> int | None:
-    """A seed: None or a whole number below 2^63."""
+    """Returns a seed: None, or an int from 0 to 2**63 - 1; raises `OptionError` otherwise."""
     if value is None:
         return None
     try:
@@ -45,14 +45,14 @@ def seed(name: str, value: Any) -> int | None:
 
 
 def path(name: str, value: Any) -> str:
-    """A name or a file."""
+    """Returns a name or path as text; raises `OptionError` for other types."""
     if not isinstance(value, (str, os.PathLike)):
         raise OptionError(f"{name}: {value!r} must be a name or a path")
     return os.fsdecode(value)
 
 
 def selector(tasks: Any) -> str | None:
-    """A selector of tasks: None, a text, or a list of names."""
+    """Returns a task selector: None, a text, or a list of names joined with commas; raises `OptionError` otherwise."""
     if tasks is None or isinstance(tasks, str):
         return tasks
     names = list(tasks) if isinstance(tasks, Iterable) else [tasks]

@@ -1,4 +1,4 @@
-"""Where the program, its tasks and its planners are: in the installed package, or in the checkout around it."""
+"""Finds program, tasks, planners and GPU kernels: in the installed package, or in the checkout around it."""
 
 from __future__ import annotations
 
@@ -8,40 +8,85 @@ from pathlib import Path
 
 from ._errors import MissingError
 
-# What the build puts into the package; a checkout has none of it.
+# Files that the build adds to the package; a checkout has none.
 _DATA = Path(__file__).parent / "_data"
 _CHECKOUT = Path(__file__).parent.parent.parent.parent
 _SUFFIX = ".exe" if sys.platform == "win32" else ""
-# The variable that names the kernels for GPUs.
+# Environment variable that names the GPU kernels.
 KERNEL = "VB_KERNEL"
 
 
 def harness_path() -> Path:
-    """The program `vb-harness`: what VB_HARNESS names, else the packaged one, else the one built in the checkout."""
+    """Finds the program `vb-harness`.
+
+    Returns:
+        The file that the variable `VB_HARNESS` names, otherwise the package's own, otherwise the checkout's
+        (`target/release`).
+
+    Raises:
+        MissingError: If the file doesn't exist.
+    """
     built = _target() / f"release/vb-harness{_SUFFIX}"
     return _find("VB_HARNESS", f"bin/vb-harness{_SUFFIX}", built, "the program", "cargo build --release -p vb-harness")
 
 
 def tasks_path() -> Path:
-    """The folder of suites and vehicles: what VB_TASKS names, else the packaged one, else that of the checkout."""
+    """Finds the folder of suites and vehicles.
+
+    Returns:
+        The folder that the variable `VB_TASKS` names, otherwise the package's own, otherwise the checkout's (`tasks`).
+
+    Raises:
+        MissingError: If the folder doesn't exist.
+
+    Example:
+        >>> suite = tasks_path() / "smoke"
+    """
     return _find("VB_TASKS", "tasks", _CHECKOUT / "tasks", "the folder of tasks", "git checkout tasks")
 
 
 def plugins_path() -> Path:
-    """The folder of planners: what VB_PLUGINS names, else the packaged one, else the one built in the checkout."""
+    """Finds the folder of the shipped planners.
+
+    Returns:
+        The folder that the variable `VB_PLUGINS` names, otherwise the package's own, otherwise the checkout's
+        (`target/plugins`).
+
+    Raises:
+        MissingError: If the folder doesn't exist.
+    """
     return _find("VB_PLUGINS", "plugins", _target() / "plugins", "the folder of planners", "cargo xtask plugins")
 
 
 def kernels_path() -> Path:
-    """The kernels for GPUs: what VB_KERNEL names, else the folder of the packaged ones, else those made in the checkout."""
+    """Finds the folder of GPU kernels.
+
+    Returns:
+        The folder or file that the variable `VB_KERNEL` names, otherwise the package's own folder, otherwise the
+        checkout's (`target/kernel`).
+
+    Raises:
+        MissingError: If the folder or file doesn't exist.
+    """
     build = "cargo xtask kernel"
-    # A package that was built from its sources has none.
+    # A package built from its sources has no kernels.
     lacking = f"run `{build}` in a checkout of this version"
     return _find(KERNEL, "kernels", _target() / "kernel", "the folder of kernels for GPUs", build, lacking)
 
 
 def plugin_path(name: str | os.PathLike[str]) -> Path:
-    """A planner's file: as it is named, or a bare file name such as `pid.wasm` in the folder of planners."""
+    """Finds the file of a planner.
+
+    Args:
+        name: File of a planner. A file name without a folder that doesn't exist, such as `"pid.wasm"`, is searched in
+            the folder of the shipped planners.
+
+    Returns:
+        The file.
+
+    Raises:
+        MissingError: If there is no such file.
+    """
     wanted = Path(name)
     if wanted.exists():
         return wanted
@@ -55,14 +100,14 @@ def plugin_path(name: str | os.PathLike[str]) -> Path:
 
 
 def environment() -> dict[str, str]:
-    """The environment in which the program finds its tasks and planners. What the user has set stays."""
+    """Returns environment variables with which the program finds tasks and planners. User settings are kept."""
     found = dict(os.environ)
     for variable, path in (("VB_TASKS", tasks_path), ("VB_PLUGINS", plugins_path)):
         if not found.get(variable):
             try:
                 found[variable] = str(path())
             except MissingError:
-                # The program says it where it needs them: a checkout may have no planners yet.
+                # The program reports the error if it needs them: a checkout may have no planners yet.
                 pass
     return found
 
@@ -95,5 +140,5 @@ def _in_checkout() -> bool:
 
 
 def _target() -> Path:
-    # Relative to the current folder where the user sets it, as cargo takes it.
+    # As in cargo, the variable is relative to the current folder.
     return Path(os.environ.get("CARGO_TARGET_DIR") or _CHECKOUT / "target")

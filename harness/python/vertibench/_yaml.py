@@ -1,7 +1,7 @@
-"""The YAML of suites.
+"""Reader for the YAML of suites.
 
-Worlds are in YAML as the harness writes it: mappings and lists in blocks or in brackets, quoted texts, words and numbers. This
-reads that part of YAML, so that no other package is needed. Anchors, tags, texts of several lines and the like are refused.
+The harness writes worlds as YAML with block and flow collections, quoted texts, plain words and numbers. This module
+reads that subset, so the package needs no YAML library. Anchors, tags, multi-line texts and other features are refused.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _REFUSED = tuple("&*!|>%@`")
 
 
 def parse(text: str) -> Any:
-    """The document as dictionaries, lists, texts and numbers. Raises `ValueError` with the line."""
+    """Parses a document into dictionaries, lists, texts and numbers. Raises `ValueError` with the line number."""
     lines = []
     for number, line in enumerate(text.splitlines(), 1):
         line = _without_comment(line).rstrip()
@@ -43,7 +43,7 @@ def _without_comment(line: str) -> str:
 
 
 def _block(lines: list, at: int) -> tuple[Any, int]:
-    """The value that begins at a line and takes all lines that are indented as it is, or more."""
+    """Parses the value that begins at a line and continues over all lines with at least its indentation."""
     if at == len(lines):
         return None, at
     _, indent, text = lines[at]
@@ -77,7 +77,7 @@ def _list(lines: list, at: int, indent: int) -> tuple[list, int]:
         number, _, text = lines[at]
         inner = text[1:].lstrip()
         if inner:
-            # What follows the dash is a block of its own, which is indented by the dash.
+            # The text after the dash is a block, indented to its own column.
             lines[at] = (number, indent + len(text) - len(inner), inner)
             item, at = _block(lines, at)
         else:
@@ -87,7 +87,7 @@ def _list(lines: list, at: int, indent: int) -> tuple[list, int]:
 
 
 def _flow(lines: list, at: int, text: str) -> tuple[Any, int]:
-    """A value in brackets, which may take several lines, or one word."""
+    """Parses a value in brackets, which may continue over several lines, or a scalar."""
     number = lines[at][0]
     if text[0] not in "[{":
         return _scalar(text, number), at + 1

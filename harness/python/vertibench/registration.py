@@ -1,6 +1,7 @@
-"""Makes the environments known to gymnasium: at once where it is imported already, else as soon as it is.
+"""Registers the environments with gymnasium: at once if it is imported already, otherwise right after its import.
 
-gymnasium 1.0 calls no entry points of packages any more, and importing it takes longer than all else here together.
+gymnasium 1.0 no longer calls entry points of packages, and importing it takes longer than importing the rest of the
+package.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ NAME = "VertiBench/Navigation-v0"
 
 
 def register() -> None:
-    """Registers `VertiBench/Navigation-v0`. Doing it twice does no harm."""
+    """Registers `VertiBench/Navigation-v0` with gymnasium. Calling it again has no effect."""
     import gymnasium
 
     if NAME not in gymnasium.registry:
@@ -23,14 +24,14 @@ def register() -> None:
             NAME,
             entry_point="vertibench.envs:NavigationEnv",
             vector_entry_point="vertibench.envs:NavigationVectorEnv",
-            # The rules of the benchmark end an episode, the limit of its time included.
+            # The benchmark's rules end an episode, including its time limit.
             disable_env_checker=True,
             order_enforce=False,
         )
 
 
 class _WhenImported(MetaPathFinder):
-    """Finds gymnasium where it is, and registers the environments after it has been executed."""
+    """Import finder that registers the environments after gymnasium has been executed."""
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> Any:
         if name != "gymnasium":
@@ -42,7 +43,7 @@ class _WhenImported(MetaPathFinder):
             def and_register(module: ModuleType) -> None:
                 execute(module)
                 register()
-                # Not before: who only asks whether it is there finds it, too.
+                # Not earlier: code that only looks for gymnasium without importing it also comes here.
                 if self in sys.meta_path:
                     sys.meta_path.remove(self)
 
@@ -51,7 +52,7 @@ class _WhenImported(MetaPathFinder):
 
 
 def register_when_imported() -> None:
-    """Registers the environments now if gymnasium is imported, and else right after it is."""
+    """Registers the environments now if gymnasium is imported, otherwise right after its import."""
     if hasattr(sys.modules.get("gymnasium"), "register"):
         register()
     elif not any(isinstance(finder, _WhenImported) for finder in sys.meta_path):

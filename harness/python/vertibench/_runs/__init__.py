@@ -1,1 +1,1 @@
-"""Runs of planners: starting them, reading what they leave behind, comparing and showing it."""
+"""Runs of planners: start, read, compare and display."""

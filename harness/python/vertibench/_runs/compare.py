@@ -1,4 +1,4 @@
-"""Runs held against each other, by the harness's own statistics."""
+"""Comparison of runs with the harness's statistics."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .launch import events
 from .store import Run
 from .summary import Estimate, table_html
 
-#: What is compared, with its unit: the success rate in [0, 1], the time of successes, the means of |roll| and |pitch|.
+#: Compared measures: success rate in [0, 1], time of successful tasks (s), means of |roll| and |pitch| (degrees).
 MEASURES = ("success_rate", "time_s", "roll_deg", "pitch_deg")
-#: What a `Difference` has, in its order.
+#: Fields of a `Difference`, in order.
 DIFFERENCE = (
     "mean",
     "low",
@@ -27,97 +27,188 @@ DIFFERENCE = (
     "worlds_needed",
     "p_secondary",
 )
-#: By what a run's figures are split.
+#: Labels of worlds by which figures are split.
 SPLITS = ("elevation", "terrain", "density")
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures over some tasks of a run. A mean is None where there is nothing to average."""
+    """Figures over some tasks of a run. An estimate is None if no task has the value.
 
-    tasks: int  #: that count
-    worlds: int  #: that they lie in
-    outcomes: dict[str, int]  #: tasks by outcome
-    causes: dict[str, int]  #: tasks that rolled over or got stuck by what stopped the vehicle (docs/scoring.md)
-    success_rate: Estimate | None  #: in [0, 1]
-    time_s: Estimate | None  #: traversal time of successes, s
-    roll_deg: Estimate | None  #: |roll| over all samples, degrees
-    pitch_deg: Estimate | None  #: |pitch| over all samples, degrees
+    Attributes:
+        tasks: Number of tasks in the figures.
+        worlds: Number of their worlds.
+        outcomes: Number of tasks by outcome.
+        causes: Number of rollovers and stuck ends by failure cause (docs/scoring.md).
+        success_rate: Success rate in [0, 1].
+        time_s: Traversal time of successful tasks, s.
+        roll_deg: Mean of |roll|, degrees.
+        pitch_deg: Mean of |pitch|, degrees.
+    """
+
+    tasks: int
+    worlds: int
+    outcomes: dict[str, int]
+    causes: dict[str, int]
+    success_rate: Estimate | None
+    time_s: Estimate | None
+    roll_deg: Estimate | None
+    pitch_deg: Estimate | None
 
 
 @dataclass(frozen=True)
 class RunFigures:
-    """A run of a comparison."""
+    """Figures of one run of a comparison.
 
-    label: str  #: the planner, with what tells it from the others
-    path: str  #: the run's directory
-    missing: int  #: tasks that aren't done yet
-    host_errors: int  #: tasks that the harness or the machine failed, which count nowhere
-    all: Figures  #: over all its tasks
-    splits: dict[str, dict[str, Figures]]  #: by `elevation`, `terrain` and `density`, then by level
+    Attributes:
+        label: Planner name, with the parameters or directory that distinguish the run from the others.
+        path: Run directory.
+        missing: Number of tasks that are not finished.
+        host_errors: Number of tasks that failed because of the harness or the machine; no figure contains them.
+        all: Figures over all tasks.
+        splits: Figures by `elevation`, `terrain` and `density`, then by level.
+    """
+
+    label: str
+    path: str
+    missing: int
+    host_errors: int
+    all: Figures
+    splits: dict[str, dict[str, Figures]]
 
 
 @dataclass(frozen=True)
 class Difference(Estimate):
-    """The mean over tasks of the second run's value less the first's, with its 95 % interval. Whether that is good depends on
-    the measure: `verdict` says it."""
+    """Paired difference of two runs: mean over tasks of the second run's value minus the first's.
 
-    tasks: int  #: that have the value in both runs
-    p: float | None  #: two-sided, of the test that decides: it flips the signs of whole worlds
-    p_adjusted: float | None  #: after Holm's correction over this measure of all pairs
-    #: what is known of the second run: `better`, `worse`, `equal` (in every world), `too_few_worlds` (not even the most extreme
-    #: outcome would be certain), `uncorrected` (certain if this were the only pair), `undecided`
+    Whether a positive difference is better depends on the measure; see `verdict`.
+
+    Attributes:
+        mean: The difference.
+        low: Lower end of its 95 % interval (bootstrap over worlds, uncorrected); None for a single world.
+        high: Upper end of this interval.
+        tasks: Number of tasks with the value in both runs.
+        p: Two-sided p-value of the sign-flip test over worlds, which decides; None without one.
+        p_adjusted: This p-value after Holm's correction over this measure of all pairs.
+        verdict: Result for the second run. `better`, `worse`: significant after the correction. `equal`: equal in every
+            world. `too_few_worlds`: no outcome could be significant. `uncorrected`: significant before the correction
+            only. `undecided`: not significant.
+        worlds: Number of worlds in which the runs differ.
+        worlds_needed: Number of differing worlds that significance needs, if there are too few.
+        p_secondary: p-value for information, uncorrected: McNemar's exact test for success, otherwise Wilcoxon's
+            signed-rank test.
+    """
+
+    tasks: int
+    p: float | None
+    p_adjusted: float | None
     verdict: str | None
-    worlds: int  #: that differ
-    worlds_needed: int | None  #: that would have to differ, if they are too few
-    p_secondary: float | None  #: of a test that assumes more and decides nothing: McNemar's for successes, else Wilcoxon's
+    worlds: int
+    worlds_needed: int | None
+    p_secondary: float | None
 
     __str__ = Estimate.__str__
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs on the tasks that both have done. A difference is None without such a task."""
+    """Two runs on their common tasks. A difference is None without a common task.
 
-    first: str  #: label of the first run
-    second: str  #: label of the second run
-    common: int  #: tasks that both have done
-    both: int  #: tasks that both succeed in
-    only_first: int  #: tasks that the first alone succeeds in
-    only_second: int  #: tasks that the second alone succeeds in
-    success_rate: Difference | None  #: in [-1, 1]
-    time_s: Difference | None  #: over tasks that both succeed in, s
-    roll_deg: Difference | None  #: degrees
-    pitch_deg: Difference | None  #: degrees
+    Attributes:
+        first: Label of the first run.
+        second: Label of the second run.
+        common: Number of tasks that both runs have finished.
+        both: Number of tasks that both complete successfully.
+        only_first: Number of tasks that only the first completes successfully.
+        only_second: Number of tasks that only the second completes successfully.
+        success_rate: Difference of the success rates, in [-1, 1].
+        time_s: Difference of the traversal times over tasks in which both succeed, s.
+        roll_deg: Difference of the mean |roll|, degrees.
+        pitch_deg: Difference of the mean |pitch|, degrees.
+    """
+
+    first: str
+    second: str
+    common: int
+    both: int
+    only_first: int
+    only_second: int
+    success_rate: Difference | None
+    time_s: Difference | None
+    roll_deg: Difference | None
+    pitch_deg: Difference | None
 
 
 @dataclass(frozen=True)
 class Place:
-    """A run's place in the ranking, with ties."""
+    """Rank of a run, with ties.
 
-    label: str  #: of the run
-    rank: int  #: one more than the number of runs that succeed more for certain
-    rank_last: int  #: the last rank that is possible: all runs less those that succeed less for certain
-    ties: tuple[str, ...]  #: labels of the runs from which it does not differ significantly
+    Attributes:
+        label: Label of the run.
+        rank: One plus the number of runs with significantly more success.
+        rank_last: Last possible rank: the number of all runs minus those with significantly less success.
+        ties: Labels of the runs from which it doesn't differ significantly.
+    """
+
+    label: str
+    rank: int
+    rank_last: int
+    ties: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Runs of one suite with their figures, and each pair of them on its common tasks."""
+    """Comparison of runs of one suite. A notebook displays it as tables.
+
+    Attributes:
+        runs: Figures of each run, in the order of the arguments.
+        pairs: All pairs of runs on their common tasks.
+        ranking: Runs by rank, then by success rate; empty for a single run and for runs that can't be ranked.
+        headline: The winner in one sentence; None for a single run.
+        unranked: Settings in which runs that can't be ranked differ, e.g. the time step; otherwise None.
+    """
 
     runs: tuple[RunFigures, ...]
-    pairs: tuple[Pair, ...]  #: all with all
-    ranking: tuple[Place, ...]  #: by rank, then by success rate; empty for one run, and for runs that can't be ranked
-    headline: str | None  #: who wins, in a sentence; None for one run
-    unranked: str | None = None  #: why the runs can't be ranked, e.g. since their time steps differ
+    pairs: tuple[Pair, ...]
+    ranking: tuple[Place, ...]
+    headline: str | None
+    unranked: str | None = None
 
     def runs_frame(self, frame: str = "pandas") -> Any:
-        """A row for each run (see `vertibench.results` for the kinds of frames): label, path, tasks, and of each measure
-        the mean with `_low` and `_high`."""
+        """Returns the figures as a data frame with one row per run.
+
+        Columns: `label`, `path`, `tasks`, `worlds`, each measure of `MEASURES` with its interval (`_low`, `_high`), and
+        the number of tasks per outcome (`outcome_...`).
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         return _frame([{"label": r.label, "path": r.path, **_row(r.all)} for r in self.runs], frame)
 
     def splits_frame(self, frame: str = "pandas") -> Any:
-        """A row for each level of elevation, terrain and density of each run, with the same columns."""
+        """Returns the figures by level as a data frame: one row per run, split and level.
+
+        Columns: `label`, `split` (`elevation`, `terrain` or `density`), `level`, and the figures as in `runs_frame`.
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         rows = [
             {"label": r.label, "split": split, "level": level, **_row(figures)}
             for r in self.runs
@@ -127,12 +218,39 @@ class Comparison:
         return _frame(rows, frame)
 
     def ranking_frame(self, frame: str = "pandas") -> Any:
-        """A row for each run, the best first: rank, the last rank that is possible, and from which others it does not differ significantly."""
+        """Returns the ranking as a data frame with one row per run, best first.
+
+        Columns: `label`, `rank`, `rank_last`, and `ties`, a text of labels (see `Place`).
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         return _frame([asdict(p) | {"ties": ", ".join(p.ties)} for p in self.ranking], frame)
 
     def pairs_frame(self, frame: str = "pandas") -> Any:
-        """A row for each pair of runs and each measure: the difference (second less first) with its interval, p-values and
-        verdict."""
+        """Returns the paired differences as a data frame: one row per pair and measure.
+
+        Columns: the labels and task counts of `Pair`, `measure`, and the fields of `Difference`.
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         rows = []
         for p in self.pairs:
             counts = {k: getattr(p, k) for k in ("first", "second", "common", "both", "only_first", "only_second")}
@@ -170,11 +288,25 @@ class Comparison:
 
 
 def compare(*runs: Run | str | PathLike[str]) -> Comparison:
-    """Compares runs of one suite task by task, by the statistics of `vb-harness report` (docs/reports.md): success rates,
-    times, roll and pitch with 95 % intervals by the bootstrap over worlds, and the paired differences of each two runs with
-    their tests. One run alone has its figures and no pairs.
+    """Compares runs of one suite task by task, with the statistics of `vb-harness report`.
 
-    Raises the `ProgramError` of the program's exit code, e.g. `InputError` for runs of different suites.
+    The success rates, times, roll and pitch have 95 % intervals from the bootstrap over worlds. Paired differences have
+    sign-flip tests over worlds with Holm's correction (docs/reports.md).
+
+    Args:
+        *runs: Runs, or their directories, at least one. A single run has figures but no pairs.
+
+    Returns:
+        The comparison.
+
+    Raises:
+        VertibenchError: If no run is given, or an argument is no run.
+        InputError: If a run can't be read, or the runs are of different suites.
+        UsageError: If a run is given twice.
+        ProgramError: If the program ends with another error.
+
+    Example:
+        >>> vertibench.compare(run, "runs/pid-1").pairs[0].success_rate
     """
     if not runs:
         raise VertibenchError("compare", "no run is given", "give two or more")
@@ -183,7 +315,7 @@ def compare(*runs: Run | str | PathLike[str]) -> Comparison:
             hint = "give each run as an argument of its own: compare(a, b)"
             raise VertibenchError("compare", f"{type(run).__name__} is no run", hint)
     paths = [str(run.path if isinstance(run, Run) else run) for run in runs]
-    # Without a file to write the program makes no report.
+    # Without an output file the program writes no HTML report.
     told = events("report", *paths, "--markdown=-", "--message-format=json")
     found = next((event for event in told if event.get("event") == "statistics"), None)
     if found is None:
@@ -250,7 +382,7 @@ def _frame(rows: list[dict[str, Any]], frame: str) -> Any:
     from .frames import as_frame
 
     names = list(dict.fromkeys(name for row in rows for name in row))
-    # Missing throughout is still a number.
+    # A column without any value counts as numeric.
     columns = {name: pa.array([row.get(name) for row in rows]) for name in names}
     columns = {name: c.cast(pa.float64()) if pa.types.is_null(c.type) else c for name, c in columns.items()}
     return as_frame(pa.table(columns), frame, {})

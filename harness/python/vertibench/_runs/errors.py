@@ -1,4 +1,4 @@
-"""What goes wrong with runs. Each message is one line: where, what, what to do."""
+"""Errors of runs. Each message is one line: where, what, what to do."""
 
 from __future__ import annotations
 
@@ -14,48 +14,66 @@ if TYPE_CHECKING:
 
 
 class RunError(VertibenchError):
-    """A run directory, a file in it, or a suite can't be used."""
+    """A run directory, a file in it, or a suite is missing, damaged or unsuitable."""
 
 
 class ProgramError(VertibenchError):
-    """The program `vb-harness` ended with an error. The message is its own."""
+    """The program `vb-harness` ended with an error; the message is the program's own.
+
+    Args:
+        message: The message.
+        code: Exit code.
+        command: Command line.
+        run: The partial run.
+
+    Attributes:
+        code: Exit code of the program, as listed by `vb-harness --help`; negative if a signal ended it.
+        command: Command line of the program, a tuple of texts.
+        run: The `Run` with the finished tasks; None if there is none.
+    """
 
     def __init__(self, message: str, code: int, command: Sequence[str] = (), run: Run | None = None):
         Exception.__init__(self, one_line(message))
-        #: Its exit code, as `vb-harness --help` lists them; negative if a signal ended it.
         self.code = code
-        #: The command that was started.
         self.command = tuple(command)
-        #: The run as far as it got, where there is one.
         self.run = run
 
 
 class InternalError(ProgramError):
-    """Exit code 1: a fault of the harness."""
+    """Exit code 1: internal error of the harness."""
 
 
 class UsageError(ProgramError):
-    """Exit code 2: an argument makes no sense, or names an unknown task, world or parameter."""
+    """Exit code 2: invalid argument, or unknown task, world or parameter."""
 
 
 class InputError(ProgramError):
-    """Exit code 3: a suite, plugin, rule file, vehicle file, recorded run or dataset can't be used."""
+    """Exit code 3: unusable suite, planner, rule file, vehicle file, recorded run or dataset."""
 
 
 class OutputError(ProgramError):
-    """Exit code 4: results can't be written: disk full, no permission, directory not empty, in use or of another run."""
+    """Exit code 4: results can't be written: disk full, no permission, directory not empty, in use, or of another run."""
 
 
 class HostError(ProgramError):
-    """Exit code 7: the harness or the machine failed some tasks; `resume=True` runs them again. `run` has the others."""
+    """Exit code 7: some tasks failed because of the harness or the machine.
+
+    `run` contains the other tasks; `resume=True` re-runs the failed ones.
+    """
 
 
 class FailedStartError(ProgramError):
-    """Exit code 10: in all of the first tasks the planner failed alike, or the simulation failed. `run` has them."""
+    """Exit code 10: early end, because the planner failed in the same way in all first tasks, or the simulation failed.
+
+    `run` contains these tasks.
+    """
 
 
 class StoppedError(ProgramError):
-    """Exit code 130: somebody else stopped the program; `resume=True` goes on. `run` has the finished tasks."""
+    """Exit code 130: the program was stopped from outside.
+
+    `run` contains the finished tasks; `resume=True` continues.
+    """
 
 
 _OF_CODE: dict[int, type[ProgramError]] = {
@@ -70,7 +88,7 @@ _OF_CODE: dict[int, type[ProgramError]] = {
 
 
 def of_program(message: str, code: int, command: Sequence[str], run: Run | None = None) -> ProgramError:
-    """The error for an exit code."""
+    """Returns the error for an exit code."""
     if not message:
         how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
         message = f"{command[0]}: it {how} and said nothing (run it in a terminal: {' '.join(command)})"

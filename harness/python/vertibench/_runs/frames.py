@@ -30,11 +30,11 @@ _RIDE = (
     "held_fraction"
 ).split()
 _FUEL = "total init p50_step p99_step max_step init_share p99_share max_share memory_bytes".split()
-#: Measures that are whole numbers.
+#: Measures with whole numbers.
 _WHOLE = {"samples", "total", "init", "p50_step", "p99_step", "max_step", "memory_bytes"}
-#: Measures that are true or false.
+#: Boolean measures.
 _TRUTHS = {"landed", *_FLAGS}
-#: What every row says of the run, and where run.json has it.
+#: Columns with conditions of the run, and their fields in run.json.
 _OF_THE_RUN = {
     "planner": ("plugin", "name"),
     "planner_version": ("plugin", "version"),
@@ -43,37 +43,44 @@ _OF_THE_RUN = {
     "perception": ("perception", "name"),
     "rules": ("rules", "name"),
 }
-#: The kinds of frames.
+#: Types of data frames.
 FRAMES = ("pandas", "polars", "arrow", "dict")
 
 
 def results(run: Run | str | PathLike[str], frame: str = "pandas") -> Any:
-    """The results of a run, a row for each finished task, in the order of the tasks' names.
+    """Returns the results of a run as a data frame with one row per finished task, in the order of the task names.
 
-    The columns are the fields of tasks.jsonl (docs/results.md, docs/scoring.md) under the names that
-    `vb-harness report --csv` gives them, and then what was run:
+    The columns are the fields of `tasks.jsonl` (docs/results.md, docs/scoring.md), with the names of `vb-harness report
+    --csv`, and the conditions of the run:
 
-    * `task`, `world`, `elevation`, `terrain`, `density`, `outcome`, `three_way`, `reason`, `cause` and `evidence` (what the
-      vehicle was up against; missing where it neither rolled over nor got stuck), `fault` (missing without an error),
-      `time_s` (simulated time at the end, s), `state_hash`, `sim_steps`, `planner_steps`, `clamped`;
-    * the flags, which are true or false whatever the outcome: `tilted` (|roll| or |pitch| above 30° at any time, the rollover
-      rule of the authors' scripts), `strict` (a success that ends upright on loaded wheels, without a shock above 2.5 g),
-      `over_2_5_g`, `over_6_w`; missing where they aren't known;
-    * the metrics, with units in their names: `roll_mean_deg`, `distance_m`, `speed_mean_m_per_s`, …; missing where a task
-      ended before its first sample;
-    * shock and ride at the driver's seat: `seat_peak_g`, `seat_rms_m_per_s2`, `absorbed_power_w`, `airborne_fraction`, …; missing
-      where a task ended before its first step, or was scored again with another end;
-    * the planner's fuel, `fuel_total`, `fuel_p99_step`, …, and `memory_bytes`; missing for native planners and commands;
-    * `planner`, `planner_version`, `suite`, `vehicle`, `perception`, `rules`, `scale`, `seed`.
+    - Task and outcome: `task`, `world`, `elevation`, `terrain`, `density`, `outcome`, `three_way`, `reason`; `cause`
+      and `evidence` of a rollover or stuck end; `fault`, the code of an error; `time_s`, simulated time at the end, s;
+      `state_hash`, `sim_steps`, `planner_steps`, `clamped`.
+    - Flags, independent of the outcome: `tilted` (|roll| or |pitch| above 30° at any time, the rollover rule of the
+      authors' scripts), `strict` (a success that ends upright on loaded wheels, without a shock above 2.5 g),
+      `over_2_5_g`, `over_6_w`.
+    - Metrics, with units in their names: `roll_mean_deg`, `distance_m`, `speed_mean_m_per_s`, ... Missing if the task
+      ended before its first sample.
+    - Shock and ride at the driver's seat: `seat_peak_g`, `seat_rms_m_per_s2`, `absorbed_power_w`, `airborne_fraction`,
+      ... Missing if the task ended before its first step, or re-scoring changed its end.
+    - Computation of the planner: `fuel_total`, `fuel_p99_step`, ..., `memory_bytes`. Missing for native planners and
+      commands.
+    - Conditions: `planner`, `planner_version`, `suite`, `vehicle`, `perception`, `rules`, `scale`, `seed`.
 
-    `frame` says what is returned:
+    Args:
+        run: Run, or its directory.
+        frame: Type of the result. `"pandas"` (default): `pandas.DataFrame` with `run.json` in `attrs["run"]`.
+            `"polars"`: `polars.DataFrame`, without `run.json` (use `Run.header`). `"arrow"`: `pyarrow.Table` with
+            `run.json` in the metadata entry `vertibench:run`. `"dict"`: a list per column, with None for missing
+            values.
 
-    * `pandas`: a `pandas.DataFrame`, whose `attrs["run"]` is run.json;
-    * `polars`: a `polars.DataFrame`, which has no place for run.json (`vertibench.Run(run).header`);
-    * `arrow`: a `pyarrow.Table`, whose metadata has run.json under `vertibench:run`;
-    * `dict`: a list for each column by its name, with None for what is missing.
+    Returns:
+        The data frame.
 
-    Raises `RunError` if the run can't be read, `MissingPackageError` if the package isn't installed.
+    Raises:
+        RunError: If the run can't be read.
+        VertibenchError: If there is no such type.
+        MissingPackageError: If the package for this type is not installed.
     """
     run = opened(run)
     return as_frame(_results(run), frame, {"run": run.header})
@@ -109,7 +116,7 @@ def _results(run: Run) -> pa.Table:
 
 
 def as_frame(table: pa.Table, frame: str, attrs: dict[str, Any]) -> Any:
-    """The table as a frame of a kind, with attributes where it has a place for them."""
+    """Converts a table to a type of data frame, with attributes where the type has a place for them."""
     if frame == "arrow":
         return table.replace_schema_metadata({f"vertibench:{k}": json.dumps(v) for k, v in attrs.items()})
     if frame == "dict":
@@ -128,7 +135,7 @@ def as_frame(table: pa.Table, frame: str, attrs: dict[str, Any]) -> Any:
         raise MissingPackageError(
             "pandas", "frame='pandas', the default; frame='arrow' and frame='dict' need nothing more"
         ) from None
-    # Whole numbers stay whole where some are missing.
+    # Columns of whole numbers keep their type if values are missing.
     made = table.to_pandas(integer_object_nulls=True)
     whole = [f.name for f in table.schema if pa.types.is_integer(f.type) and table[f.name].null_count]
     made = made.astype({name: "Int64" for name in whole})
@@ -137,25 +144,37 @@ def as_frame(table: pa.Table, frame: str, attrs: dict[str, Any]) -> Any:
 
 
 class Trace(Mapping[str, np.ndarray]):
-    """The trajectory of a task: an array of float64 for each column, shape (samples,).
+    """Trajectory of a task: a mapping from column name to a float64 array of shape (samples,).
 
-    `time` (s); `x`, `y`, `z` (m, x east, y north, z up); `roll`, `pitch`, `yaw` (rad); `vx`, `vy`, `vz` (m/s) and `wx`,
-    `wy`, `wz` (rad/s) in the vehicle's axes, x forward and y left; `steering`, `throttle`, `brake`, `gear`: the command up
-    to this time; `speed_N` (rad/s) and `deflection_N` (m) of wheel N, front to back and left before right.
+    World axes are x east, y north, z up; body axes are x forward, y left, z up. Columns:
+
+    - `time`: simulated time, s
+    - `x`, `y`, `z`: position of the vehicle's reference point, m
+    - `roll`, `pitch`, `yaw`: attitude, rad; roll is positive with the right side down, pitch with the nose down
+    - `vx`, `vy`, `vz`: velocity in body axes, m/s
+    - `wx`, `wy`, `wz`: angular velocity in body axes, rad/s
+    - `steering`, `throttle`, `brake`: command up to this time, after clamping
+    - `gear`: gear of this command: 0 forward, 1 neutral, 2 reverse; missing in older traces
+    - `speed_N`, `deflection_N`: spin, rad/s, and suspension travel, m, positive in compression, of wheel N; front to
+      back, left before right
+
+    `vertibench.trace` and `Run.trace` return traces.
+
+    Attributes:
+        run: Run of the trajectory.
+        meta: Metadata of the file: `start`, `goal`, `goal_z`, `half_extent` of the world, `scale`, `mode`, ...
+        task: Task name.
+        start: Start of the task: x and y, m; heading, rad.
+        goal: Goal of the task: x and y, m.
     """
 
     def __init__(self, run: Run, table: pa.Table, meta: dict[str, Any]):
         self._table = table
         self._columns = {name: table[name].to_numpy() for name in table.column_names}
-        #: The run that it is of.
         self.run = run
-        #: What the file says of its task: `start`, `goal`, `goal_z`, `half_extent` of the world, `scale`, `mode`, …
         self.meta = meta
-        #: Name of the task.
         self.task: str = meta["task"]
-        #: Where it starts: x and y, m; heading, rad.
         self.start: tuple[float, ...] = tuple(meta["start"])
-        #: Where it should go: x and y, m.
         self.goal: tuple[float, ...] = tuple(meta["goal"])
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -167,7 +186,7 @@ class Trace(Mapping[str, np.ndarray]):
         return iter(self._columns)
 
     def __len__(self) -> int:
-        """The number of columns."""
+        """Returns the number of columns."""
         return len(self._columns)
 
     def __repr__(self) -> str:
@@ -175,18 +194,40 @@ class Trace(Mapping[str, np.ndarray]):
         return f"<Trace {self.task} of {self.run.path}: {len(times)} samples, {times[-1] if len(times) else 0:.2f} s>"
 
     def frame(self, frame: str = "pandas") -> Any:
-        """The same as a frame of a kind (see `vertibench.results`), a row for each sample, with `meta` as the attribute or
-        metadata `trace`."""
+        """Returns the trajectory as a data frame with one row per sample.
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame. `meta` is its attribute or metadata `trace` where the type has one.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         return as_frame(self._table, frame, {"trace": self.meta})
 
 
 def trace(run: Run | str | PathLike[str], task: str, frame: str = "numpy") -> Trace | Any:
-    """The recorded trajectory of a task such as `w001/t03`: ten samples a second, or all if the run has full traces.
+    """Reads the recorded trajectory of a task.
 
-    With `frame="numpy"` it is a `Trace`, arrays by the name of their column; `pandas`, `polars`, `arrow` and `dict` make
-    frames with a row for each sample (see `vertibench.results`).
+    It has ten samples per second, or one every 10 ms if the run was made with `trace="full"`.
 
-    Raises `RunError` if the run hasn't finished the task or kept no trajectories, or a file is damaged.
+    Args:
+        run: Run, or its directory.
+        task: Task name, e.g. `"w001/t03"`.
+        frame: Type of the result: `"numpy"` (default) for a `Trace`, or a type of data frame as in
+            `vertibench.results`, with one row per sample.
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        RunError: If the run hasn't finished the task or stored no trajectories, or a file is damaged.
+        VertibenchError: If there is no such type.
+        MissingPackageError: If the package for this type is not installed.
     """
     run = opened(run)
     file = run.trace_file(task)
@@ -198,7 +239,7 @@ def trace(run: Run | str | PathLike[str], task: str, frame: str = "numpy") -> Tr
     try:
         meta = json.loads((table.schema.metadata or {})[b"vertibench:trace"])
         read = Trace(run, table.replace_schema_metadata(None), meta)
-        # What everything else here counts on.
+        # Columns that other functions of the package need.
         for name in ("time", "x", "y", "z", "vx", "vy", "vz"):
             read[name]
     except (KeyError, ValueError, TypeError) as e:

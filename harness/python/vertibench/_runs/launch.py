@@ -1,4 +1,4 @@
-"""Driving a planner over tasks: `vb-harness run` as a child."""
+"""Runs a planner over tasks, with `vb-harness run` as a child process."""
 
 from __future__ import annotations
 
@@ -21,20 +21,27 @@ from .._program import environment, harness_path
 from .errors import ProgramError, UsageError, of_program
 from .store import Run
 
-#: How long the program may take to put its results away when it is stopped, s.
+#: Maximum time in which a stopped program may write its results, s.
 _PATIENCE = 30.0
-#: Completed, but the simulation of some tasks failed: the results stand.
+#: Exit code: completed, but the simulation of some tasks failed. The results are valid.
 _SIM_ERRORS = 5
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run is."""
+    """State of a run in progress; `str()` returns it as one line.
 
-    done: int  #: tasks that have ended, those of an earlier part of the run included
-    total: int  #: tasks of the run
-    record: dict[str, Any] | None  #: of the task that has just ended, as in tasks.jsonl; None at the start
-    outcomes: dict[str, int]  #: tasks that this call has ended, by outcome
+    Attributes:
+        done: Number of ended tasks, including those of an earlier part of the run.
+        total: Number of tasks of the run.
+        record: Record of the task that has just ended, as in `tasks.jsonl`; None at the start.
+        outcomes: Number of tasks that this call has ended, by outcome.
+    """
+
+    done: int
+    total: int
+    record: dict[str, Any] | None
+    outcomes: dict[str, int]
 
     def __str__(self) -> str:
         counts = ", ".join(f"{n} {name}" for name, n in sorted(self.outcomes.items()))
@@ -63,22 +70,54 @@ def run(
     require_sandbox: bool = False,
     progress: bool | Callable[[Progress], object] | None = None,
 ) -> Run:
-    """Drives a planner over tasks, and returns the run when it has ended.
+    """Runs a planner over tasks and returns the run when it has ended.
 
-    `plugin` is a WASM file, a native library, or a command such as `"python3 my_planner.py"`; a bare file
-    name such as `pid.wasm` that isn't in the working directory is one of the planners that come with the package. `suite` is a directory or the name of a suite
-    that comes with the harness (vb-100 if it is left out), `tasks` a selector such as `"w001/t03"` or
-    `"w001-w004,elevation=high"`, or a list of them. `params` are the planner's parameters by name. All other arguments are
-    the options of `vb-harness` of the same names; what is left out has the value that `vb-harness --help` tells. `jobs` is
-    the number of tasks that run at a time. `out` is the directory for the results, by default a new `runs/PLANNER-N`; with
-    `resume=True` the run in it goes on.
+    Only `plugin` may be given by position. Arguments that are None use the default of `vb-harness run`. Ctrl-C,
+    interrupting the notebook cell, and an exception in `progress` stop the program; finished tasks are kept, and
+    `resume=True` continues the run.
 
-    `progress` is called with a `Progress` at the start and after each task. True writes a line of text, False writes
-    nothing, and by default the line is written in notebooks and on terminals. Ctrl-C, the interruption of a notebook's
-    cell, and an error in `progress` stop the program; the finished tasks are safe.
+    Args:
+        plugin: Planner: a WASM file, a native library, or a command such as `"python3 my_planner.py"`. A file name such
+            as `"pid.wasm"` that doesn't exist in the working directory names a shipped planner.
+        suite: Suite directory, or name of a shipped suite; default `"vb-100"`.
+        tasks: Selector, e.g. `"w001/t03"` or `"w001-w004,elevation=high"`, or a list of names or selectors; default all
+            tasks.
+        vehicle: Vehicle name or file; default `"hmmwv"`.
+        perception: Name or file of the perception profile; default `"oracle"`.
+        rules: Name or file of the rules; default `"paper"`.
+        soils: Name or file of the soil set; default `"default"`.
+        params: Parameters of the planner by name, e.g. `{"speed": 5}`; default: the planner's own values.
+        limits: File with limits of a WASM planner (docs/abi.md); default: the documented limits.
+        scale: Factor on all lengths of the worlds, 0.01 to 10, as a number or as text such as `"1/6"`; default: the
+            scale that the vehicle is made for.
+        seed: Seed of the planner's randomness and of the sensor noise, at least 0; default 0.
+        trace: Stored trajectory samples: `"none"`, `"10hz"` (default), or `"full"`, every 10 ms.
+        logs: Tasks whose results contain the planner's last log lines: `"all"`, `"failed"` (default) or `"none"`.
+        jobs: Number of parallel tasks, at least 1; default: the number of cores.
+        out: Directory for the results, new or empty; default: a new `runs/PLANNER-N`.
+        resume: Whether to continue the run in `out`, or without `out` the last `runs/PLANNER-N`. All other arguments
+            must be those of its start. Default False.
+        keep_going: Whether to run all tasks even if the first ones all fail in the same way. Default False.
+        require_sandbox: Whether to refuse commands, and native planners that the system can't confine completely.
+            Default False.
+        progress: Function that is called with a `Progress` at the start and after each task. True prints one line of
+            text, False prints nothing. None (default): prints in notebooks and terminals.
 
-    Raises the `ProgramError` of its exit code, with the program's own message, if the run doesn't come about; `HostError`
-    and `FailedStartError` have the tasks that were done as `run`. Tasks whose simulation failed are a warning.
+    Returns:
+        The run. A warning is issued if the simulation of some tasks failed.
+
+    Raises:
+        UsageError: If an argument is invalid, or a task, world or parameter is unknown.
+        InputError: If the suite, planner, or another file can't be used.
+        OutputError: If the results can't be written.
+        HostError: If some tasks failed because of the harness or the machine; `run` of the error has the others.
+        FailedStartError: If all of the first tasks failed in the same way; `run` of the error has them.
+        StoppedError: If the program was stopped from outside; `run` of the error has the finished tasks.
+        ProgramError: If the program ended with another error, or can't be started.
+        MissingError: If the program is missing.
+
+    Example:
+        >>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00", params={"speed": 5})
     """
     if not isinstance(plugin, (str, PathLike)):
         raise UsageError(f"plugin={plugin!r}: it is no planner (give a file, a command, or pid.wasm)", 2)
@@ -93,7 +132,7 @@ def run(
         "suite": suite, "tasks": tasks, "vehicle": vehicle, "perception": perception, "rules": rules, "soils": soils,
         "limits": limits, "scale": scale, "seed": seed, "trace": trace, "logs": logs, "jobs": jobs, "out": out,
     }  # fmt: skip
-    # With the sign of equality a value may begin with a dash.
+    # After an equals sign a value may begin with a dash.
     command += [f"--{name}={_text(value)}" for name, value in named.items() if value is not None]
     command += [f"--param={name}={_text(value)}" for name, value in (params or {}).items()]
     flags = {"resume": resume, "keep-going": keep_going, "require-sandbox": require_sandbox}
@@ -128,7 +167,7 @@ def run(
 
 
 def events(*arguments: str) -> list[dict[str, Any]]:
-    """What a command of the program tells, as dictionaries. Raises the `ProgramError` of its exit code."""
+    """Runs a command of the program and returns its JSON events. Raises the `ProgramError` of its exit code."""
     told: list[dict[str, Any]] = []
     _listen([str(harness_path()), *arguments], told.append)
     return told
@@ -141,9 +180,12 @@ def _text(value: object) -> str:
 
 
 def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) -> None:
-    """Starts the program, hands over what it tells on stdout while it goes on, and stops it if `handle` fails or we are
-    interrupted. What it warns of is warned of here."""
-    # In a group of its own, so that Ctrl-C reaches it once, through us.
+    """Starts the program, passes each event to `handle`, and stops the program if `handle` raises an error or after
+    Ctrl-C.
+
+    The program's warnings become Python warnings.
+    """
+    # In a separate process group, so that Ctrl-C reaches it once, from this process.
     apart: dict[str, Any] = {"start_new_session": True}
     if sys.platform == "win32":
         apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
@@ -157,10 +199,10 @@ def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) ->
             f"{command[0]}: cannot be started: {e.strerror} (let VB_HARNESS name it)", 126, command
         ) from None
     said: list[str] = []
-    # Both pipes must be emptied, or the program waits for us while we wait for it.
+    # Both pipes must be read, otherwise program and parent wait for each other.
     listener = threading.Thread(target=lambda: said.extend(line.rstrip() for line in child.stderr or ()), daemon=True)
     listener.start()
-    # Leaving this closes the pipes.
+    # The end of this block closes the pipes.
     with child:
         try:
             for line in child.stdout or ():
@@ -193,21 +235,23 @@ def _message(line: str, command: Sequence[str]) -> dict[str, Any]:
 
 
 def _error(said: Sequence[str]) -> str:
-    """The message of the line that tells the error; it may be followed by a hint to the help."""
+    """Returns the text of the last error line and of the lines after it, which may refer to the help."""
     told = [k for k, line in enumerate(said) if line.startswith("error: ")]
     return " ".join(said[told[-1] :]).removeprefix("error: ") if told else ""
 
 
 def _stop(child: subprocess.Popen[str]) -> None:
-    """Stops the program as Ctrl-C does, so that it puts its results away; at once if that takes too long, or we are
-    interrupted again."""
+    """Stops the program as Ctrl-C does, so that it writes its results.
+
+    Kills it if that takes too long, or after another interrupt.
+    """
     try:
         if child.poll() is None:
             if sys.platform == "win32":
                 child.send_signal(signal.CTRL_BREAK_EVENT)
             else:
                 child.send_signal(signal.SIGINT)
-            # Nobody else reads on, and a full pipe must not hold it up.
+            # A full pipe would block the program.
             reader = threading.Thread(target=lambda: all(True for _ in child.stdout or ()), daemon=True)
             reader.start()
             child.wait(_PATIENCE)
@@ -223,10 +267,10 @@ def _stop(child: subprocess.Popen[str]) -> None:
 def _teller(
     progress: bool | Callable[[Progress], object] | None,
 ) -> tuple[Callable[[Progress], object], Callable[[], object]]:
-    """What is called with each progress, and at the end."""
+    """Returns a function that reports each progress, and one to call at the end."""
     if callable(progress):
         return progress, lambda: None
-    # Whoever runs in a notebook has imported IPython.
+    # In a notebook IPython is imported.
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     notebook = hasattr(shell, "kernel")
     if progress is None:
@@ -239,7 +283,7 @@ def _teller(
 
 
 def _on_a_terminal() -> tuple[Callable[[Progress], object], Callable[[], object]]:
-    """One line on stderr that is written over."""
+    """Reports on one line of stderr that is overwritten."""
     width = 0
 
     def tell(state: Progress) -> None:
@@ -252,7 +296,7 @@ def _on_a_terminal() -> tuple[Callable[[Progress], object], Callable[[], object]
 
 
 def _in_a_notebook() -> tuple[Callable[[Progress], object], Callable[[], object]]:
-    """One output that is replaced."""
+    """Reports in one notebook output that is replaced."""
     from IPython.display import display
 
     shown = None

@@ -1,4 +1,4 @@
-"""A task from above as SVG: ground, obstacles, global path, start and goal, and what was driven."""
+"""Map of a task as SVG: ground, obstacles, global path, start, goal and trajectories."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from ..datasets._world import CLASSES, Obstacle, World
 from . import relief
 from .places import Task
 
-#: Of several runs, in their order: those of the replay.
+#: Colours of several runs, in order, as in replays.
 RUN_COLOURS = ("#2a6fb3", "#d07a1d", "#2c8c5a", "#8057b8", "#c0412b", "#168a92", "#8a6636", "#b94888")
-#: Of speeds, from slow to fast; each is told from the next, and from the ground, in any kind of sight.
+#: Colours of speeds, from slow to fast, distinguishable from each other and from the ground with every type of colour vision.
 _SPEEDS = ("#2b0a56", "#5b1a86", "#8f2a81", "#c43c6e", "#f0605d", "#fd9567", "#fdc527", "#fcfdbf")
-#: The map's longer side, its place, and the column beside it, in units of the picture.
+#: Longer side of the map, its margin, width of the column next to it, and their distance, in units of the picture.
 _MAP, _TOP, _SIDE, _GAP = 520.0, 10.0, 262.0, 18.0
-#: Points of a trajectory that are drawn at most.
+#: Maximum number of drawn points of a trajectory.
 _POINTS = 1500
 _GOOD, _BAD = "#1d7a46", "#b3261e"
-#: Places in the world: x and y of each, m.
+#: Points in the world: x and y of each, m.
 Points = Sequence[tuple[float, float]] | np.ndarray
 
 
 @dataclass(frozen=True)
 class Driven:
-    """What a run drove."""
+    """Trajectory and outcome of a run."""
 
     label: str
     outcome: str
@@ -42,7 +42,7 @@ class Driven:
 
 
 class _Map:
-    """Places of the world in the picture."""
+    """Transformation from world to picture coordinates."""
 
     def __init__(self, world: World):
         self.size_x, self.size_y = world.size
@@ -57,8 +57,11 @@ class _Map:
 
 
 def svg(task: Task, runs: Sequence[Driven] = (), goal_radius: float | None = None) -> str:
-    """The picture. The trajectory of one run is coloured by its speed, those of several have a colour each. `goal_radius`
-    (m) is drawn around the goal where it is known."""
+    """Returns the picture as SVG.
+
+    The trajectory of a single run is coloured by speed; several runs have one colour each. A circle of `goal_radius`
+    (m), if given, surrounds the goal.
+    """
     place = _Map(task.world)
     x0, x1, y0 = _TOP, _TOP + place.width, _TOP
     image = base64.b64encode(relief.png(task.world)).decode()
@@ -116,7 +119,7 @@ def _line(xy: Points, place: _Map, colour: str, width: float, opacity: float, mo
 
 
 def _trajectory(driven: Driven, place: _Map, top: float | None, colour: str) -> list[str]:
-    """The line, by speed up to `top` where that is given."""
+    """Returns the line of a trajectory, coloured by speed up to `top` if this is given."""
     keep = np.arange(0, len(driven.x), max(1, -(-len(driven.x) // _POINTS)))
     if len(driven.x) and keep[-1] != len(driven.x) - 1:
         keep = np.append(keep, len(driven.x) - 1)
@@ -176,7 +179,7 @@ def _end(driven: Driven, place: _Map, colour: str | None) -> str:
 
 
 def _scale(place: _Map) -> str:
-    """A bar of a round length, and where north is."""
+    """Returns a scale bar of round length and a north arrow."""
     length = next(
         m for m in (50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01) if m * place.per_m <= 0.3 * place.width or m == 0.01
     )
@@ -194,7 +197,7 @@ def _scale(place: _Map) -> str:
 
 
 def _beside(task: Task, runs: Sequence[Driven], top: float, x: float) -> tuple[str, float]:
-    """The column beside the map, and how far down it goes."""
+    """Returns the column next to the map, and its lower end."""
     parts: list[str] = []
     y = _TOP + 16.0
 

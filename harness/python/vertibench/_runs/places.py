@@ -1,4 +1,4 @@
-"""Suites and their tasks: where they are, and what is in them."""
+"""Suites and their tasks."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _AGAIN = "restore the suite's folder"
 
 @dataclass(frozen=True)
 class Task:
-    """A task in its world, at the scale of the world."""
+    """Task in its world, in lengths of the scaled world."""
 
     name: str  #: e.g. `w001/t03`
     suite: str  #: name of the suite
     world: World
-    start: tuple[float, float, float]  #: x and y, m; heading, rad
+    start: tuple[float, float, float]  #: x, m; y, m; heading, rad
     goal: tuple[float, float]  #: x and y, m
     path: tuple[tuple[float, float], ...]  #: the global path: x and y of its points, m
 
 
 def suite_folder(suite: str | PathLike[str]) -> Path:
-    """The folder of a suite: a directory, or that of a suite that comes with the harness. Raises `RunError` if there is none."""
+    """Returns the folder of a suite, given as directory or shipped name. Raises `RunError` if there is none."""
     if Path(suite).is_dir():
         return Path(suite)
     try:
@@ -47,7 +47,9 @@ def suite_folder(suite: str | PathLike[str]) -> Path:
 
 
 def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
-    """The folder of a run's suite: where it is said to be, else where it was, else the one of its name."""
+    """Returns the folder of a run's suite: the given one, otherwise the recorded one, otherwise the shipped suite with its
+    name.
+    """
     if suite is not None:
         return suite_folder(suite)
     there = run.of("suite", "path")
@@ -64,7 +66,7 @@ def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
 
 
 def read_task(folder: Path, task: str, scale: float = 1.0) -> Task:
-    """A task of the suite in a folder, with its world. Raises `RunError` if there is no such task, or a file is damaged."""
+    """Reads a task of a suite with its world. Raises `RunError` if there is no such task, or a file is damaged."""
     file = folder / "suite.yaml"
     try:
         index = _yaml.parse(file.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""A task to look at, in a notebook or as a page of its own."""
+"""Display of a task, in a notebook or as an HTML page."""
 
 from __future__ import annotations
 
@@ -21,19 +21,24 @@ from .store import Run, opened
 
 #: Height of the replay in a notebook, pixels.
 _HEIGHT = 520
-#: How far a start or goal of a trace may be from the suite's, m.
+#: Maximum distance between start or goal of a trace and of the suite, m.
 _SAME = 1e-6
 
 
 class Shown:
-    """A picture of a task, with its replay below it if there is one. A notebook shows it at the end of a cell."""
+    """Picture of a task, with its replay if there is one. A notebook displays it at the end of a cell.
+
+    `vertibench.show` and `vertibench.show_task` return it.
+
+    Attributes:
+        task: Task name.
+        svg: The picture as SVG.
+        replay: The replay as HTML page; None without one.
+    """
 
     def __init__(self, task: str, told: str, svg: str, replay: str | None, height: int = _HEIGHT):
-        #: Name of the task.
         self.task = task
-        #: The picture as SVG.
         self.svg = svg
-        #: The replay as a page of HTML; None if it is only the picture.
         self.replay = replay
         self._told = told
         self._height = height
@@ -44,7 +49,7 @@ class Shown:
     def _repr_html_(self) -> str:
         shown = f'<div style="max-width:820px">{self.svg}</div>'
         if self.replay is not None:
-            # A frame of its own: neither its script nor its style reaches the notebook.
+            # In a separate frame, so that its script and style don't affect the notebook.
             shown += (
                 f'<iframe srcdoc="{html.escape(self.replay)}" sandbox="allow-scripts" title="replay of {html.escape(self.task)}" '
                 f'style="width:100%;max-width:1100px;height:{self._height}px;border:0;border-radius:6px;margin-top:6px"></iframe>'
@@ -55,8 +60,18 @@ class Shown:
         return {"text/html": self._repr_html_(), "text/plain": repr(self)}
 
     def save(self, path: str | PathLike[str]) -> Path:
-        """Writes it, and returns the file: the picture alone if its name ends in `.svg`, else a page of HTML that needs no
-        other file and no network."""
+        """Writes the picture to a file.
+
+        Args:
+            path: File to write. With the suffix `.svg` it contains only the picture; otherwise it is an HTML page with
+                picture and replay that needs no other file and no network.
+
+        Returns:
+            The file.
+
+        Raises:
+            VertibenchError: If the file can't be written.
+        """
         file = Path(path)
         title = html.escape(self.task)
         page = (
@@ -78,15 +93,31 @@ def show(
     suite: str | PathLike[str] | None = None,
     height: int = _HEIGHT,
 ) -> Shown:
-    """Shows a task of a run, e.g. `show(run, "w012/t03")`: the map with global path, start, goal and what was driven,
-    coloured by speed, and below it the replay in three dimensions. Of several runs of the same suite each trajectory has a
-    colour, and the replay follows the first. The task may be left out if the first run has one alone.
+    """Displays a task of one or more runs: a map with global path, start, goal and trajectory, and the replay in 3D below
+    it.
 
-    `replay=False` leaves the replay out, which is about a megabyte; `height` is its height in pixels. `suite` is the folder
-    of the suite, if it is neither where it was nor the one of its name that comes with the harness.
+    The trajectory of a single run is coloured by speed. Several runs have one colour each, and the replay follows the
+    first.
 
-    Raises `RunError` if a run hasn't done the task, kept no trajectories, or is of another suite; `ProgramError` if
-    `vb-harness replay` can't make the replay.
+    Args:
+        run: Run or its directory, or a list of runs of the same suite and scale.
+        task: Task name, e.g. `"w012/t03"`. None (default): the only finished task of the first run.
+        replay: Whether to include the replay, about 1 MB; default True.
+        suite: Folder of the suite. None (default): the folder recorded in the run, otherwise the shipped suite with its
+            name.
+        height: Height of the replay in a notebook, pixels; default 520.
+
+    Returns:
+        The picture, which a notebook displays; `save()` writes it to a file.
+
+    Raises:
+        RunError: If a run can't be read, hasn't finished the task or stored no trajectories; if `task` is None and the
+            run has several finished tasks; or if the runs differ in suite or scale.
+        ProgramError: If `vb-harness replay` can't make the replay.
+        VertibenchError: If the list of runs is empty.
+
+    Example:
+        >>> vertibench.show([run, "runs/pid-1"], "w003/t00").save("page.html")
     """
     given: Sequence[Any] = run if isinstance(run, (list, tuple)) else [run]
     if not given:
@@ -115,10 +146,19 @@ def show(
 
 
 def show_task(suite: str | PathLike[str], task: str, *, scale: float = 1.0) -> Shown:
-    """Shows a task that nobody has driven: the map with global path, start and goal. `suite` is a folder, or the name of a
-    suite that comes with the harness; `scale` is the factor on every length of the world.
+    """Displays a task without a run: a map with global path, start and goal.
 
-    Raises `RunError` if there is no such suite or task, or a file is damaged.
+    Args:
+        suite: Suite folder, or name of a shipped suite.
+        task: Task name, e.g. `"w003/t00"`.
+        scale: Factor on all lengths of the world, above 0; default 1.
+
+    Returns:
+        The picture, which a notebook displays.
+
+    Raises:
+        RunError: If there is no such suite or task, or a file is damaged.
+        VertibenchError: If the scale is no number above 0.
     """
     if not isinstance(scale, (int, float)) or not 0.0 < scale < math.inf:
         raise VertibenchError("show_task", f"scale is {scale!r}", "give a number above 0")
@@ -155,8 +195,7 @@ def _driven(run: Run, trace: Trace, label: str) -> Driven:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """The planners' names, with the parameters in which namesakes differ, and the folder where that doesn't tell them
-    apart."""
+    """Returns planner names, with the parameters in which runs of one planner differ, and the folder if these are equal."""
     names = [r.planner for r in runs]
     params = [r.of("params") or {} for r in runs]
     labels = []
@@ -169,7 +208,7 @@ def _labels(runs: Sequence[Run]) -> list[str]:
 
 
 def _goal_radius(run: Run) -> float | None:
-    """How near to the goal is a success, m; None where the rules know no such distance."""
+    """Returns the distance from the goal that counts as success, m; None if the rules have none."""
     success = run.of("rules", "profile", "success")
     for kind in success.values() if isinstance(success, dict) else ():
         if isinstance(kind, dict) and "radius_m" in kind:

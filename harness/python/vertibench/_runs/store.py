@@ -1,4 +1,4 @@
-"""A run directory, as `vb-harness` writes it (docs/results.md)."""
+"""The run directory that `vb-harness` writes (docs/results.md)."""
 
 from __future__ import annotations
 
@@ -15,19 +15,34 @@ if TYPE_CHECKING:
     from .show import Shown
     from .summary import Summary
 
-#: The versions of run.json that this package reads.
+#: Supported versions of run.json.
 SCHEMAS = (1, 2, 3)
 
 _DAMAGED = "the disk or a copy is damaged: restore the run from where it was whole, or run it again"
 
 
 class Run:
-    """A run directory: one planner over tasks of one suite. `Run("runs/pid-1")` opens it; a run that is still going on is
-    read as far as it got."""
+    """Run directory: the results of one planner over tasks of one suite.
+
+    A run in progress is read up to its last finished task. `run.json`, records and trajectories are verified with
+    `checksums.txt`, if there is one, when they are read.
+
+    Example:
+        >>> run = Run("runs/pid-1")
+        >>> run.record("w001/t03")["outcome"]
+
+    Args:
+        directory: The run directory.
+
+    Attributes:
+        path: The run directory.
+        header: Content of `run.json`: all that determines the results.
+
+    Raises:
+        RunError: If there is no run, its version is unsupported, or `run.json` is damaged.
+    """
 
     def __init__(self, directory: str | PathLike[str]):
-        """Opens a run. Raises `RunError` if there is none, it is of another version, or it is damaged."""
-        #: The directory.
         self.path = Path(directory)
         file = self.path / "run.json"
         if not self.path.is_dir():
@@ -35,7 +50,6 @@ class Run:
         if not file.is_file():
             raise RunError(self.path, "no run is here: run.json is missing", "give the directory of a run")
         content = _read(file)
-        #: Everything that decides the results: the content of run.json.
         self.header: dict[str, Any] = _json_object(file, content)
         schema = self.header.get("schema")
         if schema not in SCHEMAS:
@@ -65,15 +79,30 @@ class Run:
         return tuple(record["task"] for record in self.records())
 
     def of(self, *names: str) -> Any:
-        """A field of run.json by its way down, e.g. `of("suite", "name")`; None where it isn't there."""
+        """Returns a field of `run.json`.
+
+        Args:
+            *names: Names of the nested fields, e.g. `"suite", "name"`.
+
+        Returns:
+            Value of the field; None if it doesn't exist.
+        """
         value: Any = self.header
         for name in names:
             value = value.get(name) if isinstance(value, dict) else None
         return value
 
     def records(self) -> list[dict[str, Any]]:
-        """The lines of tasks.jsonl as dictionaries, in the order of the tasks' names. A last line that is being written, or
-        was when the run was killed, is left out."""
+        """Reads the records of all finished tasks from `tasks.jsonl`.
+
+        An incomplete last line, of a run in progress or one that was killed, is ignored.
+
+        Returns:
+            One dictionary per task, in the order of the task names (docs/results.md lists the fields).
+
+        Raises:
+            RunError: If the file is damaged.
+        """
         file = self.path / "tasks.jsonl"
         if not file.is_file():
             return []
@@ -90,7 +119,17 @@ class Run:
         return [records[task] for task in sorted(records)]
 
     def record(self, task: str) -> dict[str, Any]:
-        """The record of a task, as in tasks.jsonl. Raises `RunError` if the run hasn't finished it."""
+        """Reads the record of a task from `tasks.jsonl`.
+
+        Args:
+            task: Task name, e.g. `"w001/t03"`.
+
+        Returns:
+            The record.
+
+        Raises:
+            RunError: If the run hasn't finished the task, or the file is damaged.
+        """
         records = {record["task"]: record for record in self.records()}
         if task not in records:
             example = f"give one of them, e.g. {next(iter(records))}" if records else "wait for one, or run it"
@@ -98,7 +137,17 @@ class Run:
         return records[task]
 
     def trace_file(self, task: str) -> Path:
-        """The Parquet file of a task's trajectory, which is as it was written. Raises `RunError` if there is none."""
+        """Finds and verifies the Parquet file of a task's trajectory.
+
+        Args:
+            task: Task name.
+
+        Returns:
+            The file.
+
+        Raises:
+            RunError: If the run hasn't finished the task or stored no trajectories, or the file is missing or damaged.
+        """
         self.record(task)
         if self.header.get("trace") == "none":
             raise RunError(self.path, "the run kept no trajectories", "run it again with trace='10hz'")
@@ -110,31 +159,31 @@ class Run:
         return file
 
     def results(self, frame: str = "pandas") -> Any:
-        """See `vertibench.results`."""
+        """Returns `vertibench.results(self, frame)`: the results as a data frame."""
         from .frames import results
 
         return results(self, frame)
 
     def summary(self) -> Summary:
-        """See `vertibench.summary`."""
+        """Returns `vertibench.summary(self)`: the figures over all tasks."""
         from .summary import summary
 
         return summary(self)
 
     def trace(self, task: str, frame: str = "numpy") -> Trace | Any:
-        """See `vertibench.trace`."""
+        """Returns `vertibench.trace(self, task, frame)`: the trajectory of a task."""
         from .frames import trace
 
         return trace(self, task, frame)
 
     def show(self, task: str | None = None, **options: Any) -> Shown:
-        """See `vertibench.show`."""
+        """Returns `vertibench.show(self, task, **options)`: map, trajectory and replay of a task."""
         from .show import show
 
         return show(self, task, **options)
 
     def _sums(self) -> dict[str, str] | None:
-        """The SHA-256 by name, as checksums.txt has them; none for runs that have no such file."""
+        """Returns SHA-256 by name from `checksums.txt`; None for runs without this file."""
         file = self.path / "checksums.txt"
         if not file.is_file():
             return None
@@ -149,12 +198,12 @@ class Run:
 
 
 def opened(run: Run | str | PathLike[str]) -> Run:
-    """The run, opened if it is given as a directory."""
+    """Returns the run, opened if it is a directory."""
     return run if isinstance(run, Run) else Run(run)
 
 
 def _check(sums: dict[str, str] | None, name: str, where: object, content: bytes) -> None:
-    """Refuses what is no longer as it was written, if there are checksums."""
+    """Raises `RunError` if the content differs from its checksum; does nothing without checksums."""
     if sums is None:
         return
     if name not in sums:

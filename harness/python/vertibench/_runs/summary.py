@@ -1,4 +1,4 @@
-"""The summary of a run."""
+"""Summary of a run."""
 
 from __future__ import annotations
 
@@ -11,25 +11,38 @@ from typing import Any
 from .errors import RunError
 from .store import Run, _json_object, _read, opened
 
-#: By what the figures are split.
+#: Labels of worlds by which figures are split.
 SPLITS = ("elevation", "terrain", "density", "world")
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean with its 95 % interval, by the bootstrap that draws whole worlds (docs/reports.md)."""
+    """Mean with its 95 % interval, from the bootstrap over worlds (docs/reports.md).
+
+    Attributes:
+        mean: The mean.
+        low: Lower end of the interval; None if all tasks are in one world.
+        high: Upper end of the interval; None if all tasks are in one world.
+    """
 
     mean: float
-    low: float | None  #: None where all tasks are of one world
+    low: float | None
     high: float | None
 
     def __format__(self, spec: str) -> str:
-        """With the specification for each number: `f"{estimate:.1%}"` is `37.7% (30.2%–45.9%)`, or `-2.0% (-9.1% to
-        5.0%)`."""
+        """Formats mean and interval with one specification.
+
+        Args:
+            spec: Format specification of each number.
+
+        Returns:
+            Text such as `37.7% (30.2%–45.9%)` or `-2.0% (-9.1% to 5.0%)` for `f"{estimate:.1%}"`; the mean only if
+            there is no interval.
+        """
         text = format(self.mean, spec)
         if self.low is None or self.high is None:
             return text
-        # A dash beside a minus can't be read.
+        # A dash next to a minus sign is unreadable.
         to = "–" if self.low >= 0 and self.high >= 0 else " to "
         return f"{text} ({self.low:{spec}}{to}{self.high:{spec}})"
 
@@ -38,7 +51,11 @@ class Estimate:
 
 
 class Summary(Mapping[str, Any]):
-    """The summary of a run: summary.json as a mapping (docs/scoring.md), with what is asked for most by name."""
+    """Summary of a run: `summary.json` as a mapping (docs/scoring.md), with the most used figures as properties.
+
+    Args:
+        content: Content of `summary.json`.
+    """
 
     def __init__(self, content: dict[str, Any]):
         self._content = content
@@ -54,24 +71,38 @@ class Summary(Mapping[str, Any]):
 
     @property
     def tasks(self) -> int:
-        """The number of tasks that count."""
+        """Number of tasks in the figures."""
         return self["all"]["tasks"]
 
     @property
     def success_rate(self) -> Estimate | None:
-        """The share of tasks that succeed, in [0, 1], with its interval; None without a task that counts."""
+        """Success rate in [0, 1] with its interval; None if no task is in the figures."""
         return _success(self["all"])
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """The number of tasks by outcome."""
+        """Number of tasks by outcome."""
         return dict(self["all"]["outcomes"])
 
     def frame(self, frame: str = "pandas") -> Any:
-        """The figures over all tasks and over each level and world as a frame (see `vertibench.results`): `split` (`all`,
-        `elevation`, `terrain`, `density` or `world`), `level`, and a column for each figure; outcomes and classes of the
-        paper are columns with `outcome_` and `three_way_` before their names, the number of tasks of which a flag is true with
-        `flag_`, means of shock and ride with `ride_`, the planner's fuel with `fuel_`."""
+        """Returns the figures as a data frame: one row for all tasks, and one per level and world.
+
+        Columns: `split` (`all`, `elevation`, `terrain`, `density` or `world`), `level`, and one per figure. Prefixes
+        mark the number of tasks by outcome (`outcome_`), by the paper's class (`three_way_`) and by true flag
+        (`flag_`), means of shock and ride (`ride_`), and the planner's fuel (`fuel_`).
+
+        Args:
+            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
+                `"dict"`.
+
+        Returns:
+            The data frame. The other fields of `summary.json` are its attribute or metadata `summary` where the type
+            has one.
+
+        Raises:
+            VertibenchError: If there is no such type.
+            MissingPackageError: If the package for this type is not installed.
+        """
         import pyarrow as pa
 
         from .frames import as_frame
@@ -115,9 +146,16 @@ class Summary(Mapping[str, Any]):
 
 
 def summary(run: Run | str | PathLike[str]) -> Summary:
-    """The figures over all tasks of a run, and by elevation, terrain, obstacle density and world: summary.json.
+    """Reads the summary of a finished run: figures over all tasks, and by elevation, terrain, obstacle density and world.
 
-    Raises `RunError` if there is none, since the run goes on or was killed.
+    Args:
+        run: Run, or its directory.
+
+    Returns:
+        The summary.
+
+    Raises:
+        RunError: If the run can't be read or has no summary, because it is in progress or was killed.
     """
     run = opened(run)
     file = run.path / "summary.json"
@@ -131,7 +169,7 @@ def summary(run: Run | str | PathLike[str]) -> Summary:
 
 
 def table_html(title: str, head: list[str], rows: list[list[str]]) -> str:
-    """A table for a notebook; nothing of the texts is markup. The first column is to the left, numbers are to the right."""
+    """Returns an HTML table; texts are escaped. The first column is left-aligned, all others are right-aligned."""
     align = ["left"] + ["right"] * (len(head) - 1)
 
     def line(tag: str, cells: list[str]) -> str:
@@ -168,7 +206,7 @@ def _percent(e: Estimate | None) -> str:
 
 
 def _count(figures: dict[str, Any], flag: str) -> str:
-    """Of how many tasks a flag is true."""
+    """Returns the number of tasks with this flag."""
     return str(figures.get("flags", {}).get(flag, "–"))
 
 

@@ -1,13 +1,13 @@
-"""Environments for reinforcement learning: tasks of the benchmark, driven step by step.
+"""Environments for reinforcement learning: the tasks of the benchmark, one action per step.
 
 >>> import gymnasium, vertibench
 >>> env = gymnasium.make("VertiBench/Navigation-v0", suite="smoke", tasks="w003/t00")
 >>> observation, info = env.reset(seed=0)
 >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 
-`NavigationEnv` is one environment, `NavigationVectorEnv` many at a time on threads of Rust. `vertibench.envs.sb3` has them for
-stable-baselines3, `vertibench.envs.puffer` for PufferLib. `describe_parts()` and `describe_rewards()` tell what an observation
-and a reward can be made of.
+`NavigationEnv` is one environment; `NavigationVectorEnv` steps many environments on Rust threads. `vertibench.envs.sb3`
+contains a vector environment for stable-baselines3, `vertibench.envs.puffer` one for PufferLib. `describe_parts()` and
+`describe_rewards()` list the parts of observations and the terms of rewards.
 """
 
 from .._errors import missing_module

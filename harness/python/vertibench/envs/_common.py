@@ -1,4 +1,4 @@
-"""What one environment and many have in common: options, spaces, what is told of an episode."""
+"""Options, spaces and episode information that single and vector environments share."""
 
 from __future__ import annotations
 
@@ -16,25 +16,33 @@ from .. import _native, _options
 from .._errors import EpisodeError, OptionError, UnknownError
 from .._program import tasks_path
 
-#: The parts of an observation where none are named.
+#: Parts of an observation by default.
 DEFAULT_PARTS = ("state", "goal", "path", "command", "height")
-#: The terms of a reward, in order.
+#: Names of the reward terms, in the order of their values.
 TERMS = tuple(name for name, _, _ in _native.terms())
 _ANOTHER = "another thread is using the environment: use it from one thread at a time"
 
 
 def describe_parts() -> dict[str, str]:
-    """What an observation can be made of: the parts by name."""
+    """Lists the parts that an observation can contain.
+
+    Returns:
+        Description by part name, with the required sensor if there is one.
+    """
     return {name: f"{about}." + (f" Needs the sensor {s}." if s else "") for name, about, s in _native.parts()}
 
 
 def describe_rewards() -> dict[str, str]:
-    """What a reward can be made of: the terms by name, with the unit of what is measured."""
+    """Lists the terms that a reward can contain.
+
+    Returns:
+        Description by term name, with the unit of the measured quantity.
+    """
     return {name: f"{about}{f', {unit}' if unit else ''}." for name, unit, about in _native.terms()}
 
 
 class Setup:
-    """The options of environments, made into an arena, and the spaces that follow from them."""
+    """Validated options of environments: the shared arena, and the spaces that follow from it."""
 
     def __init__(
         self,
@@ -109,14 +117,14 @@ class Setup:
         return spaces.Dict(boxes)
 
     def collect(self, arrays: Sequence[np.ndarray]) -> Any:
-        """The arrays of the parts as an observation: a dictionary by the parts' names, or the flat one."""
+        """Returns the arrays of the parts as an observation: a dictionary by part name, or the flat vector."""
         if self.flat:
             return arrays[0]
         return {part["name"]: array for part, array in zip(self.parts, arrays)}
 
 
 def setup_of(arguments: Sequence[Any], options: Mapping[str, Any], kind: str) -> Setup:
-    """The options of environments of this kind as they were given."""
+    """Returns the setup for these arguments; `kind` is the class that error messages name."""
     known = inspect.signature(Setup)
     for name in options:
         if name not in known.parameters:
@@ -129,15 +137,15 @@ def setup_of(arguments: Sequence[Any], options: Mapping[str, Any], kind: str) ->
 
 
 class Remade:
-    """An environment that is copied and pickled by its options: the copy is a fresh one that was never reset."""
+    """Base of environments that are copied and pickled by their arguments: a copy is new and was never reset."""
 
-    #: How it was made: arguments, and options by their names.
+    #: Arguments of the environment: by position, and by name.
     _made_of: tuple[tuple[Any, ...], dict[str, Any]]
-    #: What a copy has of its own: what is in Rust, and all that came with episodes.
+    #: Attributes that a copy doesn't take over: objects in Rust, and the state of episodes.
     _OWN = ("_setup", "_env", "_arrays", "_limit", "_all", "curriculum", "closed", "_is_seeded", "_np_random", "_np_random_seed")
 
     def __getstate__(self) -> dict[str, Any]:
-        """How it was made, and what others have added to it."""
+        """Returns the arguments, and attributes that others have added."""
         return {name: value for name, value in self.__dict__.items() if name not in self._OWN}
 
     def _remake(self, state: dict[str, Any], init: Any) -> None:
@@ -147,7 +155,7 @@ class Remade:
 
 
 def options_of(options: Any, *known: str) -> list[Any]:
-    """The options of a reset in the order of their names, None where one isn't given."""
+    """Returns the options of a reset in the order of the names `known`, None where absent."""
     if options is not None and not isinstance(options, Mapping):
         raise OptionError(f"reset: options is {options!r}; it must be a dictionary of {_told(known)}")
     given = dict(options or {})
@@ -162,14 +170,14 @@ def _told(names: Sequence[str]) -> str:
 
 
 def task_of(value: Any) -> str | None:
-    """The name of a task, or None."""
+    """Returns a task name or None."""
     if value is not None and not isinstance(value, str):
         raise UnknownError(f"there is no task {value!r}: give a name such as 'w001/t03'")
     return value
 
 
 def real_numbers(given: Any) -> np.ndarray | None:
-    """What was given as an array of float64; None where it isn't made of real numbers."""
+    """Converts the argument to a float64 array; returns None if it doesn't consist of real numbers."""
     if isinstance(given, np.ma.MaskedArray):
         return None
     try:
@@ -177,24 +185,24 @@ def real_numbers(given: Any) -> np.ndarray | None:
         kind = array.dtype.kind
         if kind == "O" and not all(isinstance(value, numbers.Real) for value in array.flat):
             return None
-        # Libraries that learn have short floats of their own, whose kind is V, as that of tables.
+        # Learning libraries have short floats of their own, whose kind is V, like that of structured arrays.
         if kind not in "biufO" and (kind != "V" or array.dtype.type is np.void):
             return None
         return np.ascontiguousarray(array, dtype=np.float64) if array.ndim else array.astype(np.float64)
     except (TypeError, ValueError, OverflowError, RuntimeError):
-        # Rows of several lengths, too large numbers, tensors that aren't in the processor's memory, or that want a gradient.
+        # Rows with different lengths, numbers that are too large, tensors on a GPU or with a gradient.
         return None
 
 
 def began(episode: tuple[str, int] | None) -> dict[str, Any]:
-    """What is told when an episode begins."""
+    """Returns the `info` entries at the start of an episode."""
     if episode is None:
         raise EpisodeError(_ANOTHER)
     return {"task": episode[0], "run_seed": episode[1]}
 
 
 def ended(record: str | None) -> dict[str, Any]:
-    """What is told when an episode ends: how, and the record of the benchmark."""
+    """Returns the `info` entries at the end of an episode: outcome and record."""
     if record is None:
         raise EpisodeError(_ANOTHER)
     told = json.loads(record)

@@ -1,4 +1,4 @@
-"""A limit of steps for each of many environments, as gymnasium's `TimeLimit` has it for one."""
+"""A step limit for each environment of a vector environment, as gymnasium's `TimeLimit` for a single one."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from gymnasium.vector import AutoresetMode
 from .. import _native
 from .._errors import EpisodeError, OptionError
 
-#: What an environment has done: its index, the task and the seed if an episode has begun, the record if one has ended.
+#: Result of an environment: index, task and run seed if an episode has begun, record if one has ended.
 Arrival = tuple[int, tuple[str, int] | None, str | None]
 
 
 class Limit:
-    """Truncates each episode after so many steps, and lets the next one begin as the mode says. Such an end has no record."""
+    """Truncates each episode after `most` steps; the mode determines when the next one begins. Such an end has no record."""
 
     def __init__(self, most: int, mode: AutoresetMode, count: int, batch_size: int, has_curriculum: bool) -> None:
         if has_curriculum:
@@ -25,11 +25,11 @@ class Limit:
             what = "with SAME_STEP it takes a batch_size of all environments: take NEXT_STEP, or rules with another time limit"
             raise OptionError(f"max_episode_steps: {most}: {what}")
         self.most, self.mode = most, mode
-        #: The steps of each episode, and which were cut off and haven't begun anew.
+        #: Steps of each episode, and whether it was truncated here and no new one has begun.
         self.steps, self.is_cut = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.bool_)
 
     def send(self, env: _native.VectorEnv, ids: np.ndarray, rows: np.ndarray) -> None:
-        """Steps environments; those that were cut off begin anew."""
+        """Steps environments; truncated ones begin a new episode."""
         cut = self.is_cut[ids]
         if not cut.any():
             env.send(ids, rows)
@@ -37,7 +37,7 @@ class Limit:
         if self.mode == AutoresetMode.DISABLED:
             raise EpisodeError(f"the episode has ended (max_episode_steps is {self.most}): call reset")
         if not np.isfinite(rows).all():
-            # It refuses them, before any environment is stepped.
+            # Raises the error for these numbers before any environment is stepped.
             env.send(ids, rows)
         if not cut.all():
             env.send(ids[~cut], rows[~cut])
@@ -45,8 +45,11 @@ class Limit:
         self.is_cut[ids] = False
 
     def receive(self, env: _native.VectorEnv, arrivals: list[Arrival], arrays: dict[str, Any]) -> dict[int, Any]:
-        """Counts what has arrived and cuts off what is too long. Gives the last observations of those that have begun anew in the
-        same step, as rows of the arrays, and notes in `arrivals` what they have begun."""
+        """Counts the received steps and truncates episodes that have reached the limit.
+
+        Returns the last observations of environments that began a new episode in the same step, as rows of the arrays,
+        and notes the new episodes in `arrivals`.
+        """
         cut = []
         for place, (index, began, record) in enumerate(arrivals):
             if began is None or record is not None:

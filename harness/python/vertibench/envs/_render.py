@@ -1,4 +1,4 @@
-"""Pictures of an episode."""
+"""Images of an episode."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ from .._options import whole
 
 
 class Picture:
-    """A picture that a notebook shows: `picture(env.render())`."""
+    """Image that a notebook displays; `picture(env.render())` returns one.
+
+    Args:
+        rgb: Image of shape (height, width, 3), uint8.
+    """
 
     def __init__(self, rgb: np.ndarray) -> None:
         self.rgb = rgb
@@ -23,14 +27,24 @@ class Picture:
 
 
 def picture(rgb: np.ndarray) -> Picture:
-    """A picture of `render()`, height x width x 3 of uint8, as what a notebook shows. Raises `OptionError` for anything else."""
+    """Wraps an image for display in a notebook.
+
+    Args:
+        rgb: Image of `render()`, of shape (height, width, 3), uint8.
+
+    Returns:
+        The picture; a notebook displays it at the end of a cell.
+
+    Raises:
+        OptionError: If the argument is no such array.
+    """
     if not (isinstance(rgb, np.ndarray) and rgb.dtype == np.uint8 and rgb.ndim == 3 and rgb.shape[2] == 3):
         raise OptionError("picture: give what render() gave, with render_mode='rgb_array'")
     return Picture(rgb)
 
 
 def png(rgb: np.ndarray) -> bytes:
-    """A picture as a PNG file."""
+    """Encodes an image of shape (height, width, 3), uint8, as PNG."""
     height, width, _ = rgb.shape
     rows = np.concatenate([np.zeros((height, 1), np.uint8), rgb.reshape(height, width * 3)], axis=1)
 
@@ -43,7 +57,7 @@ def png(rgb: np.ndarray) -> bytes:
 
 
 class Camera:
-    """How pictures are taken. Raises `OptionError` for a mode, a camera or a size that there isn't."""
+    """Validated render mode, camera and image size. Raises `OptionError` for invalid values."""
 
     def __init__(self, mode: str | None, camera: str, size: tuple[int, int]) -> None:
         if mode not in (None, "rgb_array"):
@@ -57,7 +71,7 @@ class Camera:
         self._mode, self._camera, self._size = mode, camera, (width, height)
 
     def picture(self, env: _native.Env) -> np.ndarray | None:
-        """A picture, or None without a mode."""
+        """Renders an image; returns None without a render mode."""
         if self._mode is None:
             return None
         return env.render(self._camera, *self._size)

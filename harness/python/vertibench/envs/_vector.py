@@ -1,4 +1,4 @@
-"""Many environments at a time, stepped by threads of Rust."""
+"""The vector environment, `NavigationVectorEnv`: many environments, stepped on Rust threads."""
 
 from __future__ import annotations
 
@@ -21,40 +21,64 @@ from ._limit import Limit
 from ._navigation import NavigationEnv, State
 from ._render import Camera
 
-#: What can be asked of each environment: attributes and methods of one that change nothing.
+#: Attributes and methods of a single environment that change nothing, for `get_attr` and `call`.
 _VIEWS = (
     "task", "vehicle", "tasks", "reward_weights", "state", "render", "render_mode", "metadata", "spec", "observation_space", "action_space",
 )  # fmt: skip
-#: So many training worlds of the default seed have tasks for all stages of the curriculum `manual`.
+#: With the default seed, this number of training worlds has tasks for all stages of the curriculum `manual`.
 MANUAL_WORLDS = 36
 
 
 class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
-    """Many environments of one kind, stepped in one call: `gymnasium.make_vec("VertiBench/Navigation-v0", num_envs=16, …)`.
+    """Many navigation environments that one call steps on Rust threads.
 
-    The options are those of `NavigationEnv`. Beside them:
+    Create it with `gymnasium.make_vec("VertiBench/Navigation-v0", num_envs=16, vectorization_mode="vector_entry_point",
+    ...)` or directly. Python's lock is released during a step. The result of an environment depends on its own seed and
+    actions, never on the number of threads.
 
-    - `threads`: how many threads of Rust step the environments; by default as many as there are processors. Python's lock is
-      free meanwhile. What an environment does depends on its own seed and actions, never on the threads.
-    - `autoreset_mode`: `NEXT_STEP` (the default) begins the next episode with the step after the last one, whose action isn't
-      used; `SAME_STEP` at once, with the last observation in `infos["final_obs"]`; `DISABLED` when `reset` is called with
-      `options={"reset_mask": mask}`.
-    - `copy`: with False, observations, rewards and flags are the arrays that the threads write to, without a copy; they change
-      with the next step, and keep the threads alive.
-    - `curriculum`: what chooses the tasks: the name of one that comes with the package (`uniform`, `manual`, `learnability`,
-      `replay`), or a file. Without it, each environment draws by its own seed. `curriculum_seed` is the seed that it draws by, and
-      `env.curriculum` tells what it has come to. It is told how episodes end in the order of the environments, when they are
-      received: with `step` it chooses the same tasks again, with `send` and `recv` in batches it may not. `manual` has stages that
-      need tasks of every kind: of the default seed, 36 `worlds` have them.
-    - `batch_size`: for `send` and `recv`, as EnvPool has them: `recv` returns as soon as so many environments are done.
-    - `max_episode_steps`: truncates each episode after so many steps, as gymnasium's `TimeLimit` does for one environment; such an
-      end has no `outcome` and no `record`. Not with a curriculum, nor with SAME_STEP in batches.
+    `step` and `reset` are gymnasium's interface. `async_reset`, `send` and `recv` work in batches, as in EnvPool.
+    Observations have a leading axis of length `num_envs`. As usual in gymnasium, each array in `infos` has a mask with
+    the prefix `_` that marks the environments with a value.
 
-    `reset(seed=s)` gives environment k the seed s + k. `options={"task": …}` sets the task of all, or of each by a list; likewise
-    `"run_seed"`.
+    Threads don't survive a fork: create the environment in the process that uses it, or start processes with spawn.
+    Copying or pickling creates a new environment with the same arguments, which was never reset.
 
-    Threads don't survive a fork: make the environment in the process that uses it. One that is copied or pickled is made anew of
-    its options: the copy was never reset.
+    Example:
+        >>> envs = NavigationVectorEnv(16, "smoke", observation="flat", threads=8)
+        >>> observations, infos = envs.reset(seed=0)
+        >>> observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+
+    Args:
+        num_envs: Number of environments, 1 to 65536; default 1.
+        *arguments: `suite` and `tasks`, as in `NavigationEnv`.
+        threads: Number of threads, 1 to 1024. None (default): the number of processors that the process may use.
+        autoreset_mode: When an environment begins its next episode, as `gymnasium.vector.AutoresetMode` or its name.
+            `NEXT_STEP` (default): with the step after the last one, whose action is ignored. `SAME_STEP`: at once; the
+            last observation is in `infos["final_obs"]`, the information on the ended episode in `infos["final_info"]`.
+            `DISABLED`: when `reset` is called with `options={"reset_mask": mask}`.
+        copy: Whether results are copies; default True. With False, `step` and `reset` return the arrays that the
+            threads write, which change with the next step and keep the threads alive.
+        batch_size: Number of finished environments for which `recv` waits, 1 to `num_envs`. None (default): `num_envs`.
+        curriculum: Curriculum that chooses the tasks: `"uniform"`, `"manual"`, `"learnability"`, `"replay"`, or a YAML
+            file. None (default): each environment samples its tasks with its own seed. Choices are reproducible with
+            `step`; with `recv` in smaller batches they depend on the order of results. `"manual"` needs worlds of every
+            elevation and terrain type: of the training worlds with the default seed, `worlds=36` has all.
+        curriculum_seed: Seed of the curriculum, 0 to 2**63 - 1; default 0.
+        max_episode_steps: Truncates each episode after this number of steps, as gymnasium's `TimeLimit`; such an end
+            has no `outcome` and no `record`. None (default): only the rules end an episode. Not with a curriculum, nor
+            with `SAME_STEP` if `batch_size` is below `num_envs`.
+        render_mode: As in `NavigationEnv`.
+        camera: As in `NavigationEnv`.
+        render_size: As in `NavigationEnv`.
+        **options: All other arguments of `NavigationEnv`, by name.
+
+    Attributes:
+        curriculum: The `Curriculum` that chooses the tasks; None without one.
+
+    Raises:
+        OptionError: If an argument is unknown or invalid, the curriculum doesn't fit the tasks, or memory or threads
+            don't suffice for `num_envs` and `threads`.
+        MissingError: If the package's folder of tasks is missing.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10, "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -104,7 +128,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         fps = round(1.0 / self._setup.arena.control_period)
-        # As gymnasium's own have it; TorchRL looks for it.
+        # As in gymnasium's vector environments; TorchRL reads it.
         self.autoreset_mode = mode
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": mode}
         self._mode, self._copy = mode, copy
@@ -113,7 +137,6 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
             self._setup.arena, num_envs, threads, mode.name.lower(), self._setup.flat
         )
         self._arrays = self._env.arrays()
-        #: The curriculum that chooses the tasks; None without one.
         self.curriculum: Curriculum | None = None
         if curriculum is not None:
             self._follow(self._env, curriculum, curriculum_seed)
@@ -132,21 +155,57 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
                 raise OptionError(f"{e}: make more training worlds, e.g. worlds={MANUAL_WORLDS}") from None
             raise
 
-    # One call for all.
+    # All environments in one call.
 
     def reset(
         self, *, seed: int | Sequence[int | None] | np.ndarray | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begins episodes in all environments, or in those of `options["reset_mask"]`; gives the observations of all. What they are
-        still at, after `send` or Ctrl-C, is waited for and dropped; only a `reset_mask` is refused then."""
+        """Begins episodes in all environments, or in those of a mask.
+
+        Environments that are still busy, after `send` or Ctrl-C, are waited for and their results dropped; with a
+        `reset_mask` they raise an error instead.
+
+        Args:
+            seed: Seed s gives environment k the seed s + k, modulo 2**63. A sequence has one seed or None per
+                environment. None: continues the sequences of the last seeds; the first reset without a seed chooses one
+                at random.
+            options: Dictionary with any of these keys. `"reset_mask"`: boolean array of shape (num_envs,), the
+                environments to reset, at least one. `"task"`: task name for all environments, or one or None per
+                environment. `"run_seed"`: seed of the sensor noise, 0 to 2**63 - 1, in the same forms.
+
+        Returns:
+            Observations of all environments, and `infos` with `task` and `run_seed` of the new episodes.
+
+        Raises:
+            UnknownError: If there is no such task.
+            OptionError: If another option is unknown or invalid, or has the wrong length.
+            EpisodeError: If an environment is busy and a mask is given, the simulation fails at a start, the
+                environment is closed, was created in another process, or is used by another thread.
+        """
         env = self._native()
         which = self._begin(env, seed, options, is_dropped=True)
         infos = self._receive(env, len(which))[1]
         return self._observations(None), infos
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Steps all environments: `actions` has a row for each. Gives observations, rewards (float64), terminated, truncated
-        (bool), and infos: `reward_terms` by name, and where an episode ended `outcome`, `is_success`, `record`."""
+        """Steps all environments with one action each and waits for all.
+
+        Args:
+            actions: Array of shape (num_envs, 2), or (num_envs, 4) with `action="pedals"`. Numbers outside their range
+                are clipped.
+
+        Returns:
+            Observations; rewards (float64), terminated and truncated (bool), each of shape (num_envs,); and `infos`.
+            `infos["reward_terms"]` has an array of shape (num_envs,) per reward term. Where an episode ended, `infos`
+            has `outcome`, `is_success` and `record`, with `SAME_STEP` in `infos["final_info"]`; where one began, `task`
+            and `run_seed`.
+
+        Raises:
+            ActionError: If the actions have the wrong shape, or a number is not real and finite. No environment is
+                stepped.
+            EpisodeError: If an environment is busy, has no episode, or its episode has ended with `DISABLED`; or if the
+                environment is closed, was created in another process, or is used by another thread.
+        """
         env = self._native()
         rows = self._rows(actions, self.num_envs)
         if env.pending():
@@ -155,29 +214,58 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         infos = self._receive(env, self.num_envs)[1]
         return (self._observations(None), *self._numbers(None), infos)
 
-    # As EnvPool has it: without waiting for all.
+    # Batches, as in EnvPool.
 
     def async_reset(
         self, seed: int | Sequence[int | None] | np.ndarray | None = None, options: dict[str, Any] | None = None
     ) -> None:
-        """Begins episodes without waiting for them; `recv` gives the first observations."""
+        """Begins episodes without waiting; `recv` returns the first observations.
+
+        Args:
+            seed: As in `reset`.
+            options: As in `reset`.
+
+        Raises:
+            UnknownError: If there is no such task.
+            OptionError: If another option is unknown or invalid, or has the wrong length.
+            EpisodeError: If an environment to be reset is busy, or the environment can't be used (see `step`).
+        """
         self._begin(self._native(), seed, options, is_dropped=False)
 
     def send(self, actions: Any, env_id: Any = None) -> None:
-        """Steps the environments with the indices `env_id` (all by default) without waiting: `actions` has a row for each."""
+        """Begins a step of some environments without waiting; `recv` returns the results.
+
+        Args:
+            actions: Array with one action per environment in `env_id`, in their order.
+            env_id: Indices of the environments, from 0, each at most once. None (default): all.
+
+        Raises:
+            ActionError: If the actions have the wrong shape, or a number is not real and finite. No environment is
+                stepped.
+            UnknownError: If there is no environment with an index.
+            OptionError: If `env_id` doesn't consist of whole numbers, or contains an index twice.
+            EpisodeError: As in `step`.
+        """
         ids = self._all if env_id is None else self._indices("send: env_id", env_id)
         self._hand_out(self._native(), ids, self._rows(actions, len(ids)))
 
     def recv(self) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Waits until `batch_size` environments are done, or all that are at work where these are fewer. Rows are in the order of
-        `infos["env_id"]`, which is the order in which they came and so not reproducible; what each did is."""
+        """Waits for `batch_size` busy environments, or for all if fewer are busy.
+
+        Returns:
+            As `step`, with one row per received environment. `infos["env_id"]` has their indices, in the order of their
+            arrival. This order is not reproducible; the result of each environment is. The results are copies.
+
+        Raises:
+            EpisodeError: If no environment is busy, or the environment can't be used (see `step`).
+        """
         env = self._native()
         ids, infos = self._receive(env, min(self.batch_size, env.pending() or 1))
         picked = {name: _pick(value, ids) for name, value in infos.items()}
         picked["env_id"] = ids
         return (self._observations(ids), *self._numbers(ids), picked)
 
-    # What they share.
+    # Shared helpers.
 
     def _begin(self, env: _native.VectorEnv, seed: Any, options: Any, is_dropped: bool) -> np.ndarray:
         mask, tasks, run_seeds = options_of(options, "reset_mask", "task", "run_seed")
@@ -203,7 +291,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         return which
 
     def _drop(self, env: _native.VectorEnv, mask: np.ndarray | None, tasks: Sequence[str | None]) -> None:
-        """Waits for what is at work, unless the reset can't be done."""
+        """Waits for busy environments and drops their results, unless the reset will be refused."""
         if not env.pending():
             return
         if mask is not None:
@@ -211,13 +299,13 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         known = set(self.tasks)
         for task in tasks:
             if task is not None and task not in known:
-                # This is told before anything is dropped, in the words of the environment.
+                # Raises the environment's own error before any result is dropped.
                 _native.Env(self._setup.arena, 0).reset(None, task, None)
         while env.pending():
             env.receive(env.pending())
 
     def _each(self, name: str, value: Any, check: Any) -> list[Any]:
-        """An option of a reset for each environment: the same for all, or each its own."""
+        """Returns an option of a reset per environment, given for all or for each."""
         if _is_one(value):
             return [check(value)] * self.num_envs
         if len(value) != self.num_envs:
@@ -273,7 +361,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         return np.array([index for index, _, _ in arrivals], dtype=np.int64), infos
 
     def _note(self, infos: dict[str, Any], name: str, value: Any, index: int) -> None:
-        """Puts a value of one environment into infos, as gymnasium has them: an array with a mask beside it."""
+        """Adds a value of one environment to infos in gymnasium's form: an array and its mask."""
         mask = infos.setdefault(f"_{name}", np.zeros(self.num_envs, dtype=np.bool_))
         mask[index] = True
         if name == "final_info":
@@ -310,20 +398,42 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
 
     @property
     def tasks(self) -> list[str]:
-        """The names of the tasks, in the suite's order."""
+        """Names of the tasks, in the order of the suite."""
         return self._setup.arena.tasks()
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
-        """What an attribute of `NavigationEnv` is in each environment: `task`, `vehicle`, `tasks`, `reward_weights`, or the spaces.
+        """Reads an attribute of `NavigationEnv` from every environment.
 
-        Raises `UnknownError` for any other name."""
+        Args:
+            name: `"task"`, `"vehicle"`, `"tasks"`, `"reward_weights"`, `"render_mode"`, `"metadata"`, `"spec"`,
+                `"observation_space"` or `"action_space"`.
+
+        Returns:
+            The value of each environment.
+
+        Raises:
+            UnknownError: If the name is another one.
+            EpisodeError: If an environment is busy.
+        """
         return self.call(name)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """What a method of `NavigationEnv` that changes nothing gives in each environment: `state` or `render`. An attribute is given
-        as it is. What would change one environment alone, such as `step`, can't be called: step all, or use `send` with its index.
+        """Calls a read-only method of `NavigationEnv` in every environment.
 
-        Raises `UnknownError` for any other name."""
+        Methods that would change a single environment, such as `step`, are refused; use `send` with its index.
+
+        Args:
+            name: `"state"` or `"render"`, or an attribute of `get_attr`, whose value is returned.
+            *args: Positional arguments of the method.
+            **kwargs: Keyword arguments of the method.
+
+        Returns:
+            The result of each environment.
+
+        Raises:
+            UnknownError: If the name is another one.
+            EpisodeError: If an environment is busy, or has no episode where the method needs one.
+        """
         if name not in _VIEWS:
             raise UnknownError(f"call: {name!r} can't be asked of environments: there are {', '.join(_VIEWS)}")
         env = self._native()
@@ -334,7 +444,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         told = []
         for index in range(self.num_envs):
             snapshot, one._env = env.snapshot(index), _native.Env(self._setup.arena, 0)
-            # Without an episode, as before the first reset, there is nothing to go back to.
+            # Before the first reset there is no episode to restore.
             with contextlib.suppress(EpisodeError):
                 one._env.restore(snapshot)
             value = getattr(one, name)
@@ -342,17 +452,43 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         return tuple(told)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Raises `OptionError`: what an environment is like is said when it is made, and is the same in all."""
+        """Refuses the change: attributes follow from the arguments and are equal in all environments.
+
+        Args:
+            name: Attribute name.
+            values: Ignored.
+
+        Raises:
+            OptionError: Always.
+        """
         raise OptionError(f"set_attr: {name!r} can't be set: make environments with other options")
 
     def state(self, index: int) -> State:
-        """One of the environments as it is now, which a `NavigationEnv` with the same options can go on with."""
+        """Saves the simulation of one environment.
+
+        Args:
+            index: Index of the environment, from 0.
+
+        Returns:
+            The state, which a `NavigationEnv` with the same options can restore with `set_state`.
+
+        Raises:
+            UnknownError: If there is no environment with this index.
+            EpisodeError: If the environment is busy or closed.
+        """
         env = self._native()
         (own,) = self._indices("state: index", [index])
         return State(env.snapshot(int(own)))
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """A picture of each environment; None without a render mode."""
+        """Renders every environment.
+
+        Returns:
+            One image per environment, of shape (height, width, 3), uint8; None without a render mode.
+
+        Raises:
+            EpisodeError: If an environment has no episode or is busy.
+        """
         if self.render_mode is None:
             return None
         env = self._native()
@@ -365,16 +501,22 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         return tuple(pictures)  # type: ignore[arg-type]
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Lets go of everything. Arrays that were given without a copy stay as they are; the threads end when none of these is held any
-        more, or at once with copies."""
+        """Releases the environments; `close` calls this.
+
+        With `copy=False` the returned arrays keep their values, and the threads end when none of these arrays is held.
+        Otherwise the threads end at once.
+
+        Args:
+            **kwargs: Ignored.
+        """
         self._env = None
         self._arrays = {}
 
     def _held(self) -> dict[str, Any]:
-        """The arrays that the threads write to."""
+        """Returns the arrays that the threads write."""
         arrays = self._arrays
         if not arrays:
-            # Another thread may have closed it meanwhile.
+            # Another thread may have closed the environment.
             self._native()
         return arrays
 
@@ -385,34 +527,68 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
 
 
 class Curriculum:
-    """What chooses the tasks of a vector environment."""
+    """Curriculum of a vector environment: chooses the task of each new episode.
+
+    `NavigationVectorEnv.curriculum` is an instance. All methods raise `EpisodeError` if the environment is closed, was
+    created in another process, or is used by another thread.
+    """
 
     def __init__(self, env: NavigationVectorEnv) -> None:
         self._vector = env
 
     def chances(self) -> dict[str, float]:
-        """The chance of each task to be the next, in the mean over the environments."""
+        """Returns the probability of each task to be chosen next.
+
+        Returns:
+            Probability in [0, 1] by task name, averaged over the environments.
+        """
         return dict(zip(self._vector.tasks, self._told()[0]))
 
     def stages(self) -> list[int]:
-        """Of each environment, the stage that it is at; empty where there are no stages."""
+        """Returns the current stage of each environment.
+
+        Returns:
+            Stage numbers, from 0; empty if the curriculum has no stages.
+        """
         return self._told()[1]
 
     def score(self, task: str, score: float) -> None:
-        """Takes in what a learner thinks of a task, by which `replay` chooses: the mean size of what returns differed by from the
-        values that it expected."""
+        """Reports a learner's score of a task, which `replay` uses for its choice; other curricula ignore it.
+
+        Args:
+            task: Task name.
+            score: Mean absolute difference between returns and expected values in an episode. Must be finite.
+
+        Raises:
+            OptionError: If the score is not a finite number.
+            UnknownError: If there is no such task.
+        """
         own = number("score", score)
         if not math.isfinite(own):
             raise OptionError(f"score: {own} must be a finite number")
         self._vector._native().score(task_of(task) or "", own)
 
     def state(self) -> str:
-        """All that it remembers, as text."""
+        """Saves all that the curriculum has learned.
+
+        Returns:
+            The state as text, for `restore`.
+        """
         return self._vector._native().curriculum_state() or ""
 
     def restore(self, state: str) -> None:
-        """Goes on from what one like it remembered, and chooses the next tasks anew. Training that is to be continued exactly does
-        `restore(state())` where it keeps the state."""
+        """Restores a saved state and chooses the next tasks again.
+
+        For an exact continuation, an uninterrupted training must also call `restore(state())` when it saves the state,
+        because the tasks that were already chosen are not part of it.
+
+        Args:
+            state: Text that `state()` returned, of a curriculum with the same settings.
+
+        Raises:
+            OptionError: If the state doesn't fit this curriculum.
+            EpisodeError: If an environment is busy.
+        """
         if not isinstance(state, str):
             raise OptionError(f"restore: {type(state).__name__} is no state of a curriculum: give what state() gave")
         self._vector._native().restore_curriculum(state)
@@ -428,14 +604,14 @@ def _pick(value: Any, ids: np.ndarray) -> Any:
 
 
 def processors() -> int:
-    """How many processors this process may use."""
+    """Returns the number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def _array(given: Any) -> np.ndarray:
-    """What was given as an array; one of no use if it is none, such as rows of several lengths."""
+    """Converts the argument to an array; returns an invalid one for arguments such as rows of different lengths."""
     try:
         return np.asarray(given)
     except (TypeError, ValueError):
@@ -443,7 +619,7 @@ def _array(given: Any) -> np.ndarray:
 
 
 def _is_one(value: Any) -> bool:
-    """Whether it is a value for all environments, rather than one for each."""
+    """Returns whether the value is for all environments, rather than one per environment."""
     if isinstance(value, np.ndarray):
         return value.ndim == 0
     return isinstance(value, (str, bytes)) or not isinstance(value, Sequence)

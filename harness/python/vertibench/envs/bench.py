@@ -1,8 +1,8 @@
-"""How fast environments are: `python -m vertibench.envs.bench`.
+"""Measures the speed of environments: `python -m vertibench.envs.bench`.
 
-Each figure is the median of several stretches of the same length. A vehicle follows the path of its task at 3 m/s, at ten actions a
-second, so that the simulation has as much to do as in driving, not in standing. The last lines are gymnasium's own vector
-environments over the single environment, for comparison.
+Each figure is the median of several intervals of the same length. A vehicle follows the path of its task at 3 m/s with
+ten actions per second, so the simulation does the work of driving, not of standing still. The last lines are
+gymnasium's own vector environments over the single environment, for comparison.
 """
 
 from __future__ import annotations
@@ -21,19 +21,35 @@ from ._vector import processors
 
 NAME = "VertiBench/Navigation-v0"
 STATE = ("state", "path")
-# The time step with which policies are trained here (`tasks/training/policy.yaml`), s.
+# Simulation time step of the shipped policies' training (`tasks/training/policy.yaml`), s.
 TRAINING_STEP = 0.005
 
 
 def pursue(observation: Any) -> np.ndarray:
-    """Steers to the third point of the path, 6 m ahead, at half of the greatest speed."""
+    """Steers to the third path point, 6 m ahead, at half of the maximum speed.
+
+    Args:
+        observation: Dictionary with `path`, of shape (..., points, 2): metres ahead and to the left.
+
+    Returns:
+        Actions of shape (..., 2), float32.
+    """
     point = observation["path"][..., 2, :]
     steering = np.clip(1.5 * point[..., 1] / np.maximum(np.abs(point[..., 0]), 1.0), -1.0, 1.0)
     return np.stack([steering, np.zeros_like(steering)], axis=-1).astype(np.float32)
 
 
 def steps_a_second(env: Any, seconds: float, stretches: int) -> float:
-    """Actions a second over all environments of a vector environment, or of a single one."""
+    """Measures the speed of an environment.
+
+    Args:
+        env: Vector environment or single environment.
+        seconds: Length of an interval, s.
+        stretches: Number of intervals; one more is run before to load worlds.
+
+    Returns:
+        Median number of actions per second, summed over all environments.
+    """
     count = getattr(env, "num_envs", 1)
     is_single = not hasattr(env, "num_envs")
     observation, _ = env.reset(seed=0)
@@ -53,7 +69,16 @@ def steps_a_second(env: Any, seconds: float, stretches: int) -> float:
 
 
 def reset_ms(env: gymnasium.Env, tasks: list[str]) -> tuple[float, float]:
-    """The time of a reset, ms: of tasks that were begun before, and the first time in a world that is loaded."""
+    """Measures the duration of a reset.
+
+    Args:
+        env: Single environment.
+        tasks: Task names, all in one world; at least two.
+
+    Returns:
+        Median duration, ms, of a reset to a task that was begun before, and of the first reset to a task in a loaded
+        world.
+    """
 
     def times() -> list[float]:
         spent = []
@@ -68,6 +93,7 @@ def reset_ms(env: gymnasium.Env, tasks: list[str]) -> tuple[float, float]:
 
 
 def main() -> None:
+    """Runs all measurements and prints them."""
     parser = argparse.ArgumentParser(prog="python -m vertibench.envs.bench", description=__doc__)
     parser.add_argument("--seconds", type=above_zero, default=2.0, help="length of a stretch (default: 2)")
     parser.add_argument("--stretches", type=whole_number, default=5, help="number of stretches (default: 5)")
