@@ -38,24 +38,21 @@ pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Every code and what it means, for the help. How a command goes on is no part of it, since not all do so in the same way.
 pub(crate) const MEANINGS: [(u8, &str); 13] = [
-    (DONE, "done"),
-    (INTERNAL, "a fault of the harness"),
-    (USAGE, "the command line makes no sense, or names an unknown task, world or parameter"),
-    (BAD_INPUT, "a suite, plugin, rule file, vehicle file, recorded run or dataset can't be used"),
+    (DONE, "completed"),
+    (INTERNAL, "internal error of the harness"),
+    (USAGE, "invalid command line, or an unknown task, world or parameter"),
+    (BAD_INPUT, "unusable input: a suite, plugin, rule file, vehicle file, recorded run or dataset"),
     (
         OUTPUT,
-        "results can't be written (disk full, no permission, directory not empty, in use or of another run)",
+        "results can't be written (disk full, no permission, directory not empty, in use, or of another run)",
     ),
     (SIM_ERRORS, "completed, but the simulation of some tasks failed"),
-    (CHECKS_FAILED, "completed, but the vehicle failed some checks of its test"),
-    (HOST_ERRORS, "the harness or the machine failed some tasks, of which nothing is known"),
-    (NOT_CONFORMING, "completed, but the planner failed some checks of check"),
-    (NOT_VERIFIED, "a submission, or a dataset, does not verify"),
-    (
-        FAILED_START,
-        "ended early: in all of the first tasks the planner failed alike before its first command, or the simulation failed",
-    ),
-    (INCOMPLETE, "completed, but some tasks are missing, or some runs are not done"),
+    (CHECKS_FAILED, "completed, but the vehicle failed some checks of vehicle test"),
+    (HOST_ERRORS, "some tasks failed because of the harness or the machine"),
+    (NOT_CONFORMING, "completed, but the planner failed some checks"),
+    (NOT_VERIFIED, "completed, but the submission or dataset failed verification"),
+    (FAILED_START, "early end: the first tasks all failed in the planner's start, or in the simulation"),
+    (INCOMPLETE, "completed, but some tasks are missing, or some runs aren't finished"),
     (INTERRUPTED, "stopped by Ctrl-C"),
 ];
 

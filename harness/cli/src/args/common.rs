@@ -9,20 +9,20 @@ use super::values::key_value;
 /// How results are told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MessageFormat {
-    /// For people.
+    /// Text for people.
     #[default]
     Human,
-    /// One JSON object a line on stdout.
+    /// One JSON object per line on stdout.
     Json,
 }
 
 /// How results are told, with a short name for programs: the same options on every command that has results.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct FormatArgs {
-    /// How results are told
+    /// Output format
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     message_format: MessageFormat,
-    /// The same as --message-format json
+    /// Short form of --message-format json
     #[arg(long, conflicts_with = "message_format")]
     json: bool,
 }
@@ -41,7 +41,7 @@ impl FormatArgs {
 /// How much is done at a time.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct JobsArgs {
-    /// Tasks, or events of a vehicle's test, that run at a time; default: number of cores
+    /// Number of parallel jobs; default: number of cores
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
 }
@@ -57,13 +57,13 @@ impl JobsArgs {
 /// How a planner is loaded.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct PlannerArgs {
-    /// Refuse a native planner where the system can't confine it in every way, and any command
+    /// Refuse commands, and native planners that the system can't confine completely
     #[arg(long)]
     pub(crate) require_sandbox: bool,
-    /// Parameter of the planner; may be repeated
+    /// Planner parameter; may be repeated
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) params: Vec<(String, String)>,
-    /// Limits of the planner, by name as in docs/abi.md; default: those documented there
+    /// YAML file with limits of the planner; docs/abi.md lists names and defaults
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
 }

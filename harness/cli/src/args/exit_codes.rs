@@ -45,7 +45,7 @@ const OF: [(&str, &[u8]); 16] = [
 
 /// What a command that has `--resume` says of it beside a code's meaning.
 const RESUMED: [(u8, &str); 2] =
-    [(HOST_ERRORS, "; --resume runs them again"), (INTERRUPTED, "; go on with --resume")];
+    [(HOST_ERRORS, "; --resume re-runs them"), (INTERRUPTED, "; --resume continues")];
 
 /// The program's commands with their exit codes at the end of their help.
 pub(super) fn document(program: Command) -> Command {
@@ -91,7 +91,7 @@ mod tests {
                 commands(c, &path, found);
             } else {
                 assert!(
-                    c.get_after_help().unwrap().to_string().starts_with("Exit codes:\n    0  done\n"),
+                    c.get_after_help().unwrap().to_string().starts_with("Exit codes:\n    0  completed\n"),
                     "{path}"
                 );
                 found.push(path);
@@ -114,7 +114,7 @@ mod tests {
         let program = document(Cli::command());
         names_its_own(&program);
         let run = program.find_subcommand("run").unwrap().get_after_help().unwrap().to_string();
-        assert!(run.contains("--resume runs them again") && run.contains("go on with --resume"), "{run}");
+        assert!(run.contains("--resume re-runs them") && run.contains("--resume continues"), "{run}");
     }
 
     #[test]
@@ -125,7 +125,8 @@ mod tests {
             assert!(found.iter().any(|path| path == name), "{name}");
         }
         let text_of = |path: &str| text(path, false);
-        assert!(text_of("verify").contains("does not verify") && !text_of("run").contains("does not verify"));
+        let not_verified = "failed verification";
+        assert!(text_of("verify").contains(not_verified) && !text_of("run").contains(not_verified));
         assert_eq!(text_of("").lines().count(), 1 + MEANINGS.len());
         assert_eq!(text_of("suite list").lines().count(), 1 + ALWAYS.len());
     }

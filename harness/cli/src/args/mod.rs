@@ -34,7 +34,7 @@ pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
 pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
 
-/// Benchmark for off-road mobility planners: runs a planner over the tasks of a suite and scores it.
+/// Benchmark for off-road planners: runs a planner over the tasks of a suite and scores it.
 #[derive(Debug, Parser)]
 #[command(
     name = "vb-harness",
@@ -65,51 +65,51 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a planner over a suite; the default command
+    /// Run a planner over a suite (default command)
     Run(RunArgs),
-    /// Join the shards of a run that several machines have driven
+    /// Join the shards of a run
     Merge(MergeRunArgs),
-    /// Drive many runs as one plan: planners, parameters, vehicles, perception profiles, seeds
+    /// Run a sweep: many runs that combine planners, parameters, vehicles, perception profiles and seeds
     #[command(subcommand)]
     Sweep(SweepCommand),
-    /// Score a finished run again from its traces, without simulating
+    /// Re-score a finished run from its traces, without simulation
     Score(ScoreArgs),
-    /// Make a page, and tables, of one or more runs
+    /// Write an HTML report, tables and figures of one or more runs
     Report(ReportArgs),
-    /// Show a task of one or more runs in three dimensions in the browser, or film it
+    /// Show a task of one or more runs as a 3D replay in the browser, or write a video, picture or MCAP file
     Replay(ReplayArgs),
-    /// Make, validate, merge and split datasets for those who learn from data
+    /// Make, show, validate, merge and split datasets for offline learning
     #[command(subcommand)]
     Dataset(DatasetCommand),
-    /// Make a submission of a planner, or of a finished run: a small folder that others can verify
+    /// Make a submission from a planner or a finished run: a small folder that others can verify
     Submit(SubmitArgs),
-    /// Verify a submission: hold it against suite and planner, and drive tasks again
+    /// Verify a submission: compare it with suite and planner, and re-run tasks
     Verify(VerifyArgs),
-    /// Score a planner on a hidden suite and tell nothing but the scores
+    /// Score a planner on a hidden suite, and report only figures over all tasks
     Evaluate(EvaluateArgs),
-    /// Make the site of a leaderboard
+    /// Build a leaderboard site
     #[command(subcommand)]
     Leaderboard(LeaderboardCommand),
-    /// Show what a plugin says of itself, without running it
+    /// Show a planner's metadata: version, interface, parameters, requested sensors
     Inspect(InspectArgs),
-    /// Check what planners promise: determinism, hygiene, head-room, and more
+    /// Check whether a planner meets all requirements, such as determinism and head-room
     Check(CheckArgs),
-    /// Start a planner's project, and describe planners that are not written in Rust
+    /// Create planner projects, write metadata into WASM files, install planners
     #[command(subcommand)]
     Plugin(PluginCommand),
-    /// List, show, validate, import and generate suites
+    /// List, show, validate, generate and import suites
     #[command(subcommand)]
     Suite(SuiteCommand),
-    /// List tasks
+    /// List the tasks of a suite
     #[command(subcommand)]
     Tasks(TasksCommand),
     /// List, show, validate and test vehicles
     #[command(subcommand)]
     Vehicle(VehicleCommand),
-    /// Train terrain models on elevation data, draw surfaces from them, measure elevation
+    /// Train terrain models on elevation data, generate surfaces from them, measure elevation files
     #[command(subcommand)]
     Terrain(TerrainCommand),
-    /// Write a script by which a shell completes commands and options, to stdout
+    /// Write a shell completion script to stdout
     Completions(CompletionsArgs),
     /// Write manual pages
     Man(ManArgs),

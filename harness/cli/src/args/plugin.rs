@@ -9,7 +9,7 @@ use super::values::planner;
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {
-    /// The planner: a WASM file, a native library, or a command, which is started for it
+    /// Planner: a WASM file, a native library, or a command, which is started
     #[arg(long, value_name = "FILE|COMMAND", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     #[command(flatten)]
@@ -18,26 +18,26 @@ pub(crate) struct InspectArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PluginCommand {
-    /// Make a project for a planner: source, build, README and CI
+    /// Create a planner project: source, build, README and CI
     New(NewArgs),
-    /// Write a planner's name, version and parameters into its WASM file; Rust's export_planner! does it by itself
+    /// Write a planner's metadata into its WASM file (Rust's export_planner! does this during the build)
     Stamp(StampArgs),
-    /// Put planners where they are found by their file names, whatever the working directory
+    /// Install planners, for use by file name from any working directory
     Install(InstallArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct NewArgs {
-    /// Name of the planner: a-z, 0-9, - and _
+    /// Planner name: a-z, 0-9, - and _
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
-    /// Language that it is written in
+    /// Programming language
     #[arg(long, value_name = "LANGUAGE", value_enum)]
     pub(crate) lang: Language,
-    /// Folder for the project; default: NAME
+    /// Directory for the project; default: NAME
     #[arg(long, value_name = "DIR")]
     pub(crate) dir: Option<PathBuf>,
-    /// For Rust, where the SDK is: a folder or a git URL; default: the folder sdk beside the built-in tasks
+    /// For Rust: the SDK, a directory or a git URL; default: the directory sdk next to the built-in tasks
     #[arg(long, value_name = "DIR|URL")]
     pub(crate) sdk: Option<String>,
 }
@@ -47,7 +47,7 @@ pub(crate) struct NewArgs {
 pub(crate) enum Language {
     /// Rust, with the SDK.
     Rust,
-    /// C, by zig's compiler.
+    /// C, compiled with zig.
     C,
     /// Python, with its interpreter in the plugin.
     Python,
@@ -57,14 +57,13 @@ pub(crate) enum Language {
 
 #[derive(Debug, Args)]
 pub(crate) struct StampArgs {
-    /// The planner: a WASM component, or a core module as wit-bindgen leaves it
+    /// Planner: a WASM component, or a core module built with wit-bindgen
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// What the planner says of itself, as YAML: name, version, authors, about, control_period, params, needs,
-    /// needs_without_maps, models
+    /// Metadata as YAML: name, version, authors, about, control_period, params, needs, needs_without_maps, models
     #[arg(long, value_name = "FILE")]
     pub(crate) meta: PathBuf,
-    /// Where to write it; default: in place
+    /// Output file; default: FILE is changed in place
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }

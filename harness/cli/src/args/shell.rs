@@ -7,14 +7,14 @@ use clap_complete::Shell;
 
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_name = "SHELL", value_enum)]
     pub(crate) shell: Shell,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// Directory for the pages, e.g. ~/.local/share/man/man1
+    /// Directory for the manual pages, e.g. ~/.local/share/man/man1
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 }

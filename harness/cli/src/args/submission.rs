@@ -10,46 +10,49 @@ use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct SubmitArgs {
-    /// The planner: a WASM file; a native library can be entered in the open division only
+    /// Planner: a WASM file, or a native library for the open division
     #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     /// Directory for the submission
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// A finished run of the planner; default: the suite is run now
+    /// Finished run of the planner; default: a new run over the suite
     #[arg(long, value_name = "DIR", conflicts_with_all = ["vehicle", "jobs", "keep_going", "logs"])]
     pub(crate) run: Option<PathBuf>,
-    /// Suite to run: a directory, or the name of one that comes with the harness; default: vb-100, or with --run its own
-    #[arg(long, value_name = "DIR")]
+    /// Suite: a directory, or the name of a shipped suite; default: vb-100, or the suite of --run
+    #[arg(long, value_name = "NAME|DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Vehicle: a name, or a file; default: hmmwv
+    /// Vehicle: a name or a file; default: hmmwv
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) vehicle: Option<String>,
-    /// Drive all tasks even if the planner fails alike in the first 20, or hangs in the first 3, before its first command, or the
-    /// simulation fails in the first 20
+    /// Disable the early end of a run whose first tasks all fail
+    ///
+    /// The early end has three causes. In all of the first 20 tasks, the planner fails with the same fault before its first
+    /// command. In all of the first 3 tasks, the planner hangs before its first command. In all of the first 20 tasks, the
+    /// simulation fails.
     #[arg(long)]
     pub(crate) keep_going: bool,
-    /// Tasks whose results keep the last lines that the planner logged: all, those that failed, or none; default: failed
+    /// Tasks of which the planner's last log lines are recorded: all, failed or none; default: failed
     #[arg(long, value_name = "all|failed|none", value_parser = log_mode)]
     pub(crate) logs: Option<LogMode>,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
-    /// Tasks whose traces are carried along for replays, 20 at most, e.g. w001/t03,w007/t00; default: the first of each outcome
+    /// Tasks whose traces are included for replays (maximum 20), e.g. w001/t03,w007/t00; default: the first of each outcome
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) replays: Option<String>,
-    /// Who enters: a person, a team
+    /// Entrant: a person or a team
     #[arg(long, value_name = "NAME", default_value = "")]
     pub(crate) entrant: String,
-    /// Where to read more of the planner; https:// only
+    /// Page about the planner, https only
     #[arg(long, value_name = "URL")]
     pub(crate) url: Option<String>,
-    /// Address of the planner's source, https://…
-    #[arg(long)]
+    /// Source code of the planner, https only
+    #[arg(long, value_name = "URL")]
     pub(crate) code: Option<String>,
-    /// Address of a paper on the planner, https://…
-    #[arg(long)]
+    /// Paper about the planner, https only
+    #[arg(long, value_name = "URL")]
     pub(crate) paper: Option<String>,
-    /// A sentence on the planner
+    /// One sentence about the planner
     #[arg(long, value_name = "TEXT")]
     pub(crate) note: Option<String>,
     #[command(flatten)]
@@ -58,36 +61,36 @@ pub(crate) struct SubmitArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
-    /// Directory of the submission
+    /// Submission directory
     #[arg(value_name = "SUBMISSION")]
     pub(crate) submission: PathBuf,
-    /// The planner that was submitted
+    /// Submitted planner: a WASM file, or a native library with --allow-native
     #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
-    /// Suite of the submission: a directory; default: the one of its name that comes with the harness
+    /// Suite of the submission: a directory; default: the shipped suite of its name
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Vehicle of the submission: a name, or a file; default: the one of its name that comes with the harness
+    /// Vehicle of the submission: a name or a file; default: the shipped vehicle of its name
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) vehicle: Option<String>,
-    /// Soils of the submission: a name, or a file; default: those of their name that come with the harness
+    /// Soil set of the submission: a name or a file; default: the shipped set of its name
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) soils: Option<String>,
-    /// Perception profile of the submission, a name or a file; default: by its name
+    /// Perception profile of the submission: a name or a file; default: the shipped profile of its name
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) perception: Option<String>,
-    /// Number of tasks that are driven again, beside those with traces; default: all
+    /// Number of random tasks to re-run, in addition to those with traces; default: all tasks
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) sample: Option<u32>,
-    /// Seed that draws them; default: a random one, which nobody can foresee
+    /// Seed of the random tasks; default: an unpredictable seed
     #[arg(long, value_name = "N", requires = "sample")]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
-    /// Refuse submissions to the open division before anything of them is run
+    /// Refuse submissions to the open division before any run
     #[arg(long)]
     pub(crate) ranked: bool,
-    /// Load a native library too, in its sandbox; only WASM is loaded otherwise
+    /// Also load native libraries, in their sandbox; default: only WASM
     #[arg(long, conflicts_with = "ranked")]
     pub(crate) allow_native: bool,
     /// File for the verdict; default: verification.json in the submission
@@ -99,16 +102,16 @@ pub(crate) struct VerifyArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// The planner: a WASM file
+    /// Planner: a WASM file
     #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
-    /// The hidden suite: a directory
+    /// Hidden suite: a directory
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: PathBuf,
-    /// Vehicle: a name, or a file
+    /// Vehicle: a name or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     pub(crate) vehicle: String,
-    /// What the planner is told and how wrong it is: oracle, onboard, degraded, or a file
+    /// Perception profile (maps, sensors and their errors): oracle, onboard, degraded, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
     pub(crate) perception: String,
     #[command(flatten)]
@@ -122,19 +125,19 @@ pub(crate) struct EvaluateArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum LeaderboardCommand {
-    /// Make a site of verified submissions
+    /// Build a static site from verified submissions
     Build(BuildArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct BuildArgs {
-    /// Directory with a folder for each accepted submission, with its verification.json
+    /// Directory with one folder per accepted submission, each with its verification.json
     #[arg(value_name = "DIR")]
     pub(crate) entries: PathBuf,
-    /// Directory for the site; an earlier one is replaced
+    /// Directory for the site; replaces an earlier site
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// What the leaderboard is called
+    /// Title of the leaderboard
     #[arg(long, value_name = "TEXT", default_value = "Verti-Bench leaderboard")]
     pub(crate) title: String,
     #[command(flatten)]

@@ -9,28 +9,28 @@ use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SuiteCommand {
-    /// List the suites that come with the harness
+    /// List the shipped suites
     List(SuiteListArgs),
-    /// Show what a suite holds, in figures and as a page with a map of every world
+    /// Show the figures of a suite; with --out, write an HTML report with a map of every world
     Show(ShowArgs),
-    /// Check whether a suite is fit to be driven: files, hashes, starts, goals, paths, obstacles, labels
+    /// Validate a suite: files, hashes, starts, goals, paths, obstacles, labels
     #[command(alias = "check")]
     Validate(ValidateArgs),
-    /// Collect from runs who has done which tasks, as proof that they can be done
+    /// Record the tasks that runs have solved, as a solvability certificate
     Prove(ProveArgs),
-    /// Make a suite of the original's data (its BenchMaps folder)
+    /// Import the worlds of the original benchmark (its BenchMaps folder)
     Import(ImportArgs),
-    /// Make a suite from a seed
+    /// Generate a suite from a seed
     Generate(GenerateArgs),
-    /// Make a suite of a real place, from a raster of its heights
+    /// Make a suite of a real place from an elevation raster
     Site(SiteArgs),
-    /// Make a suite like the paper's physical testbed: beds of a few materials, several trials of one task on each
+    /// Make a suite like the paper's physical testbed: beds of a few materials, each with several trials of one task
     Testbed(TestbedArgs),
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TasksCommand {
-    /// List the tasks of a suite, or those that a selector chooses
+    /// List all or selected tasks of a suite
     List(TasksArgs),
 }
 
@@ -42,10 +42,10 @@ pub(crate) struct SuiteListArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ShowArgs {
-    /// The suite: a directory, or the name of one that comes with the harness
-    #[arg(value_name = "DIR")]
+    /// Suite: a directory, or the name of a shipped suite
+    #[arg(value_name = "NAME|DIR")]
     pub(crate) suite: PathBuf,
-    /// Directory for index.html, a page with a map of every world, and statistics.json
+    /// Directory for the HTML report (index.html, with a map of every world) and statistics.json
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
@@ -54,20 +54,20 @@ pub(crate) struct ShowArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
-    /// The suite: a directory, or the name of one that comes with the harness
-    #[arg(value_name = "DIR")]
+    /// Suite: a directory, or the name of a shipped suite
+    #[arg(value_name = "NAME|DIR")]
     pub(crate) suite: PathBuf,
-    /// Vehicle that must have room at starts and goals and along paths: a name, or a file
+    /// Vehicle that must fit at starts and goals and along paths: a name or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     pub(crate) vehicle: String,
-    /// Distance from a path to obstacles in metres below which it is warned of; default: that of the generator's rules
+    /// Minimum distance of paths from obstacles, m; smaller distances are warnings; default: that of the generator's rules
     #[arg(long, value_name = "METRES", value_parser = length)]
     pub(crate) clearance: Option<f64>,
-    /// Tilt of the ground under the vehicle in degrees that is warned of along paths and refused at starts and goals;
+    /// Maximum tilt of the ground under the vehicle, degrees; more is a warning along paths, and an error at starts and goals;
     /// default: 45
     #[arg(long, value_name = "DEGREES", value_parser = tilt)]
     pub(crate) max_tilt: Option<f64>,
-    /// Take warnings for errors
+    /// Treat warnings as errors
     #[arg(long)]
     pub(crate) strict: bool,
     #[command(flatten)]
@@ -76,13 +76,13 @@ pub(crate) struct ValidateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ProveArgs {
-    /// The suite: a directory, or the name of one that comes with the harness
-    #[arg(value_name = "DIR")]
+    /// Suite: a directory, or the name of a shipped suite
+    #[arg(value_name = "NAME|DIR")]
     pub(crate) suite: PathBuf,
-    /// Run directories; of several that did a task the first proves it
+    /// Run directories; the first run that solved a task is recorded
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
-    /// The file to write; default: proof.json in the suite's directory
+    /// File for the certificate; default: proof.json in the suite's directory
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
@@ -91,13 +91,13 @@ pub(crate) struct ProveArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// The original's BenchMaps folder, or one of its parents
+    /// BenchMaps folder of the original benchmark, or a parent folder
     #[arg(value_name = "DIR")]
     pub(crate) from: PathBuf,
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Which ground to make: as paper and labels describe it, or as the original's simulator builds it
+    /// Terrain to build: as described by paper and labels, or as simulated by the original's code
     #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
     pub(crate) ground: Ground,
 }
@@ -124,16 +124,16 @@ impl From<Ground> for vb_suite::import::Ground {
 /// The seed of a suite whose worlds are drawn, where it goes, and what it is called.
 #[derive(Debug, Args)]
 pub(crate) struct DrawnArgs {
-    /// The same seed makes the same bytes
+    /// Random seed; equal options and seeds give equal bytes
     #[arg(long, value_name = "N")]
     pub(crate) seed: u64,
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// What the suite is called; default: the directory's name
+    /// Suite name; default: the directory's name
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
-    /// The suite's version
+    /// Suite version
     #[arg(long, value_name = "VERSION", default_value = "1")]
     pub(crate) suite_version: String,
 }
@@ -145,15 +145,17 @@ pub(crate) struct GenerateArgs {
     /// Number of worlds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
     pub(crate) worlds: u32,
-    /// Parameters of the generator; default: tasks/generator/default.yaml
+    /// Generator rules; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
-    /// The worlds are for training: the seed must be one of 7000 to 7999, which other suites must not have
+    /// Generate training worlds, with a seed from 7000 to 7999; other suites can't use these seeds
     #[arg(long)]
     pub(crate) training: bool,
-    /// Make no suite, but search the relief of each level with which the planner of --plugin completes the fractions of --targets in this
-    /// vehicle (a name, or a file). --worlds is the number of worlds a level, best a multiple of 10; the seed must be one of training worlds.
-    /// Into --out go params.yaml (--params with that relief), calibration.json, and all runs; the same command goes on where it was stopped
+    /// Calibrate the relief of each elevation level with this vehicle (a name or a file), instead of making a suite
+    ///
+    /// Calibration finds the relief at which the planner of --plugin has the success rates of --targets. --worlds is the number of
+    /// worlds per level, preferably a multiple of 10. The seed must be one for training worlds. --out receives params.yaml
+    /// (--params with the new relief), calibration.json and all runs. The same command resumes an interrupted calibration.
     #[arg(long, value_name = "VEHICLE", requires = "plugin")]
     pub(crate) calibrate: Option<String>,
     #[command(flatten)]
@@ -162,19 +164,19 @@ pub(crate) struct GenerateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrationArgs {
-    /// The planner that --calibrate lets drive
+    /// Planner for --calibrate: a WASM file, a native library, or a command
     #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), requires = "calibrate")]
     pub(crate) plugin: Option<PathBuf>,
     /// Parameter of this planner; may be repeated; default: speed=5
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = super::values::key_value, requires = "calibrate")]
     pub(crate) plugin_params: Vec<(String, String)>,
-    /// Percentages of low, medium and high tasks that it is to complete: by default those of PID in the paper
+    /// Target success rates of low, medium and high tasks, %; the default is that of PID in the paper
     #[arg(long, value_name = "LOW,MEDIUM,HIGH", default_value = "86,50,8", value_parser = percentages)]
     pub(crate) targets: [f64; 3],
-    /// Points of percentage within which a level's search ends
+    /// Difference from the target at which a level's search ends, percentage points
     #[arg(long, value_name = "POINTS", default_value_t = 2.0, value_parser = percentage)]
     pub(crate) tolerance: f64,
-    /// Most reliefs that are tried for a level
+    /// Maximum number of relief values per level
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub(crate) evaluations: u32,
     #[command(flatten)]
@@ -183,53 +185,53 @@ pub(crate) struct CalibrationArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SiteArgs {
-    /// Heights: GeoTIFF, ESRI grid (.asc, .bil, .flt), SRTM tile (.hgt), NumPy (.npy, .npz), PNG or BMP; the content decides, not the
-    /// ending
+    /// Elevation raster: GeoTIFF, ESRI grid (.asc, .bil, .flt), SRTM tile (.hgt), NumPy (.npy, .npz), PNG or BMP, detected by
+    /// content
     #[arg(value_name = "RASTER")]
     pub(crate) raster: PathBuf,
     /// Directory for the suite
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Distance between the raster's samples, m; default: what the file says
+    /// Distance between the raster's samples, m; default: from the file
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) sample_resolution: Option<f64>,
-    /// Metres that one unit of the raster's values is high, such as a grey level of a picture; default: the file's unit, or 1
+    /// Metres per unit of the raster's values, e.g. per grey level; default: the file's unit, or 1
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit: Option<f64>,
-    /// Value that marks places without a height; default: what the file says
+    /// Value of places without a height; default: from the file
     #[arg(long, value_name = "VALUE", value_parser = any_number, allow_hyphen_values = true)]
     pub(crate) no_data: Option<f64>,
-    /// Take values for heights that look like unmarked no data, such as a lone -9999
+    /// Keep values that look like unmarked no-data values, e.g. a single -9999, as heights
     #[arg(long)]
     pub(crate) keep_values: bool,
-    /// Take heights that rise by more than a vehicle can drive on, which otherwise means a wrong unit
+    /// Accept a relief too high or too steep for driving, which otherwise counts as a wrong unit
     #[arg(long)]
     pub(crate) any_relief: bool,
-    /// Coordinate reference system of the raster, e.g. EPSG:32632; default: what the file says
+    /// Coordinate reference system of the raster, e.g. EPSG:32632; default: from the file
     #[arg(long, value_name = "EPSG:CODE", value_parser = system, allow_hyphen_values = true)]
     pub(crate) crs: Option<vb_terrain::crs::Crs>,
-    /// Middle of the one world that is made, m east and north of the raster's middle; default: 0,0
+    /// Centre of the single world, m east and north of the raster's middle; default: 0,0
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) at: Option<[f64; 2]>,
-    /// Make as many worlds side by side as fit
+    /// Make as many adjacent worlds as fit
     #[arg(long, conflicts_with = "at")]
     pub(crate) tiles: bool,
-    /// Labels of the ground over the same rectangle; the site rules' legend says what they mean
+    /// Raster of terrain classes over the same rectangle; the legend is in the rules of --site
     #[arg(long, value_name = "RASTER")]
     pub(crate) labels: Option<PathBuf>,
-    /// Obstacles as in a world's obstacles.yaml, from the raster's middle; default: drawn
+    /// Obstacles in the format of a world's obstacles.yaml, relative to the raster's middle; default: random obstacles
     #[arg(long, value_name = "FILE")]
     pub(crate) obstacles: Option<PathBuf>,
-    /// Number of drawn obstacles: sparse, medium or dense; with --obstacles, what the suite calls them
+    /// Number of random obstacles: sparse, medium or dense; with --obstacles, the density label of the suite
     #[arg(long, value_name = "DENSITY", default_value = "sparse", value_parser = density)]
     pub(crate) density: vb_world::Density,
-    /// Rules for grid, ground and starts; default: tasks/generator/site.yaml
+    /// Rules for grid and terrain classes; default: tasks/generator/site.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) site: Option<PathBuf>,
-    /// Rules for friction, obstacles, tasks and paths; default: tasks/generator/default.yaml
+    /// Generator rules for friction, starts, obstacles, tasks and paths; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
-    /// The same seed makes the same bytes
+    /// Random seed; equal options and seeds give equal bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
 }
@@ -294,10 +296,10 @@ fn tilt(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// The suite: a directory, or the name of one that comes with the harness; default: vb-100
-    #[arg(long, value_name = "DIR")]
+    /// Suite: a directory, or the name of a shipped suite; default: vb-100
+    #[arg(long, value_name = "NAME|DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Which tasks, e.g. w001/t03, w001-w004,w007 (either) or elevation=high:terrain=rigid (both); default: all
+    /// Tasks to list ("," is OR, ":" is AND), e.g. w001-w004,w007/t03 or elevation=high:terrain=rigid; default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     #[command(flatten)]

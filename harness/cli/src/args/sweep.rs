@@ -10,21 +10,21 @@ use super::{FormatArgs, JobsArgs};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SweepCommand {
-    /// Drive all runs of a sweep, or what is left of them
+    /// Run all unfinished runs of a sweep
     Run(SweepRunArgs),
-    /// Tell how far the runs of a sweep are
+    /// Print the progress of each run of a sweep
     Status(SweepArgs),
-    /// Join the shards of the runs that are done, and compare all runs in pages and tables
+    /// Join the shards of complete runs, and compare all runs in HTML reports and tables
     Report(SweepArgs),
 }
 
 /// The sweep and where it lies.
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// The sweep: a YAML file of planners, parameters, vehicles, perception profiles and seeds (docs/scale.md)
+    /// Sweep: a YAML file with planners, parameters, vehicles, perception profiles and seeds (docs/scale.md)
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// Directory of the sweep's runs
+    /// Directory for the runs of the sweep
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
@@ -35,14 +35,19 @@ pub(crate) struct SweepArgs {
 pub(crate) struct SweepRunArgs {
     #[command(flatten)]
     pub(crate) sweep: SweepArgs,
-    /// Drive one of several parts of all runs, e.g. 3/8 for the third of eight; auto takes the numbers from Slurm's, Kubernetes' or
-    /// AWS Batch's array. The same command goes on where it was stopped
+    /// Run one shard of all runs, e.g. 3/8 for the third of eight
+    ///
+    /// With auto, shard and number of shards come from the job array of Slurm, Kubernetes or AWS Batch. The same command resumes an
+    /// interrupted shard.
     #[arg(long, value_name = "I/N|auto", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
-    /// Drive all tasks of a run even if its planner fails alike in the first 20, or hangs in the first 3, before its first command,
-    /// or the simulation fails in the first 20
+    /// Disable the early end of a run whose first tasks all fail
+    ///
+    /// The early end has three causes. In all of the first 20 tasks, the planner fails with the same fault before its first
+    /// command. In all of the first 3 tasks, the planner hangs before its first command. In all of the first 20 tasks, the
+    /// simulation fails.
     #[arg(long)]
     pub(crate) keep_going: bool,
 }

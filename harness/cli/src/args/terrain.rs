@@ -8,14 +8,14 @@ use super::values::positive;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TerrainCommand {
-    /// Train a model on a folder of elevation data; train --help tells its options
+    /// Train a terrain model on a folder of elevation data; train --help lists its options
     #[command(disable_help_flag = true)]
     Train(TrainArgs),
-    /// Draw a surface from a model
+    /// Generate a surface from a terrain model
     Generate(SurfaceArgs),
-    /// Tell heights, slopes and the spectrum's exponent of elevation files
+    /// Print height standard deviation, slopes and spectral exponent of elevation files
     Measure(MeasureArgs),
-    /// Fit elevation.shape of the generator's rules, so that surfaces have the spectrum of a suite's worlds
+    /// Fit elevation.shape of the generator rules to the height spectrum of a suite's worlds
     Fit(FitArgs),
 }
 
@@ -28,25 +28,25 @@ pub(crate) struct TrainArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SurfaceArgs {
-    /// The model; default: the one that comes with the harness
+    /// Terrain model; default: the shipped model
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<PathBuf>,
-    /// Names the terrain
+    /// Random seed
     #[arg(long, value_name = "N")]
     pub(crate) seed: u64,
-    /// Nodes along the sides: one number, or COLUMNSxROWS
+    /// Number of nodes per side: one number, or COLUMNSxROWS
     #[arg(long, value_name = "N", default_value = "129", value_parser = nodes)]
     pub(crate) size: (usize, usize),
-    /// Distance between nodes in metres
+    /// Distance between nodes, m
     #[arg(long, value_name = "METRES", default_value_t = 1.0)]
     pub(crate) resolution: f64,
-    /// Relief: 30, 60 or 100 % of the model's
+    /// Relief: low, medium or high (30, 60 or 100 % of the model's relief)
     #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
     pub(crate) level: Level,
-    /// Where the heights go: a NumPy array (.npy) in metres, or a 16-bit picture (.png) over their range
+    /// File for the heights: a NumPy array (.npy), m, or a 16-bit picture (.png), scaled to their range
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Where a hill-shaded picture goes
+    /// File for a hill-shaded picture
     #[arg(long, value_name = "PNG")]
     pub(crate) preview: Option<PathBuf>,
 }
@@ -78,16 +78,16 @@ pub(crate) struct MeasureArgs {
     /// Elevation files: GeoTIFF, ESRI grids, SRTM tiles, NumPy arrays, PNG or BMP
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Distance between samples in metres; default: as the file says, else 1
+    /// Distance between samples, m; default: from the file, else 1
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub(crate) resolution: Option<f64>,
-    /// Metres that one unit of the file's values stands for; default: as the file says, else 1
+    /// Metres per unit of the file's values; default: from the file, else 1
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub(crate) height_unit: Option<f64>,
     /// Replace isolated pits and spikes first, as before training
     #[arg(long)]
     pub(crate) repair: bool,
-    /// Only the figures of all files together: their mean standard deviation, and their slopes in one set
+    /// Print only the figures of all files together: mean standard deviation, pooled slopes
     #[arg(long)]
     pub(crate) summary: bool,
 }
@@ -110,22 +110,22 @@ pub(super) fn nodes(text: &str) -> Result<(usize, usize), String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
-    /// Suite whose spectrum of heights is wanted: a directory, or the name of one that comes with the harness
-    #[arg(long, value_name = "DIR")]
+    /// Suite with the target height spectrum: a directory, or the name of a shipped suite
+    #[arg(long, value_name = "NAME|DIR")]
     pub(crate) like: PathBuf,
-    /// Rules of the generator whose curve of heights is kept; default: tasks/generator/default.yaml
+    /// Generator rules whose height curve is kept; default: tasks/generator/default.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
-    /// The model; default: the one that comes with the harness
+    /// Terrain model; default: the shipped model
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<PathBuf>,
-    /// Fraction of the full relief of the suite's low, medium and high worlds
+    /// Relief of the suite's low, medium and high worlds, as fractions of the full relief
     #[arg(long, value_name = "LOW,MEDIUM,HIGH", default_value = "0.3,0.6,1", value_parser = fractions)]
     pub(crate) relief: [f64; 3],
-    /// Number of surfaces that are drawn from the model
+    /// Number of surfaces sampled from the model
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) surfaces: u32,
-    /// Seed of the first of them
+    /// Seed of the first surface
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
 }
